@@ -153,56 +153,30 @@
 // Their failure is the failure of the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 #![cfg_attr(
-    any(feature = "bench", feature = "fuzz", not(feature = "gui")),
+    not(feature = "gui"),
     allow(
         dead_code,
         unused_imports,
-        reason = "benchmarks and the fuzzer use a part of what tests use; the program without a window, of what the window uses"
+        reason = "the program without a window uses a part of what the window uses"
     )
 )]
 
-mod app;
-mod bottom;
+pub mod app;
 #[doc(hidden)]
 pub mod cli;
-mod detection;
-mod formats;
-mod imagery;
-mod pipeline;
-mod products;
-mod project;
-mod simulation;
-mod sonar;
-mod support;
-mod survey;
 #[cfg(feature = "gui")]
-mod ui;
+pub mod ui;
 
-pub use bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, surface};
-pub use bottom::cloud::{CloudPoint, PointCloud};
-pub use detection::objects::SurveyReview;
-pub use detection::{Detection, DetectorSettings, Mark, Model, find as find_objects};
-pub use formats::{OpenError, open};
-pub use pipeline::{
+pub use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, surface};
+pub use bathyscope_bottom::calibration::Calibration;
+pub use bathyscope_bottom::cloud::{CloudPoint, PointCloud};
+pub use bathyscope_bottom::first_return::{FirstReturns, Pick, detect as first_returns};
+pub use bathyscope_log::formats::{OpenError, open};
+pub use bathyscope_log::support::progress::{Cancelled, Progress};
+pub use bathyscope_log::survey::{Side, Survey};
+pub use bathyscope_objects::objects::SurveyReview;
+pub use bathyscope_objects::{Detection, DetectorSettings, Mark, Model, find as find_objects};
+pub use bathyscope_products::outputs::{Order, Product, RunFolder, Written, write};
+pub use bathyscope_products::pipeline::{
     DepthMap, Derived, Mosaic, MosaicPlane, Preset, ProcessedLog, Products, Settings, Stage, run,
 };
-pub use products::outputs::{Order, Product, RunFolder, Written, write};
-pub use sonar::calibration::Calibration;
-pub use sonar::first_return::{FirstReturns, Pick, detect as first_returns};
-pub use support::progress::{Cancelled, Progress};
-pub use survey::{Side, Survey};
-
-/// The benchmarks, run by `cargo bench --features bench`.
-#[cfg(all(feature = "bench", not(test)))]
-#[allow(clippy::expect_used, clippy::unwrap_used, reason = "as in tests")]
-#[path = "../tests/bench/mod.rs"]
-pub mod bench;
-/// The readers for the fuzzer, which is a program of its own: `tests/fuzz/run`.
-#[cfg(all(feature = "fuzz", not(test)))]
-#[allow(clippy::expect_used, clippy::unwrap_used, reason = "as in tests")]
-#[path = "../tests/fuzz/mod.rs"]
-#[doc(hidden)]
-pub mod fuzz;
-#[cfg(all(test, feature = "gui"))]
-#[path = "../tests/suite/mod.rs"]
-mod suite;

@@ -1,10 +1,10 @@
 //! The first returns above the recorded depth: how many, why they may be there, and in which stretches, so that an analyst who sees the
 //! bottom there can accept one.
 
-use crate::bottom::cloud::{CloudPoint, PointSource};
-use crate::pipeline::Products;
-use crate::support::statistics::median;
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::cloud::{CloudPoint, PointSource};
+use bathyscope_log::support::statistics::median;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::Products;
 
 /// Pings without such a return that part two stretches.
 const GAP_PINGS: u32 = 12;
@@ -17,7 +17,7 @@ const ONE_SIDED: f64 = 0.75;
 
 /// First returns that lie above the recorded depth by more than the margin: dashed in the waterfall.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct AboveBottom {
+pub struct AboveBottom {
     /// How many, both sides.
     pub count: usize,
     /// Those that stand out from the bed, which the recorder follows less closely elsewhere nearby.
@@ -34,7 +34,7 @@ pub(crate) struct AboveBottom {
 
 /// A stretch of them on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct AboveStretch {
+pub struct AboveStretch {
     /// The side.
     pub side: Side,
     /// First and last ping.
@@ -87,7 +87,7 @@ impl AboveBottom {
     }
 
     /// The stretch that a ping of a side lies in.
-    pub(crate) fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
+    pub fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
         let holds =
             |one: &&AboveStretch| one.side == side && (one.pings[0]..=one.pings[1]).contains(&ping);
         self.stretches.iter().find(holds)

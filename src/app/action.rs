@@ -1,30 +1,30 @@
 //! The command table: one place for names, hints and keys; menus, palette, key handling and F1 read it.
 
-use crate::formats::formats_to_open;
+use bathyscope_log::formats::formats_to_open;
 use std::sync::LazyLock;
 
 /// A key combination, as text that the window turns into its own key type: `Ctrl+Shift+Z`, `[`, `F11`.
-pub(crate) type Keys = &'static str;
+pub type Keys = &'static str;
 
 macro_rules! actions {
     ($($variant:ident, $label:literal, $keys:expr, $hint:literal;)*) => {
         /// A command without arguments.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub(crate) enum Action {
+        pub enum Action {
             $(#[doc = $hint] $variant,)*
         }
 
         impl Action {
             /// All actions, in the order of the manual.
-            pub(crate) const ALL: &'static [Action] = &[$(Action::$variant,)*];
+            pub const ALL: &'static [Action] = &[$(Action::$variant,)*];
 
             /// Name in menus and the palette.
-            pub(crate) fn label(self) -> &'static str {
+            pub fn label(self) -> &'static str {
                 match self { $(Action::$variant => $label,)* }
             }
 
             /// Its key, if it has one.
-            pub(crate) fn keys(self) -> Option<Keys> {
+            pub fn keys(self) -> Option<Keys> {
                 match self { $(Action::$variant => $keys,)* }
             }
 
@@ -222,7 +222,7 @@ actions! {
 
 impl Action {
     /// What it does, in a sentence.
-    pub(crate) fn hint(self) -> &'static str {
+    pub fn hint(self) -> &'static str {
         static OPEN: LazyLock<String> = LazyLock::new(|| {
             let plain = Action::Open.plain_hint().trim_end_matches('.');
             format!("{plain}: {}.", formats_to_open())
@@ -234,7 +234,7 @@ impl Action {
     }
 
     /// A second key for it, where other programs have another one for the same, or the key is another one on many keyboards.
-    pub(crate) fn second_key(self) -> Option<Keys> {
+    pub fn second_key(self) -> Option<Keys> {
         match self {
             Action::Palette => Some("Ctrl+K"),
             // A digit names the class of the selected box.
@@ -246,13 +246,13 @@ impl Action {
     }
 
     /// All its keys, the one that menus show first.
-    pub(crate) fn all_keys(self) -> impl Iterator<Item = Keys> {
+    pub fn all_keys(self) -> impl Iterator<Item = Keys> {
         self.keys().into_iter().chain(self.second_key())
     }
 
     /// Whether a held key goes on doing it: stepping, and walking through the history. Everything else is done once per press;
     /// a held A would otherwise accept box after box before any of them has been looked at.
-    pub(crate) fn repeats(self) -> bool {
+    pub fn repeats(self) -> bool {
         matches!(
             self,
             Action::ZoomIn

@@ -1,8 +1,8 @@
 //! Logs that make no survey with the others: they are opened, but not shown on the map until the analyst asks for them.
 
 use super::{Action, App, LogId};
-use crate::support::printable::quoted;
-use crate::survey::{Apart, Survey, apart};
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::survey::{Apart, Survey, apart};
 
 impl App {
     /// Takes logs off the map that were opened together with others and make no survey with them.

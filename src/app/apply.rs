@@ -8,14 +8,14 @@ use super::loader::OpenMode;
 use super::mounting::with_sides;
 use super::project::is_project;
 use super::{Action, App, Command, FileToOpen, FileToWrite, LogId, LogOrigin, LogPlace, Reveal};
-use crate::pipeline::{LogSettings, Preset, Settings};
+use bathyscope_products::pipeline::{LogSettings, Preset, Settings};
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 impl App {
     /// Carries out a command. Those that only the window can do are left to it.
-    pub(crate) fn apply(&mut self, command: Command) {
+    pub fn apply(&mut self, command: Command) {
         match command {
             Command::Do(action) => self.act(action),
             Command::Open(path) => self.open_paths(vec![path]),
@@ -63,7 +63,7 @@ impl App {
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
             Command::SetClasses(classes) => {
-                self.set_classes(crate::detection::ReviewSettings { classes })
+                self.set_classes(bathyscope_objects::ReviewSettings { classes })
             }
             Command::RenameClass { from, to } => self.rename_class(&from, to.trim()),
             Command::EditIn(log, edit) => {

@@ -1,11 +1,11 @@
 //! Which actions make sense now: menus grey the others, and the palette leaves them out.
 
 use super::{Action, App};
-use crate::sonar::calibration::ScaleMode;
+use bathyscope_bottom::calibration::ScaleMode;
 
 impl App {
     /// Whether there is what an action takes away or leaves. All other actions say themselves what they lack.
-    pub(crate) fn has_what_it_takes(&self, action: Action) -> bool {
+    pub fn has_what_it_takes(&self, action: Action) -> bool {
         match action {
             Action::ShowTogether => self.logs().any(|log| log.apart.is_some()),
             Action::OpenExported => self.written_into.is_some(),

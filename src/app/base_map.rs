@@ -2,7 +2,7 @@
 
 use super::error::AppError;
 use super::{App, MapLayer, Task, TaskOutcome};
-use crate::formats::base_map::{self, BaseMap};
+use bathyscope_log::formats::base_map::{self, BaseMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ impl App {
     }
 
     /// Opens the base map that lay there when the window was closed; one that is gone is left, and that is said.
-    pub(crate) fn reopen_base_map(&mut self, path: PathBuf) {
+    pub fn reopen_base_map(&mut self, path: PathBuf) {
         if path.is_file() {
             self.start_base_map(path, true);
         } else {
@@ -35,7 +35,7 @@ impl App {
     fn start_base_map(&mut self, path: PathBuf, is_of_last_time: bool) {
         // It has to be found again from whatever folder the next run starts in.
         let path = std::path::absolute(&path).unwrap_or(path);
-        let open = move |progress: &crate::support::progress::Progress| {
+        let open = move |progress: &bathyscope_log::support::progress::Progress| {
             Ok(base_map::open(&path, progress)?)
         };
         self.files.opening_base_map = Some(OpeningBaseMap {
@@ -51,7 +51,7 @@ impl App {
     }
 
     /// Done share of the base map that is being opened, 0 to 1.
-    pub(crate) fn base_map_fraction(&self) -> Option<f32> {
+    pub fn base_map_fraction(&self) -> Option<f32> {
         self.files
             .opening_base_map
             .as_ref()

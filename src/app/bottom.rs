@@ -4,11 +4,11 @@
 use super::error::AppError;
 use super::loader::ReadBottom;
 use super::{Action, App, LogId, LogPlace, OpenLog};
-use crate::pipeline::Settings;
-use crate::products::export;
-use crate::project::BottomFileError;
-use crate::sonar::first_return::{BottomEdit, BottomSettings};
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::export;
+use bathyscope_products::pipeline::Settings;
+use bathyscope_products::project::BottomFileError;
 use serde::Serialize;
 use std::fs;
 use std::io::Write as _;
@@ -20,7 +20,7 @@ const LABEL: &str = "bottom";
 
 /// What a stroke of the pen says of its pings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ink {
+pub enum Ink {
     /// The bottom is where it was drawn.
     Bottom,
     /// No bottom is detected.
@@ -31,7 +31,7 @@ pub(crate) enum Ink {
 
 /// A stroke of the pen over the waterfall.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct BottomStroke {
+pub struct BottomStroke {
     /// The side it began on.
     pub side: Side,
     /// Pings with their fractions, and slant ranges, metres by the recorder's scale.

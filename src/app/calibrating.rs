@@ -2,11 +2,13 @@
 //! Nothing changes before that; afterwards it is said by how much the depths changed.
 
 use super::{Action, App, LogId, OpenLog, Tool};
-use crate::bottom::cloud::{DepthChange, PointClass, PointCloud};
-use crate::pipeline::{Background, Jobs, ProcessedLog, Products, Same, ScaleTrial, Settings};
-use crate::sonar::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
-use crate::support::printable::quoted;
-use crate::survey::Survey;
+use bathyscope_bottom::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
+use bathyscope_bottom::cloud::{DepthChange, PointClass, PointCloud};
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{
+    Background, Jobs, ProcessedLog, Products, Same, ScaleTrial, Settings,
+};
 use std::sync::Arc;
 
 /// Setting of the scale in use.
@@ -76,12 +78,12 @@ impl Calibrating {
 
 impl OpenLog {
     /// The stretch that is proposed for the scale; nothing depends on it before it is taken.
-    pub(crate) fn proposed_stretch(&self) -> Option<PingRange> {
+    pub fn proposed_stretch(&self) -> Option<PingRange> {
         self.calibrating.proposal
     }
 
     /// What the proposed stretch would change; `None` until that is known.
-    pub(crate) fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
+    pub fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
         let proposal = self.calibrating.proposal?;
         let trial = self.calibrating.trial.result();
         trial.filter(|trial| trial.spot.range() == proposal)
@@ -136,7 +138,7 @@ impl App {
     }
 
     /// The stretch about a ping, as long as those that are ranked.
-    pub(crate) fn stretch_around(&self, ping: usize) -> Option<PingRange> {
+    pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
         let survey = self.log.survey.as_ref()?;
         let pings = match &self.log.products {
             Some(products) => calibration::stretch_around(survey, &products.navigation, ping),

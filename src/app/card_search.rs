@@ -4,12 +4,12 @@
 //! in a thread of its own: a slow card keeps no other waiting.
 
 use super::{App, Task, TaskOutcome};
-use crate::formats::{LogFolder, log_folders};
+use bathyscope_log::formats::{LogFolder, log_folders};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Time between two lists of the drives.
-pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
+pub const LISTED_EVERY: Duration = Duration::from_secs(3);
 
 /// What lists the top folders of the drives.
 type Drives = fn() -> Vec<PathBuf>;
@@ -33,12 +33,12 @@ struct Card {
 
 impl App {
     /// Looks for logs on these drives from now on, whenever nothing is open.
-    pub(crate) fn look_for_cards(&mut self, drives: Drives) {
+    pub fn look_for_cards(&mut self, drives: Drives) {
         self.card_search.drives = Some(drives);
     }
 
     /// The folders with logs on cards and drives, as far as they were found; that with the newest log first.
-    pub(crate) fn card_folders(&self) -> Vec<&LogFolder> {
+    pub fn card_folders(&self) -> Vec<&LogFolder> {
         let cards = self.card_search.cards.iter();
         let mut folders: Vec<&LogFolder> = cards.flat_map(|card| &card.folders).collect();
         folders.sort_by_key(|folder| std::cmp::Reverse(folder.logs[0].written));

@@ -5,19 +5,19 @@ use super::{
     Action, BottomStroke, ExclusionEdit, KeyFocus, Keys, LogBox, LogId, LogPlace, Measure,
     MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
 };
-use crate::detection::review::{BoxId, Edit, Queue};
-use crate::detection::truth::Mistake;
-use crate::pipeline::{Preset, Settings};
-use crate::sonar::calibration::PingRange;
-use crate::support::geo::LonLat;
-use crate::survey::{LogPart, Side};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::{LogPart, Side};
+use bathyscope_objects::review::{BoxId, Edit, Queue};
+use bathyscope_objects::truth::Mistake;
+use bathyscope_products::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
 
 /// A request of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout, dialogs) pass through it
 /// and are carried out by the shell.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Command {
+pub enum Command {
     /// One of the commands of the table: menu, palette or key.
     Do(Action),
     /// What a bare key asks for: what it changes is said, with undo.
@@ -171,7 +171,7 @@ pub(crate) enum Command {
 
 /// What is written, and where.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum FileToWrite {
+pub enum FileToWrite {
     /// The ticked products, into a folder.
     Products(PathBuf),
     /// Reviewed boxes and objects, into a folder.
@@ -196,7 +196,7 @@ pub(crate) enum FileToWrite {
 
 /// What is read for the open survey, and from where.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum FileToOpen {
+pub enum FileToOpen {
     /// A picture of the analyst's own to lie under the map.
     BaseMap(PathBuf),
     /// Polygons that isobaths end at.

@@ -3,15 +3,15 @@
 use super::error::AppError;
 use super::reference_comparison::{Of, ReferenceComparison};
 use super::{App, MapLayer, Task, TaskOutcome};
-use crate::bottom::bathymetry::compare::Matching;
-use crate::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::compare::Matching;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Where the reference of a point is taken from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum ReferenceBy {
+pub enum ReferenceBy {
     /// The triangulated points of the reference, across gaps as wide as the depth map spans.
     #[default]
     Surface,
@@ -23,7 +23,7 @@ pub(crate) enum ReferenceBy {
 const RADIUS_M: f64 = 1.0;
 
 /// The reference, and how points find it.
-pub(crate) struct Comparing {
+pub struct Comparing {
     /// What the survey is compared with; its own soundings without.
     pub reference: Option<Arc<Reference>>,
     /// Where the reference of a point is taken from.
@@ -54,7 +54,7 @@ impl Default for Comparing {
 
 impl Comparing {
     /// Whether a reference is being opened.
-    pub(crate) fn is_opening(&self) -> bool {
+    pub fn is_opening(&self) -> bool {
         self.opening.is_some()
     }
 
@@ -127,7 +127,7 @@ impl App {
     }
 
     /// Done share of a comparison with a reference under way, 0 to 1.
-    pub(crate) fn comparing_fraction(&self) -> Option<f32> {
+    pub fn comparing_fraction(&self) -> Option<f32> {
         let opening = self.map.comparing.opening.as_ref().map(Task::fraction);
         let has_reference = self.map.comparing.reference.is_some();
         let reference_comparison = || {

@@ -2,14 +2,14 @@
 //! and what the waterfall of the shown log is drawn with.
 
 use super::{App, LogId, MapLayer};
-use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
-use crate::bottom::cloud::PointScales;
-use crate::imagery::picture::{LevelHistogram, LogPicture, Tone};
-use crate::pipeline::{
+use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
+use bathyscope_bottom::cloud::PointScales;
+use bathyscope_bottom::picture::{LevelHistogram, LogPicture, Tone};
+use bathyscope_bottom::presentation::units::LengthUnit;
+use bathyscope_products::pipeline::{
     Background, Bottom, BottomKey, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic,
     MosaicKey, MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
 };
-use crate::support::presentation::units::LengthUnit;
 use std::sync::Arc;
 
 /// Layers that are drawn from the depth map.
@@ -19,7 +19,7 @@ const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, 
 const BOTTOM_CORNERS: usize = 4_000_000;
 
 /// Isobaths as they are drawn.
-pub(crate) struct DrawnIsobaths {
+pub struct DrawnIsobaths {
     /// What they run through.
     pub depth_map: Arc<DepthMap>,
     /// Which depths they are at: an interval that is left to the depths is round in the unit in use.
@@ -133,14 +133,14 @@ impl App {
     }
 
     /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its first results.
-    pub(crate) fn picture(&self) -> Option<&Arc<LogPicture>> {
+    pub fn picture(&self) -> Option<&Arc<LogPicture>> {
         let made = self.pipeline.deriving.picture.result();
         let of_shown = made.filter(|(log, _)| *log == self.log.id);
         of_shown.map(|(_, picture)| picture)
     }
 
     /// The levels of the shown log's picture, with the gain that is set.
-    pub(crate) fn histogram(&self) -> Option<&Arc<LevelHistogram>> {
+    pub fn histogram(&self) -> Option<&Arc<LevelHistogram>> {
         let picture = self.picture()?;
         let counted = self.pipeline.deriving.histogram.as_ref();
         let of_shown = counted.filter(|counted| {
@@ -227,7 +227,7 @@ impl App {
     }
 
     /// The depth map of all visible logs as it was made last; outer `None` before that, inner where the depths span no surface.
-    pub(crate) fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
+    pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
         self.pipeline
             .deriving
             .depth_map
@@ -236,18 +236,18 @@ impl App {
     }
 
     /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and in the cloud.
-    pub(crate) fn depth_range_m(&self) -> Option<[f32; 2]> {
+    pub fn depth_range_m(&self) -> Option<[f32; 2]> {
         colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
     }
 
     /// Ends of the colour scales of points over all visible logs.
-    pub(crate) fn point_scales(&self) -> PointScales {
+    pub fn point_scales(&self) -> PointScales {
         let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
         logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
     /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.
-    pub(crate) fn needs_depth_map(&self) -> bool {
+    pub fn needs_depth_map(&self) -> bool {
         let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
         FROM_DEPTH_MAP.iter().any(shows)
@@ -256,17 +256,17 @@ impl App {
     }
 
     /// The isobaths as they were made last.
-    pub(crate) fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
+    pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
         self.pipeline.deriving.isobaths.result()
     }
 
     /// The mosaic as it was made last; inner `None` where nothing is shown.
-    pub(crate) fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
+    pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
         self.pipeline.deriving.mosaic.result().map(Option::as_ref)
     }
 
     /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
-    pub(crate) fn bottom(&self) -> Option<&Arc<Bottom>> {
+    pub fn bottom(&self) -> Option<&Arc<Bottom>> {
         let is_shown = self.view.options.cloud.bottom;
         self.pipeline
             .deriving
@@ -278,7 +278,7 @@ impl App {
 
     /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them; `None` where none are shown, and where the
     /// settings name depths that are not equally far apart.
-    pub(crate) fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
+    pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
         let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
         let settings = &self.log.settings.isobaths;
         let settings = settings.round_in(self.view.options.units.length.metres(), bottom.range_m);
@@ -287,7 +287,7 @@ impl App {
     }
 
     /// What is being made of all logs, in words.
-    pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
+    pub fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
             (
                 self.pipeline.deriving.depth_map.is_running(),

@@ -1,14 +1,14 @@
 //! Why something that was asked for is not done.
 
-use crate::detection::review::ReviewError;
-use crate::detection::truth::{TruthError, TruthFileError};
-use crate::detection::{DetectError, ModelError};
-use crate::formats::base_map::BaseMapError;
-use crate::formats::{AreaError, GaugeError, OpenError, TrackError};
-use crate::pipeline::{AgreementError, SettingsError, SourceError};
-use crate::products::export::{ExportError, PlanFormatError};
-use crate::project::StoreError;
-use crate::support::progress::Cancelled;
+use bathyscope_log::formats::base_map::BaseMapError;
+use bathyscope_log::formats::{AreaError, GaugeError, OpenError, TrackError};
+use bathyscope_log::support::progress::Cancelled;
+use bathyscope_objects::review::ReviewError;
+use bathyscope_objects::truth::{TruthError, TruthFileError};
+use bathyscope_objects::{DetectError, ModelError};
+use bathyscope_products::export::{ExportError, PlanFormatError};
+use bathyscope_products::pipeline::{AgreementError, SettingsError, SourceError};
+use bathyscope_products::project::StoreError;
 use std::error::Error;
 use std::io;
 use std::path::PathBuf;

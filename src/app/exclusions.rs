@@ -1,15 +1,15 @@
 //! What is excluded from a log: drawn by the analyst, included again, and counted before the results follow.
 
 use super::{App, LogId, OpenLog};
-use crate::pipeline::{Background, Jobs, Same, Settings};
-use crate::survey::{
+use bathyscope_log::survey::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Navigation, Survey,
 };
+use bathyscope_products::pipeline::{Background, Jobs, Same, Settings};
 use std::sync::Arc;
 
 /// What an analyst says of a part of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ExclusionEdit {
+pub enum ExclusionEdit {
     /// It is excluded.
     Exclude,
     /// It counts, whatever is found there.
@@ -35,7 +35,7 @@ impl ExclusionEdit {
 
 /// What the settings exclude from a log, and how much that is.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FoundExclusions {
+pub struct FoundExclusions {
     /// Which pings and soundings.
     pub exclusions: Exclusions,
     /// Length of each stretch along the track, metres.
@@ -44,7 +44,7 @@ pub(crate) struct FoundExclusions {
 
 /// How much is excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct ExcludedExtent {
+pub struct ExcludedExtent {
     /// Stretches.
     pub stretches: usize,
     /// Side-scan pings.
@@ -57,11 +57,7 @@ pub(crate) struct ExcludedExtent {
 
 impl FoundExclusions {
     /// Of a log by its settings.
-    pub(crate) fn new(
-        survey: &Survey,
-        navigation: &Navigation,
-        settings: &ExclusionSettings,
-    ) -> Self {
+    pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
         let exclusions = Exclusions::new(survey, navigation, settings);
         let lengths_m = (exclusions.stretches.iter())
             .map(|stretch| stretch.length_m(survey, navigation))
@@ -73,7 +69,7 @@ impl FoundExclusions {
     }
 
     /// Each stretch with its length along the track, metres.
-    pub(crate) fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
+    pub fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
         self.exclusions
             .stretches
             .iter()
@@ -81,7 +77,7 @@ impl FoundExclusions {
     }
 
     /// How much is excluded, for one reason or for all.
-    pub(crate) fn extent(&self, reason: Option<ExclusionReason>) -> ExcludedExtent {
+    pub fn extent(&self, reason: Option<ExclusionReason>) -> ExcludedExtent {
         let counted = |(stretch, _): &(&ExcludedStretch, f64)| {
             reason.is_none_or(|reason| stretch.reason == reason)
         };
@@ -129,7 +125,7 @@ impl ExclusionSearch {
 
 impl OpenLog {
     /// What the settings in force exclude from it; `None` until it is known where its pings lie.
-    pub(crate) fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
+    pub fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
         self.exclusion_search.found.result()
     }
 
@@ -166,7 +162,7 @@ impl App {
     }
 
     /// The excluded stretch that a ping of a log lies in.
-    pub(crate) fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
+    pub fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
         let exclusions = &self.open_log(log)?.exclusions()?.exclusions;
         let stretch = exclusions.stretch_at(ping)?;
         exclusions.stretches.get(stretch).copied()
@@ -186,7 +182,7 @@ impl App {
     }
 
     /// How much a part of a log is.
-    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
+    pub fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
         let log = self.open_log(log)?;
         let survey = log.survey.as_ref()?;
         Some(ExcludedExtent {

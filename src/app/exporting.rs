@@ -2,10 +2,10 @@
 
 use super::error::AppError;
 use super::{Action, App, Jobs, LogId, Task, TaskOutcome};
-use crate::products::export::{CopyError, LogPartChoice, copy_log};
-use crate::products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
-use crate::sonar::calibration::PingRange;
-use crate::support::progress::Progress;
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::export::{CopyError, LogPartChoice, copy_log};
+use bathyscope_products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
 use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ impl Exporting {
 
 impl App {
     /// Writes something in a background thread, and notifies of the outcome.
-    pub(crate) fn write<E: Error + Send + Sync + 'static>(
+    pub fn write<E: Error + Send + Sync + 'static>(
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) {
@@ -129,7 +129,7 @@ impl App {
     }
 
     /// The folder that products go into unless another is named: the one that was written last, else one beside the project or the log.
-    pub(crate) fn export_folder(&self) -> PathBuf {
+    pub fn export_folder(&self) -> PathBuf {
         if let Some(folder) = &self.written_into {
             return folder.clone();
         }
@@ -145,13 +145,13 @@ impl App {
     }
 
     /// What the sizes of the products follow from.
-    pub(crate) fn amounts(&self) -> Amounts {
+    pub fn amounts(&self) -> Amounts {
         let depth_map = self.depth_map().flatten();
         Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))
     }
 
     /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.
-    pub(crate) fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
+    pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
         let Exported { log, folder, run } = self.files.exported.as_ref()?;
         let files = run.out_of_date(&self.log.settings);
         (*log == self.log.id && !files.is_empty()).then_some((folder, files))

@@ -6,14 +6,14 @@
 use super::error::AppError;
 use super::outdated::LogsChange;
 use super::{App, LogId, OpenLog, Task, TaskOutcome};
-use crate::bottom::cloud::Correction;
-use crate::bottom::cloud::correction::WaterLevelSettings;
-use crate::formats::{TrackError, TrackFile, read_gauge};
-use crate::pipeline::{Settings, SourceKey, as_set};
-use crate::support::geo::{Crs, LocalFrame};
-use crate::support::progress::Progress;
-use crate::support::regular_file;
-use crate::survey::{Gauge, Survey, TrackSettings, TracksApart};
+use bathyscope_bottom::cloud::Correction;
+use bathyscope_bottom::cloud::correction::WaterLevelSettings;
+use bathyscope_log::formats::{TrackError, TrackFile, read_gauge};
+use bathyscope_log::support::geo::{Crs, LocalFrame};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::{Gauge, Survey, TrackSettings, TracksApart};
+use bathyscope_products::pipeline::{Settings, SourceKey, as_set};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,7 +42,7 @@ enum ExternalContent {
 
 /// What other instruments recorded, and what became of it.
 #[derive(Default)]
-pub(crate) struct External {
+pub struct External {
     /// The survey with the recorder's own track, while another lies over it.
     pub recorded: Option<Arc<Survey>>,
     /// How far the two tracks lie apart.
@@ -54,7 +54,7 @@ pub(crate) struct External {
 
 impl External {
     /// Whether a file is being read.
-    pub(crate) fn is_reading(&self) -> bool {
+    pub fn is_reading(&self) -> bool {
         self.reading.is_some()
     }
 

@@ -1,15 +1,15 @@
 //! Counts of a result, taken once on a worker so that no panel counts points in a frame.
 
 use super::above_bottom::AboveBottom;
-use crate::bottom::cloud::{ClassCounts, Residuals, residuals};
-use crate::pipeline::Products;
-use crate::sonar::first_return::FirstReturns;
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::cloud::{ClassCounts, Residuals, residuals};
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::Products;
 
 /// How much of everything there is in a result.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Figures {
+pub struct Figures {
     /// First returns found to port.
     pub port_picks: usize,
     /// First returns found to starboard.
@@ -24,7 +24,7 @@ pub(crate) struct Figures {
 
 impl Figures {
     /// Counts.
-    pub(crate) fn of(
+    pub fn of(
         survey: &Survey,
         products: &Products,
         progress: &Progress,

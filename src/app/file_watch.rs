@@ -4,11 +4,11 @@
 //! A thread of its own looks, for a disk may not answer; it wakes the window only where there is something to say.
 
 use super::{App, Jobs, LogId, Task, TaskOutcome};
-use crate::support::crash_report;
-use crate::support::file_error::FileError;
-use crate::support::mapped_file::FileFault;
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, Survey};
+use crate::app::crash_report;
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::mapped_file::FileFault;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, Survey};
 use std::path::PathBuf;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
@@ -39,7 +39,7 @@ impl App {
     ///
     /// # Errors
     /// Names the first that does not.
-    pub(crate) fn check_logs(&self) -> Result<(), FileError<FileFault>> {
+    pub fn check_logs(&self) -> Result<(), FileError<FileFault>> {
         let mut surveys = self.logs().filter_map(|log| log.survey.as_ref());
         surveys.try_for_each(|survey| survey.check_files())
     }

@@ -3,12 +3,12 @@
 //! A new survey starts from the preset. When a log is opened again, its own settings are taken up as one step that undo takes back.
 
 use super::{Action, App, LogId, OpenLog};
-use crate::pipeline::{
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::survey::{Identity, Survey};
+use bathyscope_products::pipeline::{
     SettingValues, Settings, deserialize_values, is_of_one_log, setting_values, settings::row,
     with_values,
 };
-use crate::support::printable::quoted;
-use crate::survey::{Identity, Survey};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ struct Given {
 
 /// The settings that logs were last given, by log, the newest first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct GivenSettings(Vec<Given>);
+pub struct GivenSettings(Vec<Given>);
 
 impl GivenSettings {
     /// Remembers the settings of a log; of one that has the settings of the preset, that there are none.
@@ -58,7 +58,7 @@ fn is_of(given: &Given, survey: &Survey) -> bool {
 
 impl App {
     /// The settings that logs were last given, with those of the open ones: what is kept between runs.
-    pub(crate) fn given_settings(&self) -> GivenSettings {
+    pub fn given_settings(&self) -> GivenSettings {
         let mut given = self.document.given.clone();
         if self.project_path().is_none() {
             // The shown log is the newest.
@@ -71,7 +71,7 @@ impl App {
     }
 
     /// Begins with these settings by log.
-    pub(crate) fn use_given_settings(&mut self, given: GivenSettings) {
+    pub fn use_given_settings(&mut self, given: GivenSettings) {
         self.document.given = given;
     }
 

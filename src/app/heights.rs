@@ -2,9 +2,9 @@
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId, OpenLog};
-use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
-use crate::pipeline::joint::{contradictions, height_offsets};
-use crate::pipeline::{LogSettings, ProcessedLog};
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
+use bathyscope_products::pipeline::joint::{contradictions, height_offsets};
+use bathyscope_products::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;
 use toml::Value;
 
@@ -13,19 +13,19 @@ const KEY: &str = "height_offset_m";
 
 /// The offsets of some logs.
 #[derive(Clone, Debug)]
-pub(crate) struct FoundHeights {
+pub struct FoundHeights {
     ids: Vec<LogId>,
     offsets: HeightOffsets,
 }
 
 impl FoundHeights {
     /// Every log with its offset, in the order of the list when they were found.
-    pub(crate) fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
+    pub fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
         self.ids.iter().copied().zip(&self.offsets.logs)
     }
 
     /// How many groups of connected logs there are.
-    pub(crate) fn groups(&self) -> usize {
+    pub fn groups(&self) -> usize {
         self.offsets.groups()
     }
 }
@@ -35,17 +35,17 @@ pub(super) type Heights = LogsTask<FoundHeights>;
 
 impl App {
     /// Whether heights are being compared.
-    pub(crate) fn is_matching_heights(&self) -> bool {
+    pub fn is_matching_heights(&self) -> bool {
         self.findings.heights.is_busy()
     }
 
     /// By how much the heights of the logs differ, once that was asked for.
-    pub(crate) fn height_offsets(&self) -> Option<&FoundHeights> {
+    pub fn height_offsets(&self) -> Option<&FoundHeights> {
         self.findings.heights.found()
     }
 
     /// A warning for every two logs that no height offsets bring together.
-    pub(crate) fn height_contradictions(&self) -> Vec<String> {
+    pub fn height_contradictions(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };

@@ -3,11 +3,11 @@
 use super::project::{keep_figure, kept_figure};
 use super::step::{LogStep, UndoStep};
 use super::{Action, App, LogId};
-use crate::pipeline::settings::{Number, SettingKind, row};
-use crate::pipeline::{Settings, setting_values};
-use crate::project::{self, History, PastStep, Project, ProjectLog, UNDONE};
-use crate::support::presentation::units::Units;
-use crate::support::printable::quoted;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::support::printable::quoted;
+use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
+use bathyscope_products::pipeline::{Settings, setting_values};
+use bathyscope_products::project::{self, History, PastStep, Project, ProjectLog, UNDONE};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
@@ -61,17 +61,17 @@ impl App {
     }
 
     /// Steps in the order in which they were done, and after them those that were taken back.
-    pub(crate) fn history(&self) -> impl Iterator<Item = project::HistoryStep<'_>> {
+    pub fn history(&self) -> impl Iterator<Item = project::HistoryStep<'_>> {
         self.document.history.steps()
     }
 
     /// Name of the change that undo would take back.
-    pub(crate) fn undo_label(&self) -> Option<&str> {
+    pub fn undo_label(&self) -> Option<&str> {
         self.document.history.undo_label()
     }
 
     /// Name of the change that redo would do again.
-    pub(crate) fn redo_label(&self) -> Option<&str> {
+    pub fn redo_label(&self) -> Option<&str> {
         self.document.history.redo_label()
     }
 

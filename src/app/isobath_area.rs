@@ -2,9 +2,9 @@
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
-use crate::formats::read_area;
-use crate::pipeline::Settings;
-use crate::survey::WaterArea;
+use bathyscope_log::formats::read_area;
+use bathyscope_log::survey::WaterArea;
+use bathyscope_products::pipeline::Settings;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@ use super::{Action, View};
 
 /// What has the keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum KeyFocus {
+pub enum KeyFocus {
     /// One of the views of the centre.
     View(View),
     /// A control of the panel in which boxes are reviewed: its buttons, its lists.
@@ -13,7 +13,7 @@ pub(crate) enum KeyFocus {
 
 /// Where a bare key acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum KeyScope {
+pub enum KeyScope {
     /// In each view.
     Views,
     /// In each view and in the review of boxes.
@@ -33,7 +33,7 @@ pub(crate) enum KeyScope {
 impl KeyScope {
     /// All of them.
     #[cfg(test)]
-    pub(crate) const ALL: [KeyScope; 7] = [
+    pub const ALL: [KeyScope; 7] = [
         KeyScope::Views,
         KeyScope::Boxes,
         KeyScope::BoxesInWaterfall,
@@ -44,7 +44,7 @@ impl KeyScope {
     ];
 
     /// Whether the key acts while this has the keyboard.
-    pub(crate) fn holds(self, focus: KeyFocus) -> bool {
+    pub fn holds(self, focus: KeyFocus) -> bool {
         use KeyFocus::{Review, View as In};
         use View::{Cloud, Map, Waterfall};
         match self {
@@ -59,7 +59,7 @@ impl KeyScope {
     }
 
     /// In the manual, after the key.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             KeyScope::Views => "in each view",
             KeyScope::Boxes => "in each view and the review",
@@ -73,7 +73,7 @@ impl KeyScope {
 }
 
 /// Whether a key of the table could be part of a text: no Ctrl, no Alt, no function key.
-pub(crate) fn is_bare(keys: &str) -> bool {
+pub fn is_bare(keys: &str) -> bool {
     let is_function_key = |key: &str| {
         let number = key.strip_prefix('F');
         number.is_some_and(|number| number.parse::<u8>().is_ok())
@@ -84,7 +84,7 @@ pub(crate) fn is_bare(keys: &str) -> bool {
 
 impl Action {
     /// Where its bare key acts; `None` where it has no such key.
-    pub(crate) fn key_scope(self) -> Option<KeyScope> {
+    pub fn key_scope(self) -> Option<KeyScope> {
         use Action as A;
         Some(match self {
             A::FocusWaterfall | A::FocusMap | A::FocusCloud | A::FocusObjects => KeyScope::Boxes,
@@ -119,12 +119,12 @@ impl Action {
 
     /// Whether its bare key only offers it, with a button that does it: it changes depths or places of the whole log, and a slip of the
     /// hand must not.
-    pub(crate) fn asks_by_key(self) -> bool {
+    pub fn asks_by_key(self) -> bool {
         matches!(self, Action::SwapSides)
     }
 
     /// Whether it decides about the selected box or changes it, so that the box must be in sight.
-    pub(crate) fn is_about_selected_box(self) -> bool {
+    pub fn is_about_selected_box(self) -> bool {
         use Action as A;
         matches!(
             self,

@@ -3,11 +3,11 @@
 use super::Jobs;
 use super::error::AppError;
 use super::{Task, TaskOutcome};
-use crate::formats;
-use crate::project::{BottomFileError, LogFile, read_bottom};
-use crate::sonar::first_return::BottomSettings;
-use crate::support::progress::Progress;
-use crate::survey::{Identity, Survey};
+use bathyscope_bottom::first_return::BottomSettings;
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Identity, Survey};
+use bathyscope_products::project::{BottomFileError, LogFile, read_bottom};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum LogOrigin {
+pub enum LogOrigin {
     /// A file or folder.
     Path(PathBuf),
     /// The bundled demo survey.
@@ -25,7 +25,7 @@ pub(crate) enum LogOrigin {
 
 impl LogOrigin {
     /// What to call it.
-    pub(crate) fn name(&self) -> String {
+    pub fn name(&self) -> String {
         match self {
             LogOrigin::Path(path) => path.file_name().map_or_else(
                 || path.display().to_string(),
@@ -36,7 +36,7 @@ impl LogOrigin {
     }
 
     /// Opens it.
-    pub(crate) fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
+    pub fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
             LogOrigin::Path(path) => formats::open(path, progress),
             LogOrigin::Demo => formats::open_bytes("demo.sl2", DEMO.to_vec(), progress),
@@ -46,7 +46,7 @@ impl LogOrigin {
 
 /// What is being opened, for the status line.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LoadStatus {
+pub struct LoadStatus {
     /// Its name.
     pub name: String,
     /// Done share, 0 to 1.

@@ -1,10 +1,10 @@
 //! A place in the survey, and the request to show one.
 
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 
 /// A place in the survey, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LogPlace {
+pub struct LogPlace {
     /// Side-scan ping.
     pub ping: usize,
     /// Side, when the place is off the track.
@@ -17,7 +17,7 @@ pub(crate) struct LogPlace {
 
 impl LogPlace {
     /// A place on the track.
-    pub(crate) fn ping(ping: usize) -> Self {
+    pub fn ping(ping: usize) -> Self {
         Self {
             ping,
             side: None,
@@ -29,7 +29,7 @@ impl LogPlace {
 
 /// A request to bring a place into view; views act when the serial number changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Reveal {
+pub struct Reveal {
     /// The place.
     pub mark: LogPlace,
     /// Grows with each request.
@@ -40,7 +40,7 @@ pub(crate) struct Reveal {
 
 /// How large an object is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Enlarged {
+pub enum Enlarged {
     /// It fills about a third of the view.
     Third,
     /// A sample of the picture is a point of the screen; what does not fit in so, with what lies around it, is smaller. For the
@@ -52,7 +52,7 @@ pub(crate) enum Enlarged {
 
 /// An object that the views enlarge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CloseUp {
+pub struct CloseUp {
     /// How large.
     pub enlarged: Enlarged,
     /// First ping of its box, and the first one after it.

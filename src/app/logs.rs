@@ -7,12 +7,11 @@ use super::open_log::log_colour;
 use super::outdated::LogsChange;
 use super::reviewing::Parked;
 use super::{App, LogId, LogPlace, OpenLog};
-#[cfg(any(test, feature = "bench"))]
-use crate::pipeline::Products;
-use crate::pipeline::{EngineStatus, ProcessedLog, Settings};
-use crate::support::geo::LocalFrame;
-use crate::support::printable::quoted;
-use crate::survey::{Identity, Survey, distinct_names};
+use bathyscope_log::support::geo::LocalFrame;
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::survey::{Identity, Survey, distinct_names};
+use bathyscope_products::pipeline::Products;
+use bathyscope_products::pipeline::{EngineStatus, ProcessedLog, Settings};
 use std::sync::Arc;
 
 /// Reviews of closed logs kept at hand while the window is open.
@@ -22,7 +21,7 @@ const CLOSED: usize = 10;
 
 /// A log that takes part in maps and clouds, with its results.
 #[derive(Clone, Debug)]
-pub(crate) struct ShownLog {
+pub struct ShownLog {
     /// Which it is.
     pub id: LogId,
     /// Its name: [`OpenLog::name`].
@@ -82,23 +81,23 @@ impl OpenLogs {
 
 impl App {
     /// The open logs in the order of the list.
-    pub(crate) fn logs(&self) -> impl Iterator<Item = &OpenLog> {
+    pub fn logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs.order.iter().filter_map(|id| self.open_log(*id))
     }
 
     /// The logs that take part in maps, clouds and products, in the order of the list.
-    pub(crate) fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
+    pub fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs().filter(|log| log.is_visible)
     }
 
     /// Whether one of them has depths across the track.
-    pub(crate) fn has_swath(&self) -> bool {
+    pub fn has_swath(&self) -> bool {
         let mut surveys = self.visible_logs().filter_map(|log| log.survey.as_ref());
         surveys.any(|survey| !survey.swath.is_empty())
     }
 
     /// The visible logs that have results, in the order of the list: what maps and clouds are made of.
-    pub(crate) fn shown_logs(&self) -> Vec<ShownLog> {
+    pub fn shown_logs(&self) -> Vec<ShownLog> {
         let shown = |log: &OpenLog| {
             Some(ShownLog {
                 id: log.id,
@@ -130,12 +129,12 @@ impl App {
     }
 
     /// How many logs are open.
-    pub(crate) fn log_count(&self) -> usize {
+    pub fn log_count(&self) -> usize {
         self.logs.order.len()
     }
 
     /// An open log.
-    pub(crate) fn open_log(&self, id: LogId) -> Option<&OpenLog> {
+    pub fn open_log(&self, id: LogId) -> Option<&OpenLog> {
         let mut all = [&self.log].into_iter().chain(&self.logs.others);
         all.find(|log| log.id == id && log.survey.is_some())
     }
@@ -157,21 +156,19 @@ impl App {
     }
 
     /// The settings that all logs share.
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn shared_settings(&self) -> &Settings {
+    pub fn shared_settings(&self) -> &Settings {
         &self.document.shared
     }
 
     /// Has new surveys start from these settings, but for those that belong to one survey.
-    pub(crate) fn use_settings(&mut self, settings: &Settings) {
+    pub fn use_settings(&mut self, settings: &Settings) {
         self.document.start = Arc::new(settings.with_survey_of(&Settings::default()));
         self.document.shared = self.document.start.clone();
         self.log.settings = self.document.shared.clone();
     }
 
     /// Shows a log that is at hand already, with what was made of it, in the place of those that are open.
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
+    pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
         self.pipeline.is_waiting = true;
         self.replace_logs(survey);
         self.log.products = products;
@@ -285,7 +282,7 @@ impl App {
     }
 
     /// Writes what is not in a file yet: the window closes.
-    pub(crate) fn keep_all(&mut self) {
+    pub fn keep_all(&mut self) {
         self.keep_decisions();
         self.keep_project("close");
         self.finish_keeping();
@@ -444,7 +441,7 @@ impl App {
     }
 
     /// Whether a log is being processed.
-    pub(crate) fn is_processing(&self, id: LogId) -> bool {
+    pub fn is_processing(&self, id: LogId) -> bool {
         let processed = self
             .pipeline
             .requested

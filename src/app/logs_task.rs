@@ -1,7 +1,7 @@
 //! Work on several logs in the background, and what it found last.
 
 use super::{Jobs, Task, TaskOutcome};
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 
 /// The work and its result.
 pub(super) struct LogsTask<T> {

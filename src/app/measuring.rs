@@ -5,15 +5,15 @@ use super::drawn_figure::Figure;
 use super::reviewing::Tool;
 use super::step::UndoStep;
 use super::{App, OpenLog, ProfileLine};
-use crate::bottom::bathymetry::TransectStation;
-use crate::detection::MeasuredShadow;
-use crate::detection::review::{BoxId, Edit, Reviewed};
-use crate::detection::targets::{ShadowError, ShadowHeight};
-use crate::pipeline::ObjectLocator;
-use crate::products::export;
-use crate::project::{Measurement, MeasurementKind, Pick};
-use crate::support::geo::LonLat;
-use crate::survey::{Identity, Side, Survey};
+use bathyscope_bottom::bathymetry::TransectStation;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::{Identity, Side, Survey};
+use bathyscope_objects::MeasuredShadow;
+use bathyscope_objects::review::{BoxId, Edit, Reviewed};
+use bathyscope_objects::targets::{ShadowError, ShadowHeight};
+use bathyscope_products::export;
+use bathyscope_products::pipeline::ObjectLocator;
+use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ const NO_PLACE: &str =
 
 /// A request about the figure.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Measure {
+pub enum Measure {
     /// One more corner here on the map.
     Corner(LonLat),
     /// One more corner at this place of the waterfall.
@@ -35,7 +35,7 @@ pub(crate) enum Measure {
 
 /// The figure and the tool that draws it.
 #[derive(Default)]
-pub(crate) struct Measuring {
+pub struct Measuring {
     /// What a click on the map or the waterfall draws.
     pub tool: Option<MeasurementKind>,
     /// What was drawn last.
@@ -59,30 +59,30 @@ impl Measuring {
     }
 
     /// Depths along the figure; none where it is not the line of a profile.
-    pub(crate) fn stations(&self) -> &[TransectStation] {
+    pub fn stations(&self) -> &[TransectStation] {
         self.set.as_ref().map_or(&[], |set| &set.stations)
     }
 
     /// The line of the profile with its depths, on to the next corner while it is drawn.
-    pub(crate) fn profile(&self) -> Option<&ProfileLine> {
+    pub fn profile(&self) -> Option<&ProfileLine> {
         self.drawn.as_deref()
     }
 
     /// Whether the plot of a depth profile is requested.
-    pub(crate) fn shows_profile(&self) -> bool {
+    pub fn shows_profile(&self) -> bool {
         let drawn = self.figure.as_ref().map(|figure| figure.measurement.kind);
         self.tool.or(drawn) == Some(MeasurementKind::Profile)
     }
 
     /// Where in the side-scan corners of the figure were set, by their number.
-    pub(crate) fn picks(&self) -> &BTreeMap<usize, Pick> {
+    pub fn picks(&self) -> &BTreeMap<usize, Pick> {
         static NONE: BTreeMap<usize, Pick> = BTreeMap::new();
         let figure = self.figure.as_deref();
         figure.map_or(&NONE, |figure| &figure.measurement.picks)
     }
 
     /// Whether a corner would go on with the figure there is.
-    pub(crate) fn is_drawing(&self) -> bool {
+    pub fn is_drawing(&self) -> bool {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
         open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)
     }
@@ -174,7 +174,7 @@ impl App {
     }
 
     /// A pick of a shadow's end lies on the ping and side of its top.
-    pub(crate) fn on_one_ping(&self, pick: Pick) -> Pick {
+    pub fn on_one_ping(&self, pick: Pick) -> Pick {
         let measuring = &self.map.measuring;
         let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
         let top = measuring.picks().get(&0).filter(|_| is_shadow);
@@ -189,7 +189,7 @@ impl App {
 
     /// The height of what casts the shadow between two slant ranges of a pick's ping, on the recorder's scale; `None` while its log is
     /// closed or not processed.
-    pub(crate) fn shadow_height(
+    pub fn shadow_height(
         &self,
         on: &Pick,
         recorded_m: [f64; 2],
@@ -201,7 +201,7 @@ impl App {
     }
 
     /// The height that is measured, once both ends of its shadow are set.
-    pub(crate) fn measured_height(&self) -> Option<Result<ShadowHeight, ShadowError>> {
+    pub fn measured_height(&self) -> Option<Result<ShadowHeight, ShadowError>> {
         let figure = self.map.measuring.figure.as_deref()?;
         let (top, recorded_m) = figure.measurement.shadow()?;
         self.shadow_height(top, recorded_m)
@@ -319,7 +319,7 @@ impl App {
     }
 
     /// The depth profile as a table; `None` while there is none.
-    pub(crate) fn profile_csv(&self) -> Option<String> {
+    pub fn profile_csv(&self) -> Option<String> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let stations = self.map.measuring.stations();
         let drawn = self.map.measuring.shows_profile() && !stations.is_empty();

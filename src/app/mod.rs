@@ -16,6 +16,7 @@ mod card_search;
 mod clip_box;
 mod command;
 mod comparing;
+pub mod crash_report;
 mod deriving;
 mod drawn_figure;
 mod error;
@@ -34,7 +35,7 @@ mod loader;
 mod log_place;
 mod logs;
 mod logs_task;
-pub(crate) mod manual;
+pub mod manual;
 mod map_layers;
 mod measuring;
 mod mounting;
@@ -59,49 +60,49 @@ mod saving_figure;
 mod state;
 mod step;
 mod swipe;
+pub mod system_words;
 mod work;
 
-pub(crate) use above_bottom::{AboveBottom, AboveStretch};
-pub(crate) use action::{Action, Keys};
-pub(crate) use bottom::{BottomStroke, Ink};
-pub(crate) use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
-pub(crate) use clip_box::ClipBox;
-pub(crate) use command::{Command, FileToOpen, FileToWrite};
-pub(crate) use comparing::ReferenceBy;
-pub(crate) use deriving::DrawnIsobaths;
-pub(crate) use exclusions::{ExcludedExtent, ExclusionEdit, FoundExclusions};
-pub(crate) use figures::Figures;
-pub(crate) use following::FollowStatus;
-pub(crate) use given::GivenSettings;
-pub(crate) use key_scope::{KeyFocus, is_bare};
-pub(crate) use loader::{LoadStatus, LogOrigin};
-pub(crate) use log_place::{CloseUp, Enlarged, LogPlace, Reveal};
-pub(crate) use logs::ShownLog;
-pub(crate) use map_layers::{LayerShown, LayerStack, MapLayer};
-pub(crate) use measuring::Measure;
-pub(crate) use mounting::Mountings;
-pub(crate) use notices::Notice;
-pub(crate) use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
-pub(crate) use open_log::OpenLog;
-pub(crate) use options::{
+pub use above_bottom::{AboveBottom, AboveStretch};
+pub use action::{Action, Keys};
+pub use bottom::{BottomStroke, Ink};
+pub use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
+pub use clip_box::ClipBox;
+pub use command::{Command, FileToOpen, FileToWrite};
+pub use comparing::ReferenceBy;
+pub use deriving::DrawnIsobaths;
+pub use exclusions::{ExcludedExtent, ExclusionEdit, FoundExclusions};
+pub use figures::Figures;
+pub use following::FollowStatus;
+pub use given::GivenSettings;
+pub use key_scope::{KeyFocus, is_bare};
+pub use loader::{LoadStatus, LogOrigin};
+pub use log_place::{CloseUp, Enlarged, LogPlace, Reveal};
+pub use logs::ShownLog;
+pub use map_layers::{LayerShown, LayerStack, MapLayer};
+pub use measuring::Measure;
+pub use mounting::Mountings;
+pub use notices::Notice;
+pub use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
+pub use open_log::OpenLog;
+pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions,
     WaterfallOptions,
 };
-pub(crate) use passes::{PassesFound, mark_of};
-pub(crate) use planning::{PlanRequest, PlannedLines};
-pub(crate) use positions::FoundPositions;
-pub(crate) use print::{Paper, PrintOptions, Sheet};
-pub(crate) use print_text::PrintText;
-pub(crate) use profile_line::ProfileLine;
-pub(crate) use project::is_project;
-pub(crate) use reviewing::{
+pub use passes::{PassesFound, mark_of};
+pub use planning::{PlanRequest, PlannedLines};
+pub use positions::FoundPositions;
+pub use print::{Paper, PrintOptions, Sheet};
+pub use print_text::PrintText;
+pub use profile_line::ProfileLine;
+pub use project::is_project;
+pub use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };
-pub(crate) use state::App;
-pub(crate) use swipe::{Swipe, SwipeSide};
+pub use state::App;
+pub use swipe::{Swipe, SwipeSide};
 
-pub(crate) use crate::detection::objects::{LogBox, LogId, ObjectState, SurveyObject};
-pub(crate) use crate::pipeline::{Jobs, Task, TaskOutcome};
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use passes::LogPass;
+pub use bathyscope_objects::objects::{LogBox, LogId, ObjectState, SurveyObject};
+pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};
+pub use passes::LogPass;

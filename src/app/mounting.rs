@@ -2,13 +2,13 @@
 
 use super::error::AppError;
 use super::{App, LogId, OpenLog};
-use crate::pipeline::Settings;
-use crate::survey::MountingSettings;
+use bathyscope_log::survey::MountingSettings;
+use bathyscope_products::pipeline::Settings;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Mountings by recorder ([`crate::survey::Source::recorder`]).
-pub(crate) type Mountings = BTreeMap<String, MountingSettings>;
+/// Mountings by recorder ([`bathyscope_log::survey::Source::recorder`]).
+pub type Mountings = BTreeMap<String, MountingSettings>;
 
 /// Settings whose bottom edits lie on the echoes that they were drawn on, when the sides are exchanged by them.
 pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings {
@@ -21,22 +21,22 @@ pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings 
 
 impl App {
     /// What the shown log tells of its recorder; empty without a log.
-    pub(crate) fn recorder(&self) -> String {
+    pub fn recorder(&self) -> String {
         self.log.recorder()
     }
 
     /// How the recorder of the shown log is mounted as a rule, where that is known.
-    pub(crate) fn usual_mounting(&self) -> Option<MountingSettings> {
+    pub fn usual_mounting(&self) -> Option<MountingSettings> {
         self.document.mountings.get(&self.recorder()).copied()
     }
 
     /// The mountings by recorder: what is kept between runs.
-    pub(crate) fn mountings(&self) -> &Mountings {
+    pub fn mountings(&self) -> &Mountings {
         &self.document.mountings
     }
 
     /// Begins with these mountings by recorder.
-    pub(crate) fn use_mountings(&mut self, mountings: Mountings) {
+    pub fn use_mountings(&mut self, mountings: Mountings) {
         self.document.mountings = Arc::new(mountings);
     }
 

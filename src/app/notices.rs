@@ -1,8 +1,8 @@
 //! What the program says to the analyst: what is on screen, and all of it since the program was started.
 
 use super::{Action, App};
-use crate::support::printable::one_line;
-use crate::support::system_words::in_plain_words;
+use crate::app::system_words::in_plain_words;
+use bathyscope_log::support::printable::one_line;
 use std::collections::VecDeque;
 use std::path::Path;
 use std::time::SystemTime;
@@ -12,7 +12,7 @@ const KEPT: usize = 500;
 
 /// A sentence for the analyst.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Notice {
+pub struct Notice {
     /// What happened and what to do.
     pub text: String,
     /// Something could not be done (otherwise: something was).
@@ -33,7 +33,7 @@ pub(super) struct NoticeHistory {
 
 impl App {
     /// All that was said since the program was started, the newest first; the oldest of very many are forgotten.
-    pub(crate) fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
+    pub fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
         self.said.all.iter().rev()
     }
 
@@ -43,7 +43,7 @@ impl App {
     }
 
     /// Says where the report lies of a fault of the program itself, the last time that it ran.
-    pub(crate) fn tell_of_crash(&mut self, report: &Path) {
+    pub fn tell_of_crash(&mut self, report: &Path) {
         let text = format!(
             "A fault of Bathyscope stopped it, or part of its work, the last time it ran. What happened is in {}, and was sent to nobody; attach the file when you report the fault",
             report.display()

@@ -1,12 +1,12 @@
 //! The table of objects: which rows it shows, in which order.
 
-use crate::detection::objects::{ObjectState, ObjectSummary, SurveyObject};
+use bathyscope_objects::objects::{ObjectState, ObjectSummary, SurveyObject};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum ObjectColumn {
+pub enum ObjectColumn {
     /// As they were found, along the first log.
     #[default]
     Number,
@@ -39,7 +39,7 @@ pub(crate) enum ObjectColumn {
 
 impl ObjectColumn {
     /// All columns, from left to right.
-    pub(crate) const ALL: [Self; 13] = [
+    pub const ALL: [Self; 13] = [
         Self::Number,
         Self::Name,
         Self::Class,
@@ -56,7 +56,7 @@ impl ObjectColumn {
     ];
 
     /// Its heading.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Number => "no.",
             Self::Name => "name",
@@ -85,7 +85,7 @@ impl ObjectColumn {
 
 /// Which objects the table shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum ObjectFilter {
+pub enum ObjectFilter {
     /// Objects with undecided boxes.
     Undecided,
     /// Objects whose boxes were accepted or added.
@@ -96,10 +96,10 @@ pub(crate) enum ObjectFilter {
 
 impl ObjectFilter {
     /// All of them, in the order of the work.
-    pub(crate) const ALL: [Self; 3] = [Self::Undecided, Self::Accepted, Self::Rejected];
+    pub const ALL: [Self; 3] = [Self::Undecided, Self::Accepted, Self::Rejected];
 
     /// Its name in the list.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Undecided => "undecided",
             Self::Accepted => "accepted",
@@ -119,7 +119,7 @@ impl ObjectFilter {
 /// Order and filter of the table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct ObjectTable {
+pub struct ObjectTable {
     /// The column that it is sorted by.
     pub sort: ObjectColumn,
     /// From the largest down.
@@ -133,7 +133,7 @@ pub(crate) struct ObjectTable {
 
 impl ObjectTable {
     /// Sorts by a column, or, where it is the one already, the other way around.
-    pub(crate) fn sort_by(&mut self, column: ObjectColumn) {
+    pub fn sort_by(&mut self, column: ObjectColumn) {
         self.falling = match self.sort == column {
             true => !self.falling,
             false => column.begins_with_largest(),
@@ -143,7 +143,7 @@ impl ObjectTable {
 
     /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where they are alike; what is not known
     /// comes last.
-    pub(crate) fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
+    pub fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
         let text = self.text.trim().to_lowercase();
         let passes = |object: &&SurveyObject| {
             let of_state = self.state;
@@ -209,14 +209,14 @@ fn says(object: &SurveyObject, text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detection::ObjectExtent;
-    use crate::detection::objects::{LogBox, LogId, PlacedBox, joint_objects};
-    use crate::detection::review::{BoxId, Confidence, Reviewed, State};
-    use crate::detection::targets::{GroupSettings, Target};
-    use crate::support::geo::LonLat;
+    use bathyscope_log::support::geo::LonLat;
+    use bathyscope_objects::ObjectExtent;
+    use bathyscope_objects::objects::{LogBox, LogId, PlacedBox, joint_objects};
+    use bathyscope_objects::review::{BoxId, Confidence, Reviewed, State};
+    use bathyscope_objects::targets::{GroupSettings, Target};
 
     fn target(length_m: f64) -> Target {
-        let mark = crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0);
+        let mark = bathyscope_objects::Mark::point(bathyscope_log::survey::Side::Port, 5, 6.0);
         Target {
             mark,
             extent: ObjectExtent::Found,
@@ -246,7 +246,7 @@ mod tests {
     }
 
     fn reviewed(state: State, score: f32) -> Reviewed {
-        let mark = crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0);
+        let mark = bathyscope_objects::Mark::point(bathyscope_log::survey::Side::Port, 5, 6.0);
         Reviewed {
             score: Some(score),
             state,

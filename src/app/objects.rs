@@ -5,14 +5,14 @@
 
 use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
-use crate::detection::objects::{
+use bathyscope_log::survey::{Exclusions, Navigation, Survey};
+use bathyscope_objects::objects::{
     LogBox, LogId, LogNumbers, LogReview, ObjectBox, ObjectList, ObjectNumbers, SurveyObject,
     SurveyReview,
 };
-use crate::detection::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
-use crate::pipeline::object_shape;
-use crate::pipeline::{Background, ProcessedLog, Same};
-use crate::survey::{Exclusions, Navigation, Survey};
+use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
+use bathyscope_products::pipeline::object_shape;
+use bathyscope_products::pipeline::{Background, ProcessedLog, Same};
 use std::sync::Arc;
 
 /// A log as objects are made of it.
@@ -107,7 +107,7 @@ impl Objects {
 
 impl App {
     /// The objects that the boxes of all visible logs show, by number.
-    pub(crate) fn objects(&self) -> &[SurveyObject] {
+    pub fn objects(&self) -> &[SurveyObject] {
         let list = self.findings.objects.list.result();
         list.map_or(&[], |list| list.objects())
     }
@@ -130,7 +130,7 @@ impl App {
     }
 
     /// Numbers of the objects that the table shows, in its order.
-    pub(crate) fn listed_objects(&self) -> &[u32] {
+    pub fn listed_objects(&self) -> &[u32] {
         self.findings
             .objects
             .listing
@@ -139,17 +139,17 @@ impl App {
     }
 
     /// An object by its number.
-    pub(crate) fn object(&self, number: u32) -> Option<&SurveyObject> {
+    pub fn object(&self, number: u32) -> Option<&SurveyObject> {
         self.findings.objects.list.result()?.object(number)
     }
 
     /// The object that a box shows; `None` where it has no place, and of logs that are not visible.
-    pub(crate) fn object_of(&self, id: LogBox) -> Option<&SurveyObject> {
+    pub fn object_of(&self, id: LogBox) -> Option<&SurveyObject> {
         self.findings.objects.list.result()?.object_of(id)
     }
 
     /// The box that shows an object first: one of the log that is shown, and of several the surest.
-    pub(crate) fn best_box(&self, object: &SurveyObject) -> Option<LogBox> {
+    pub fn best_box(&self, object: &SurveyObject) -> Option<LogBox> {
         let rank = |id: &LogBox| {
             let score = self.log_box(*id).and_then(|one| one.score);
             (id.log == self.log.id, score.unwrap_or(1.0))
@@ -162,19 +162,19 @@ impl App {
     }
 
     /// The object of the selected box.
-    pub(crate) fn selected_object(&self) -> Option<&SurveyObject> {
+    pub fn selected_object(&self) -> Option<&SurveyObject> {
         self.object_of(self.selected_log_box()?)
     }
 
     /// The shape of the selected object, or why it has none, once it is fitted.
-    pub(crate) fn selected_object_shape(&self) -> Option<&Result<FittedShape, ShapeError>> {
+    pub fn selected_object_shape(&self) -> Option<&Result<FittedShape, ShapeError>> {
         let (boxes, shape) = self.findings.objects.shape.result()?;
         let object = self.selected_object()?;
         (*boxes == object.boxes).then_some(shape)
     }
 
     /// How many passes of the boat over all visible logs saw the selected object, and how many covered its place, once they are counted.
-    pub(crate) fn selected_object_passes(&self) -> Option<PassCount> {
+    pub fn selected_object_passes(&self) -> Option<PassCount> {
         let (number, passes) = self.findings.objects.passes.result()?;
         let object = self.selected_object()?;
         // Those of a moment ago are of other boxes.

@@ -6,11 +6,13 @@ use super::exclusions::ExclusionSearch;
 use super::external::External;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
-use crate::detection::objects::{LogId, LogReview};
-use crate::pipeline::{LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage};
-use crate::project::LogFile;
-use crate::sonar::first_return::FirstReturns;
-use crate::survey::{Apart, Survey};
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::survey::{Apart, Survey};
+use bathyscope_objects::objects::{LogId, LogReview};
+use bathyscope_products::pipeline::{
+    LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage,
+};
+use bathyscope_products::project::LogFile;
 use std::sync::Arc;
 
 /// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell apart, without black.
@@ -30,7 +32,7 @@ pub(super) fn log_colour(number: usize) -> [u8; 3] {
 }
 
 /// A log with its settings, its results and its boxes. The default one is that of an empty window.
-pub(crate) struct OpenLog {
+pub struct OpenLog {
     /// Which it is.
     pub id: LogId,
     pub(super) name: String,
@@ -128,7 +130,7 @@ impl OpenLog {
     }
 
     /// The recording and its results as a whole: while it is followed, those of the last run over all of it.
-    pub(crate) fn settled(&self) -> Option<ProcessedLog> {
+    pub fn settled(&self) -> Option<ProcessedLog> {
         let now = || {
             Some(ProcessedLog {
                 survey: self.survey.clone()?,
@@ -139,7 +141,7 @@ impl OpenLog {
     }
 
     /// Its name for people, which no other open log has; empty in an empty window.
-    pub(crate) fn name(&self) -> String {
+    pub fn name(&self) -> String {
         self.name.clone()
     }
 
@@ -154,7 +156,7 @@ impl OpenLog {
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other
     /// sides.
-    pub(crate) fn returns(&self) -> Option<&Arc<FirstReturns>> {
+    pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
         let swapped = self.settings.mounting.swap_sides;
         let products = self.products.as_ref();
         let products = products.filter(|made| made.settings.mounting.swap_sides == swapped);
@@ -163,7 +165,7 @@ impl OpenLog {
     }
 
     /// The bottom line to draw: the first returns under the slider if there are any, else that of the last result.
-    pub(crate) fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
+    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         let is_of_result = self.preview.is_none() && self.returns().is_some();
         let products = self.products.as_ref().filter(|_| is_of_result);
         let line = products.map(|products| &products.bottom_line);
@@ -171,13 +173,13 @@ impl OpenLog {
     }
 
     /// The first stage whose result is older than its settings.
-    pub(crate) fn stale(&self) -> Option<Stage> {
+    pub fn stale(&self) -> Option<Stage> {
         let products = self.products.as_ref()?;
         Stage::first_stale(&products.settings, &self.settings)
     }
 
     /// Whether results are missing or older than their settings.
-    pub(crate) fn is_behind(&self) -> bool {
+    pub fn is_behind(&self) -> bool {
         let is_current = |products: &Products| products.settings == self.settings;
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }

@@ -1,17 +1,17 @@
 //! How things are shown: saved between runs, never part of a result.
 
 use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
-use crate::imagery::picture::PictureGeometry;
-use crate::pipeline::BottomColour;
-use crate::products::outputs::Product;
-use crate::support::geo::CoordinateFormat;
-use crate::support::presentation::units::Units;
-use crate::survey::ChannelKind;
+use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_log::survey::ChannelKind;
+use bathyscope_products::outputs::Product;
+use bathyscope_products::pipeline::BottomColour;
 use serde::{Deserialize, Serialize};
 
 /// A view of the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub(crate) enum View {
+pub enum View {
     /// Side-scan picture over ping and range.
     Waterfall,
     /// Track, depth map and flat stretches from above.
@@ -24,12 +24,12 @@ pub(crate) enum View {
 
 impl View {
     /// All views in the order of their number keys.
-    pub(crate) const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
+    pub const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
     /// The views that are pictures, and can be printed.
-    pub(crate) const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
+    pub const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
 
     /// Title on the tab.
-    pub(crate) fn title(self) -> &'static str {
+    pub fn title(self) -> &'static str {
         match self {
             View::Waterfall => "Waterfall",
             View::Map => "Map",
@@ -41,7 +41,7 @@ impl View {
 
 /// An arrangement of the views to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum LayoutPreset {
+pub enum LayoutPreset {
     /// Waterfall above, map and cloud below.
     Survey,
     /// A large waterfall above, map and cloud below.
@@ -52,7 +52,7 @@ pub(crate) enum LayoutPreset {
 
 /// Dark or light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum ThemeChoice {
+pub enum ThemeChoice {
     /// Dark, as waterfalls are.
     #[default]
     Dark,
@@ -62,7 +62,7 @@ pub(crate) enum ThemeChoice {
 
 /// Colours of echo strength.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum ColourMap {
+pub enum ColourMap {
     /// Black to copper: what fish-finders and their users are used to.
     #[default]
     Copper,
@@ -78,7 +78,7 @@ pub(crate) enum ColourMap {
 
 impl ColourMap {
     /// All maps in the order of the menu.
-    pub(crate) const ALL: [ColourMap; 5] = [
+    pub const ALL: [ColourMap; 5] = [
         ColourMap::Copper,
         ColourMap::Grey,
         ColourMap::InverseGrey,
@@ -87,7 +87,7 @@ impl ColourMap {
     ];
 
     /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             ColourMap::Copper => "copper",
             ColourMap::Grey => "grey",
@@ -100,7 +100,7 @@ impl ColourMap {
 
 /// Which way time runs in the waterfall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Orientation {
+pub enum Orientation {
     /// Time runs to the right; port is up, starboard down.
     #[default]
     Horizontal,
@@ -110,7 +110,7 @@ pub(crate) enum Orientation {
 
 /// Colours of the two sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum SideColours {
+pub enum SideColours {
     /// Starboard red, port blue, as in the paper.
     #[default]
     Paper,
@@ -120,7 +120,7 @@ pub(crate) enum SideColours {
 
 /// A channel that looks down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum EchogramChannel {
+pub enum EchogramChannel {
     /// None of them.
     #[default]
     None,
@@ -134,7 +134,7 @@ pub(crate) enum EchogramChannel {
 
 impl EchogramChannel {
     /// All in the order of the menu.
-    pub(crate) const ALL: [EchogramChannel; 4] = [
+    pub const ALL: [EchogramChannel; 4] = [
         EchogramChannel::None,
         EchogramChannel::DownScan,
         EchogramChannel::Primary,
@@ -142,7 +142,7 @@ impl EchogramChannel {
     ];
 
     /// The channel of a log; `None` without one.
-    pub(crate) fn kind(self) -> Option<ChannelKind> {
+    pub fn kind(self) -> Option<ChannelKind> {
         match self {
             EchogramChannel::None => None,
             EchogramChannel::DownScan => Some(ChannelKind::DownScan),
@@ -152,7 +152,7 @@ impl EchogramChannel {
     }
 
     /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             EchogramChannel::None => "side-scan alone",
             EchogramChannel::DownScan => "down-scan",
@@ -165,7 +165,7 @@ impl EchogramChannel {
 /// Waterfall display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct WaterfallOptions {
+pub struct WaterfallOptions {
     /// Colours of echo strength.
     pub colour_map: ColourMap,
     /// Which way time runs.
@@ -196,7 +196,7 @@ pub(crate) struct WaterfallOptions {
 
 impl WaterfallOptions {
     /// What is measured across the track.
-    pub(crate) fn geometry(&self) -> PictureGeometry {
+    pub fn geometry(&self) -> PictureGeometry {
         match (self.ground_range, self.water_column) {
             (true, _) => PictureGeometry::Ground,
             (false, true) => PictureGeometry::Slant,
@@ -228,7 +228,7 @@ impl Default for WaterfallOptions {
 /// Map display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct MapOptions {
+pub struct MapOptions {
     /// What is drawn, in which order.
     pub layers: LayerStack,
     /// Colour the tracks by the log that they are of, instead of by depth.
@@ -255,7 +255,7 @@ impl Default for MapOptions {
 
 /// What the colour of a point says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-pub(crate) enum CloudColour {
+pub enum CloudColour {
     /// Down-scan, port or starboard.
     #[default]
     #[value(name = "side")]
@@ -272,7 +272,7 @@ pub(crate) enum CloudColour {
 
 impl CloudColour {
     /// All of them in the order of the menu.
-    pub(crate) const ALL: [CloudColour; 5] = [
+    pub const ALL: [CloudColour; 5] = [
         CloudColour::Source,
         CloudColour::Depth,
         CloudColour::Level,
@@ -281,7 +281,7 @@ impl CloudColour {
     ];
 
     /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             CloudColour::Source => "side",
             CloudColour::Depth => "depth",
@@ -293,7 +293,7 @@ impl CloudColour {
 
     /// The next one in the menu; logs are told apart only where there are several.
     #[must_use]
-    pub(crate) fn next(self, has_several_logs: bool) -> Self {
+    pub fn next(self, has_several_logs: bool) -> Self {
         let all = match has_several_logs {
             true => &Self::ALL[..],
             false => &Self::ALL[..4],
@@ -306,7 +306,7 @@ impl CloudColour {
 /// Cloud display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct CloudOptions {
+pub struct CloudOptions {
     /// What the colour of a point says.
     pub colour: CloudColour,
     /// Factor on z.
@@ -339,7 +339,7 @@ pub(crate) struct CloudOptions {
 
 impl CloudOptions {
     /// Turns the clip box on, around everything, or off.
-    pub(crate) fn toggle_clip(&mut self) {
+    pub fn toggle_clip(&mut self) {
         self.clip = match self.clip {
             Some(_) => None,
             None => Some(ClipBox::WHOLE),
@@ -347,7 +347,7 @@ impl CloudOptions {
     }
 
     /// The light comes from an eighth of a turn farther clockwise.
-    pub(crate) fn turn_light(&mut self) {
+    pub fn turn_light(&mut self) {
         self.light_deg[0] = (self.light_deg[0] + 45.0).rem_euclid(360.0);
     }
 }
@@ -375,7 +375,7 @@ impl Default for CloudOptions {
 
 /// Whether a panel beside the views is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum PanelShown {
+pub enum PanelShown {
     /// Where the window is wide enough for it and the views.
     #[default]
     WithRoom,
@@ -388,7 +388,7 @@ pub(crate) enum PanelShown {
 /// The panels beside the views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct PanelOptions {
+pub struct PanelOptions {
     /// The paper's steps, left.
     pub steps: PanelShown,
     /// What is selected, right.
@@ -398,7 +398,7 @@ pub(crate) struct PanelOptions {
 /// Whether the points of a swath are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(crate) struct SwathShown(pub bool);
+pub struct SwathShown(pub bool);
 
 impl Default for SwathShown {
     fn default() -> Self {
@@ -409,7 +409,7 @@ impl Default for SwathShown {
 /// All display options.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct ViewOptions {
+pub struct ViewOptions {
     /// Dark or light.
     pub theme: ThemeChoice,
     /// The panels beside the views.
@@ -440,7 +440,7 @@ pub(crate) struct ViewOptions {
 impl ViewOptions {
     /// What a person likes, for a survey that is opened anew: what hides or transforms a part of the one before is as it is by default.
     #[must_use]
-    pub(crate) fn for_new_survey(&self) -> Self {
+    pub fn for_new_survey(&self) -> Self {
         let usual = WaterfallOptions::default();
         let mut options = self.clone();
         options.waterfall = WaterfallOptions {
@@ -459,12 +459,12 @@ impl ViewOptions {
     }
 
     /// Whether boxes are drawn in any view.
-    pub(crate) fn shows_boxes(&self) -> bool {
+    pub fn shows_boxes(&self) -> bool {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
     }
 
     /// Draws the boxes in all views, or in none.
-    pub(crate) fn show_boxes(&mut self, shown: bool) {
+    pub fn show_boxes(&mut self, shown: bool) {
         self.waterfall.boxes = shown;
         self.cloud.boxes = shown;
         self.map.layers.set_visible(MapLayer::Boxes, shown);

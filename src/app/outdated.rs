@@ -1,11 +1,11 @@
 //! What is out of date after a change of the open logs, for each kind of change.
 //!
 //! Most of what is made of logs follows them by itself: results are asked for where they are older than the settings
-//! ([`App::schedule`]), and what is made of results where these are others ([`crate::pipeline::Background`]). Here is what nothing
+//! ([`App::schedule`]), and what is made of results where these are others ([`bathyscope_products::pipeline::Background`]). Here is what nothing
 //! replaces: it is dropped, or put right.
 
 use super::{App, LogId};
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 
 /// A change of the open logs.
 #[derive(Clone, Copy)]

@@ -2,20 +2,20 @@
 //! a background thread; a search that nobody waits for any more is dropped.
 
 use super::{App, LogId, LogPlace, ShownLog, Task, TaskOutcome};
-use crate::pipeline::{Derived, Pass, passes_over, place_of};
-use crate::support::geo::LonLat;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_products::pipeline::{Derived, Pass, passes_over, place_of};
 
 const NO_PLACE: &str = "select a place to port or starboard first, with a click in the waterfall";
 const NO_OTHER: &str = "no other pass of the visible logs saw this place";
 const NO_PASS: &str = "no pass of the visible logs saw this place";
 
 /// A pass, and the log that it is of.
-pub(crate) type LogPass = (LogId, Pass);
+pub type LogPass = (LogId, Pass);
 
 /// What is known of the passes over a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum PassesFound<'a> {
+pub enum PassesFound<'a> {
     /// They are being looked for.
     Searching,
     /// Nobody asked for those over this place last.
@@ -82,7 +82,7 @@ impl Passes {
 }
 
 /// The place of a pass that the other views show.
-pub(crate) fn mark_of(pass: &Pass) -> LogPlace {
+pub fn mark_of(pass: &Pass) -> LogPlace {
     let (ping, sample) = pass.middle;
     LogPlace {
         side: Some(pass.side),
@@ -93,7 +93,7 @@ pub(crate) fn mark_of(pass: &Pass) -> LogPlace {
 
 impl App {
     /// What is known of the passes of all visible logs over a position, in the order of the list of logs.
-    pub(crate) fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
+    pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
         let listed = self
             .findings
             .passes
@@ -109,7 +109,7 @@ impl App {
     }
 
     /// Done share of a search for passes under way, 0 to 1.
-    pub(crate) fn passes_fraction(&self) -> Option<f32> {
+    pub fn passes_fraction(&self) -> Option<f32> {
         self.findings.passes.fraction()
     }
 

@@ -1,9 +1,9 @@
 //! How the picture of the shown log is to be shown: keys and menus for `picture.*`.
 
 use super::{App, EchogramChannel};
-use crate::imagery::mosaic::Gain;
-use crate::imagery::picture::PictureSettings;
-use crate::pipeline::Settings;
+use bathyscope_bottom::mosaic::Gain;
+use bathyscope_bottom::picture::PictureSettings;
+use bathyscope_products::pipeline::Settings;
 
 impl App {
     pub(super) fn reset_picture(&mut self) {

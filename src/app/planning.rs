@@ -2,13 +2,13 @@
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
-use crate::bottom::planning::{Leg, Plan, PlanError, PlanSettings, plan};
-use crate::pipeline::list_objects;
-use crate::pipeline::survey_coverage;
-use crate::products::export::{PlanFormat, PlannedWay};
-use crate::support::geo::{LocalFrame, LonLat};
-use crate::support::printable::quoted;
-use crate::support::progress::Progress;
+use bathyscope_bottom::planning::{Leg, Plan, PlanError, PlanSettings, plan};
+use bathyscope_log::support::geo::{LocalFrame, LonLat};
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::export::{PlanFormat, PlannedWay};
+use bathyscope_products::pipeline::list_objects;
+use bathyscope_products::pipeline::survey_coverage;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const NO_LINE: &str = "no planned line is selected; click one on the map first";
 
 /// Planned lines, and where on the Earth they lie.
 #[derive(Clone, Debug)]
-pub(crate) struct PlannedLines {
+pub struct PlannedLines {
     /// The plan.
     pub plan: Plan,
     /// The frame of its plane.
@@ -38,7 +38,7 @@ impl PartialEq for PlannedLines {
 
 /// A request about the planned lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum PlanRequest {
+pub enum PlanRequest {
     /// Plan the next lines with these numbers.
     Ask(PlanSettings),
     /// Select a line by its number, or none.
@@ -56,7 +56,7 @@ pub(crate) enum PlanRequest {
 
 /// The planned lines and the work on them.
 #[derive(Default)]
-pub(crate) struct Planning {
+pub struct Planning {
     /// What the next plan is asked for.
     pub asked: PlanSettings,
     /// The lines, once there are some.
@@ -68,12 +68,12 @@ pub(crate) struct Planning {
 
 impl Planning {
     /// Whether lines are being planned.
-    pub(crate) fn is_busy(&self) -> bool {
+    pub fn is_busy(&self) -> bool {
         self.task.is_some()
     }
 
     /// Done share of the work under way, 0 to 1.
-    pub(crate) fn fraction(&self) -> Option<f32> {
+    pub fn fraction(&self) -> Option<f32> {
         self.task.as_ref().map(Task::fraction)
     }
 

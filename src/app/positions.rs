@@ -3,9 +3,9 @@
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId};
-use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::pipeline::joint::{LogPositions, position_offsets};
-use crate::pipeline::{LogSettings, ProcessedLog};
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_products::pipeline::joint::{LogPositions, position_offsets};
+use bathyscope_products::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;
 use toml::Value;
 
@@ -16,17 +16,17 @@ const LATENCY: &str = "mounting.latency_s";
 
 /// What was found of some logs.
 #[derive(Clone, Debug)]
-pub(crate) struct FoundPositions {
+pub struct FoundPositions {
     /// Each log, in the order of the list when it was asked for.
     pub logs: Vec<(LogId, LogPositions)>,
 }
 
 impl FoundPositions {
     /// What is said where nothing of it is worth applying.
-    pub(crate) const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
+    pub const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
 
     /// Whether anything of it differs from what was in force by more than crossings leave open.
-    pub(crate) fn tells(&self) -> bool {
+    pub fn tells(&self) -> bool {
         let of_log =
             |log: &LogPositions| log.told_shift().is_some() || log.told_latency_s().is_some();
         self.logs.iter().any(|(_, log)| of_log(log))
@@ -38,12 +38,12 @@ pub(super) type Positions = LogsTask<FoundPositions>;
 
 impl App {
     /// Whether positions are being compared.
-    pub(crate) fn is_matching_positions(&self) -> bool {
+    pub fn is_matching_positions(&self) -> bool {
         self.findings.positions.is_busy()
     }
 
     /// How the positions of the logs are off, once that was asked for.
-    pub(crate) fn position_offsets(&self) -> Option<&FoundPositions> {
+    pub fn position_offsets(&self) -> Option<&FoundPositions> {
         self.findings.positions.found()
     }
 

@@ -5,13 +5,13 @@
 //! during a long drag.
 
 use super::{Jobs, Task, TaskOutcome};
-use crate::pipeline::Settings;
-use crate::sonar::first_return::{
+use bathyscope_bottom::first_return::{
     BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation,
     SampleMode, ThresholdIndex, track_range,
 };
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::Survey;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::Settings;
 use std::ops::Range;
 use std::sync::Arc;
 

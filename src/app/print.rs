@@ -11,7 +11,7 @@ const INCH_MM: f64 = 25.4;
 
 /// What a picture is made for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Paper {
+pub enum Paper {
     /// 210 by 297 mm.
     #[default]
     A4,
@@ -23,10 +23,10 @@ pub(crate) enum Paper {
 
 impl Paper {
     /// All in the order of the list.
-    pub(crate) const ALL: [Paper; 3] = [Paper::A4, Paper::A3, Paper::Pixels];
+    pub const ALL: [Paper; 3] = [Paper::A4, Paper::A3, Paper::Pixels];
 
     /// Name in the list.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Paper::A4 => "A4",
             Paper::A3 => "A3",
@@ -47,7 +47,7 @@ impl Paper {
 /// How a view is printed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct PrintOptions {
+pub struct PrintOptions {
     /// What it is made for.
     pub paper: Paper,
     /// The long side lies across.
@@ -74,7 +74,7 @@ impl Default for PrintOptions {
 
 /// A picture's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sheet {
+pub struct Sheet {
     /// Width and height, pixels.
     pub size_px: [u32; 2],
     /// Pixels in a point of the screen: how much larger text and lines are drawn.
@@ -83,14 +83,14 @@ pub(crate) struct Sheet {
 
 impl PrintOptions {
     /// A point of the screen on paper, metres.
-    pub(crate) const POINT_M: f64 = INCH_MM / 1000.0 / POINTS_AN_INCH;
+    pub const POINT_M: f64 = INCH_MM / 1000.0 / POINTS_AN_INCH;
     /// Pixels in an inch that can be chosen.
-    pub(crate) const DPI: std::ops::RangeInclusive<u32> = 72..=600;
+    pub const DPI: std::ops::RangeInclusive<u32> = 72..=600;
     /// Widths that can be chosen, pixels.
-    pub(crate) const WIDTHS_PX: std::ops::RangeInclusive<u32> = 400..=8192;
+    pub const WIDTHS_PX: std::ops::RangeInclusive<u32> = 400..=8192;
 
     /// The picture of a view that takes `view` points of the screen.
-    pub(crate) fn sheet(&self, view: [f32; 2]) -> Sheet {
+    pub fn sheet(&self, view: [f32; 2]) -> Sheet {
         let Some([short_mm, long_mm]) = self.paper.sides_mm() else {
             let [width, height] = view.map(|side| f64::from(side.max(1.0)));
             let scale = f64::from(self.width_px) / width;
@@ -113,7 +113,7 @@ impl PrintOptions {
 
 impl App {
     /// What the views show of this state, to be drawn elsewhere: without buttons, and without what the pointer has selected.
-    pub(crate) fn for_picture(&self) -> App {
+    pub fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.view.is_picture = true;
         copy.log = self.log.for_picture();

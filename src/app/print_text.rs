@@ -1,10 +1,10 @@
 //! What stands around a printed view: title, dates, coordinate system, what depths count from, scale.
 
 use super::{App, View};
-use crate::pipeline::Products;
-use crate::support::calendar;
-use crate::support::geo::{CoordinateFormat, UtmZone};
-use crate::support::printable::one_line;
+use bathyscope_log::support::calendar;
+use bathyscope_log::support::geo::{CoordinateFormat, UtmZone};
+use bathyscope_log::support::printable::one_line;
+use bathyscope_products::pipeline::Products;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Logs that a title names; of more it says how many.
@@ -12,7 +12,7 @@ const NAMED: usize = 3;
 
 /// The words around a printed view.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct PrintText {
+pub struct PrintText {
     /// Above the view.
     pub title: String,
     /// Below it, a sentence a line.
@@ -21,7 +21,7 @@ pub(crate) struct PrintText {
 
 impl App {
     /// What stands around a print of a view. `scale` says how large it is on paper; printed at `now`.
-    pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
+    pub fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
         let facts = [
             self.recorded(now),
             self.system(view),

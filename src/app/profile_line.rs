@@ -1,10 +1,10 @@
 //! The depths along the line of a depth profile, taken from the depth map.
 
 use super::App;
-use crate::bottom::bathymetry::{Corner, TransectStation, transect};
-use crate::pipeline::DepthMap;
-use crate::project::{Measurement, MeasurementKind};
-use crate::support::geo::LonLat;
+use bathyscope_bottom::bathymetry::{Corner, TransectStation, transect};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_products::pipeline::DepthMap;
+use bathyscope_products::project::{Measurement, MeasurementKind};
 use std::sync::Arc;
 
 /// Most places that a line is looked at at.
@@ -12,7 +12,7 @@ const MOST_STATIONS: usize = 2000;
 
 /// The depths along a line, and what they were taken from.
 #[derive(Clone)]
-pub(crate) struct ProfileLine {
+pub struct ProfileLine {
     line: Measurement,
     map: Option<Arc<DepthMap>>,
     /// Places along the line with their depths.
@@ -23,7 +23,7 @@ pub(crate) struct ProfileLine {
 
 impl ProfileLine {
     /// Whether there is no depth map to look at.
-    pub(crate) fn lacks_map(&self) -> bool {
+    pub fn lacks_map(&self) -> bool {
         self.map.is_none()
     }
 

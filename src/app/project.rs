@@ -4,19 +4,19 @@
 use super::drawn_figure::Figure;
 use super::error::AppError;
 use super::{App, LogId, OpenLog, Task, TaskOutcome, ViewOptions};
-use crate::detection::objects::ObjectNumbers;
-use crate::detection::review::{Queue, Sort};
-use crate::formats::{self, OpenError};
-use crate::pipeline::Settings;
-use crate::products::export::is_same_file;
-use crate::project::{
+use bathyscope_log::formats::{self, OpenError};
+use bathyscope_log::support::geo::LocalFrame;
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use bathyscope_objects::objects::ObjectNumbers;
+use bathyscope_objects::review::{Queue, Sort};
+use bathyscope_products::export::is_same_file;
+use bathyscope_products::pipeline::Settings;
+use bathyscope_products::project::{
     ENDING, LogFile, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW, SavingOutcome,
     Store, StoreError, find,
 };
-use crate::support::geo::LocalFrame;
-use crate::support::printable::quoted;
-use crate::support::progress::Progress;
-use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -94,19 +94,19 @@ struct OpenedLogs {
 }
 
 /// Whether a path is named as a project is.
-pub(crate) fn is_project(path: &Path) -> bool {
+pub fn is_project(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
 }
 
 impl App {
     /// The file of the open project.
-    pub(crate) fn project_path(&self) -> Option<&Path> {
+    pub fn project_path(&self) -> Option<&Path> {
         self.files.project_saving.store.as_ref().map(Store::path)
     }
 
     /// Whether the project has changes that its file does not hold; they are in the journal beside it.
-    pub(crate) fn is_project_unsaved(&self) -> bool {
+    pub fn is_project_unsaved(&self) -> bool {
         let store = self.files.project_saving.store.as_ref();
         store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
     }
@@ -204,8 +204,7 @@ impl App {
     }
 
     /// Whether the project is being written into its file.
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn is_keeping(&self) -> bool {
+    pub fn is_keeping(&self) -> bool {
         self.files.project_saving.is_writing()
     }
 

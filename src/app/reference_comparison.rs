@@ -2,10 +2,10 @@
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
-use crate::bottom::bathymetry::SurfaceSettings;
-use crate::bottom::bathymetry::compare::Matching;
-use crate::bottom::cloud::{PointClass, PointSource};
-use crate::pipeline::{Agreement, ProcessedLog, Reference};
+use bathyscope_bottom::bathymetry::SurfaceSettings;
+use bathyscope_bottom::bathymetry::compare::Matching;
+use bathyscope_bottom::cloud::{PointClass, PointSource};
+use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 
 /// What is compared with the soundings of the survey itself.
@@ -119,17 +119,17 @@ impl ReferenceComparison {
 impl App {
     /// How the points differ from the reference, or side-scan from soundings while there is none; `None` until it was asked
     /// for, and where no point lies over them.
-    pub(crate) fn agreement(&self) -> Option<&Arc<Agreement>> {
+    pub fn agreement(&self) -> Option<&Arc<Agreement>> {
         self.findings.reference_comparison.agreement.as_ref()
     }
 
     /// Why there is no agreement, in a sentence.
-    pub(crate) fn agreement_problem(&self) -> Option<&str> {
+    pub fn agreement_problem(&self) -> Option<&str> {
         self.findings.reference_comparison.problem.as_deref()
     }
 
     /// Whether depths are being compared with the reference.
-    pub(crate) fn is_comparing_with_reference(&self) -> bool {
+    pub fn is_comparing_with_reference(&self) -> bool {
         self.findings.reference_comparison.is_busy()
     }
 

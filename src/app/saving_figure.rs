@@ -2,13 +2,13 @@
 
 use super::App;
 use super::error::AppError;
-use crate::products::export::{self, MeasuredFigure};
-use crate::project::MeasurementKind;
+use bathyscope_products::export::{self, MeasuredFigure};
+use bathyscope_products::project::MeasurementKind;
 use std::path::{Path, PathBuf};
 
 impl App {
     /// What is measured, once there is something between its corners.
-    pub(crate) fn measured(&self) -> Option<MeasuredFigure> {
+    pub fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let figure = &self.map.measuring.figure.as_deref()?.measurement;
         if !figure.is_measurable() {

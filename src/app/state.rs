@@ -24,12 +24,12 @@ use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
 use super::step::UndoStep;
 use super::{GivenSettings, Jobs, LoadStatus, LogId, LogPlace, OpenLog, Reveal, ViewOptions};
-use crate::formats::base_map::BaseMap;
-use crate::pipeline::{Engine, EngineStatus, Settings, Stage};
-use crate::project::{History, LogKey};
-use crate::sonar::first_return::FirstReturns;
-use crate::support::geo::LocalFrame;
-use crate::survey::{Survey, Track};
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::formats::base_map::BaseMap;
+use bathyscope_log::support::geo::LocalFrame;
+use bathyscope_log::survey::{Survey, Track};
+use bathyscope_products::pipeline::{Engine, EngineStatus, Settings, Stage};
+use bathyscope_products::project::{History, LogKey};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ pub(super) struct Document {
     pub plane: LocalFrame,
     /// The metres of a log became those of another system, and the plane was not settled since.
     pub is_plane_moved: bool,
-    /// How recorders are mounted as a rule, by [`crate::survey::Source::recorder`].
+    /// How recorders are mounted as a rule, by [`bathyscope_log::survey::Source::recorder`].
     pub mountings: Arc<Mountings>,
     /// What undo goes back to.
     pub history: History<UndoStep>,
@@ -146,7 +146,7 @@ impl Findings {
 
 /// What the views show, and how.
 #[derive(Default)]
-pub(crate) struct ViewState {
+pub struct ViewState {
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
@@ -167,7 +167,7 @@ pub(crate) struct ViewState {
 
 /// What the analyst lays on the map.
 #[derive(Default)]
-pub(crate) struct MapWork {
+pub struct MapWork {
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are compared with.
@@ -179,7 +179,7 @@ pub(crate) struct MapWork {
 }
 
 /// Everything that the window shows.
-pub(crate) struct App {
+pub struct App {
     /// The log that waterfall, profile and panels show: the one under the selection.
     pub log: OpenLog,
     pub(super) logs: OpenLogs,
@@ -206,7 +206,7 @@ pub(crate) struct App {
 
 impl App {
     /// An empty window.
-    pub(crate) fn new(jobs: Jobs) -> Self {
+    pub fn new(jobs: Jobs) -> Self {
         Self {
             log: OpenLog::default(),
             logs: OpenLogs::default(),
@@ -228,47 +228,47 @@ impl App {
     }
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result.
-    pub(crate) fn returns(&self) -> Option<&Arc<FirstReturns>> {
+    pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
         self.log.returns()
     }
 
     /// The bottom line to draw over the waterfall: what the picture is laid out by, or the first returns under the slider.
-    pub(crate) fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
+    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         self.log.bottom_line()
     }
 
     /// The first stage whose result is older than its settings.
-    pub(crate) fn stale(&self) -> Option<Stage> {
+    pub fn stale(&self) -> Option<Stage> {
         self.log.stale()
     }
 
     /// Whether results are missing or older than their settings and nothing is under way to change that.
-    pub(crate) fn is_stopped(&self) -> bool {
+    pub fn is_stopped(&self) -> bool {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
     /// How work in a background thread is run.
-    pub(crate) fn jobs(&self) -> &Jobs {
+    pub fn jobs(&self) -> &Jobs {
         &self.jobs
     }
 
     /// What the engine does.
-    pub(crate) fn engine_status(&self) -> EngineStatus {
+    pub fn engine_status(&self) -> EngineStatus {
         self.pipeline.engine.status()
     }
 
     /// What is being opened.
-    pub(crate) fn load_status(&self) -> Option<LoadStatus> {
+    pub fn load_status(&self) -> Option<LoadStatus> {
         self.files.loading.as_ref().map(Loading::status)
     }
 
     /// Done share of the export under way, 0 to 1.
-    pub(crate) fn export_fraction(&self) -> Option<f32> {
+    pub fn export_fraction(&self) -> Option<f32> {
         self.files.exporting.as_ref().map(Exporting::fraction)
     }
 
     /// Whether nothing is being opened, computed or written.
-    pub(crate) fn is_idle(&self) -> bool {
+    pub fn is_idle(&self) -> bool {
         let is_busy = self.pipeline.is_busy()
             || self.files.is_busy()
             || self.findings.is_busy()

@@ -4,8 +4,8 @@ use super::drawn_figure::Figure;
 use super::mounting::Mountings;
 use super::planning::PlannedLines;
 use super::{LogId, OpenLog};
-use crate::detection::review::Review;
-use crate::pipeline::{LogSettings, Settings};
+use bathyscope_objects::review::Review;
+use bathyscope_products::pipeline::{LogSettings, Settings};
 use std::sync::Arc;
 
 /// What undo goes back to: everything that an analyst changes.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Where a layer is drawn while the map is divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum SwipeSide {
+pub enum SwipeSide {
     /// On both sides.
     #[default]
     Both,
@@ -18,10 +18,10 @@ pub(crate) enum SwipeSide {
 
 impl SwipeSide {
     /// In the order of the menu.
-    pub(crate) const ALL: [Self; 3] = [Self::Left, Self::Both, Self::Right];
+    pub const ALL: [Self; 3] = [Self::Left, Self::Both, Self::Right];
 
     /// Name in menus.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Both => "both",
             Self::Left => "left",
@@ -33,7 +33,7 @@ impl SwipeSide {
 /// A divided map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct Swipe {
+pub struct Swipe {
     /// Whether the map is divided.
     pub on: bool,
     /// Where the divider stands, as a share of the map's width.
@@ -59,13 +59,13 @@ impl Default for Swipe {
 
 impl Swipe {
     /// Where a layer is drawn.
-    pub(crate) fn side(&self, layer: MapLayer) -> SwipeSide {
+    pub fn side(&self, layer: MapLayer) -> SwipeSide {
         let found = self.sides.iter().find(|(other, _)| *other == layer);
         found.map_or(SwipeSide::Both, |(_, side)| *side)
     }
 
     /// Draws a layer on `side` from now on.
-    pub(crate) fn set_side(&mut self, layer: MapLayer, side: SwipeSide) {
+    pub fn set_side(&mut self, layer: MapLayer, side: SwipeSide) {
         self.sides.retain(|(other, _)| *other != layer);
         if side != SwipeSide::Both {
             self.sides.push((layer, side));
@@ -73,7 +73,7 @@ impl Swipe {
     }
 
     /// Moves the divider by a share of the map's width; it stays on the map.
-    pub(crate) fn shift(&mut self, by: f32) {
+    pub fn shift(&mut self, by: f32) {
         self.share = match self.share.is_finite() {
             true => (self.share + by).clamp(0.02, 0.98),
             false => 0.5,
@@ -81,7 +81,7 @@ impl Swipe {
     }
 
     /// Divides the map or makes it whole. Where both sides would show the same, the first layer of each is shown.
-    pub(crate) fn toggle(&mut self, stack: &mut LayerStack) {
+    pub fn toggle(&mut self, stack: &mut LayerStack) {
         self.on = !self.on;
         for side in [SwipeSide::Left, SwipeSide::Right] {
             let own = || self.sides.iter().filter(|(_, other)| *other == side);

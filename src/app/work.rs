@@ -4,11 +4,11 @@ use super::figures::Figures;
 use super::loader::{Loading, OpenMode, OpenRequest, OpenedPath, ReadBottom};
 use super::preview::PreviewRequest;
 use super::{Action, App, Jobs, LogId, LogOrigin, OpenLog, Task, TaskOutcome};
-use crate::pipeline::Products;
-use crate::products::export::is_same_file;
-use crate::project::LogFile;
-use crate::support::printable::quoted;
-use crate::survey::Survey;
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::export::is_same_file;
+use bathyscope_products::pipeline::Products;
+use bathyscope_products::project::LogFile;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ const RECENT: usize = 10;
 
 impl App {
     /// Collects what the workers finished. Call once a frame.
-    pub(crate) fn poll(&mut self) {
+    pub fn poll(&mut self) {
         self.poll_loading();
         self.poll_engine();
         self.poll_following();

@@ -3,10 +3,10 @@
 use super::settings::{LogOpener, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{Failure, output};
-use crate::formats::read_area;
-use crate::products::export::{LogPartChoice, TimeBound, check_copy, copy_log};
-use crate::sonar::calibration::PingRange;
-use crate::support::progress::Progress;
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::formats::read_area;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::export::{LogPartChoice, TimeBound, check_copy, copy_log};
 use std::path::PathBuf;
 
 /// `bathyscope convert LOG -o FILE`.

@@ -2,16 +2,16 @@
 
 use super::status_line::StatusLine;
 use super::{Failure, output, simulated_files};
-use crate::detection::dataset::{Chip, KnownObject, PictureBoxes, Slice};
-use crate::detection::{Mark, Raster, TILE_PX};
-use crate::formats;
-use crate::products::export::{DatasetFolder, DatasetPart, PartSummary, make_folder};
-use crate::simulation::{
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{HeadingSettings, Projection, Survey, navigate};
+use bathyscope_objects::dataset::{Chip, KnownObject, PictureBoxes, Slice};
+use bathyscope_objects::{Mark, Raster, TILE_PX};
+use bathyscope_products::export::{DatasetFolder, DatasetPart, PartSummary, make_folder};
+use bathyscope_simulation::{
     self, ObjectKind, ObjectPass, Simulated, TrainingPlace, TrainingScene, training_scene,
     training_seed,
 };
-use crate::support::progress::Progress;
-use crate::survey::{HeadingSettings, Projection, Survey, navigate};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fs;
@@ -201,7 +201,7 @@ impl Maker<'_> {
         let first = index * self.per_scene;
         let requested = self.per_scene.min(self.images - first);
         let quiet = Progress::new();
-        let simulated = simulation::simulate(&training.scene, seed, &quiet)?;
+        let simulated = bathyscope_simulation::simulate(&training.scene, seed, &quiet)?;
         if let Some(folder) = &self.surveys {
             simulated_files::write(&simulated, &folder.join(format!("{index:04}")))?;
         }

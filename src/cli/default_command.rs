@@ -6,9 +6,9 @@ use super::process::How;
 use super::survey_logs::OpenedLog;
 use super::{Failure, output, quiet_driver, snapshot, window};
 use crate::app::LogOrigin;
-use crate::pipeline::Settings;
-use crate::products::outputs::Product;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::outputs::Product;
+use bathyscope_products::pipeline::Settings;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

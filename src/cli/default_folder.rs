@@ -3,9 +3,9 @@
 
 use super::survey_logs::OpenedLog;
 use crate::app::is_project;
-use crate::products::outputs;
-use crate::support::file_name::file_name;
-use crate::survey::Survey;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::file_name::file_name;
+use bathyscope_products::outputs;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -121,9 +121,9 @@ fn common(names: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::Settings;
-    use crate::products::outputs::MANIFEST;
-    use crate::survey::Bytes;
+    use bathyscope_log::survey::Bytes;
+    use bathyscope_products::outputs::MANIFEST;
+    use bathyscope_products::pipeline::Settings;
     use std::fs;
     use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 mod share;
 
 use super::{Failure, output};
-use crate::products::export::{make_folder, write_bytes};
+use bathyscope_products::export::{make_folder, write_bytes};
 use share::{APPLICATIONS, MIME, ShareFile};
 use std::fmt::Display;
 use std::fs;

@@ -1,6 +1,6 @@
 //! What a search found, in words.
 
-use crate::products::outputs::Proposed;
+use bathyscope_products::outputs::Proposed;
 use std::collections::BTreeMap;
 
 /// `7 boxes (4 rock, 3 tyre)`, of the classes' names.
@@ -39,8 +39,8 @@ pub(super) fn proposed(found: &Proposed, names: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detection::{Detection, Mark};
-    use crate::survey::Side;
+    use bathyscope_log::survey::Side;
+    use bathyscope_objects::{Detection, Mark};
 
     fn summary_of(classes: &[usize], objects: usize, unplaced: usize) -> String {
         let one = |&class: &usize| Detection {

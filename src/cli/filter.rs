@@ -2,10 +2,10 @@
 
 use super::status_line::StatusLine;
 use super::{Failure, output};
-use crate::bottom::cloud::outliers;
-use crate::formats::points::{self, PointFormat, split_columns};
-use crate::products::export::kept_points;
-use crate::support::progress::Progress;
+use bathyscope_bottom::cloud::outliers;
+use bathyscope_log::formats::points::{self, PointFormat, split_columns};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::export::kept_points;
 use std::ffi::OsString;
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! A folder of its own for each of several surveys.
 
-use crate::support::file_name::file_name;
+use bathyscope_products::file_name::file_name;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 

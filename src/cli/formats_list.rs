@@ -1,7 +1,7 @@
 //! `bathyscope info --formats`: the formats of logs that can be read.
 
 use super::{Failure, output};
-use crate::formats::{FORMATS, FormatEntry};
+use bathyscope_log::formats::{FORMATS, FormatEntry};
 use serde_json::{Value, json};
 
 /// Prints them, as text or as JSON for scripts.
@@ -34,7 +34,7 @@ fn to_text(format: &FormatEntry) -> String {
 }
 
 fn to_json(format: &FormatEntry) -> Value {
-    let ending = |(ending, role): &(&str, crate::formats::FileRole)| json!({ "ending": ending, "role": role.name() });
+    let ending = |(ending, role): &(&str, bathyscope_log::formats::FileRole)| json!({ "ending": ending, "role": role.name() });
     let endings: Vec<Value> = format.endings.iter().map(ending).collect();
     let carries: Vec<&str> = format.carries.iter().map(|one| one.name()).collect();
     json!({

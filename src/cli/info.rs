@@ -1,11 +1,11 @@
 //! `bathyscope info`: what is in a log.
 
 use super::{Failure, formats_list, output};
-use crate::formats;
-use crate::sonar::calibration::header_scale;
-use crate::support::calendar;
-use crate::support::progress::Progress;
-use crate::survey::{Channel, SideScanState, Survey, Warning};
+use bathyscope_bottom::calibration::header_scale;
+use bathyscope_log::formats;
+use bathyscope_log::support::calendar;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Channel, SideScanState, Survey, Warning};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

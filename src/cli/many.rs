@@ -1,6 +1,6 @@
 //! Folders of logs in the place of logs.
 
-use crate::formats;
+use bathyscope_log::formats;
 use std::path::PathBuf;
 
 /// The paths, with each folder of several logs replaced by these. A recording of several files is a folder, too, and stays.

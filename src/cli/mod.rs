@@ -48,12 +48,12 @@ mod window;
 
 pub use dataset::known_objects;
 
-pub use crate::support::catch_panic::is_to_be_printed;
-pub use crate::support::crash_report::write_crash_report;
+pub use crate::app::crash_report::write_crash_report;
+pub use bathyscope_log::support::catch_panic::is_to_be_printed;
 
-use crate::formats::formats_to_open;
-use crate::pipeline::settings::slips;
-use crate::support::catch_panic::panic_as_error;
+use bathyscope_log::formats::formats_to_open;
+use bathyscope_log::support::catch_panic::panic_as_error;
+use bathyscope_products::pipeline::settings::slips;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use failure::Failure;

@@ -6,22 +6,22 @@ use std::ffi::OsString;
 use std::path::Path;
 
 /// What is said wherever something would be drawn.
-pub(crate) const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
+pub const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
 
 /// `bathyscope snapshot`, with whatever it would take.
 #[derive(Debug, clap::Args)]
-pub(crate) struct SnapshotArgs {
+pub struct SnapshotArgs {
     /// This build has no window, and draws no pictures of one
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     _arguments: Vec<OsString>,
 }
 
 /// Says that nothing can be drawn.
-pub(crate) fn run(_: SnapshotArgs) -> Result<(), Failure> {
+pub fn run(_: SnapshotArgs) -> Result<(), Failure> {
     Err(NO_WINDOW.into())
 }
 
 /// Says the same.
-pub(crate) fn draw_into(_: &LogOrigin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
+pub fn draw_into(_: &LogOrigin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
     Err(NO_WINDOW.into())
 }

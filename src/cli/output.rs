@@ -2,8 +2,8 @@
 //! what reaches a terminal from here is text that it shows and no command to it.
 
 use super::Failure;
-use crate::support::printable;
-use crate::support::system_words::in_plain_words;
+use crate::app::system_words::in_plain_words;
+use bathyscope_log::support::printable;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};

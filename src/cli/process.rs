@@ -9,12 +9,12 @@ use super::folders::Folders;
 use super::settings::SettingsArgs;
 use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open, take_reviews};
 use super::{Failure, detect, output};
-use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::products::outputs::Product;
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_products::outputs::Product;
 use requested::Requested;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-pub(crate) use survey::{How, all_processed};
+pub use survey::{How, all_processed};
 
 /// `bathyscope process SURVEY... [-o DIR]`.
 #[derive(Debug, clap::Args)]

@@ -5,10 +5,10 @@ use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open, survey_review, take_reviews};
 use super::{Failure, output};
-use crate::detection::review::{Review, ReviewError};
-use crate::products::export::DatasetPart;
-use crate::products::outputs;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::review::{Review, ReviewError};
+use bathyscope_products::export::DatasetPart;
+use bathyscope_products::outputs;
 use std::path::PathBuf;
 
 /// `bathyscope review SURVEY... -o DIR`.

@@ -2,13 +2,13 @@
 
 use super::status_line::StatusLine;
 use super::{Failure, LONGEST_TEXT, output};
-use crate::bottom::cloud::Correction;
-use crate::formats::{self, TrackError, TrackFile};
-use crate::pipeline::{self, Preset, Products, Settings, SourceError};
-use crate::sonar::first_return::BottomSettings;
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::regular_file;
-use crate::survey::Survey;
+use bathyscope_bottom::cloud::Correction;
+use bathyscope_bottom::first_return::BottomSettings;
+use bathyscope_log::formats::{self, TrackError, TrackFile};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{self, Preset, Products, Settings, SourceError};
 use std::path::{Path, PathBuf};
 
 /// Where settings come from: the preset, then the files, then each `--set`, the last word winning.

@@ -4,9 +4,9 @@ use super::dataset::{self, DatasetArgs};
 use super::simulated_files::{with_ending, write};
 use super::status_line::StatusLine;
 use super::{Failure, LONGEST_TEXT, output};
-use crate::simulation::{Scene, simulate};
-use crate::support::progress::Progress;
-use crate::support::regular_file;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::regular_file;
+use bathyscope_simulation::{Scene, simulate};
 use std::path::{Path, PathBuf};
 
 /// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`, `bathyscope simulate --dataset DIR [--images N] [--seed N]`.

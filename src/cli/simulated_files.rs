@@ -1,7 +1,7 @@
 //! The files of a simulated survey: the log and its tables of truth.
 
-use crate::products::export::{ExportError, write_atomically};
-use crate::simulation::Simulated;
+use bathyscope_products::export::{ExportError, write_atomically};
+use bathyscope_simulation::Simulated;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};

@@ -7,14 +7,14 @@ use crate::app::{
     Action, App, CloudColour, Command, FileToOpen, Jobs, LogOrigin, LogPlace, MapLayer,
     ThemeChoice, View, ViewOptions,
 };
-use crate::pipeline::BottomColour;
-use crate::sonar::calibration::PingRange;
-use crate::support::geo::CoordinateFormat;
-use crate::support::progress::Progress;
 use crate::ui::{
     Alone, Shell,
     offscreen::{Studio, write_picture},
 };
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::BottomColour;
 use std::path::{Path, PathBuf};
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.

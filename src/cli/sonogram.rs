@@ -4,11 +4,11 @@ use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
 use super::{Failure, output, quiet_driver};
 use crate::app::View;
-use crate::products::export::make_folder;
-use crate::sonar::calibration::PingRange;
-use crate::support::progress::Progress;
 use crate::ui::offscreen::{Studio, write_picture};
 use crate::ui::{Alone, Shell};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::export::make_folder;
 use std::path::PathBuf;
 
 /// Pages at most: more is a slip of the pen.

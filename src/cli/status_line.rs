@@ -2,7 +2,7 @@
 //! at intervals while a step takes long.
 
 use super::output;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -3,10 +3,10 @@
 use super::Failure;
 use super::settings::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, LogOrigin};
-use crate::imagery::waterfall::RangeAxis;
-use crate::pipeline::{self, Settings};
-use crate::sonar::calibration::PingRange;
-use crate::survey::Survey;
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_bottom::waterfall::RangeAxis;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{self, Settings};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;

@@ -12,7 +12,8 @@ pub(super) fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Re
 /// Says why there is no window to who has started the program from a desktop, and sees nothing else of it.
 #[cfg(feature = "gui")]
 pub(super) fn say_in_a_box(sentence: &str) {
-    use crate::support::{printable::one_line, system_words::in_plain_words};
+    use crate::app::system_words::in_plain_words;
+    use bathyscope_log::support::printable::one_line;
     rfd::MessageDialog::new()
         .set_title("Bathyscope")
         .set_level(rfd::MessageLevel::Error)
@@ -26,7 +27,7 @@ pub(super) fn say_in_a_box(_: &str) {}
 
 /// Says that there is none.
 #[cfg(not(feature = "gui"))]
-pub(crate) fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
+pub fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
     Err(super::snapshot::NO_WINDOW.into())
 }
 

@@ -5,7 +5,7 @@ use super::noise::NoiseField;
 use super::path::Path;
 use super::random::{Random, RandomPurpose};
 use super::scene::Scene;
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 use std::f64::consts::{LN_10, PI};
 
 /// What is wrong with one ping.

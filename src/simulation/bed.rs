@@ -232,7 +232,7 @@ fn soft_min(a: f64, b: f64, width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::Scene;
+    use crate::Scene;
 
     fn steepest_deg(bed: &SceneBed) -> f64 {
         let mut steepest = 0.0_f64;

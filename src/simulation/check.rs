@@ -22,7 +22,7 @@ impl Scene {
     ///
     /// # Errors
     /// One sentence about the first setting that is out of bounds.
-    pub(crate) fn check(&self) -> Result<(), SceneError> {
+    pub fn check(&self) -> Result<(), SceneError> {
         self.check_ground()?;
         self.check_track()?;
         self.check_recorder()?;

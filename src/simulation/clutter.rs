@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Ripples of sand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct RippleSettings {
+pub struct RippleSettings {
     /// Distance between crests, metres.
     pub wavelength_m: f64,
     /// Height of a crest above a trough, metres.
@@ -17,7 +17,7 @@ pub(crate) struct RippleSettings {
 /// A round pit with a low rim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Pit {
+pub struct Pit {
     /// Its centre, metres east.
     pub east_m: f64,
     /// Its centre, metres north.
@@ -31,7 +31,7 @@ pub(crate) struct Pit {
 /// A round mound, or a hollow, without an edge: the ground rises by `height_m exp(-d^2 / (2 radius_m^2))` at the distance d.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Mound {
+pub struct Mound {
     /// Its centre, metres east.
     pub east_m: f64,
     /// Its centre, metres north.
@@ -45,7 +45,7 @@ pub(crate) struct Mound {
 /// A shoal of fish that keeps its place while the boat passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Shoal {
+pub struct Shoal {
     /// Its centre, metres east.
     pub east_m: f64,
     /// Its centre, metres north.
@@ -63,7 +63,7 @@ pub(crate) struct Shoal {
 /// A clump of water weed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct WeedClump {
+pub struct WeedClump {
     /// Its centre, metres east.
     pub east_m: f64,
     /// Its centre, metres north.

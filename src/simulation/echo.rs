@@ -237,11 +237,11 @@ impl Listener<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::Scene;
-    use crate::simulation::bed::SceneBed;
-    use crate::simulation::path::BoatPose;
-    use crate::simulation::world::World;
-    use crate::survey::Side;
+    use crate::Scene;
+    use crate::bed::SceneBed;
+    use crate::path::BoatPose;
+    use crate::world::World;
+    use bathyscope_log::survey::Side;
 
     /// Level ground 3 m deep, seen to starboard with samples of 1 cm.
     fn level_echo() -> Echo {

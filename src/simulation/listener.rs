@@ -3,7 +3,7 @@
 use super::beam::Beam;
 use super::path::BoatPose;
 use super::world::World;
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 
 /// One listening side at one place.
 pub(super) struct Listener<'a> {

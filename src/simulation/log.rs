@@ -3,10 +3,10 @@
 use super::random::{Random, RandomPurpose};
 use super::simulate::{ReceivedPing, SimulationRun, mercator};
 use super::sonar::echogram;
-use crate::formats::lowrance::write::{
+use bathyscope_log::formats::lowrance::write::{
     COMPOSITE, DOWN_SCAN, PRIMARY, Sl2Frame, WrittenFix, frequency_code, usual_frequency_khz,
 };
-use crate::survey::ChannelKind;
+use bathyscope_log::survey::ChannelKind;
 use std::f64::consts::TAU;
 
 /// Noise of the recorded course (standard deviation).

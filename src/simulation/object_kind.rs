@@ -1,6 +1,6 @@
 //! The kinds of objects that a scene may hold.
 
-use crate::support::named::named;
+use bathyscope_log::named;
 use serde::{Deserialize, Serialize};
 
 /// What an object is.

@@ -2,7 +2,7 @@
 
 use super::arithmetic::{bearing, cos, sin};
 use super::scene::TrackSettings;
-use crate::survey::MountingSettings;
+use bathyscope_log::survey::MountingSettings;
 use std::f64::consts::PI;
 
 /// Where the boat is, and where it heads.

@@ -11,7 +11,7 @@ use super::random::{Random, RandomPurpose};
 use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
 use super::visibility::Trace;
 use super::world::World;
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 use std::ops::Range;
 
 /// The receiver, with its tables for one recorded range.

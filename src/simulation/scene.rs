@@ -1,8 +1,8 @@
 //! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
 
-pub(crate) use super::clutter::{Mound, Pit, RippleSettings, Shoal, WeedClump};
+pub use super::clutter::{Mound, Pit, RippleSettings, Shoal, WeedClump};
 use super::object_kind::ObjectKind;
-use crate::survey::MountingSettings;
+use bathyscope_log::survey::MountingSettings;
 use serde::{Deserialize, Serialize};
 
 /// A simulated survey: the ground, the boat, the recorder and what goes wrong.
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// East and north are metres from the scene's own centre at `longitude_deg`, `latitude_deg`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Scene {
+pub struct Scene {
     /// Longitude of the scene's centre, degrees east.
     pub longitude_deg: f64,
     /// Latitude of the scene's centre, degrees north.
@@ -43,7 +43,7 @@ pub(crate) struct Scene {
 /// The character of the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum BedKind {
+pub enum BedKind {
     /// Sand or mud, long swells with slopes up to 4 degrees.
     #[default]
     Gentle,
@@ -56,7 +56,7 @@ pub(crate) enum BedKind {
 /// The ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct BedSettings {
+pub struct BedSettings {
     /// Its character.
     pub kind: BedKind,
     /// Draws its swells, bumps and stones, so that several surveys meet one ground; the survey's own seed when left out.
@@ -83,7 +83,7 @@ pub(crate) struct BedSettings {
 /// How a recorder turns power into bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Curve {
+pub enum Curve {
     /// Bytes for each decibel.
     #[default]
     Decibel,
@@ -96,7 +96,7 @@ pub(crate) enum Curve {
 /// A level rectangle in the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Terrace {
+pub struct Terrace {
     /// Its centre, metres east.
     pub east_m: f64,
     /// Its centre, metres north.
@@ -114,7 +114,7 @@ pub(crate) struct Terrace {
 /// The shore of a rectangular pond.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Bank {
+pub struct Bank {
     /// Extent of the water from west to east, metres.
     pub length_m: f64,
     /// Extent of the water from south to north, metres.
@@ -126,7 +126,7 @@ pub(crate) struct Bank {
 /// Where the boat goes: lines to and fro from west to east, then lines from south to north across them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct TrackSettings {
+pub struct TrackSettings {
     /// Lines along the east axis.
     pub lines: u32,
     /// Lines along the north axis.
@@ -155,7 +155,7 @@ pub(crate) struct TrackSettings {
 /// How the echoes become bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct RecorderSettings {
+pub struct RecorderSettings {
     /// Slant range of the last side-scan sample, metres.
     pub range_m: f64,
     /// Samples on each side.
@@ -202,7 +202,7 @@ pub(crate) struct RecorderSettings {
 /// What is not as it should be. The default is everything, in the amounts seen in the field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Artefacts {
+pub struct Artefacts {
     /// Rayleigh speckle.
     pub speckle: bool,
     /// Ring-down of the transducer: 1 as measured, 0 none.
@@ -243,7 +243,7 @@ pub(crate) struct Artefacts {
 /// An object on the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ObjectSettings {
+pub struct ObjectSettings {
     /// What it is.
     pub kind: ObjectKind,
     /// Its centre, metres east.
@@ -382,8 +382,7 @@ impl Default for Artefacts {
 
 impl Artefacts {
     /// A recorder's dream: speckle and ring-down only.
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn none() -> Self {
+    pub fn none() -> Self {
         Self {
             speckle: true,
             ring_down: 1.0,

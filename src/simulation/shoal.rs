@@ -5,7 +5,7 @@ use super::beam::Beam;
 use super::path::BoatPose;
 use super::random::{Random, RandomPurpose};
 use super::scene::Shoal;
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 
 /// Fish farther off the beam's middle than this many standard deviations return no echo.
 const BEAM_REACH: f64 = 3.0;

@@ -13,10 +13,12 @@ use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
 use super::weed::WeedBed;
 use super::world::World;
-use crate::formats::lowrance::write::{Sl2Frame, Sl2Writer};
-use crate::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::Side;
+use bathyscope_log::formats::lowrance::write::{Sl2Frame, Sl2Writer};
+use bathyscope_log::support::geo::{
+    LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse,
+};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::io::{self, Write};
 
@@ -43,11 +45,7 @@ const CHUNK: usize = 64;
 ///
 /// # Errors
 /// When `progress` was cancelled.
-pub(crate) fn simulate(
-    scene: &Scene,
-    seed: u64,
-    progress: &Progress,
-) -> Result<Simulated, Cancelled> {
+pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulated, Cancelled> {
     let run = SimulationRun::new(scene, seed);
     let count = run.ping_count();
     progress.start(count);

@@ -2,7 +2,7 @@
 
 use super::arithmetic::exp;
 use super::random::{Random, RandomPurpose};
-use crate::survey::ChannelKind;
+use bathyscope_log::survey::ChannelKind;
 
 /// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at `depth_m`.
 pub(super) fn echogram(

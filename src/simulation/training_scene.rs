@@ -6,13 +6,13 @@ mod strewn;
 use super::arithmetic::{exp, ln};
 use super::random::{Random, RandomPurpose, mix};
 use super::scene::Scene;
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 use settings::{artefacts, bed, recorder, track};
 use strewn::{Strip, objects, pits, shoals, weed_clumps};
 
 /// A random survey, and where to cut pictures out of it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TrainingScene {
+pub struct TrainingScene {
     /// The survey.
     pub scene: Scene,
     /// The pictures.
@@ -21,7 +21,7 @@ pub(crate) struct TrainingScene {
 
 /// A place on one side of a survey, whatever its size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TrainingPlace {
+pub struct TrainingPlace {
     /// The side.
     pub side: Side,
     /// Where the picture starts along the track, of all places where it can start: 0 to 1.
@@ -35,14 +35,14 @@ const SPARE_M: f64 = 4.0;
 
 /// The seed of a scene: the `index`th of a part of a dataset (training, validation, test). No scene of one part is one of
 /// another, and a part's first scenes are the same however many follow.
-pub(crate) fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
+pub fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
     mix(mix(mix(dataset_seed).wrapping_add(part)).wrapping_add(index))
 }
 
 /// A random survey along one line, straight or gently turning, that holds `looks` pictures of `look_m` metres along the
 /// track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen objects of all kinds and what is mistaken for them. The
 /// same seed gives the same scene.
-pub(crate) fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
+pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     let mut random = Random::new(seed, RandomPurpose::Training, 0);
     let rows = looks.div_ceil(2).max(1);
     let length_m = rows as f64 * look_m + SPARE_M;
@@ -94,7 +94,7 @@ fn up_to(random: &mut Random, most: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::ObjectKind;
+    use crate::ObjectKind;
 
     #[test]
     fn every_random_scene_can_be_simulated_and_all_kinds_occur() {

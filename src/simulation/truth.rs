@@ -3,13 +3,13 @@
 use super::echo::ObjectEcho;
 use super::object_kind::ObjectKind;
 use super::visibility::VisiblePart;
-use crate::support::geo::LonLat;
-use crate::survey::Side;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::Side;
 use std::io::{self, Write};
 use std::ops::Range;
 
 /// The truth about one recorded side-scan ping. East and north are metres in the survey's frame, whose origin is the
-/// first recorded fix ([`crate::survey::Track::frame`]).
+/// first recorded fix ([`bathyscope_log::survey::Track::frame`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PingTruth {
     /// Seconds after the first ping, as recorded (whole milliseconds).

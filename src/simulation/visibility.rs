@@ -5,7 +5,7 @@
 //! average is compared. Where the two differ by a good part of the speckle's spread, the object is shown; and where all that
 //! differs, weighed as the best filter would, does not rise out of the speckle, nothing is.
 
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 use std::ops::Range;
 
 /// By how much one ping's levels differ for an object.

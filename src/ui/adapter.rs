@@ -1,7 +1,7 @@
 //! Which graphics adapter draws: the first that opens a device. A driver may be listed and fail then, as DirectX 12 does over some software
 //! drivers, where Vulkan on the same computer works.
 
-use crate::support::block_on::block_on;
+use crate::ui::block_on::block_on;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
 use wgpu::{Adapter, DeviceType, PowerPreference, Surface};

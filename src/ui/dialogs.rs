@@ -2,7 +2,7 @@
 
 use super::ViewContext;
 use crate::app::{Command, FileToOpen, FileToWrite, Jobs, Task, TaskOutcome};
-use crate::formats;
+use bathyscope_log::formats;
 use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

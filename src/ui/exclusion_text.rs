@@ -1,9 +1,9 @@
 //! Texts about excluded stretches, the same in all views and panels.
 
 use crate::app::{Action, App, ExcludedExtent, ExclusionEdit, LogId};
-use crate::support::presentation::units::Units;
-use crate::survey::ExcludedStretch;
 use crate::ui::text;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::ExcludedStretch;
 
 /// `412 pings · 512 m · 1:02`.
 pub(super) fn extent(extent: &ExcludedExtent, units: Units) -> String {

@@ -1,8 +1,8 @@
 //! The texts of flat stretches, the same in all views and panels.
 
-use crate::sonar::calibration::FlatSpot;
-use crate::support::presentation::text;
-use crate::support::presentation::units::Units;
+use bathyscope_bottom::calibration::FlatSpot;
+use bathyscope_bottom::presentation::text;
+use bathyscope_bottom::presentation::units::Units;
 
 /// `10 m, relief 4 cm, ±1.2 %`.
 pub(super) fn brief(spot: &FlatSpot, units: Units) -> String {

@@ -3,7 +3,9 @@
 //! It uses all other top folders but `cli` and `simulation`.
 
 mod adapter;
+mod block_on;
 mod dialogs;
+mod drives;
 mod drop_down;
 mod exclusion_text;
 mod flat;
@@ -11,29 +13,29 @@ mod flat_spot_words;
 mod incremental;
 mod into_texture;
 mod list_keys;
-pub(crate) mod offscreen;
+pub mod offscreen;
 mod panels;
 mod place;
 mod raster;
-pub(crate) mod render;
+pub mod render;
 mod shell;
-pub(crate) mod theme;
+pub mod theme;
 mod toggle;
-pub(crate) mod views;
+pub mod views;
 mod window;
 
-pub(crate) use shell::{Alone, Shell};
-pub(crate) use window::open_window;
+pub use shell::{Alone, Shell};
+pub use window::open_window;
 
 use crate::app::{Action, App, Command, LogPlace, ThemeChoice, View, ViewOptions};
-use crate::pipeline::Settings;
-use crate::support::presentation::text;
-use crate::support::presentation::units::Units;
+use bathyscope_bottom::presentation::text;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_products::pipeline::Settings;
 use egui::{Event, Response, Ui, WidgetText};
 use render::Uploader;
 
 /// What a panel or view gets: the state to read, the list to push commands to.
-pub(crate) struct ViewContext<'a> {
+pub struct ViewContext<'a> {
     /// The state; read only.
     pub app: &'a App,
     /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
@@ -46,45 +48,45 @@ pub(crate) struct ViewContext<'a> {
 
 impl<'a> ViewContext<'a> {
     /// Pushes a command.
-    pub(crate) fn push(&mut self, command: Command) {
+    pub fn push(&mut self, command: Command) {
         self.commands.push(command);
     }
 
     /// What fills buffers of the window's GPU.
-    pub(crate) fn uploader(&self) -> Option<Uploader> {
+    pub fn uploader(&self) -> Option<Uploader> {
         let state = self.render_state?;
         Some(Uploader::new(&state.device, &state.queue))
     }
 
     /// What is shown, and how.
-    pub(crate) fn options(&self) -> &'a ViewOptions {
+    pub fn options(&self) -> &'a ViewOptions {
         &self.app.view.options
     }
 
     /// The units in use.
-    pub(crate) fn units(&self) -> Units {
+    pub fn units(&self) -> Units {
         self.app.view.options.units
     }
 
     /// Light or dark.
-    pub(crate) fn theme(&self) -> ThemeChoice {
+    pub fn theme(&self) -> ThemeChoice {
         self.app.view.options.theme
     }
 
     /// Changes what is shown and how, where that differs from how it is.
-    pub(crate) fn show(&mut self, options: ViewOptions) {
+    pub fn show(&mut self, options: ViewOptions) {
         if options != self.app.view.options {
             self.push(Command::Show(Box::new(options)));
         }
     }
 
     /// Changes the settings; undo names it by the label.
-    pub(crate) fn change(&mut self, label: &'static str, change: impl FnOnce(&mut Settings)) {
+    pub fn change(&mut self, label: &'static str, change: impl FnOnce(&mut Settings)) {
         self.change_live(label, false, change);
     }
 
     /// Changes the settings; what is `live` goes on, and is one step with what follows.
-    pub(crate) fn change_live(
+    pub fn change_live(
         &mut self,
         label: &'static str,
         live: bool,
@@ -100,22 +102,22 @@ impl<'a> ViewContext<'a> {
     }
 
     /// Has a button do an action: what that does is said under the pointer.
-    pub(crate) fn button(&mut self, button: Response, action: Action) {
+    pub fn button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, action.hint());
     }
 
     /// The same where the button does not bear the name of the action.
-    pub(crate) fn named_button(&mut self, button: Response, action: Action) {
+    pub fn named_button(&mut self, button: Response, action: Action) {
         self.button(button.accessible_name(action.label()), action);
     }
 
     /// The same, and its key is said too.
-    pub(crate) fn keyed_button(&mut self, button: Response, action: Action) {
+    pub fn keyed_button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, hint_with_key(action));
     }
 
     /// Has a button do an action, with words of its own under the pointer.
-    pub(crate) fn button_with_hint(
+    pub fn button_with_hint(
         &mut self,
         button: Response,
         action: Action,
@@ -129,11 +131,11 @@ impl<'a> ViewContext<'a> {
 
 /// The hover that a view has told the state: its own is the view's to take back.
 #[derive(Default)]
-pub(crate) struct OwnHover(bool);
+pub struct OwnHover(bool);
 
 impl OwnHover {
     /// Tells what the pointer is over now.
-    pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<LogPlace>) {
+    pub fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<LogPlace>) {
         let ours = hover.is_some() || self.0;
         if ours && context.app.view.hover != hover {
             context.push(Command::Hover(hover));
@@ -143,7 +145,7 @@ impl OwnHover {
 }
 
 /// Takes what was typed in this frame: no field gets it.
-pub(crate) fn take_typed(ui: &Ui) -> String {
+pub fn take_typed(ui: &Ui) -> String {
     let mut typed = String::new();
     ui.input_mut(|input| {
         input.events.retain(|event| match event {
@@ -158,7 +160,7 @@ pub(crate) fn take_typed(ui: &Ui) -> String {
 }
 
 /// What an action does, and its key.
-pub(crate) fn hint_with_key(action: Action) -> String {
+pub fn hint_with_key(action: Action) -> String {
     match action.keys() {
         Some(keys) => format!("{} ({keys})", action.hint()),
         None => action.hint().to_owned(),
@@ -167,7 +169,7 @@ pub(crate) fn hint_with_key(action: Action) -> String {
 
 /// What the shell asks of a view besides drawing itself; menu, keys and palette lead here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ViewRequest {
+pub enum ViewRequest {
     /// Show everything.
     Fit,
     /// Enlarge about the centre.

@@ -3,9 +3,9 @@
 use super::adapter;
 use super::render::extent;
 use super::{Shell, into_texture};
-use crate::products::export::{ExportError, write_atomically};
-use crate::support::block_on::block_on;
-use crate::support::progress::{Cancelled, Progress};
+use crate::ui::block_on::block_on;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_products::export::{ExportError, write_atomically};
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, wgpu,
 };
@@ -24,14 +24,14 @@ const STEPS: u64 = 100;
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
 /// What to do where nothing draws.
-pub(crate) const DRIVER: &str = match cfg!(windows) {
+pub const DRIVER: &str = match cfg!(windows) {
     true => "install the newest driver of the graphics card, with DirectX 12 or Vulkan",
     false => "install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU)",
 };
 
 /// Why there is no picture, in one sentence.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum PictureError {
+pub enum PictureError {
     /// Nothing here draws.
     #[error("no graphics adapter: {DRIVER}: {0}")]
     NoAdapter(#[from] WgpuError),
@@ -71,7 +71,7 @@ pub(crate) enum PictureError {
 }
 
 /// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one shell with one studio.
-pub(crate) struct Studio {
+pub struct Studio {
     gpu: RenderState,
 }
 
@@ -80,12 +80,12 @@ impl Studio {
     ///
     /// # Errors
     /// When there is none.
-    pub(crate) fn new() -> Result<Self, PictureError> {
+    pub fn new() -> Result<Self, PictureError> {
         Ok(Self { gpu: gpu()? })
     }
 
     /// Name, interface and kind of the adapter.
-    pub(crate) fn adapter(&self) -> String {
+    pub fn adapter(&self) -> String {
         let info = self.gpu.adapter.get_info();
         format!("{} ({}, {:?})", info.name, info.backend, info.device_type)
     }
@@ -94,7 +94,7 @@ impl Studio {
     ///
     /// # Errors
     /// When the picture is larger than the adapter can hold, takes too long, or is cancelled.
-    pub(crate) fn draw(
+    pub fn draw(
         &self,
         shell: &mut Shell,
         size: [u32; 2],
@@ -110,7 +110,7 @@ impl Studio {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub(crate) fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
+    pub fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
         self.sized(size, 1.0)
     }
 
@@ -127,7 +127,7 @@ impl Studio {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
+pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         picture
@@ -149,7 +149,7 @@ fn gpu() -> Result<RenderState, WgpuError> {
 }
 
 /// Draws pictures that follow each other, as of a film: an egui context and the texture that it is drawn into.
-pub(crate) struct Reel {
+pub struct Reel {
     gpu: RenderState,
     ctx: egui::Context,
     target: wgpu::Texture,
@@ -186,7 +186,7 @@ impl Reel {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub(crate) fn draw(
+    pub fn draw(
         &mut self,
         shell: &mut Shell,
         progress: &Progress,

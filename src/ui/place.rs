@@ -1,12 +1,11 @@
 //! Where a mark lies on the ground.
 
 use crate::app::{App, LogPlace};
-use crate::bottom::cloud::Reduction;
-use crate::detection;
-use crate::pipeline::Products;
-use crate::support::geo::{LonLat, UtmZone, compass_deg};
-use crate::survey::{HeadingSource, Side};
 use crate::ui::text;
+use bathyscope_bottom::cloud::Reduction;
+use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
+use bathyscope_log::survey::{HeadingSource, Side};
+use bathyscope_products::pipeline::Products;
 
 /// What samples and recorded depths are in metres by the last results; as recorded while there are none.
 pub(super) fn reduction(app: &App) -> Reduction<'_> {
@@ -50,7 +49,7 @@ pub(super) fn range_m(app: &App, mark: LogPlace) -> Option<f64> {
 }
 
 /// Slant ranges of the near and the far edge of a box, metres.
-pub(super) fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
+pub(super) fn ranges_m(app: &App, mark: &bathyscope_objects::Mark) -> [f64; 2] {
     let middle = usize::midpoint(mark.pings.start, mark.pings.end);
     let survey = app.log.survey.as_ref();
     let span = survey.and_then(|survey| survey.span(middle, mark.side));

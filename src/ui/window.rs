@@ -1,10 +1,11 @@
 //! The window on the desktop.
 
+use super::drives::drives;
 use super::incremental::IncrementalPainter;
 use super::offscreen::DRIVER;
 use super::{Shell, adapter};
+use crate::app::crash_report;
 use crate::app::{App, Command, FileToOpen, Jobs};
-use crate::support::{crash_report, drives::drives};
 use eframe::egui_wgpu::{RenderState, WgpuError};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +15,7 @@ const APP_ID: &str = "bathyscope";
 
 /// Why the window cannot be opened: what is missing, a display or a graphics driver.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum WindowError {
+pub enum WindowError {
     /// Nothing here draws.
     #[error(
         "the window cannot be opened, for there is no graphics adapter: {DRIVER}; `bathyscope process` works without one: {0}"
@@ -40,7 +41,7 @@ impl From<eframe::Error> for WindowError {
 ///
 /// # Errors
 /// When a display or a graphics driver is missing.
-pub(crate) fn open_window(
+pub fn open_window(
     paths: Vec<PathBuf>,
     demo: bool,
     truth: Option<PathBuf>,

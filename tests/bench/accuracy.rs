@@ -5,12 +5,12 @@
 //! is what breaks a constant scale from a flat spot.
 
 use super::truth::KnownSurvey;
-use crate::bottom::cloud::{Geometry, Residuals};
-use crate::pipeline::{self, Preset, Products, Settings};
-use crate::simulation::Scene;
-use crate::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
-use crate::sonar::first_return::{Method, SampleMode};
-use crate::support::progress::Progress;
+use bathyscope_bottom::calibration::{OffsetMode, PpdReach, ScaleMode};
+use bathyscope_bottom::cloud::{Geometry, Residuals};
+use bathyscope_bottom::first_return::{Method, SampleMode};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{self, Preset, Products, Settings};
+use bathyscope_simulation::Scene;
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 20;

@@ -1,6 +1,6 @@
 //! A frame of the bottom in 3D, until the GPU (or lavapipe) is done with it: for small and large surveys, whole and from near.
 
-use crate::ui::render::{
+use bathyscope::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, OrbitCamera,
     RenderTarget, ScenePart, Uploader, towards_light,
 };

@@ -1,12 +1,12 @@
 //! What the confidence of a first return is worth: the share of picks within 25 cm of the true first return at each level.
 
 use super::truth::KnownSurvey;
-use crate::simulation::Scene;
-use crate::sonar::first_return::{
+use bathyscope_bottom::first_return::{
     Evidence, FirstReturnSettings, ImageSettings, Method, SampleMode, evidence,
 };
-use crate::support::progress::Progress;
-use crate::survey::Side;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Side;
+use bathyscope_simulation::Scene;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 

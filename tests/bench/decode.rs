@@ -1,11 +1,11 @@
 //! Opening logs of each format, beside a plain read of the same bytes: a 500 MB SL2, its copy as XTF, and the files that
 //! BATHYSCOPE_BENCH_LOGS names (as PATH has folders).
 
-use crate::bench::large_log;
-use crate::pipeline::Settings;
-use crate::products::export::{LogPartChoice, copy_log};
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use crate::large_log;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::export::{LogPartChoice, copy_log};
+use bathyscope_products::pipeline::Settings;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub(super) fn run() {
     let path = folder.path().join("large.sl2");
     large_log::write(&path, 500 << 20).expect("a large log");
     let copy = folder.path().join("large.xtf");
-    let survey = crate::formats::open(&path, &Progress::new()).expect("a log that opens");
+    let survey = bathyscope_log::formats::open(&path, &Progress::new()).expect("a log that opens");
     let (settings, all) = (Settings::default(), LogPartChoice::default());
     let positions = settings.position_settings();
     copy_log(&copy, &survey, positions, &all, &Progress::new()).expect("a copy");
@@ -70,7 +70,7 @@ struct Times {
 
 fn once(path: &Path) -> Times {
     let start = Instant::now();
-    let survey = crate::formats::open(path, &Progress::new()).expect("a log that opens");
+    let survey = bathyscope_log::formats::open(path, &Progress::new()).expect("a log that opens");
     let open_s = start.elapsed().as_secs_f64();
     let sum = sum_samples(&survey);
     let decode_s = start.elapsed().as_secs_f64();

@@ -1,11 +1,11 @@
 //! The detector: a tile, and a survey of 10 000 pings.
 
-use crate::bench::resources::{peak_from_here_mb, peak_mb, processor_s};
-use crate::detection::{DetectorSettings, Model, Picture, TILE_PX, find, model::shipped};
-use crate::formats;
-use crate::simulation::{Scene, simulate};
-use crate::support::progress::Progress;
-use crate::survey::{HeadingSettings, Projection, Survey, navigate};
+use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{HeadingSettings, Projection, Survey, navigate};
+use bathyscope_objects::{DetectorSettings, Model, Picture, TILE_PX, find, model::shipped};
+use bathyscope_simulation::{Scene, simulate};
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,12 +1,12 @@
 //! First returns over 100 000 pings: a step of the threshold slider, and the tracker.
 
-use crate::formats;
-use crate::simulation::{Scene, simulate};
-use crate::sonar::first_return::{
+use bathyscope_bottom::first_return::{
     FirstReturnSettings, FirstReturns, ImageSettings, Normalisation, ThresholdIndex, track_range,
 };
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_simulation::{Scene, simulate};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -4,12 +4,12 @@
 //! pings are what a recorder writes in that time at 20 times real speed. Beside it stands the run over the whole log, which is repeated
 //! whenever the log grew by a quarter.
 
-use crate::bench::large_log;
-use crate::formats::{GrowingLog, open_tail};
-use crate::pipeline::{self, GrowingResults, Products, Settings, extend};
-use crate::simulation::{Scene, simulate};
-use crate::support::progress::Progress;
-use crate::survey::{Survey, SurveyVersions};
+use crate::large_log;
+use bathyscope_log::formats::{GrowingLog, open_tail};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Survey, SurveyVersions};
+use bathyscope_products::pipeline::{self, GrowingResults, Products, Settings, extend};
+use bathyscope_simulation::{Scene, simulate};
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::Path;
@@ -59,7 +59,7 @@ fn measure(folder: &Path, whole: &[u8], whole_pings: usize, length: usize) -> f6
     let path = folder.join(format!("{length}.sl2"));
     std::fs::write(&path, &whole[..end]).expect("room for the log");
     let settings = Settings::default();
-    let mut survey = crate::formats::open(&path, &progress).expect("a log");
+    let mut survey = bathyscope_log::formats::open(&path, &progress).expect("a log");
     let start = Instant::now();
     let mut products = pipeline::run(&survey, &settings, None, &progress, |_| ()).expect("results");
     let whole_ms = start.elapsed().as_secs_f64() * 1e3;

@@ -1,9 +1,9 @@
 //! A large SL2: a simulated survey's frames (2 x 1400 samples a ping, as an Elite Ti records) over and over, each with its own
 //! offset and a time that goes on, each survey beside the one before: a lake in patches.
 
-use crate::formats::lowrance::{FILE_HEADER, sl2::Header};
-use crate::simulation::{Scene, simulate};
-use crate::support::progress::Progress;
+use bathyscope_log::formats::lowrance::{FILE_HEADER, sl2::Header};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_simulation::{Scene, simulate};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::mem::offset_of;

@@ -6,14 +6,14 @@
 use super::missions::Mission;
 use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
 use super::truth::{kept, map, map_with};
-use crate::bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
-use crate::bottom::cloud::{CloudPoint, PointSource, Residuals};
-use crate::bottom::swath::PingPlace;
-use crate::formats;
-use crate::pipeline::{self, Products, Settings, log_echoes};
-use crate::simulation::{Curve, Scene};
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use bathyscope_bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
+use bathyscope_bottom::cloud::{CloudPoint, PointSource, Residuals};
+use bathyscope_bottom::swath::PingPlace;
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{self, Products, Settings, log_echoes};
+use bathyscope_simulation::{Curve, Scene};
 use std::path::{Path, PathBuf};
 
 /// Ponds of each kind and change; `BATHYSCOPE_SEEDS` takes another number.

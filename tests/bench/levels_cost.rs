@@ -1,11 +1,11 @@
 //! What levels costs beside the surface that it corrects, on a survey of ten lines and 100 000 pings.
 
-use crate::bench::lines::ten_lines;
-use crate::bench::resources::{peak_from_here_mb, peak_mb, processor_s};
-use crate::bottom::bathymetry::SwathDepth;
-use crate::pipeline::{self, ProcessedLog, Settings, joint_depth_surface};
-use crate::support::geo::{Crs, MapPlane};
-use crate::support::progress::Progress;
+use crate::lines::ten_lines;
+use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
+use bathyscope_bottom::bathymetry::SwathDepth;
+use bathyscope_log::support::geo::{Crs, MapPlane};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{self, ProcessedLog, Settings, joint_depth_surface};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,9 +1,9 @@
 //! A survey of ten lines side by side.
 
-use crate::formats;
-use crate::simulation::{Scene, simulate};
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use bathyscope_simulation::{Scene, simulate};
 
 const LINES: u32 = 10;
 

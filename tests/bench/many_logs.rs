@@ -1,11 +1,11 @@
 //! One log and fifty of 100 000 pings each, open in one window: the time of a frame, memory, and how soon a moved threshold shows.
 
-use crate::app::{App, Command, Jobs};
-use crate::bench::large_log;
-use crate::bench::resources::anonymous_mb;
-use crate::simulation::{Scene, simulate};
-use crate::support::progress::Progress;
-use crate::ui::Shell;
+use crate::large_log;
+use crate::resources::anonymous_mb;
+use bathyscope::app::{App, Command, Jobs};
+use bathyscope::ui::Shell;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_simulation::{Scene, simulate};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use std::path::{Path, PathBuf};

@@ -1,17 +1,19 @@
 //! A frame of the map on the window's thread: for a small and a large survey, and with every layer.
 
-use crate::app::{App, Jobs, MapLayer, View};
-use crate::bench::resources::processor_s;
-use crate::bottom::cloud::{Correction, PointCloud, ping_depths};
-use crate::formats;
-use crate::pipeline::{self, Products, Settings};
-use crate::simulation::{Scene, simulate};
-use crate::sonar::calibration::{Calibration, PpdReach, ScaleMode};
-use crate::sonar::first_return;
-use crate::support::progress::Progress;
-use crate::survey::{Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Survey};
-use crate::ui::ViewContext;
-use crate::ui::views::MapView;
+use crate::resources::processor_s;
+use bathyscope::app::{App, Jobs, MapLayer, View};
+use bathyscope::ui::ViewContext;
+use bathyscope::ui::views::MapView;
+use bathyscope_bottom::calibration::{Calibration, PpdReach, ScaleMode};
+use bathyscope_bottom::cloud::{Correction, PointCloud, ping_depths};
+use bathyscope_bottom::first_return;
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
+    Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Survey,
+};
+use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_simulation::{Scene, simulate};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 //! Memory beyond the map while a 2 GB log is open in the window: processed, drawn, its residuals shown, everything kept.
 
-use crate::app::{App, Command, Jobs};
-use crate::bench::large_log;
-use crate::bench::resources::anonymous_mb;
-use crate::support::progress::Progress;
-use crate::ui::{Shell, offscreen::Studio};
+use crate::large_log;
+use crate::resources::anonymous_mb;
+use bathyscope::app::{App, Command, Jobs};
+use bathyscope::ui::{Shell, offscreen::Studio};
+use bathyscope_log::support::progress::Progress;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -30,7 +30,7 @@ pub(super) fn run() {
         return;
     };
     let survey = measured("opened", before_mb, || {
-        crate::formats::open(&path, &Progress::new()).expect("a log that opens")
+        bathyscope_log::formats::open(&path, &Progress::new()).expect("a log that opens")
     });
     drop(survey);
     let start = Instant::now();

@@ -1,12 +1,12 @@
 //! The mosaic: time beside tracking the same survey, and memory as its cells become smaller.
 
-use crate::bench::lines::ten_lines;
-use crate::bench::resources::{peak_from_here_mb, peak_mb, processor_s};
-use crate::detection::objects::SurveyReview;
-use crate::pipeline::{self, Derived, ProcessedLog, Products, Settings};
-use crate::products::outputs::{self, Order, Product, RunFolder};
-use crate::sonar::first_return;
-use crate::support::progress::Progress;
+use crate::lines::ten_lines;
+use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
+use bathyscope_bottom::first_return;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_products::outputs::{self, Order, Product, RunFolder};
+use bathyscope_products::pipeline::{self, Derived, ProcessedLog, Products, Settings};
 use std::hint::black_box;
 use std::sync::Arc;
 

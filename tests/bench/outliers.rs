@@ -1,7 +1,7 @@
 //! The outlier filter on uniform volumes and on surfaces, beside kiddo in the same process.
 
-use crate::bottom::cloud::outliers;
-use crate::support::progress::Progress;
+use bathyscope_bottom::cloud::outliers;
+use bathyscope_log::support::progress::Progress;
 use rayon::prelude::*;
 use std::time::Instant;
 

@@ -8,9 +8,9 @@
 
 use super::missions::{Mission, repeatability};
 use super::truth::MapError;
-use crate::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
-use crate::bottom::cloud::Residuals;
-use crate::simulation::{Mound, Scene};
+use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
+use bathyscope_bottom::cloud::Residuals;
+use bathyscope_simulation::{Mound, Scene};
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 10;

@@ -1,10 +1,12 @@
 //! A frame of the waterfall must cost the window's thread the same for a short log and for a very long one.
 
-use crate::app::{App, Jobs, LogPlace, View};
-use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::survey::{Bytes, Encoding, SampleOrder, SidePing, SideScanState, SideSpan, Survey};
-use crate::ui::views::WaterfallView;
-use crate::ui::{ViewContext, ViewRequest};
+use bathyscope::app::{App, Jobs, LogPlace, View};
+use bathyscope::ui::views::WaterfallView;
+use bathyscope::ui::{ViewContext, ViewRequest};
+use bathyscope_bottom::first_return::{FirstReturns, Pick};
+use bathyscope_log::survey::{
+    Bytes, Encoding, SampleOrder, SidePing, SideScanState, SideSpan, Survey,
+};
 use egui_kittest::Harness;
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use std::sync::Arc;

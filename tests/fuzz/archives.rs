@@ -2,9 +2,9 @@
 
 use super::projects::held_as;
 use super::{say, scratch};
-use crate::formats::parquet_table::{Column, Values, write_parquet};
-use crate::pipeline::Settings;
-use crate::products::archive::readers;
+use bathyscope_log::formats::parquet_table::{Column, Values, write_parquet};
+use bathyscope_products::archive::readers;
+use bathyscope_products::pipeline::Settings;
 
 pub(super) fn rows(bytes: &[u8]) {
     scratch::with_file("rows.parquet", bytes, |path| {

@@ -2,7 +2,7 @@
 
 use super::projects::held_as;
 use super::{say, scratch};
-use crate::detection::labels::{LabelError, LabelSet, pair, read_predicted, read_truth};
+use bathyscope_objects::labels::{LabelError, LabelSet, pair, read_predicted, read_truth};
 use std::path::Path;
 
 fn compare(truth: Result<LabelSet, LabelError>, predicted: &Path) {

@@ -1,15 +1,15 @@
 //! Logs of recorders: opened whole, and as they grow.
 
-use super::writers::cerulean_writer::{SvlogOptions, svlog as svlog_file};
-use super::writers::edgetech_writer::{JsfOptions, jsf as jsf_file};
-use super::writers::garmin_writer::{self, GARMIN_S, Ping, TILT_DEG};
-use super::writers::handmade::{self, Frame};
-use super::writers::klein_writer::{SdfOptions, sdf as sdf_file};
-use super::writers::nmea_writer::{DepthIn, NmeaOptions, Stamp, nmea as nmea_file};
 use super::{check_finite, say};
-use crate::formats::{open_as_format, open_growing, open_tail};
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, Side, SideSpan, Survey, SurveyVersions};
+use bathyscope_log::formats::{open_as_format, open_growing, open_tail};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, Side, SideSpan, Survey, SurveyVersions};
+use bathyscope_test_support::cerulean::{SvlogOptions, svlog as svlog_file};
+use bathyscope_test_support::edgetech::{JsfOptions, jsf as jsf_file};
+use bathyscope_test_support::garmin::{self as garmin_writer, GARMIN_S, Ping, TILT_DEG};
+use bathyscope_test_support::handmade::{self, Frame};
+use bathyscope_test_support::klein::{SdfOptions, sdf as sdf_file};
+use bathyscope_test_support::nmea::{DepthIn, NmeaOptions, Stamp, nmea as nmea_file};
 use image::{GrayImage, ImageFormat, Luma};
 use std::io::Cursor;
 use std::path::PathBuf;

@@ -18,12 +18,6 @@ pub mod sweep;
 mod tables;
 #[cfg(test)]
 mod tests;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of the readers"
-)]
-mod writers;
 
 /// A reader to feed.
 pub struct Target {
@@ -182,7 +176,7 @@ impl Target {
 pub fn is_fault(panic: &std::panic::PanicHookInfo<'_>) -> bool {
     let place = panic.location().map_or("", |at| at.file());
     let is_ours = !place.contains("/registry/") && !place.starts_with("/rustc/");
-    is_ours || crate::support::catch_panic::is_to_be_printed(panic)
+    is_ours || bathyscope_log::support::catch_panic::is_to_be_printed(panic)
 }
 
 /// Fails where a value that was read is no number.

@@ -1,7 +1,7 @@
 //! Detectors: what is refused of an ONNX file before anything is computed, and what may lie beside it.
 
 use super::say;
-use crate::detection::model;
+use bathyscope_objects::model;
 
 pub(super) fn model(bytes: &[u8]) {
     if let Err(error) = model::screened(bytes, None) {

@@ -2,9 +2,9 @@
 
 use super::projects::held_as;
 use super::{logs, rasters, say, scratch};
-use crate::formats::points::{self, PointFormat, read_elevations};
-use crate::formats::{ReferenceFile, open_reference};
-use crate::support::progress::Progress;
+use bathyscope_log::formats::points::{self, PointFormat, read_elevations};
+use bathyscope_log::formats::{ReferenceFile, open_reference};
+use bathyscope_log::support::progress::Progress;
 use std::path::Path;
 
 /// Reads a file as points and as elevations.

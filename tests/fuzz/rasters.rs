@@ -1,12 +1,14 @@
 //! GeoTIFFs: heights, the rasters of archives, and pictures that lie under the map.
 
 use super::{say, scratch};
-use crate::formats::base_map;
-use crate::formats::geotiff::{self, Band, CellFormat, RASTER_TILE, RasterSpec, RasterTiles};
-use crate::formats::geotiff::{read_cells, read_values};
-use crate::support::catch_panic::catch_panic;
-use crate::support::geo::Crs;
-use crate::support::progress::Progress;
+use bathyscope_log::formats::base_map;
+use bathyscope_log::formats::geotiff::{
+    self, Band, CellFormat, RASTER_TILE, RasterSpec, RasterTiles,
+};
+use bathyscope_log::formats::geotiff::{read_cells, read_values};
+use bathyscope_log::support::catch_panic::catch_panic;
+use bathyscope_log::support::geo::Crs;
+use bathyscope_log::support::progress::Progress;
 use std::io::Cursor;
 use tiff::decoder::Decoder;
 

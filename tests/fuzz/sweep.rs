@@ -5,9 +5,9 @@
 
 use super::harm::{Harm, harms};
 use super::records::layout_of;
-use crate::formats::{OpenError, open_at_hand};
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, ChannelKind, RangeSource, Side, SideSpan, Survey};
+use bathyscope_log::formats::{OpenError, open_at_hand};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, ChannelKind, RangeSource, Side, SideSpan, Survey};
 use rayon::prelude::*;
 use std::fs;
 use std::ops::Range;
@@ -230,7 +230,7 @@ impl Patient {
             all.start.min(record.start)..all.end.max(record.end)
         });
         let (harmed, _) = &self.files[self.harmed];
-        let is_here = |warning: &crate::survey::Warning| {
+        let is_here = |warning: &bathyscope_log::survey::Warning| {
             let here = warning
                 .place
                 .filter(|(file, _)| survey.source.files[*file] == *harmed);

@@ -2,9 +2,9 @@
 
 use super::projects::held_as;
 use super::{check_finite, logs, say};
-use crate::formats::{TrackFile, open_bytes, read_area, read_gauge};
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use bathyscope_log::formats::{TrackFile, open_bytes, read_area, read_gauge};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
 use std::sync::LazyLock;
 
 /// A log to lay tracks over.

@@ -401,15 +401,17 @@ fn ui_computes_no_result() {
     assert!(offences.is_empty(), "{offences:#?}");
     // The check itself: it sees functions however they are named.
     let seen = |code: &str| names_of(code, "bottom::bathymetry").iter().any(is_function);
-    assert!(seen("use crate::bottom::bathymetry::{Grid, hill_shade};"));
     assert!(seen(
-        "use crate::bottom::bathymetry;\nlet x = bathymetry::depth_range(y);"
+        "use bathyscope_bottom::bathymetry::{Grid, hill_shade};"
     ));
     assert!(seen(
-        "let x = crate::bottom::bathymetry::isobaths::smoothed(line, 2);"
+        "use bathyscope_bottom::bathymetry;\nlet x = bathymetry::depth_range(y);"
+    ));
+    assert!(seen(
+        "let x = bathyscope_bottom::bathymetry::isobaths::smoothed(line, 2);"
     ));
     assert!(!seen(
-        "use crate::bottom::bathymetry::isobaths::IsobathSettings;"
+        "use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;"
     ));
 }
 

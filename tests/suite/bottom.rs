@@ -1,13 +1,13 @@
 //! Bottom edits: in the window with the mouse and the keys, and headless from the file that the window keeps.
 
-use crate::app::{Action, App, BottomStroke, Command, FileToOpen, FileToWrite, Ink};
-use crate::sonar::first_return::Pick;
-use crate::suite::cli::{refusal, run, stderr_of};
-use crate::suite::review::mouse::{at, drag, pull};
-use crate::suite::support;
-use crate::suite::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
-use crate::support::progress::Progress;
-use crate::survey::Side;
+use crate::cli::{refusal, run, stderr_of};
+use crate::review::mouse::{at, drag, pull};
+use crate::support;
+use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
+use bathyscope::app::{Action, App, BottomStroke, Command, FileToOpen, FileToWrite, Ink};
+use bathyscope_bottom::first_return::Pick;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Side;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::fs;
@@ -101,7 +101,10 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     assert!(app(&window).log.settings.bottom.is_empty());
 }
 
-fn starboard(returns: &crate::sonar::first_return::FirstReturns, window: &Window) -> Option<f64> {
+fn starboard(
+    returns: &bathyscope_bottom::first_return::FirstReturns,
+    window: &Window,
+) -> Option<f64> {
     let pick = returns.starboard[350];
     let survey = app(window).log.survey.as_ref().expect("a survey");
     let span = survey.span(350, Side::Starboard).expect("a side");
@@ -229,7 +232,7 @@ fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
 
 /// A track of another receiver over the whole of the demo pond.
 fn track_next_to(log: &Path) -> PathBuf {
-    let survey = crate::formats::open(log, &Progress::new()).expect("the demo");
+    let survey = bathyscope_log::formats::open(log, &Progress::new()).expect("the demo");
     let mut text = "time,lon,lat\n".to_owned();
     for fix in survey.track.fixes.iter() {
         let (at, time_s) = (

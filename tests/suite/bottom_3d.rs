@@ -1,17 +1,17 @@
 //! The bottom in 3D: what the GPU draws of it, what the window shows and the file holds.
 
-use crate::app::{Action, ClipBox, Command, Measure};
-use crate::bottom::bathymetry::CellSource;
-use crate::pipeline::{BottomColour, Derived, ProcessedLog, place_of};
-use crate::suite::cli::run;
-use crate::suite::map_tools::click;
-use crate::suite::review::mouse::drag;
-use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
-use crate::support::progress::Progress;
-use crate::ui::render::{
+use crate::cli::run;
+use crate::map_tools::click;
+use crate::review::mouse::drag;
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, ClipBox, Command, Measure};
+use bathyscope::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, Cut,
     OrbitCamera, RenderTarget, ScenePart, Uploader, towards_light,
 };
+use bathyscope_bottom::bathymetry::CellSource;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{BottomColour, Derived, ProcessedLog, place_of};
 use eframe::egui_wgpu::RendererOptions;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2, vec2};

@@ -1,14 +1,14 @@
 //! The bottom line at the recorded depth: the picture follows it, the measurements do not, and what was drawn stays.
 
-use crate::app::Command;
-use crate::imagery::mosaic::MosaicLayout;
-use crate::pipeline::{self, Products, Settings, mosaic_layout_by};
-use crate::sonar::first_return::{BottomEdit, BottomLine, BottomSettings};
-use crate::suite::river::processed;
-use crate::suite::support::{demo_log, real_data};
-use crate::suite::window::{app, demo_window, press};
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use crate::river::processed;
+use crate::support::{demo_log, real_data};
+use crate::window::{app, demo_window, press};
+use bathyscope::app::Command;
+use bathyscope_bottom::first_return::{BottomEdit, BottomLine, BottomSettings};
+use bathyscope_bottom::mosaic::MosaicLayout;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::{self, Products, Settings, mosaic_layout_by};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::PathBuf;

@@ -1,18 +1,18 @@
 //! Scales and offsets on surveys whose truth is known, and on the river.
 
-use crate::bottom::cloud::{CloudPoint, PointClass, PointSource, Residuals};
-use crate::pipeline::{self, Preset, Products, Settings};
-use crate::simulation::{Artefacts, Scene, Terrace};
-use crate::sonar::calibration::{
+use crate::river::processed;
+use crate::support::real_data;
+use crate::truth::KnownSurvey;
+use bathyscope_bottom::calibration::{
     Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots,
 };
-use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::suite::river::processed;
-use crate::suite::support::real_data;
-use crate::suite::truth::KnownSurvey;
-use crate::support::geo::LonLat;
-use crate::support::progress::Progress;
-use crate::survey::{Projection, Side, navigate};
+use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointSource, Residuals};
+use bathyscope_bottom::first_return::{FirstReturns, Pick};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Projection, Side, navigate};
+use bathyscope_products::pipeline::{self, Preset, Products, Settings};
+use bathyscope_simulation::{Artefacts, Scene, Terrace};
 use std::sync::Arc;
 
 /// A survey whose range does not change.
@@ -226,14 +226,14 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
                 if pick.above_bottom {
                     continue;
                 }
-                let range_m = crate::bottom::cloud::slant_range_m(
+                let range_m = bathyscope_bottom::cloud::slant_range_m(
                     &pond.survey,
                     &products.calibration,
                     ping,
                     side,
                     pick.sample,
                 );
-                let bottom_point = crate::bottom::cloud::fixed_bottom_point(
+                let bottom_point = bathyscope_bottom::cloud::fixed_bottom_point(
                     settings.cloud.geometry,
                     range_m,
                     settings.cloud.alpha2_deg,
@@ -283,7 +283,7 @@ fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom
     // Boulders stand on the first half of the river's bed; the sand after them is smooth.
     let sand = of_pings(&products, |ping| (1700..2300).contains(&ping));
     let agreement = |classes: &[PointClass]| {
-        crate::bottom::cloud::residuals(&survey, &products.cloud, &products.correction, classes)
+        bathyscope_bottom::cloud::residuals(&survey, &products.cloud, &products.correction, classes)
             .expect("residuals")
     };
     let (all, sand) = (agreement(&products.classes), agreement(&sand));

@@ -1,11 +1,11 @@
 //! The guided step of the calibration in the window: a stretch is proposed, what it would change is shown, and only then it is taken.
 
-use crate::app::{Action, Command, LogPlace, Tool};
-use crate::bottom::cloud::PointClass;
-use crate::sonar::calibration::{PingRange, ScaleMode};
-use crate::suite::support::real_data;
-use crate::suite::window::{Window, app, demo_window, drop_file, empty_window, press};
-use crate::survey::Side;
+use crate::support::real_data;
+use crate::window::{Window, app, demo_window, drop_file, empty_window, press};
+use bathyscope::app::{Action, Command, LogPlace, Tool};
+use bathyscope_bottom::calibration::{PingRange, ScaleMode};
+use bathyscope_bottom::cloud::PointClass;
+use bathyscope_log::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
@@ -266,13 +266,13 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
     // What a script reads gives the same.
     let bottom = app(&window).log.settings.bottom.clone();
     assert_eq!(bottom.accepted_count(), last - first + 1);
-    let settings = crate::pipeline::Settings {
+    let settings = bathyscope_products::pipeline::Settings {
         bottom,
         ..Default::default()
     };
     let survey = app(&window).log.survey.clone().expect("the demo");
-    let progress = crate::support::progress::Progress::new();
-    let made = crate::pipeline::run(&survey, &settings, None, &progress, |_| ());
+    let progress = bathyscope_log::support::progress::Progress::new();
+    let made = bathyscope_products::pipeline::run(&survey, &settings, None, &progress, |_| ());
     let made = made.expect("not cancelled");
     assert_eq!(made.kept_points().count(), after.1);
     act(&mut window, Action::Undo);

@@ -1,13 +1,13 @@
 //! A window that stays out of the way: room for the views in a small one, notices that are kept, banners of tools, knobs that say what
 //! they stand for.
 
-use crate::app::{Action, App, Command, Jobs, ThemeChoice, View};
-use crate::suite::review::{detections, propose};
-use crate::suite::support::snapshot_options;
-use crate::suite::units_window::painted;
-use crate::suite::window::{Window, app, demo_window, drop_file, empty_window, press, settle};
-use crate::support::presentation::units::{LengthUnit, Units};
-use crate::ui::Shell;
+use crate::review::{detections, propose};
+use crate::support::snapshot_options;
+use crate::units_window::painted;
+use crate::window::{Window, app, demo_window, drop_file, empty_window, press, settle};
+use bathyscope::app::{Action, App, Command, Jobs, ThemeChoice, View};
+use bathyscope::ui::Shell;
+use bathyscope_bottom::presentation::units::{LengthUnit, Units};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Rect};
 use egui_kittest::Harness;
@@ -139,7 +139,7 @@ fn the_panels_go_and_come_by_key_and_stay_so() {
     assert!(views(&window).width() > before + 450.0);
     // As the window keeps it between runs.
     let text = serde_json::to_string(&app(&window).view.options).expect("text");
-    let kept: crate::app::ViewOptions = serde_json::from_str(&text).expect("options");
+    let kept: bathyscope::app::ViewOptions = serde_json::from_str(&text).expect("options");
     let mut next = demo_window();
     next.state_mut().app.view.options = kept;
     next.run();

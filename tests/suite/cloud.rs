@@ -1,10 +1,10 @@
 //! The cloud: the outlier filter against Open3D's table, a brute-force count and kiddo.
 
-use crate::bottom::cloud::{Residuals, outliers};
-use crate::pipeline::{self, Settings};
-use crate::simulation::Scene;
-use crate::suite::truth::KnownSurvey;
-use crate::support::progress::Progress;
+use crate::truth::KnownSurvey;
+use bathyscope_bottom::cloud::{Residuals, outliers};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{self, Settings};
+use bathyscope_simulation::Scene;
 use proptest::prelude::*;
 
 fn keep(points: &[[f64; 3]], radius_m: f64, min_neighbors: usize) -> Vec<bool> {

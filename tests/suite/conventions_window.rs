@@ -1,8 +1,8 @@
 //! Keys that users of other programs expect: full screen, the palette's second key, steps of playing, boxes and lines out of the way.
 
-use crate::app::{Command, LogPlace, MapLayer};
-use crate::suite::review::{detections, propose};
-use crate::suite::window::{Window, app, demo_window, press};
+use crate::review::{detections, propose};
+use crate::window::{Window, app, demo_window, press};
+use bathyscope::app::{Command, LogPlace, MapLayer};
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
 use egui_kittest::kittest::Queryable as _;
 

@@ -1,7 +1,7 @@
 //! What is known of the water, entered in the window as an analyst would, and taken back.
 
-use crate::app::{Action, Command};
-use crate::suite::window::{Window, app, demo_window, drop_file, press, type_export_folder};
+use crate::window::{Window, app, demo_window, drop_file, press, type_export_folder};
+use bathyscope::app::{Action, Command};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

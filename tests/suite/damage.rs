@@ -1,14 +1,13 @@
 //! A thousand cuts and a thousand lost kilobytes in every kind of log: no panic, no hang, and nothing is lost beyond the
 //! frames that the damage touched. What can be lost is known from a walk of its own over the whole log.
 
-use crate::formats::{self, OpenError};
-use crate::suite::fuzz::records::{
-    FindRecords, sl2_records, sl3_records, son_records, xtf_records,
-};
-use crate::suite::{handmade, support};
-use crate::support::progress::Progress;
-use crate::support::random_cases::Random;
-use crate::survey::{Side, SideSpan, Survey};
+use crate::fuzz::records::{FindRecords, sl2_records, sl3_records, son_records, xtf_records};
+use crate::support;
+use bathyscope_log::formats::{self, OpenError};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, SideSpan, Survey};
+use bathyscope_test_support::Random;
+use bathyscope_test_support::handmade;
 use std::fs::{self, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::ops::Range;

@@ -1,12 +1,14 @@
 //! Labelled pictures of simulated surveys: boxes against what objects really change in the picture, and the files.
 
-use crate::cli::known_objects;
-use crate::detection::dataset::Chip;
-use crate::detection::{Raster, Rect, TILE_PX};
-use crate::formats;
-use crate::simulation::{Scene, Simulated, TrainingScene, simulate, training_scene, training_seed};
-use crate::support::progress::Progress;
-use crate::survey::{HeadingSettings, Projection, Survey, navigate};
+use bathyscope::cli::known_objects;
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{HeadingSettings, Projection, Survey, navigate};
+use bathyscope_objects::dataset::Chip;
+use bathyscope_objects::{Raster, Rect, TILE_PX};
+use bathyscope_simulation::{
+    Scene, Simulated, TrainingScene, simulate, training_scene, training_seed,
+};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -148,7 +150,7 @@ fn boxes_hold_what_objects_change_in_the_picture() {
 }
 
 fn make(folder: &Path, arguments: &[&str]) {
-    let output = Command::new(crate::suite::support::program())
+    let output = Command::new(crate::support::program())
         .args(["simulate", "--dataset"])
         .arg(folder)
         .args(arguments)
@@ -218,7 +220,7 @@ fn a_dataset_is_whole_and_the_same_for_a_seed() {
     let names = String::from_utf8(files[Path::new("classes.txt")].clone()).expect("text");
     assert_eq!(names, "rock\nblock\ncylinder\ntyre\nboat\nlog\neffigy\n");
 
-    let refused = Command::new(crate::suite::support::program())
+    let refused = Command::new(crate::support::program())
         .args(["simulate", "--images", "1", "--dataset"])
         .arg(&once)
         .output()

@@ -1,13 +1,13 @@
 //! One truth for depths and ranges: what map, cloud, status bar, selection, time line and report say of the same water.
 
-use crate::app::{Command, LogPlace};
-use crate::bottom::bathymetry::depth_range;
-use crate::bottom::cloud::{ClassCounts, PointSource};
-use crate::pipeline::Products;
-use crate::pipeline::Settings;
-use crate::suite::cli::run;
-use crate::suite::support::demo_log;
-use crate::suite::window::{Window, app, demo_window};
+use crate::cli::run;
+use crate::support::demo_log;
+use crate::window::{Window, app, demo_window};
+use bathyscope::app::{Command, LogPlace};
+use bathyscope_bottom::bathymetry::depth_range;
+use bathyscope_bottom::cloud::{ClassCounts, PointSource};
+use bathyscope_products::pipeline::Products;
+use bathyscope_products::pipeline::Settings;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use serde_json::Value;
 use std::path::Path;
@@ -109,7 +109,7 @@ fn the_speed_of_sound_scales_the_range_of_a_sample_as_it_does_the_cloud() {
         .nth(200)
         .expect("a point");
     let mark = LogPlace {
-        side: Some(crate::survey::Side::Port),
+        side: Some(bathyscope_log::survey::Side::Port),
         sample: Some(point.sample),
         ..LogPlace::ping(point.ping as usize)
     };

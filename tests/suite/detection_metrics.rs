@@ -1,10 +1,10 @@
 //! The detector's figures against `pycocotools` 2.0.11 and `mean_average_precision` 2024.1.5, on the boxes that
 //! `detection_fixtures/make_metrics.py` made.
 
-use crate::detection::metrics::{
+use bathyscope_objects::metrics::{
     ApMethod, Cause, Evaluation, Image, MetricSettings, TrueBox, evaluate,
 };
-use crate::detection::{Rect, Scored};
+use bathyscope_objects::{Rect, Scored};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

@@ -1,19 +1,21 @@
 //! Objects in the world: boxes on simulated surveys against where the objects really were.
 
-use crate::detection::Mark;
-use crate::detection::targets::{
+use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, calibrate};
+use bathyscope_bottom::first_return::{
+    self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
+};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
+use bathyscope_objects::Mark;
+use bathyscope_objects::targets::{
     Group, GroupSettings, LogPings, PassCount, Placer, Sighting as Claim, Target, group,
     passes_over,
 };
-use crate::formats;
-use crate::pipeline::{ObjectLocator, Settings, run};
-use crate::simulation::{Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
-use crate::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
-use crate::sonar::first_return::{
-    self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
+use bathyscope_products::pipeline::{ObjectLocator, Settings, run};
+use bathyscope_simulation::{
+    Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate,
 };
-use crate::support::progress::Progress;
-use crate::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
 
 struct Sailed {
     truth: Simulated,

@@ -1,8 +1,8 @@
 //! Models of other makers: what each finds agrees with onnxruntime and a decoding of its own (`detector_models/make.py`); what
 //! cannot be used is refused with a sentence that says what to do; and no file takes the program down.
 
-use crate::detection::{DetectorSettings, Model, Picture, Scored, find_in_picture};
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::fs;

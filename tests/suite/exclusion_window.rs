@@ -1,11 +1,11 @@
 //! Stretches excluded in the window: drawn over waterfall and map, found by turn rate and speed, listed and included again.
 
-use crate::app::{Command, LogId, OpenLog, Tool};
-use crate::suite::bottom::draw;
-use crate::suite::logs_window::{change, opened, settle};
-use crate::suite::review::mouse::{at, drag, pull};
-use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle as drawn};
-use crate::survey::{ExcludedStretch, ExclusionReason};
+use crate::bottom::draw;
+use crate::logs_window::{change, opened, settle};
+use crate::review::mouse::{at, drag, pull};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle as drawn};
+use bathyscope::app::{Command, LogId, OpenLog, Tool};
+use bathyscope_log::survey::{ExcludedStretch, ExclusionReason};
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
@@ -219,7 +219,7 @@ fn turns_are_found_listed_and_taken_back_in() {
 fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
-    let ids = crate::suite::logs_window::ids(&window);
+    let ids = crate::logs_window::ids(&window);
     let [from, to] = [40, 140].map(|ping| on_map(&mut window, ids[1], ping));
     press(&mut window, Modifiers::NONE, Key::K);
     drag(&mut window, from, to);

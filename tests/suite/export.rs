@@ -1,7 +1,7 @@
 //! Files that other programs open, read back; point files of other programs, filtered.
 
-use crate::formats::points::{self, PointFormat};
-use crate::products::export::kept_points;
+use bathyscope_log::formats::points::{self, PointFormat};
+use bathyscope_products::export::kept_points;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -2,9 +2,9 @@
 //! `tests/readers/failing_disk` has made one, on a disk that does not give it any more.
 
 use super::window::{Window, app, settle};
-use crate::app::{App, Command, Jobs};
-use crate::suite::support::{demo_log, real_data, snapshot_options};
-use crate::ui::Shell;
+use crate::support::{demo_log, real_data, snapshot_options};
+use bathyscope::app::{App, Command, Jobs};
+use bathyscope::ui::Shell;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use std::fs::{self, File};

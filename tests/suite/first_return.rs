@@ -3,11 +3,11 @@
 mod ponds;
 mod real;
 
-use crate::sonar::first_return::{
+use bathyscope_bottom::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
 };
-use crate::support::progress::Progress;
-use crate::survey::{
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
     Bytes, Encoding, SampleOrder, Side, SidePing, SideScanState, SideSpan, Survey,
 };
 

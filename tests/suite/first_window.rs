@@ -1,6 +1,6 @@
 //! The window before anything is open: what to do, and the logs that a card holds.
 
-use crate::suite::window::empty_window;
+use crate::window::empty_window;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::fs::{self, File};
 use std::path::PathBuf;

@@ -1,19 +1,19 @@
 //! Logs whose headers say anything at all, through the whole pipeline: opened, processed, written as every product. What
 //! comes out may be empty, but it is whole, holds numbers only, and nothing panics.
 
-use crate::bottom::cloud::Geometry;
-use crate::detection::objects::SurveyReview;
-use crate::formats::{
+use bathyscope_bottom::cloud::Geometry;
+use bathyscope_bottom::first_return::{Method, SampleMode};
+use bathyscope_log::formats::{
     self,
     points::{self, PointFormat},
 };
-use crate::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
-use crate::products::export::kept_points;
-use crate::products::outputs::{self, Order, Product, RunFolder};
-use crate::sonar::first_return::{Method, SampleMode};
-use crate::suite::handmade::{self, Frame};
-use crate::support::progress::Progress;
-use crate::survey::{HeadingSource, Projection, Survey};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{HeadingSource, Projection, Survey};
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_products::export::kept_points;
+use bathyscope_products::outputs::{self, Order, Product, RunFolder};
+use bathyscope_products::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
+use bathyscope_test_support::handmade::{self, Frame};
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};

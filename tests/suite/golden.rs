@@ -1,11 +1,11 @@
 //! Numbers that we did not compute: projections (pyproj 3.7.2 / PROJ 9.5.1) and the published geometry.
 
-use crate::bottom::cloud::{Geometry, across_track, fixed_bottom_point};
-use crate::support::geo::{
+use bathyscope_bottom::cloud::{Geometry, across_track, fixed_bottom_point};
+use bathyscope_log::support::geo::{
     LocalFrame, LonLat, UtmZone, humminbird_mercator_inverse, lowrance_mercator,
     lowrance_mercator_inverse, web_mercator, web_mercator_inverse,
 };
-use crate::survey::{PingNav, Side};
+use bathyscope_log::survey::{PingNav, Side};
 
 fn at(lon_deg: f64, lat_deg: f64) -> LonLat {
     LonLat { lon_deg, lat_deg }

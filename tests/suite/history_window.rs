@@ -1,9 +1,9 @@
 //! The history as a list: steps by name, where we are in it, and a click or a key that goes anywhere.
 
-use crate::app::{Action, BottomStroke, Command, Ink};
-use crate::suite::logs_window::{change, ids, names, opened, settle};
-use crate::suite::window::{Window, app, press};
-use crate::survey::Side;
+use crate::logs_window::{change, ids, names, opened, settle};
+use crate::window::{Window, app, press};
+use bathyscope::app::{Action, BottomStroke, Command, Ink};
+use bathyscope_log::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
@@ -43,7 +43,7 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
         Command::DrawBottom(stroke),
         Command::SetLogVisible(first, false),
         Command::MoveLog(second, -1),
-        Command::UsePreset(crate::pipeline::Preset::Published),
+        Command::UsePreset(bathyscope_products::pipeline::Preset::Published),
         Command::Do(Action::KeepRecordedRange),
     ] {
         window.state_mut().app.apply(command);

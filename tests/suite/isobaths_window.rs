@@ -1,10 +1,10 @@
 //! Isobaths in the window: the controls of their settings, and the area that they end at.
 
-use crate::app::{Action, Command, FileToOpen};
-use crate::pipeline::Preset;
-use crate::suite::window::{Window, app, demo_window, press, settle};
-use crate::support::geo::LonLat;
-use crate::support::presentation::units::LengthUnit;
+use crate::window::{Window, app, demo_window, press, settle};
+use bathyscope::app::{Action, Command, FileToOpen};
+use bathyscope_bottom::presentation::units::LengthUnit;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_products::pipeline::Preset;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

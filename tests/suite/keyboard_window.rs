@@ -1,10 +1,10 @@
 //! The whole job by keys alone, without one event of a pointer: open, look, mark and name a target, measure, review, save, export.
 
-use crate::detection::ObjectExtent;
-use crate::detection::review::State;
-use crate::suite::review::{detections, propose};
-use crate::suite::support::demo_log;
-use crate::suite::window::{Window, app, demo_window, empty_window, press};
+use crate::review::{detections, propose};
+use crate::support::demo_log;
+use crate::window::{Window, app, demo_window, empty_window, press};
+use bathyscope_objects::ObjectExtent;
+use bathyscope_objects::review::State;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;

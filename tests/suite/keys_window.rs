@@ -1,13 +1,13 @@
 //! Bare keys, those that could be part of a text: they act only where the keyboard is and on what is shown as selected, and what they
 //! change of depths and decisions is said, with undo.
 
-use crate::app::{Action, App, Command, Jobs, KeyFocus, LogPlace, View, is_bare};
-use crate::detection::review::{Reviewed, State};
-use crate::pipeline::{SettingValues, setting_values};
-use crate::suite::keyboard_window::log_with_boxes;
-use crate::suite::review::search::model;
-use crate::suite::window::{Window, app, empty_window, press, threshold};
-use crate::ui::Shell;
+use crate::keyboard_window::log_with_boxes;
+use crate::review::search::model;
+use crate::window::{Window, app, empty_window, press, threshold};
+use bathyscope::app::{Action, App, Command, Jobs, KeyFocus, LogPlace, View, is_bare};
+use bathyscope::ui::Shell;
+use bathyscope_objects::review::{Reviewed, State};
+use bathyscope_products::pipeline::{SettingValues, setting_values};
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -253,7 +253,7 @@ fn undo_notices(window: &Window) -> Vec<String> {
 
 #[test]
 fn the_threshold_moves_by_key_in_the_waterfall_alone_and_says_so() {
-    let mut window = crate::suite::window::demo_window();
+    let mut window = crate::window::demo_window();
     let start = threshold(&window);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     assert_eq!(threshold(&window), start, "no ping is selected");
@@ -362,7 +362,7 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
 
 #[test]
 fn keys_that_change_every_depth_ask_first() {
-    let mut window = crate::suite::window::demo_window();
+    let mut window = crate::window::demo_window();
     window
         .state_mut()
         .app
@@ -392,7 +392,7 @@ fn keys_that_change_every_depth_ask_first() {
 
 #[test]
 fn a_key_acts_in_the_view_that_was_clicked_wherever_the_pointer_is() {
-    let mut window = crate::suite::window::demo_window();
+    let mut window = crate::window::demo_window();
     let is_ground = |window: &Window| app(window).view.options.waterfall.ground_range;
     press(&mut window, Modifiers::NONE, Key::Num2);
     press(&mut window, Modifiers::NONE, Key::G);

@@ -1,14 +1,14 @@
 //! Boxes that an analyst draws around a hull: the object is what was drawn, and its picture shows all of it.
 
-use crate::detection::targets::{Placer, Target};
-use crate::detection::{Mark, Raster};
-use crate::products::export;
-use crate::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
-use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::support::progress::Progress;
-use crate::survey::{
+use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, calibrate};
+use bathyscope_bottom::first_return::{FirstReturns, Pick};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
     Bytes, Encoding, Navigation, PingNav, Projection, SampleOrder, Side, SidePing, SideSpan, Survey,
 };
+use bathyscope_objects::targets::{Placer, Target};
+use bathyscope_objects::{Mark, Raster};
+use bathyscope_products::export;
 use std::sync::Arc;
 
 const PINGS: usize = 700;

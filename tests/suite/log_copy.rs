@@ -1,14 +1,14 @@
 //! A log that is copied into another format holds what the log holds, as far as the format can.
 
-use crate::app::{App, Command, FileToWrite, Jobs};
-use crate::formats;
-use crate::formats::parquet_table::{Values, read_parquet};
-use crate::pipeline::Settings;
-use crate::products::export::{LogPartChoice, TimeBound, copy_log};
-use crate::sonar::calibration::PingRange;
-use crate::suite::support::{demo_log, real_data};
-use crate::support::progress::Progress;
-use crate::survey::{Encoding, LEVEL_BITS, Side, SideSpan, Survey};
+use crate::support::{demo_log, real_data};
+use bathyscope::app::{App, Command, FileToWrite, Jobs};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::formats;
+use bathyscope_log::formats::parquet_table::{Values, read_parquet};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Encoding, LEVEL_BITS, Side, SideSpan, Survey};
+use bathyscope_products::export::{LogPartChoice, TimeBound, copy_log};
+use bathyscope_products::pipeline::Settings;
 use std::path::Path;
 
 fn open(path: &Path) -> Survey {
@@ -85,7 +85,7 @@ fn assert_same(log: &Survey, copy: &Survey, place_m: f64) {
         let (Some(one), Some(other)) = (fix_at(log, unix_s), fix_at(copy, unix_s)) else {
             continue;
         };
-        let apart_m = crate::support::geo::distance_m(one.position, other.position);
+        let apart_m = bathyscope_log::support::geo::distance_m(one.position, other.position);
         assert!(apart_m <= place_m, "{unix_s}: {apart_m} m");
     }
 }

@@ -1,11 +1,9 @@
 //! Several logs in one window: one map, one cloud, one history.
 
-use crate::app::{App, CloudColour, Command, FileToWrite, LogId, LogPlace};
-use crate::pipeline::Settings;
-use crate::suite::many_logs::{HIGHER_M, bed_depth_m, rms, write_logs};
-use crate::suite::window::{
-    Window, app, drawn_window, drop_file, empty_window, press, settle as drawn,
-};
+use crate::many_logs::{HIGHER_M, bed_depth_m, rms, write_logs};
+use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle as drawn};
+use bathyscope::app::{App, CloudColour, Command, FileToWrite, LogId, LogPlace};
+use bathyscope_products::pipeline::Settings;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -214,11 +212,11 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     settle(&mut window);
     change(&mut window, "draft_m=0.7");
     let kept = |path: &Path| {
-        let project = crate::project::Store::open(path)
+        let project = bathyscope_products::project::Store::open(path)
             .expect("a project")
             .project;
         let drafts = project.logs().iter();
-        let draft = |log: &std::sync::Arc<crate::project::ProjectLog>| {
+        let draft = |log: &std::sync::Arc<bathyscope_products::project::ProjectLog>| {
             let draft = log.settings.own().get("draft_m").map(ToString::to_string);
             (log.name.clone(), draft)
         };

@@ -1,11 +1,11 @@
 //! The manual against the program: what it names exists, and what exists is in it; and the manual in the window.
 
-use crate::app::Action;
-use crate::app::manual::{Topic, whole};
-use crate::pipeline::settings::rows::ROWS;
-use crate::products::outputs::{OUTPUT_FILES, row_of};
-use crate::suite::cli::{refusal, run};
-use crate::suite::window::{app, empty_window, press};
+use crate::cli::{refusal, run};
+use crate::window::{app, empty_window, press};
+use bathyscope::app::Action;
+use bathyscope::app::manual::{Topic, whole};
+use bathyscope_products::outputs::{OUTPUT_FILES, row_of};
+use bathyscope_products::pipeline::settings::rows::ROWS;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

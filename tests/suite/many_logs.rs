@@ -1,27 +1,27 @@
 //! Several logs over one lake, with their own drafts, clocks and water levels, as one survey.
 
-use crate::bottom::bathymetry::Surface;
-use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets};
-use crate::bottom::cloud::DepthSource;
-use crate::detection::Mark;
-use crate::detection::objects::{PlacedBox, joint_objects};
-use crate::detection::targets::{GroupSettings, PassLog, Target};
-use crate::formats;
-use crate::imagery::mosaic::{
+use bathyscope_bottom::bathymetry::Surface;
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets};
+use bathyscope_bottom::cloud::DepthSource;
+use bathyscope_bottom::mosaic::{
     MosaicLog, MosaicSettings, TileIndex, joint_grid, joint_tile, match_levels, window,
 };
-use crate::pipeline::joint::{crossline_analysis, height_offsets};
-use crate::pipeline::{
+use bathyscope_log::formats;
+use bathyscope_log::support::geo::{Crs, MapPlane};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{ExclusionReason, Side, Stretch, Survey};
+use bathyscope_objects::Mark;
+use bathyscope_objects::objects::{PlacedBox, joint_objects};
+use bathyscope_objects::targets::{GroupSettings, PassLog, Target};
+use bathyscope_products::pipeline::joint::{crossline_analysis, height_offsets};
+use bathyscope_products::pipeline::{
     self, Derived, Mosaic, MosaicPlane, ObjectLocator, ProcessedLog, Settings, joint_depth_surface,
     mosaic_layout,
 };
-use crate::simulation::{
+use bathyscope_simulation::{
     Artefacts, BedKind, BedSettings, ObjectKind, ObjectSettings, Scene, Simulated, TrackSettings,
     simulate,
 };
-use crate::support::geo::{Crs, MapPlane};
-use crate::support::progress::Progress;
-use crate::survey::{ExclusionReason, Side, Stretch, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -363,7 +363,7 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
 }
 
 /// The box that a labeller draws around echo and shadow.
-pub(super) fn true_box(survey: &Survey, seen: &crate::simulation::ObjectPass) -> Option<Mark> {
+pub(super) fn true_box(survey: &Survey, seen: &bathyscope_simulation::ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
     let far_m = match seen.shadow_m[1].is_nan() {

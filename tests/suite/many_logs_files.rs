@@ -1,15 +1,15 @@
 //! The files of a survey of several logs over one lake, written without a window, against the known bed.
 
-use crate::detection::review::{Edit, Review};
-use crate::formats;
-use crate::products::outputs::{OUTPUT_FILES, Product, When};
-use crate::simulation::Scene;
-use crate::suite::cli::{refusal, run};
-use crate::suite::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
-use crate::suite::support::{manifest, manifest_entry};
-use crate::support::geo::{LocalFrame, LonLat};
-use crate::support::progress::Progress;
-use crate::survey::Identity;
+use crate::cli::{refusal, run};
+use crate::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
+use crate::support::{manifest, manifest_entry};
+use bathyscope_log::formats;
+use bathyscope_log::support::geo::{LocalFrame, LonLat};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Identity;
+use bathyscope_objects::review::{Edit, Review};
+use bathyscope_products::outputs::{OUTPUT_FILES, Product, When};
+use bathyscope_simulation::Scene;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

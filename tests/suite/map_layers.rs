@@ -1,7 +1,7 @@
 //! The layers of the map, chosen through the accessibility tree as a screen reader or an analyst would.
 
-use crate::app::{Action, LayerShown, MapLayer};
-use crate::suite::window::{Window, app, demo_window};
+use crate::window::{Window, app, demo_window};
+use bathyscope::app::{Action, LayerShown, MapLayer};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 
@@ -37,7 +37,7 @@ fn a_layer_is_hidden_faded_and_moved_from_the_view_s_title() {
 fn a_command_shows_what_it_hid() {
     let mut window = demo_window();
     for visible in [false, true] {
-        let hide = crate::app::Command::Do(Action::DepthMapLayer);
+        let hide = bathyscope::app::Command::Do(Action::DepthMapLayer);
         window.state_mut().app.apply(hide);
         window.run();
         assert_eq!(shown(&window, MapLayer::DepthMap).visible, visible);

@@ -1,11 +1,11 @@
 //! The tools of the map, driven by keys and mouse.
 
-use crate::app::{Action, Command, LogPlace, MapLayer, Measure, View};
-use crate::suite::base_map;
-use crate::suite::printing::name_file;
-use crate::suite::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
-use crate::support::geo::{CoordinateFormat, LonLat};
-use crate::ui::Alone;
+use crate::base_map;
+use crate::printing::name_file;
+use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
+use bathyscope::app::{Action, Command, LogPlace, MapLayer, Measure, View};
+use bathyscope::ui::Alone;
+use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;

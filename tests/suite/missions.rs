@@ -1,12 +1,12 @@
 //! Two missions over one pond, whose agreement the simulation knows.
 
 use super::truth::{KnownSurvey, kept};
-use crate::bottom::bathymetry::SurfaceSettings;
-use crate::bottom::bathymetry::compare::{Matching, match_points};
-use crate::bottom::cloud::Residuals;
-use crate::pipeline::{self, Products, Settings};
-use crate::simulation::Scene;
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::SurfaceSettings;
+use bathyscope_bottom::bathymetry::compare::{Matching, match_points};
+use bathyscope_bottom::cloud::Residuals;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_simulation::Scene;
 
 /// One mission and what the program made of it.
 pub(super) struct Mission {

@@ -1,16 +1,16 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
-use crate::bottom::bathymetry::Grid;
-use crate::formats;
-use crate::imagery::mosaic::{
+use crate::detection_targets::trough;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::mosaic::{
     Gain, GainTable, MosaicLayout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table,
     tile, window,
 };
-use crate::pipeline::{self, Products, Settings};
-use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
-use crate::suite::detection_targets::trough;
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
 use std::sync::Arc;
 
 struct Sailed {

@@ -1,12 +1,12 @@
 //! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars across it, relief kept.
 
-use crate::formats;
-use crate::imagery::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
-use crate::pipeline::{self, Products, Settings};
-use crate::simulation::{Artefacts, Scene, simulate};
-use crate::suite::{river, support};
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, SampleOrder, Side, Survey};
+use crate::{river, support};
+use bathyscope_bottom::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, SampleOrder, Side, Survey};
+use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_simulation::{Artefacts, Scene, simulate};
 use std::ops::Range;
 use std::sync::Arc;
 

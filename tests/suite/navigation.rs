@@ -1,14 +1,16 @@
 //! Position and heading from coarse, repeated fixes.
 
-use crate::pipeline::{Preset, Settings};
-use crate::simulation::{Scene, TrackSettings};
-use crate::suite::truth::KnownSurvey;
-use crate::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
-use crate::support::progress::Progress;
-use crate::survey::{
+use crate::truth::KnownSurvey;
+use bathyscope_log::support::geo::{
+    LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse,
+};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
     Fix, HeadingSettings, HeadingSource, Navigation, Projection, SidePing, SideScanState, Survey,
     Track, navigate,
 };
+use bathyscope_products::pipeline::{Preset, Settings};
+use bathyscope_simulation::{Scene, TrackSettings};
 
 const ORIGIN: LonLat = LonLat {
     lon_deg: -82.11,

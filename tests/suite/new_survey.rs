@@ -1,13 +1,13 @@
 //! What a survey that is opened anew starts from: nothing of the survey before, and what its own log was last given.
 
-use crate::app::{Action, App, Command, Jobs, ViewOptions};
-use crate::pipeline::settings::rows::ROWS;
-use crate::pipeline::settings::{SettingKind, SettingRow};
-use crate::pipeline::{Settings, setting_values};
-use crate::simulation::{Scene, TrackSettings, simulate};
-use crate::suite::many_logs::write_logs;
-use crate::support::presentation::units::LengthUnit;
-use crate::support::progress::Progress;
+use crate::many_logs::write_logs;
+use bathyscope::app::{Action, App, Command, Jobs, ViewOptions};
+use bathyscope_bottom::presentation::units::LengthUnit;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::settings::rows::ROWS;
+use bathyscope_products::pipeline::settings::{SettingKind, SettingRow};
+use bathyscope_products::pipeline::{Settings, setting_values};
+use bathyscope_simulation::{Scene, TrackSettings, simulate};
 use std::path::{Path, PathBuf};
 
 /// Lets everything that is asked for come to its end.

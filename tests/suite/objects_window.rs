@@ -1,16 +1,16 @@
 //! Boxes of several logs in one window: one queue, one list of objects, decisions about an object in all logs that saw it.
 
-use crate::app::{
+use crate::logs_window::{ids, names, opened, opened_in, settle};
+use crate::many_logs::{sailed, true_box, write_logs};
+use crate::review::search::{model, until};
+use crate::support::real_data;
+use crate::window::{Window, app, drawn_window, press, settle as drawn};
+use bathyscope::app::{
     Action, App, Command, FileToOpen, Jobs, LogBox, LogId, ObjectState, SurveyObject,
 };
-use crate::detection::Detection;
-use crate::detection::review::{Edit, Review, State};
-use crate::suite::logs_window::{ids, names, opened, opened_in, settle};
-use crate::suite::many_logs::{sailed, true_box, write_logs};
-use crate::suite::review::search::{model, until};
-use crate::suite::support::real_data;
-use crate::suite::window::{Window, app, drawn_window, press, settle as drawn};
-use crate::survey::{Identity, Side};
+use bathyscope_log::survey::{Identity, Side};
+use bathyscope_objects::Detection;
+use bathyscope_objects::review::{Edit, Review, State};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

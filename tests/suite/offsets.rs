@@ -1,14 +1,14 @@
 //! Whether the constant that is taken off the ranges is the true one, on logs of any range, depth, pulse and sounding.
 
-use crate::pipeline::Settings;
-use crate::simulation::{
+use crate::truth::KnownSurvey;
+use bathyscope_bottom::calibration::{Calibration, calibrate};
+use bathyscope_bottom::first_return::{FirstReturns, detect};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Projection, RangeSource, Side, Survey, navigate};
+use bathyscope_products::pipeline::Settings;
+use bathyscope_simulation::{
     Artefacts, BedKind, BedSettings, Curve, RecorderSettings, Scene, TrackSettings,
 };
-use crate::sonar::calibration::{Calibration, calibrate};
-use crate::sonar::first_return::{FirstReturns, detect};
-use crate::suite::truth::KnownSurvey;
-use crate::support::progress::Progress;
-use crate::survey::{Projection, RangeSource, Side, Survey, navigate};
 use std::sync::Arc;
 
 /// How far an offset in force may lie from the truth, metres.

@@ -1,11 +1,11 @@
 //! The objects of one reviewed project in the window and in every file: the same members, numbers and states.
 
-use crate::app::{Command, FileToWrite, LogBox};
-use crate::detection::review::{Edit, State};
-use crate::suite::logs_window::{ids, settle};
-use crate::suite::objects_window::{object_of, proposed};
-use crate::suite::project_window::{open, save_as};
-use crate::suite::window::{Window, app};
+use crate::logs_window::{ids, settle};
+use crate::objects_window::{object_of, proposed};
+use crate::project_window::{open, save_as};
+use crate::window::{Window, app};
+use bathyscope::app::{Command, FileToWrite, LogBox};
+use bathyscope_objects::review::{Edit, State};
 use rusqlite::Connection;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -167,7 +167,7 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
 
     // The project keeps the numbers, for the command line and for another day.
     let headless = folder.path().join("headless");
-    let output = std::process::Command::new(crate::suite::support::program())
+    let output = std::process::Command::new(crate::support::program())
         .args(["process".as_ref(), project.as_os_str(), "-o".as_ref()])
         .arg(&headless)
         .args(["--products", "targets,geopackage,report"])

@@ -1,16 +1,16 @@
 //! The registry of outputs against what runs really write.
 
-use crate::app::{App, Command, FileToWrite, Jobs};
-use crate::detection::objects::SurveyReview;
-use crate::pipeline::{self, Derived, ProcessedLog, Settings};
-use crate::products::outputs::{
+use crate::cli::run;
+use crate::truth::KnownSurvey;
+use bathyscope::app::{App, Command, FileToWrite, Jobs};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_products::outputs::{
     self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
 };
-use crate::simulation::Scene;
-use crate::suite::cli::run;
-use crate::suite::truth::KnownSurvey;
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use bathyscope_products::pipeline::{self, Derived, ProcessedLog, Settings};
+use bathyscope_simulation::Scene;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! The passes that saw a place: as the map's menu lists them, and one after the other from a selected place.
 
-use crate::app::{Action, Command, LogPass, LogPlace, PassesFound, mark_of};
-use crate::pipeline::{Derived, Pass, ProcessedLog, place_of};
-use crate::suite::support::Moments;
-use crate::suite::window::{Window, app, demo_window, press, settle};
-use crate::support::geo::LonLat;
-use crate::support::progress::Progress;
+use crate::window::{Window, app, demo_window, press, settle};
+use bathyscope::app::{Action, Command, LogPass, LogPlace, PassesFound, mark_of};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{Derived, Pass, ProcessedLog, place_of};
+use bathyscope_test_support::Moments;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 

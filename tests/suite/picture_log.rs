@@ -1,11 +1,11 @@
 //! The demo survey, written as a picture and a table as another program would, opens as the log that it is.
 
-use crate::formats;
-use crate::pipeline::{Derived, ProcessedLog, Settings, run};
-use crate::sonar::first_return::{Pick, detect};
-use crate::suite::support::demo_log;
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey, navigate_with};
+use crate::support::demo_log;
+use bathyscope_bottom::first_return::{Pick, detect};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey, navigate_with};
+use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings, run};
 use image::GrayImage;
 use std::fmt::Write as _;
 use std::path::Path;

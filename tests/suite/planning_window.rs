@@ -1,10 +1,10 @@
 //! Lines to sail next in the window: planned by key, dragged, removed, undone and written.
 
-use crate::app::{Action, Command, FileToWrite, PlanRequest, View};
-use crate::bottom::planning::{Leg, PlanSettings};
-use crate::suite::exclusion_window::{click, places_on_map};
-use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
-use crate::ui::Alone;
+use crate::exclusion_window::{click, places_on_map};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, Command, FileToWrite, PlanRequest, View};
+use bathyscope::ui::Alone;
+use bathyscope_bottom::planning::{Leg, PlanSettings};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::fs;

@@ -1,13 +1,13 @@
 //! What is known of a point besides its place: the level of its echo and its slant range, in the cloud, in files and in colours.
 
-use crate::app::CloudColour;
-use crate::bottom::cloud::{CloudPoint, PointSource};
-use crate::suite::cli::run;
-use crate::suite::river::processed;
-use crate::suite::support::{demo_log, real_data};
-use crate::suite::window::{app, demo_window, press};
+use crate::cli::run;
+use crate::river::processed;
+use crate::support::{demo_log, real_data};
+use crate::window::{app, demo_window, press};
+use bathyscope::app::CloudColour;
+use bathyscope_bottom::cloud::{CloudPoint, PointSource};
 
-use crate::survey::{Side, Survey};
+use bathyscope_log::survey::{Side, Survey};
 use egui::{Key, Modifiers};
 use std::path::{Path, PathBuf};
 

@@ -1,13 +1,15 @@
 //! Each point has one class: the map, every file of points, the report and its page count them alike.
 
-use crate::bottom::cloud::{ClassCounts, PointClass, PointSource};
-use crate::detection::objects::SurveyReview;
-use crate::pipeline::{self, Derived, Preset, ProcessedLog, Settings, joint_depth_points};
-use crate::products::outputs::{self, Order, Product, RunFolder};
-use crate::simulation::Scene;
-use crate::suite::truth::KnownSurvey;
-use crate::support::presentation::text::typeset_count;
-use crate::support::progress::Progress;
+use crate::truth::KnownSurvey;
+use bathyscope_bottom::cloud::{ClassCounts, PointClass, PointSource};
+use bathyscope_bottom::presentation::text::typeset_count;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_products::outputs::{self, Order, Product, RunFolder};
+use bathyscope_products::pipeline::{
+    self, Derived, Preset, ProcessedLog, Settings, joint_depth_points,
+};
+use bathyscope_simulation::Scene;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -140,8 +142,8 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
         let truth = &pond.truth.pings[point.ping as usize];
         let side = match point.source {
             PointSource::DownScan | PointSource::Swath => return false,
-            PointSource::Port => truth.side(crate::survey::Side::Port),
-            PointSource::Starboard => truth.side(crate::survey::Side::Starboard),
+            PointSource::Port => truth.side(bathyscope_log::survey::Side::Port),
+            PointSource::Starboard => truth.side(bathyscope_log::survey::Side::Starboard),
         };
         let bed_m = pond.truth.bed_depth_m(point.east_m, point.north_m);
         side.weed && bed_m + point.z_m > 0.25

@@ -1,7 +1,7 @@
 //! Views printed from the window: asked for as an analyst would, looked at as a picture.
 
-use crate::app::{Command, MapLayer, Paper, PrintOptions};
-use crate::suite::window::{Window, app, demo_window, press};
+use crate::window::{Window, app, demo_window, press};
+use bathyscope::app::{Command, MapLayer, Paper, PrintOptions};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -100,7 +100,7 @@ fn views_are_printed_on_paper_and_in_pixels() {
 
 #[test]
 fn what_cannot_be_printed_is_said() {
-    let mut window = crate::suite::window::empty_window();
+    let mut window = crate::window::empty_window();
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     assert!(notice(&window)[0].0.contains("nothing to print"));
     let folder = tempfile::tempdir().expect("a temporary folder");

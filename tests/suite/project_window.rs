@@ -1,9 +1,9 @@
 //! A survey of several logs kept as a project: opened, changed, saved, closed and opened again, in the window.
 
-use crate::app::{Action, BottomStroke, Command, FileToWrite, Ink};
-use crate::suite::logs_window::{change, ids, names, opened, settle};
-use crate::suite::window::{Window, app, drop_file, empty_window, press};
-use crate::survey::Side;
+use crate::logs_window::{change, ids, names, opened, settle};
+use crate::window::{Window, app, drop_file, empty_window, press};
+use bathyscope::app::{Action, BottomStroke, Command, FileToWrite, Ink};
+use bathyscope_log::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use sha2::{Digest as _, Sha256};
@@ -96,7 +96,7 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
     drop(again);
     // Without a window it is the same survey: the logs that are ticked, each with its settings.
     let out = folder.path().join("out");
-    let program = std::process::Command::new(crate::suite::support::program())
+    let program = std::process::Command::new(crate::support::program())
         .args(["process", "--no-objects", "--products", "track", "-o"])
         .args([&out, &path])
         .output()
@@ -212,7 +212,7 @@ fn what_was_not_saved_is_in_the_journal() {
     );
     // A log that joins the survey is in the project at once.
     let more = tempfile::tempdir().expect("a temporary folder");
-    crate::suite::many_logs::write_logs(more.path(), 3);
+    crate::many_logs::write_logs(more.path(), 3);
     drop_file(&mut again, more.path().join("lake-2.sl2"));
     settle(&mut again);
     assert_eq!(names(&again), ["lake-0", "lake-1", "lake-2"]);

@@ -68,7 +68,7 @@ fn the_window_opens_on_the_demo_and_draws_it() {
         return;
     };
     let mut window = Running(
-        Command::new(crate::suite::support::program())
+        Command::new(crate::support::program())
             .arg("--demo")
             .env("DISPLAY", &display)
             .env_remove("WAYLAND_DISPLAY")

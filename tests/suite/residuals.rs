@@ -1,15 +1,15 @@
 //! How points differ from a reference, on the map and in the panel.
 
-use crate::app::{Action, App, Command, FileToWrite, Jobs, MapLayer, ReferenceBy, View};
-use crate::bottom::bathymetry::compare::{Match, Matching};
-use crate::pipeline::Settings;
-use crate::simulation::Scene;
-use crate::suite::cli::{refusal, run};
-use crate::suite::support::{demo_log, manifest_entry};
-use crate::suite::truth::KnownSurvey;
-use crate::suite::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
-use crate::support::geo::UtmZone;
-use crate::ui::Alone;
+use crate::cli::{refusal, run};
+use crate::support::{demo_log, manifest_entry};
+use crate::truth::KnownSurvey;
+use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
+use bathyscope::app::{Action, App, Command, FileToWrite, Jobs, MapLayer, ReferenceBy, View};
+use bathyscope::ui::Alone;
+use bathyscope_bottom::bathymetry::compare::{Match, Matching};
+use bathyscope_log::support::geo::UtmZone;
+use bathyscope_products::pipeline::Settings;
+use bathyscope_simulation::Scene;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

@@ -1,11 +1,11 @@
 //! The real river through the whole pipeline: three containers of one recording must give one cloud.
 
-use crate::bottom::cloud::slant_range_m;
-use crate::formats;
-use crate::pipeline::{self, Products, Settings};
-use crate::suite::support;
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use crate::support;
+use bathyscope_bottom::cloud::slant_range_m;
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::{self, Products, Settings};
 use std::path::Path;
 
 /// A log with what the default settings make of it.

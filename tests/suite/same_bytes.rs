@@ -1,16 +1,16 @@
 //! Window and command line write the same bytes of the same survey.
 
-use crate::app::{
+use crate::cli::run;
+use crate::residuals::{pond, wait};
+use crate::truth::KnownSurvey;
+use bathyscope::app::{
     App, BottomStroke, Command, ExclusionEdit, FileToOpen, FileToWrite, Ink, Jobs, LogId, PIXEL_M,
 };
-use crate::detection::review::{BoxId, Edit, Review};
-use crate::detection::{Detection, Mark, Raster};
-use crate::pipeline::Settings;
-use crate::products::outputs::{OUTPUT_FILES, OutputFile, When};
-use crate::suite::cli::run;
-use crate::suite::residuals::{pond, wait};
-use crate::suite::truth::KnownSurvey;
-use crate::survey::{Identity, LogPart, Side};
+use bathyscope_log::survey::{Identity, LogPart, Side};
+use bathyscope_objects::review::{BoxId, Edit, Review};
+use bathyscope_objects::{Detection, Mark, Raster};
+use bathyscope_products::outputs::{OUTPUT_FILES, OutputFile, When};
+use bathyscope_products::pipeline::Settings;
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;

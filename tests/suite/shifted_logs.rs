@@ -1,11 +1,11 @@
 //! Logs of one survey whose positions are off and late: found and put right by `process` and in the window.
 
-use crate::app::FoundPositions;
-use crate::pipeline::joint::LogPositions;
-use crate::suite::archive::positions::{LOGS, TRUTH, write_four};
-use crate::suite::cli::run;
-use crate::suite::logs_window::{change, settle};
-use crate::suite::window::{Window, app, drop_file, empty_window, press};
+use crate::archive::positions::{LOGS, TRUTH, write_four};
+use crate::cli::run;
+use crate::logs_window::{change, settle};
+use crate::window::{Window, app, drop_file, empty_window, press};
+use bathyscope::app::FoundPositions;
+use bathyscope_products::pipeline::joint::LogPositions;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use serde_json::Value;

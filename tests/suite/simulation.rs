@@ -1,11 +1,11 @@
 //! Simulated surveys: what the log says against what was simulated, and the truth against geometry worked out apart.
 
-use crate::formats;
-use crate::simulation::{
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, SideScanState, Survey};
+use bathyscope_simulation::{
     Artefacts, ObjectKind, ObjectSettings, Scene, Simulated, Terrace, TrackSettings, simulate,
 };
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Side, SideScanState, Survey};
 use std::f64::consts::PI;
 use std::path::Path;
 

@@ -1,22 +1,22 @@
 //! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the real river.
 
-use crate::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
-use crate::bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
-use crate::bottom::cloud::{
+use crate::support;
+use bathyscope::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
+use bathyscope::ui::views::{CloudView, MapView};
+use bathyscope::ui::{ViewContext, ViewRequest};
+use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
+use bathyscope_bottom::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
+use bathyscope_bottom::cloud::{
     CloudPoint, Correction, PointClass, PointCloud, PointSource, RecordIndex, ping_depths,
 };
-use crate::formats;
-use crate::pipeline::Products;
-use crate::sonar::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
-use crate::suite::support;
-use crate::support::geo::LonLat;
-use crate::support::progress::Progress;
-use crate::survey::{
+use bathyscope_log::formats;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
     Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
     Survey, Track, navigate,
 };
-use crate::ui::views::{CloudView, MapView};
-use crate::ui::{ViewContext, ViewRequest};
+use bathyscope_products::pipeline::Products;
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui::{Pos2, Vec2, vec2};
 use egui_kittest::Harness;

@@ -1,10 +1,10 @@
 //! The status bar has everything that is known of a place, and cuts nothing off.
 
-use crate::app::{Command, LogPlace};
-use crate::suite::calm_window::window_of;
-use crate::suite::window::{Window, app, demo_window};
-use crate::support::geo::CoordinateFormat;
-use crate::survey::{HeadingSource, Side};
+use crate::calm_window::window_of;
+use crate::window::{Window, app, demo_window};
+use bathyscope::app::{Command, LogPlace};
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_log::survey::{HeadingSource, Side};
 use egui::Rect;
 use egui_kittest::kittest::Queryable as _;
 

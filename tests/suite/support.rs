@@ -1,57 +1,13 @@
-//! Where the real recordings are, what a test says when they are not there, and how pictures are compared.
+//! The program, what a run says of its files, and how pictures are compared.
+
+pub(super) use bathyscope_test_support::{demo_log, real_data};
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project.
-/// `None` (after a line on stderr) where there is none: the test then has nothing to look at and says so.
-pub(super) fn real_data() -> Option<PathBuf> {
-    let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder = std::env::var_os("BATHYSCOPE_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: no real recordings (set BATHYSCOPE_DATA to the folder that holds them)");
-    None
-}
-
 /// The program, which cargo builds with the tests.
-///
-/// # Panics
-/// When it is missing or older than its source, as after `cargo test --lib`.
 pub(super) fn program() -> PathBuf {
-    let tests = std::env::current_exe().expect("the path of the tests");
-    let folder = tests.ancestors().nth(2).expect("the folder of the build");
-    let program = folder
-        .join("bathyscope")
-        .with_extension(std::env::consts::EXE_EXTENSION);
-    let built = std::fs::metadata(&program).and_then(|file| file.modified());
-    let source = newest_change(&PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src"));
-    assert!(
-        built.is_ok_and(|built| built >= source),
-        "{} is missing or older than its source: run `cargo build --release` first",
-        program.display()
-    );
-    program
-}
-
-/// When a file in a folder was changed last.
-fn newest_change(folder: &Path) -> std::time::SystemTime {
-    let entries = std::fs::read_dir(folder).expect("the source");
-    let changes = entries.map(|entry| {
-        let entry = entry.expect("a file of the source");
-        let about = entry.metadata().expect("a file of the source");
-        match about.is_dir() {
-            true => newest_change(&entry.path()),
-            false => about.modified().expect("a time"),
-        }
-    });
-    changes.max().unwrap_or(std::time::UNIX_EPOCH)
-}
-
-/// The bundled demo survey as a file.
-pub(super) fn demo_log() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2")
+    PathBuf::from(env!("CARGO_BIN_EXE_bathyscope"))
 }
 
 /// What the manifest of a run says, of all its files and of each.
@@ -76,18 +32,4 @@ pub(super) fn snapshot_options() -> egui_kittest::SnapshotOptions {
     egui_kittest::SnapshotOptions::new()
         .threshold(1.0)
         .max_failed_pixels(64usize)
-}
-
-/// Numbers that look random and are the same in every run.
-pub(super) struct Moments(pub u64);
-
-impl Moments {
-    /// The next one, 0 to 1.
-    pub(super) fn share(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (self.0 >> 33) as f64 / (1_u64 << 31) as f64
-    }
 }

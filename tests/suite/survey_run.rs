@@ -2,20 +2,20 @@
 //! compared and applied, objects of two logs reviewed; saved, closed, opened again and written out. By mouse and keys wherever the
 //! system's own dialogs are not in between.
 
-use crate::app::{OpenLog, Tool};
-use crate::detection::review::{Review, State};
-use crate::detection::{Detection, Mark, Raster};
-use crate::formats;
-use crate::pipeline::{self, Settings};
-use crate::suite::bottom::draw;
-use crate::suite::exclusion_window::{click, on_map};
-use crate::suite::logs_window::{names, settle};
-use crate::suite::many_logs::{HIGHER_M, write_logs};
-use crate::suite::printing::name_file;
-use crate::suite::review::mouse::{at, drag};
-use crate::suite::window::{Window, app, drop_file, empty_window, press};
-use crate::support::progress::Progress;
-use crate::survey::{ExclusionReason, Identity, Side, turn_rates_deg_s};
+use crate::bottom::draw;
+use crate::exclusion_window::{click, on_map};
+use crate::logs_window::{names, settle};
+use crate::many_logs::{HIGHER_M, write_logs};
+use crate::printing::name_file;
+use crate::review::mouse::{at, drag};
+use crate::window::{Window, app, drop_file, empty_window, press};
+use bathyscope::app::{OpenLog, Tool};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{ExclusionReason, Identity, Side, turn_rates_deg_s};
+use bathyscope_objects::review::{Review, State};
+use bathyscope_objects::{Detection, Mark, Raster};
+use bathyscope_products::pipeline::{self, Settings};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::fs;
@@ -138,7 +138,7 @@ fn four_logs_from_the_folder_to_the_products() {
     for name in ["lake-0", "lake-2"] {
         propose(folder, name);
     }
-    let logs_before = crate::suite::project_window::hashes(folder);
+    let logs_before = crate::project_window::hashes(folder);
 
     // Opened: all of them are in the list and on the map, with the boxes that lay beside two of them.
     let mut window = empty_window();
@@ -201,7 +201,7 @@ fn four_logs_from_the_folder_to_the_products() {
     settle(&mut window);
     window.get_by_label_contains("Wrote ");
     check_products(&out, turn, &offsets);
-    assert_eq!(crate::suite::project_window::hashes(folder), logs_before);
+    assert_eq!(crate::project_window::hashes(folder), logs_before);
 }
 
 /// Draws over the longest turn of a log that is not shown at first; what was excluded.

@@ -1,14 +1,16 @@
 //! Depths across the track of StructureScan 3D, from the file to points, surface, files and report.
 
-use crate::bottom::cloud::{CloudPoint, PointRecord, PointSource};
-use crate::detection::objects::SurveyReview;
-use crate::formats::{open_bytes, open_growing, open_tail};
-use crate::pipeline::{Derived, GrowingResults, ProcessedLog, Products, Settings, extend, run};
-use crate::products::outputs::{self, Order, Product, RunFolder};
-use crate::suite::handmade::{Frame, sl3};
-use crate::support::geo::{LocalFrame, METRES_PER_FOOT, lowrance_mercator_inverse};
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, Side, Survey, SurveyVersions};
+use bathyscope_bottom::cloud::{CloudPoint, PointRecord, PointSource};
+use bathyscope_log::formats::{open_bytes, open_growing, open_tail};
+use bathyscope_log::support::geo::{LocalFrame, METRES_PER_FOOT, lowrance_mercator_inverse};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, Side, Survey, SurveyVersions};
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_products::outputs::{self, Order, Product, RunFolder};
+use bathyscope_products::pipeline::{
+    Derived, GrowingResults, ProcessedLog, Products, Settings, extend, run,
+};
+use bathyscope_test_support::handmade::{Frame, sl3};
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
@@ -158,10 +160,10 @@ fn corrections_of_depths_positions_and_cables_reach_the_swath() {
 fn excluded_stretches_and_parts_take_their_depths_with_them() {
     let survey = open(log(40, NORTH));
     let mut settings = set(&[]);
-    settings.excluded.stretches = vec![crate::survey::Stretch {
+    settings.excluded.stretches = vec![bathyscope_log::survey::Stretch {
         pings: None,
         time_s: Some([5.0, 9.9]),
-        reason: Some(crate::survey::ExclusionReason::Bad),
+        reason: Some(bathyscope_log::survey::ExclusionReason::Bad),
     }];
     let products = results(&survey, &settings);
     let pings: Vec<usize> = swath(&products)

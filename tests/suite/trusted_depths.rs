@@ -1,14 +1,14 @@
 //! Which depths count: side-scan where the recorder lost the bottom, first returns by their confidence, and what lies above the
 //! recorded depth.
 
-use crate::bottom::cloud::{
+use crate::truth::KnownSurvey;
+use bathyscope_bottom::cloud::{
     ClassRules, DepthSource, PointClass, PointSource, TrackShare, classify,
 };
-use crate::pipeline::{self, Preset, Products, Report, Settings};
-use crate::simulation::Scene;
-use crate::sonar::first_return::Method;
-use crate::suite::truth::KnownSurvey;
-use crate::support::progress::Progress;
+use bathyscope_bottom::first_return::Method;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{self, Preset, Products, Report, Settings};
+use bathyscope_simulation::Scene;
 use std::sync::Arc;
 
 fn processed(pond: &KnownSurvey, settings: &Settings) -> Products {

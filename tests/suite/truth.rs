@@ -1,13 +1,13 @@
 //! Results compared with what a simulated survey hides.
 
-use crate::bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
-use crate::bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};
-use crate::bottom::swath::{LogEchoes, correct};
-use crate::formats;
-use crate::pipeline::{Products, log_echoes};
-use crate::simulation::{Scene, Simulated, simulate};
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
+use bathyscope_bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};
+use bathyscope_bottom::swath::{LogEchoes, correct};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::{Products, log_echoes};
+use bathyscope_simulation::{Scene, Simulated, simulate};
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]

@@ -1,13 +1,13 @@
 //! The units of the window: nothing that it writes or says is left in metres, steps are round in the unit that is shown, and controls
 //! take what is typed in it.
 
-use crate::app::{Action, Command, LogPlace, MapLayer};
-use crate::pipeline::settings::rows::ROWS;
-use crate::suite::bottom::draw;
-use crate::suite::map_tools::click;
-use crate::suite::review::{detections, propose};
-use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
-use crate::support::presentation::units::{LengthUnit, SpeedUnit, Units};
+use crate::bottom::draw;
+use crate::map_tools::click;
+use crate::review::{detections, propose};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, Command, LogPlace, MapLayer};
+use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit, Units};
+use bathyscope_products::pipeline::settings::rows::ROWS;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Pos2, Rect, Shape, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};

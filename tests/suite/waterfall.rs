@@ -6,12 +6,12 @@ mod read_out;
 mod synthetic;
 mod tone;
 
-use crate::app::{Action, App, Command, Jobs, LogPlace, Orientation, View};
-use crate::suite::support;
-use crate::support::progress::Progress;
-use crate::survey::{Side, SideScanState, Survey};
-use crate::ui::views::{ProfileView, WaterfallView};
-use crate::ui::{ViewContext, ViewRequest};
+use crate::support;
+use bathyscope::app::{Action, App, Command, Jobs, LogPlace, Orientation, View};
+use bathyscope::ui::views::{ProfileView, WaterfallView};
+use bathyscope::ui::{ViewContext, ViewRequest};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, SideScanState, Survey};
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, MouseWheelUnit, Pos2, Vec2, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -342,7 +342,7 @@ fn a_bright_sample_survives_in_the_overview() {
     let spans = (0..20_000).map(|ping| if ping == 10_025 { marked } else { even });
     let mut app = app_with(survey_of(bytes, spans));
     app.view.options.waterfall.range_lines = false;
-    app.view.options.waterfall.colour_map = crate::app::ColourMap::Grey;
+    app.view.options.waterfall.colour_map = bathyscope::app::ColourMap::Grey;
     let mut window = window(app, [400.0, 300.0]);
     window.state_mut().waterfall.request(ViewRequest::Fit);
     settle(&mut window);
@@ -414,7 +414,7 @@ fn looks_as_it_did_along_the_screen() {
 fn looks_as_it_did_down_the_screen_and_near() {
     let mut app = pond_app();
     app.view.options.waterfall.orientation = Orientation::Vertical;
-    app.view.options.waterfall.colour_map = crate::app::ColourMap::Viridis;
+    app.view.options.waterfall.colour_map = bathyscope::app::ColourMap::Viridis;
     app.view.options.waterfall.depth_line = true;
     let mut window = window(app, [240.0, 300.0]);
     window.state_mut().waterfall.show_pings(385..415);
@@ -429,7 +429,7 @@ fn the_real_river_is_drawn_whole() {
     };
     let path = data.join("humminbird-glen-canyon/Rec00001.DAT");
     let progress = Progress::new();
-    let survey = crate::formats::open(&path, &progress).expect("the river opens");
+    let survey = bathyscope_log::formats::open(&path, &progress).expect("the river opens");
     let mut window = window(app_with(survey), [1200.0, 500.0]);
     window.state_mut().waterfall.show_pings(0..3453);
     settle(&mut window);

@@ -1,10 +1,10 @@
 //! Measuring in the waterfall: by mouse and by keys, against the known objects of the demo.
 
-use crate::project::MeasurementKind;
-use crate::suite::bottom::draw;
-use crate::suite::review::mouse::at;
-use crate::suite::window::{Window, app, demo_window, press};
-use crate::suite::{map_tools, support};
+use crate::bottom::draw;
+use crate::review::mouse::at;
+use crate::window::{Window, app, demo_window, press};
+use crate::{map_tools, support};
+use bathyscope_products::project::MeasurementKind;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 

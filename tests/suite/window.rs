@@ -1,12 +1,12 @@
 //! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
 
-use crate::app::{Action, App, Command, Jobs, LogPlace, ThemeChoice};
-use crate::pipeline::Preset;
-use crate::pipeline::Settings;
-use crate::products::outputs::Product;
-use crate::suite::support::{demo_log, manifest_entry, snapshot_options};
-use crate::support::geo::CrsChoice;
-use crate::ui::Shell;
+use crate::support::{demo_log, manifest_entry, snapshot_options};
+use bathyscope::app::{Action, App, Command, Jobs, LogPlace, ThemeChoice};
+use bathyscope::ui::Shell;
+use bathyscope_log::support::geo::CrsChoice;
+use bathyscope_products::outputs::Product;
+use bathyscope_products::pipeline::Preset;
+use bathyscope_products::pipeline::Settings;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;

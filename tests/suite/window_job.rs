@@ -1,12 +1,12 @@
 //! Whole jobs in the window: the main one by keys alone, one log after another, logs with something missing, work that
 //! is stopped and taken up again.
 
-use crate::app::{Action, Command};
-use crate::pipeline::Preset;
-use crate::suite::support::{demo_log, real_data};
-use crate::suite::window::{
+use crate::support::{demo_log, real_data};
+use crate::window::{
     Window, app, demo_window, drop_file, empty_window, press, threshold, type_export_folder,
 };
+use bathyscope::app::{Action, Command};
+use bathyscope_products::pipeline::Preset;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};

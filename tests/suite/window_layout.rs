@@ -1,9 +1,9 @@
 //! What stays in its place in the window, whatever comes and goes in it.
 
-use crate::app::{Action, Command, FileToWrite};
-use crate::pipeline::{Preset, Settings};
-use crate::suite::calm_window::window_of;
-use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
+use crate::calm_window::window_of;
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, Command, FileToWrite};
+use bathyscope_products::pipeline::{Preset, Settings};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -116,8 +116,8 @@ fn a_menu_of_a_view_breaks_no_word() {
 
 #[test]
 fn the_cloud_is_in_view_after_a_change_of_preset() {
-    use crate::app::View;
-    use crate::ui::Alone;
+    use bathyscope::app::View;
+    use bathyscope::ui::Alone;
     let picture = |first: Preset, then: Option<Preset>| {
         let mut window = drawn_window([500.0, 400.0]);
         // A new survey starts from these.

@@ -1,11 +1,11 @@
 //! What carries out each command without arguments.
 
 use crate::app::{Action, App, LogOrigin, MapLayer, Orientation, SideColours, ThemeChoice, Tool};
-use crate::detection::review::Edit;
-use crate::pipeline::Preset;
-use crate::project::MeasurementKind;
-use crate::support::geo::CoordinateFormat;
-use crate::support::presentation::units::{LengthUnit, SpeedUnit};
+use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_objects::review::Edit;
+use bathyscope_products::pipeline::Preset;
+use bathyscope_products::project::MeasurementKind;
 
 /// Carries out a command.
 pub(super) type Handler = fn(&mut App);

@@ -3,9 +3,9 @@
 //!
 //! `step` is the work in a background thread, `publish` shows what came of it, `scale` keeps the scale that was in
 //! force, `whole` says when everything is made anew. Its results for the new pings are provisional: they go by the calibration of the last
-//! run over the whole log ([`crate::pipeline::extend`]). That run is repeated whenever the log grew by a quarter, so the work for each ping
+//! run over the whole log ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log grew by a quarter, so the work for each ping
 //! does not grow with the log. Where objects were searched for, what is new is searched too. The log is only ever read, as a private copy
-//! ([`crate::formats::GrowingLog`]).
+//! ([`bathyscope_log::formats::GrowingLog`]).
 
 mod publish;
 mod scale;
@@ -13,11 +13,11 @@ mod step;
 mod whole;
 
 use super::{App, LogId, OpenLog, Task, TaskOutcome};
-use crate::pipeline::EngineStatus;
-use crate::sonar::calibration::PingRange;
-use crate::support::presentation::text::count;
-use crate::support::printable::quoted;
-use crate::survey::{Bytes, Survey};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_bottom::presentation::text::count;
+use bathyscope_log::support::printable::quoted;
+use bathyscope_log::survey::{Bytes, Survey};
+use bathyscope_products::pipeline::EngineStatus;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use step::{FollowedLog, Grown, StepError, Tools};
@@ -86,7 +86,7 @@ enum End {
 
 /// How following goes, for the status line.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum FollowStatus {
+pub enum FollowStatus {
     /// The log is being copied.
     Starting,
     /// It grows.
@@ -120,7 +120,7 @@ impl Following {
 
 impl App {
     /// The log that is followed.
-    pub(crate) fn followed(&self) -> Option<LogId> {
+    pub fn followed(&self) -> Option<LogId> {
         let active = self.following.active.as_ref();
         active
             .filter(|active| active.ends.is_none())
@@ -128,17 +128,17 @@ impl App {
     }
 
     /// Whether the log that is shown is followed.
-    pub(crate) fn is_following(&self) -> bool {
+    pub fn is_following(&self) -> bool {
         self.followed() == Some(self.log.id)
     }
 
     /// Grows each time a log begins to be followed.
-    pub(crate) fn follow_serial(&self) -> u64 {
+    pub fn follow_serial(&self) -> u64 {
         self.following.serial
     }
 
     /// How following goes; `None` while no log is followed.
-    pub(crate) fn follow_status(&self) -> Option<FollowStatus> {
+    pub fn follow_status(&self) -> Option<FollowStatus> {
         let active = self.following.active.as_ref()?;
         if active.ends.is_some() {
             return Some(FollowStatus::Ending);
@@ -163,7 +163,7 @@ impl App {
     }
 
     /// Time until the log is looked at again; `None` while none is followed.
-    pub(crate) fn follow_due(&self) -> Option<Duration> {
+    pub fn follow_due(&self) -> Option<Duration> {
         let active = self.following.active.as_ref()?;
         let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
         Some(LOOK.saturating_sub(passed))

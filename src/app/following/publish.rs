@@ -3,8 +3,8 @@
 use super::step::FollowedLog;
 use crate::app::outdated::LogsChange;
 use crate::app::{App, LogId, OpenLog};
-use crate::pipeline::{LogSettings, Products, Settings};
-use crate::survey::{Identity, Survey};
+use bathyscope_log::survey::{Identity, Survey};
+use bathyscope_products::pipeline::{LogSettings, Products, Settings};
 use std::sync::Arc;
 
 impl App {

@@ -2,9 +2,9 @@
 
 use super::Active;
 use crate::app::{Action, App, LogId, OpenLog};
-use crate::pipeline::{Products, Settings};
-use crate::sonar::calibration::{Calibration, PingRange, ScaleMode};
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::calibration::{Calibration, PingRange, ScaleMode};
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::{Products, Settings};
 use std::sync::Arc;
 use toml::Value;
 

@@ -1,13 +1,15 @@
 //! What is done in a background thread about a log that is followed: its new bytes are taken in, and its results made of them.
 
-use crate::formats::{GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail};
-use crate::pipeline::{
+use bathyscope_log::formats::{
+    GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail,
+};
+use bathyscope_log::support::geo::LocalFrame;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Bytes, Survey, SurveyVersions};
+use bathyscope_products::pipeline::{
     GrowingResults, LogSettings, ProcessedLog, Products, Settings, SettingsError, SourceError,
     SourceKey, as_set, extend, run,
 };
-use crate::support::geo::LocalFrame;
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Bytes, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
 

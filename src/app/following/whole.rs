@@ -3,11 +3,11 @@
 use super::step;
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
 use crate::app::{LogId, OpenLog, Task};
-use crate::formats::{GrowingError, GrowingLog};
-use crate::imagery::picture::PictureSettings;
-use crate::pipeline::Settings;
-use crate::support::presentation::text::count;
-use crate::support::printable::quoted;
+use bathyscope_bottom::picture::PictureSettings;
+use bathyscope_bottom::presentation::text::count;
+use bathyscope_log::formats::{GrowingError, GrowingLog};
+use bathyscope_log::support::printable::quoted;
+use bathyscope_products::pipeline::Settings;
 
 impl App {
     /// Has results made of the whole log, when it has grown by enough, or has come to rest.

@@ -2,7 +2,7 @@
 
 /// A piece of text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Span {
+pub struct Span {
     /// Its text, without marks.
     pub text: String,
     /// A key, a setting, a file or a command: set in a fixed width.
@@ -11,7 +11,7 @@ pub(crate) struct Span {
 
 /// A block of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum PageBlock {
+pub enum PageBlock {
     /// A heading, with its level from 1.
     Heading(usize, String),
     /// Text.
@@ -26,7 +26,7 @@ pub(crate) enum PageBlock {
 
 impl PageBlock {
     /// Its text without marks.
-    pub(crate) fn plain(&self) -> String {
+    pub fn plain(&self) -> String {
         match self {
             PageBlock::Heading(_, text) | PageBlock::Code(text) => text.clone(),
             PageBlock::Paragraph(spans) | PageBlock::Item(spans) => plain(spans),
@@ -39,12 +39,12 @@ impl PageBlock {
 }
 
 /// The text of spans without marks.
-pub(crate) fn plain(spans: &[Span]) -> String {
+pub fn plain(spans: &[Span]) -> String {
     spans.iter().map(|span| span.text.as_str()).collect()
 }
 
 /// The blocks of a page.
-pub(crate) fn blocks(text: &str) -> Vec<PageBlock> {
+pub fn blocks(text: &str) -> Vec<PageBlock> {
     let mut found = Vec::new();
     let mut lines = text.lines().peekable();
     while let Some(line) = lines.next() {
@@ -89,7 +89,7 @@ pub(crate) fn blocks(text: &str) -> Vec<PageBlock> {
 }
 
 /// Blocks under one heading, the heading first.
-pub(crate) fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
+pub fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
     let starts = |block: &PageBlock| matches!(block, PageBlock::Heading(..));
     let mut cuts: Vec<usize> = (0..blocks.len())
         .filter(|at| starts(&blocks[*at]))

@@ -1,12 +1,12 @@
 //! The manual: pages of Markdown that are compiled in, with tables that are derived from the program. `bathyscope manual` prints
 //! them, F1 shows them; `markdown` reads the part of Markdown that they use, `tables` makes the tables.
 
-pub(crate) mod markdown;
+pub mod markdown;
 mod tables;
 
 /// A page of the manual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
-pub(crate) enum Topic {
+pub enum Topic {
     /// The desktop program and its panels
     Window,
     /// Gain, levels, ranges and channels of the waterfall
@@ -46,7 +46,7 @@ pub(crate) enum Topic {
 
 impl Topic {
     /// All pages, in the order of the manual.
-    pub(crate) const ALL: [Topic; 17] = [
+    pub const ALL: [Topic; 17] = [
         Topic::Window,
         Topic::Waterfall,
         Topic::Survey,
@@ -89,13 +89,13 @@ impl Topic {
     }
 
     /// The title of the page.
-    pub(crate) fn title(self) -> &'static str {
+    pub fn title(self) -> &'static str {
         let first = self.source().lines().next().unwrap_or_default();
         first.trim_start_matches('#').trim()
     }
 
     /// The page as Markdown, its tables filled in.
-    pub(crate) fn text(self) -> String {
+    pub fn text(self) -> String {
         self.source()
             .replace("{{keys}}", &tables::keys())
             .replace("{{settings}}", &tables::settings())
@@ -104,7 +104,7 @@ impl Topic {
 }
 
 /// All pages as one, as Markdown.
-pub(crate) fn whole() -> String {
+pub fn whole() -> String {
     let pages: Vec<String> = Topic::ALL.into_iter().map(Topic::text).collect();
     pages.join("\n")
 }

@@ -1,7 +1,7 @@
 //! Tables of the manual that are derived from the tables that the program itself works by.
 
 use crate::app::Action;
-use crate::products::outputs::{OUTPUT_FILES, When};
+use bathyscope_products::outputs::{OUTPUT_FILES, When};
 use std::fmt::Write as _;
 
 /// Every command of the window, with its key.
@@ -21,7 +21,7 @@ pub(super) fn keys() -> String {
 
 /// Every setting: what it may be, its value in both presets, and what it means.
 pub(super) fn settings() -> String {
-    crate::pipeline::settings::markdown()
+    bathyscope_products::pipeline::settings::markdown()
 }
 
 /// Every file of a run: the group of `--products` that it belongs to, and what it is.

@@ -4,10 +4,10 @@
 use super::{Parked, Reviewing, is_touched};
 use crate::app::error::AppError;
 use crate::app::{Action, App, Jobs, LogId, Task, TaskOutcome};
-use crate::detection::review::{Review, Reviewed};
-use crate::products::export::{self, ExportError};
-use crate::support::presentation::text;
-use crate::support::progress::Progress;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::review::{Review, Reviewed};
+use bathyscope_products::export::{self, ExportError};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -110,7 +110,7 @@ impl Parked {
 
 impl App {
     /// Whether closing now would lose decisions: they are in no file.
-    pub(crate) fn is_at_risk(&self) -> bool {
+    pub fn is_at_risk(&self) -> bool {
         let here = self.logs().any(|log| {
             let reviewing = &log.reviewing;
             reviewing.is_unsaved() && !reviewing.autosave.holds(&reviewing.review)
@@ -119,7 +119,7 @@ impl App {
     }
 
     /// Time until decisions are due to be written; `None` when there is nothing to write.
-    pub(crate) fn autosave_due(&self) -> Option<Duration> {
+    pub fn autosave_due(&self) -> Option<Duration> {
         self.logs()
             .filter_map(|log| log.reviewing.autosave_due())
             .min()
@@ -241,7 +241,7 @@ impl App {
     }
 
     /// Writes what is in no file yet of any log, now: others are opened, or the window closes.
-    pub(crate) fn keep_decisions(&mut self) {
+    pub fn keep_decisions(&mut self) {
         for id in self.log_ids() {
             self.keep_decisions_of(id);
         }

@@ -1,8 +1,8 @@
 //! The list of classes of a survey: changed and renamed as one undo step.
 
 use crate::app::App;
-use crate::detection::ReviewSettings;
-use crate::pipeline::Settings;
+use bathyscope_objects::ReviewSettings;
+use bathyscope_products::pipeline::Settings;
 use std::sync::Arc;
 
 impl App {

@@ -3,15 +3,15 @@
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::step::{LogStep, UndoStep};
 use crate::app::{App, LogBox, LogId, Orientation};
-use crate::detection::review::{BoxId, Edit, Review};
-use crate::detection::{Mark, ObjectExtent};
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
+use bathyscope_objects::review::{BoxId, Edit, Review};
+use bathyscope_objects::{Mark, ObjectExtent};
 use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A step of the arrow keys on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Nudge {
+pub struct Nudge {
     /// Steps to the right.
     pub right: i32,
     /// Steps down.

@@ -4,10 +4,10 @@ mod tail;
 
 use crate::app::error::AppError;
 use crate::app::{App, LogId, OpenLog, Task, TaskOutcome};
-use crate::detection::model::shipped;
-use crate::detection::review::{Queue, Review};
-use crate::detection::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
-use crate::pipeline::EngineStatus;
+use bathyscope_objects::model::shipped;
+use bathyscope_objects::review::{Queue, Review};
+use bathyscope_objects::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
+use bathyscope_products::pipeline::EngineStatus;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -65,12 +65,12 @@ pub(in crate::app) struct ObjectSearch {
 
 impl ObjectSearch {
     /// Whether a log is being searched or waits for that.
-    pub(crate) fn is_busy(&self) -> bool {
+    pub fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
     }
 
     /// Leaves out a log that is being closed.
-    pub(crate) fn leave(&mut self, log: LogId) {
+    pub fn leave(&mut self, log: LogId) {
         let planned = self.ahead.len();
         self.ahead.retain(|one| *one != log);
         let running = self.running.take_if(|running| running.log == log);
@@ -80,7 +80,7 @@ impl ObjectSearch {
 
 /// How far a search is.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SearchStatus {
+pub struct SearchStatus {
     /// The log that is being searched; `None` while the next one is still being processed.
     pub log: Option<LogId>,
     /// Its place among the logs that are searched, from 1 on.
@@ -93,19 +93,19 @@ pub(crate) struct SearchStatus {
 
 impl App {
     /// Name of the model that is or will be asked.
-    pub(crate) fn model_name(&self) -> String {
+    pub fn model_name(&self) -> String {
         let path = self.findings.search.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
     /// What the model's file was taken for, once it has been loaded.
-    pub(crate) fn model_description(&self) -> Option<&str> {
+    pub fn model_description(&self) -> Option<&str> {
         let detector = self.findings.search.detector.as_ref()?;
         Some(detector.model.description())
     }
 
     /// How far the search under way is; `None` while none runs.
-    pub(crate) fn search_status(&self) -> Option<SearchStatus> {
+    pub fn search_status(&self) -> Option<SearchStatus> {
         let search = &self.findings.search;
         let running = search.running.as_ref();
         let here = running.map_or(0.0, |running| running.task.fraction());
@@ -217,7 +217,7 @@ impl App {
 
     /// What of the shown log the boxes do not speak of, in a sentence, because a search still runs or was stopped; `None` where it has
     /// been searched from end to end, and where nothing is known of a search.
-    pub(crate) fn search_note(&self) -> Option<String> {
+    pub fn search_note(&self) -> Option<String> {
         let review = &self.log.reviewing.review;
         let running = self.findings.search.running.as_ref();
         match running.filter(|running| running.log == self.log.id) {

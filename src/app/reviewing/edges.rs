@@ -2,13 +2,13 @@
 
 use super::{PIXEL_M, Reviewing, Tool};
 use crate::app::{App, LogPlace};
-use crate::detection::ObjectExtent;
-use crate::detection::review::{Edit, Reviewed};
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
+use bathyscope_objects::ObjectExtent;
+use bathyscope_objects::review::{Edit, Reviewed};
 
 /// What of the selected box the arrow keys move while it is edited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum BoxEdge {
+pub enum BoxEdge {
     /// All of it.
     #[default]
     Whole,
@@ -26,7 +26,7 @@ pub(crate) enum BoxEdge {
 
 impl BoxEdge {
     /// The one after it, and after the last one all of the box.
-    pub(crate) fn next(self) -> Self {
+    pub fn next(self) -> Self {
         match self {
             BoxEdge::Whole => BoxEdge::Near,
             BoxEdge::Near => BoxEdge::Border,
@@ -38,7 +38,7 @@ impl BoxEdge {
     }
 
     /// What it is called in the view; empty of the whole box.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             BoxEdge::Whole => "",
             BoxEdge::Near => "near edge of the echo",
@@ -88,7 +88,7 @@ impl BoxEdge {
 
 /// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it is found, or, where no shadow is
 /// found, a third of the box from its near edge: boxes hold more shadow than echo, and a border on the far edge could not be grabbed.
-pub(crate) fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
+pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
     let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
     let found = || {
         let placed = reviewing.placed(one.id)?;
@@ -153,11 +153,10 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detection;
-    use crate::detection::review::BoxId;
+    use bathyscope_objects::review::BoxId;
 
     fn reviewed(side: Side) -> Reviewed {
-        let mark = detection::Mark {
+        let mark = bathyscope_objects::Mark {
             side,
             pings: 10..20,
             near_m: 4.0,

@@ -3,10 +3,10 @@
 use super::Reviewing;
 use crate::app::error::AppError;
 use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
-use crate::detection::review::Review;
-use crate::products::export::{self, ExportError};
-use crate::products::outputs::write_boxes;
-use crate::support::printable::quoted;
+use bathyscope_log::support::printable::quoted;
+use bathyscope_objects::review::Review;
+use bathyscope_products::export::{self, ExportError};
+use bathyscope_products::outputs::write_boxes;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,12 +24,12 @@ pub(super) struct ReviewOpening {
 
 impl App {
     /// Where the review of the shown log is or would be kept: its file, or the sidecar file of the log.
-    pub(crate) fn review_path(&self) -> Option<PathBuf> {
+    pub fn review_path(&self) -> Option<PathBuf> {
         self.log.review_path()
     }
 
     /// Whether decisions about a reviewed log are in no file yet.
-    pub(crate) fn has_unsaved_review(&self) -> bool {
+    pub fn has_unsaved_review(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
     }
 

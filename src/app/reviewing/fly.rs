@@ -2,8 +2,8 @@
 
 use super::Reviewing;
 use crate::app::{App, CloseUp, Enlarged, LogBox};
-use crate::detection::review::{BoxId, Reviewed};
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
+use bathyscope_objects::review::{BoxId, Reviewed};
 
 /// Longer side that anything small and a point count with, metres: what lies around is to be seen too.
 const LEAST_M: f64 = 1.5;

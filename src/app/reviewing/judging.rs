@@ -4,8 +4,10 @@
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
 use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
-use crate::detection::truth::{self, Mistake, RasterTruth, Standing, SurveyTruth, TruthComparison};
-use crate::survey::Identity;
+use bathyscope_log::survey::Identity;
+use bathyscope_objects::truth::{
+    self, Mistake, RasterTruth, Standing, SurveyTruth, TruthComparison,
+};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -14,7 +16,7 @@ const DEMO_TRUTH: &str = include_str!("../../../assets/demo.objects.csv");
 
 /// What the list of mistakes is sorted by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum MistakeSort {
+pub enum MistakeSort {
     /// The surest false alarms first, then the largest misses.
     #[default]
     Score,
@@ -26,11 +28,11 @@ pub(crate) enum MistakeSort {
 
 impl MistakeSort {
     /// All sorts in the order of the menu.
-    pub(crate) const ALL: [MistakeSort; 3] =
+    pub const ALL: [MistakeSort; 3] =
         [MistakeSort::Score, MistakeSort::Size, MistakeSort::Position];
 
     /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             MistakeSort::Score => "score",
             MistakeSort::Size => "size",
@@ -56,7 +58,7 @@ struct TruthOpening {
 
 /// The truth, and how the boxes stand to it.
 #[derive(Default)]
-pub(crate) struct Judging {
+pub struct Judging {
     truth: Option<(TruthSource, Arc<SurveyTruth>)>,
     opening: Option<TruthOpening>,
     /// Asked for while the log was still being opened.
@@ -73,7 +75,7 @@ pub(crate) struct Judging {
 
 impl Judging {
     /// Where the truth comes from; `None` while none is known.
-    pub(crate) fn source(&self) -> Option<String> {
+    pub fn source(&self) -> Option<String> {
         let (source, _) = self.truth.as_ref()?;
         Some(match source {
             TruthSource::File(path) => path
@@ -86,27 +88,27 @@ impl Judging {
     }
 
     /// Boxes and truth, paired; perhaps of boxes of a moment ago.
-    pub(crate) fn comparison(&self) -> Option<&TruthComparison> {
+    pub fn comparison(&self) -> Option<&TruthComparison> {
         self.comparison.as_ref()
     }
 
     /// What the boxes at the confidence slider amount to.
-    pub(crate) fn standing(&self) -> Option<&Standing> {
+    pub fn standing(&self) -> Option<&Standing> {
         self.standing.as_ref()
     }
 
     /// False alarms and misses, in the order that was chosen.
-    pub(crate) fn mistakes(&self) -> &[Mistake] {
+    pub fn mistakes(&self) -> &[Mistake] {
         self.standing().map_or(&[], |standing| &standing.mistakes)
     }
 
     /// What mistakes are sorted by.
-    pub(crate) fn sort(&self) -> MistakeSort {
+    pub fn sort(&self) -> MistakeSort {
         self.sort
     }
 
     /// The missed object that is looked at, as an index into the truth's objects.
-    pub(crate) fn missed(&self) -> Option<usize> {
+    pub fn missed(&self) -> Option<usize> {
         self.missed
     }
 
@@ -233,7 +235,7 @@ impl Reviewing {
     }
 
     /// Place in the list of the mistake that is looked at.
-    pub(crate) fn mistake_at(&self) -> Option<usize> {
+    pub fn mistake_at(&self) -> Option<usize> {
         let is_here = |one: &Mistake| match one {
             Mistake::FalseAlarm { id, .. } => self.selected == Some(*id),
             Mistake::Miss { object, .. } => self.judging.missed == Some(*object),

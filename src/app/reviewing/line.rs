@@ -2,12 +2,12 @@
 
 use super::Reviewing;
 use crate::app::{App, LogBox, OpenLog};
-use crate::detection::review::{BoxId, DecisionCounts, Edit, Queue, Reviewed, State};
+use bathyscope_objects::review::{BoxId, DecisionCounts, Edit, Queue, Reviewed, State};
 use std::sync::Arc;
 
 /// How far the review of all logs is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ReviewCounts {
+pub struct ReviewCounts {
     /// The boxes in sight.
     pub boxes: DecisionCounts,
     /// Those that the filter lets through.
@@ -18,18 +18,18 @@ pub(crate) struct ReviewCounts {
 
 impl App {
     /// The logs whose boxes are reviewed, in the order of the list: those that are visible, and the one that is shown.
-    pub(crate) fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
+    pub fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs()
             .filter(|log| log.is_visible || log.id == self.log.id)
     }
 
     /// Whether there is anything to review.
-    pub(crate) fn has_boxes(&self) -> bool {
+    pub fn has_boxes(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.has_boxes())
     }
 
     /// How far the work is.
-    pub(crate) fn review_counts(&self) -> ReviewCounts {
+    pub fn review_counts(&self) -> ReviewCounts {
         let logs = self.reviewed_logs().map(|log| &log.reviewing);
         logs.filter(|reviewing| reviewing.has_boxes()).fold(
             ReviewCounts::default(),
@@ -43,7 +43,7 @@ impl App {
 
     /// Names of the classes that boxes can have, each once: the survey's list, whose first nine the digits name, and what else boxes of the
     /// reviewed logs have.
-    pub(crate) fn class_names(&self) -> Vec<&str> {
+    pub fn class_names(&self) -> Vec<&str> {
         let list = self.log.settings.review.classes.iter();
         let mut names: Vec<&str> = list.map(String::as_str).collect();
         for log in self.reviewed_logs() {
@@ -57,12 +57,12 @@ impl App {
     }
 
     /// A box of an open log.
-    pub(crate) fn log_box(&self, id: LogBox) -> Option<&Reviewed> {
+    pub fn log_box(&self, id: LogBox) -> Option<&Reviewed> {
         self.open_log(id.log)?.reviewing.review.get(id.id)
     }
 
     /// The box that keys act on.
-    pub(crate) fn selected_log_box(&self) -> Option<LogBox> {
+    pub fn selected_log_box(&self) -> Option<LogBox> {
         let id = self.log.reviewing.selected?;
         Some(LogBox {
             log: self.log.id,

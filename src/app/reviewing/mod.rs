@@ -16,22 +16,22 @@ mod judging;
 mod line;
 mod places;
 
-pub(crate) use crate::detection::review::PIXEL_M;
-pub(crate) use decide::Nudge;
-pub(crate) use detect::SearchStatus;
-pub(crate) use edges::{BoxEdge, border_m};
-pub(crate) use judging::{Judging, MistakeSort};
-pub(crate) use places::LocatedObject;
+pub use bathyscope_objects::review::PIXEL_M;
+pub use decide::Nudge;
+pub use detect::SearchStatus;
+pub use edges::{BoxEdge, border_m};
+pub use judging::{Judging, MistakeSort};
+pub use places::LocatedObject;
 
 pub(super) use detect::ObjectSearch;
 pub(super) use places::Entries;
 
 use super::LogPlace;
-use crate::detection::NAMELESS_CLASS;
-use crate::detection::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
-use crate::detection::{self, Raster};
-use crate::survey::{Identity, Navigation, Survey};
 use autosave::Autosave;
+use bathyscope_log::survey::{Identity, Navigation, Survey};
+use bathyscope_objects::NAMELESS_CLASS;
+use bathyscope_objects::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
+use bathyscope_objects::{Mark, Raster};
 use files::ReviewOpening;
 use places::BoxPlaces;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ use std::sync::Arc;
 
 /// What a drag in the waterfall does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Tool {
+pub enum Tool {
     /// Nothing: it moves the picture.
     #[default]
     Look,
@@ -69,7 +69,7 @@ pub(super) struct Parked {
 }
 
 /// The boxes and what is done with them.
-pub(crate) struct Reviewing {
+pub struct Reviewing {
     /// The boxes and the decisions.
     pub review: Arc<Review>,
     /// The box that keys act on.
@@ -139,32 +139,32 @@ fn empty(survey: &Survey) -> Review {
 
 impl Reviewing {
     /// Whether there is anything to review.
-    pub(crate) fn has_boxes(&self) -> bool {
+    pub fn has_boxes(&self) -> bool {
         self.review.boxes().len() > 0
     }
 
     /// Whether a tool is in hand or a box selected.
-    pub(crate) fn is_in_use(&self) -> bool {
+    pub fn is_in_use(&self) -> bool {
         self.tool != Tool::Look || self.selected.is_some()
     }
 
     /// The selected box.
-    pub(crate) fn selected_box(&self) -> Option<&Reviewed> {
+    pub fn selected_box(&self) -> Option<&Reviewed> {
         self.review.get(self.selected?)
     }
 
     /// The boxes to look at, in order.
-    pub(crate) fn line(&self) -> &[BoxId] {
+    pub fn line(&self) -> &[BoxId] {
         &self.line
     }
 
     /// The boxes in line, along the track.
-    pub(crate) fn in_line(&self) -> impl Iterator<Item = &Reviewed> {
+    pub fn in_line(&self) -> impl Iterator<Item = &Reviewed> {
         self.along.iter().map(AsRef::as_ref)
     }
 
     /// The boxes in line that have pings in a range. Costs what it finds.
-    pub(crate) fn between(&self, pings: std::ops::Range<usize>) -> impl Iterator<Item = &Reviewed> {
+    pub fn between(&self, pings: std::ops::Range<usize>) -> impl Iterator<Item = &Reviewed> {
         let from = self
             .along
             .partition_point(|one| one.mark.pings.start + self.longest <= pings.start);
@@ -176,23 +176,23 @@ impl Reviewing {
     }
 
     /// How far the work is.
-    pub(crate) fn counts(&self) -> DecisionCounts {
+    pub fn counts(&self) -> DecisionCounts {
         self.counts
     }
 
     /// Class that the next box drawn gets.
-    pub(crate) fn class(&self) -> usize {
+    pub fn class(&self) -> usize {
         self.class
             .min(self.review.classes().len().saturating_sub(1))
     }
 
     /// The survey's raster; `None` until it is known where the pings lie.
-    pub(crate) fn raster(&self) -> Option<&Arc<Raster>> {
+    pub fn raster(&self) -> Option<&Arc<Raster>> {
         self.raster.as_ref().map(|(_, raster)| raster)
     }
 
     /// Whether decisions are in no file yet. Proposals alone are no loss: the model makes them again.
-    pub(crate) fn is_unsaved(&self) -> bool {
+    pub fn is_unsaved(&self) -> bool {
         !self.is_in_project
             && !Arc::ptr_eq(&self.review, &self.saved)
             && (self.is_touched || is_touched(&self.saved))
@@ -207,7 +207,7 @@ impl Reviewing {
     }
 
     /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
-    pub(crate) fn size_m(&self, mark: &detection::Mark) -> [f64; 2] {
+    pub fn size_m(&self, mark: &Mark) -> [f64; 2] {
         size_m(self.raster().map(AsRef::as_ref), mark)
     }
 
@@ -238,7 +238,7 @@ impl Reviewing {
     /// Lines the boxes up anew.
     fn sort_and_filter(&mut self) {
         let raster = self.raster().cloned();
-        let longer_m = |mark: &detection::Mark| {
+        let longer_m = |mark: &Mark| {
             let [along_m, across_m] = size_m(raster.as_deref(), mark);
             along_m.max(across_m)
         };
@@ -355,7 +355,7 @@ fn is_touched(review: &Review) -> bool {
     review.boxes().any(Reviewed::is_kept)
 }
 
-fn size_m(raster: Option<&Raster>, mark: &detection::Mark) -> [f64; 2] {
+fn size_m(raster: Option<&Raster>, mark: &Mark) -> [f64; 2] {
     let along_m = raster.map_or(f64::NAN, |raster| {
         let rect = raster.rect_of(mark);
         f64::from(rect.y1 - rect.y0) * raster.pixel_m()
@@ -364,7 +364,7 @@ fn size_m(raster: Option<&Raster>, mark: &detection::Mark) -> [f64; 2] {
 }
 
 /// The middle of a box as a place in the survey.
-pub(super) fn middle(survey: &Survey, mark: &detection::Mark) -> LogPlace {
+pub(super) fn middle(survey: &Survey, mark: &Mark) -> LogPlace {
     let ping = usize::midpoint(mark.pings.start, mark.pings.end.saturating_sub(1));
     let span = survey.span(ping, mark.side);
     let sample = span

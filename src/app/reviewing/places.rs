@@ -3,17 +3,17 @@
 
 use super::Reviewing;
 use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
-use crate::detection::review::{BoxId, Reviewed};
-use crate::detection::targets::Target;
-use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
-use crate::pipeline::{ObjectLocator, Products};
+use bathyscope_objects::review::{BoxId, Reviewed};
+use bathyscope_objects::targets::Target;
+use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
+use bathyscope_products::pipeline::{ObjectLocator, Products};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A box's object on the ground.
 #[derive(Clone, Debug)]
-pub(crate) struct LocatedObject {
+pub struct LocatedObject {
     /// Place, extent, height and depth.
     pub target: Target,
     /// Corners of its footprint, metres east and north: length along the track, width across it; of a point all in its place.
@@ -62,7 +62,7 @@ pub(super) struct BoxPlaces {
 
 impl Reviewing {
     /// The object of a box on the ground; `None` while it is not known, or when it cannot be.
-    pub(crate) fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
+    pub fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
         self.places.known.get(&id)?.1.as_ref()
     }
 

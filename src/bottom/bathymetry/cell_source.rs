@@ -1,7 +1,7 @@
 //! The source of the depth in each cell.
 
 use super::{DepthPoint, Grid};
-use crate::support::presentation::colours::{Rgb, SOURCES};
+use crate::presentation::colours::{Rgb, SOURCES};
 
 /// The source of the depth in a cell. The numbers are those of `depth/source.tif`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]

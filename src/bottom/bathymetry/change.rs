@@ -9,7 +9,7 @@
 
 mod regions;
 
-pub(crate) use regions::{ChangeField, ChangeRegion};
+pub use regions::{ChangeField, ChangeRegion};
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -19,7 +19,7 @@ const WITHIN_95: f64 = 1.96;
 
 /// What errors have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ChangeErrors {
+pub struct ChangeErrors {
     /// Standard deviation of what is the same in all cells: draft, water level, sound speed; metres.
     pub systematic_m: f64,
     /// Depths farther apart than this err independently, metres.
@@ -36,7 +36,7 @@ impl ChangeErrors {
 
 /// What is known of a cell in both maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CellChange {
+pub struct CellChange {
     /// How much the bottom rose, metres; negative where it sank.
     pub rise_m: f64,
     /// Standard deviation of the depths' own errors in that, metres.
@@ -47,19 +47,19 @@ pub(crate) struct CellChange {
 
 impl CellChange {
     /// Changes below it cannot be told from errors, in 95 of 100 cells where there is none; metres.
-    pub(crate) fn detection_level_m(&self, errors: &ChangeErrors) -> f64 {
+    pub fn detection_level_m(&self, errors: &ChangeErrors) -> f64 {
         WITHIN_95 * self.sigma_m.hypot(errors.systematic_m)
     }
 
     /// Whether the change passes it.
-    pub(crate) fn is_detected(&self, errors: &ChangeErrors) -> bool {
+    pub fn is_detected(&self, errors: &ChangeErrors) -> bool {
         self.rise_m.abs() > self.detection_level_m(errors)
     }
 }
 
 /// Cells together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct ChangeSum {
+pub struct ChangeSum {
     /// How many.
     pub cells: usize,
     /// Square metres.
@@ -90,7 +90,7 @@ impl ChangeSum {
 
     /// Standard deviation of the volume, cubic metres: of errors that vary from place to place, of what is the same everywhere, and of what is
     /// drawn between measured places.
-    pub(crate) fn sigma_m3(&self, errors: &ChangeErrors) -> [f64; 3] {
+    pub fn sigma_m3(&self, errors: &ChangeErrors) -> [f64; 3] {
         let averaged = PI * errors.range_m.powi(2) / (5.0 * self.area_m2.max(f64::MIN_POSITIVE));
         let random = (self.area_m2 * self.variance_m4 * averaged.min(1.0)).sqrt();
         let systematic = self.area_m2 * errors.systematic_m;
@@ -98,7 +98,7 @@ impl ChangeSum {
     }
 
     /// Half the width of the interval that holds the volume with 95 %, cubic metres.
-    pub(crate) fn within_95_m3(&self, errors: &ChangeErrors) -> f64 {
+    pub fn within_95_m3(&self, errors: &ChangeErrors) -> f64 {
         let [random, systematic, between] = self.sigma_m3(errors);
         WITHIN_95 * random.hypot(systematic).hypot(between)
     }
@@ -106,7 +106,7 @@ impl ChangeSum {
 
 /// The change over all cells that both maps know.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ChangeTotals {
+pub struct ChangeTotals {
     /// All cells, whether their change is detected or not.
     pub all: ChangeSum,
     /// The places where the bottom rose, from detected cells to the rim.
@@ -124,7 +124,7 @@ pub(crate) struct ChangeTotals {
 
 impl ChangeTotals {
     /// Counts the cells of a raster and the places where it changed.
-    pub(crate) fn add(
+    pub fn add(
         &mut self,
         field: &ChangeField<'_>,
         regions: &[ChangeRegion],
@@ -166,24 +166,24 @@ impl ChangeTotals {
     }
 
     /// The most fill and the most cut that may hide where nothing is detected, cubic metres: the end of the interval of 95 %.
-    pub(crate) fn hidden_m3(&self, errors: &ChangeErrors) -> [f64; 2] {
+    pub fn hidden_m3(&self, errors: &ChangeErrors) -> [f64; 2] {
         let within_m3 = self.undetected.within_95_m3(errors);
         let volume_m3 = self.undetected.volume_m3;
         [volume_m3, -volume_m3].map(|volume_m3| (volume_m3 + within_m3).max(0.0))
     }
 
     /// The median rise, metres: where most of the bottom did not change, what one map is set off from the other.
-    pub(crate) fn median_rise_m(&self) -> Option<f64> {
+    pub fn median_rise_m(&self) -> Option<f64> {
         share_m(&self.rises_mm, self.all.cells, 0.5)
     }
 
     /// The median level of detection, metres.
-    pub(crate) fn median_level_m(&self) -> Option<f64> {
+    pub fn median_level_m(&self) -> Option<f64> {
         share_m(&self.levels_mm, self.all.cells, 0.5)
     }
 
     /// The change that 98 of 100 cells do not exceed either way, metres: what a scale of colours should reach to.
-    pub(crate) fn reach_m(&self) -> f64 {
+    pub fn reach_m(&self) -> f64 {
         let ends = [0.01, 0.99].map(|share| share_m(&self.rises_mm, self.all.cells, share));
         ends.into_iter().flatten().map(f64::abs).fold(0.0, f64::max)
     }

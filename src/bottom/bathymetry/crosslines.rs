@@ -1,12 +1,12 @@
 //! Where tracks cross, and how far the depths of the two passes differ there: what a survey says about its own repeatability.
 
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::median;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::median;
 use std::collections::HashMap;
 
 /// A depth along a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TrackDepth {
+pub struct TrackDepth {
     /// Seconds; the same clock for all depths of a track.
     pub time_s: f64,
     /// Metres east.
@@ -19,7 +19,7 @@ pub(crate) struct TrackDepth {
 
 impl TrackDepth {
     /// A depth at a time and a place.
-    pub(crate) fn new(time_s: f64, [east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
+    pub fn new(time_s: f64, [east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
         Self {
             time_s,
             east_m,
@@ -31,7 +31,7 @@ impl TrackDepth {
 
 /// One of the two passes over a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CrosslinePass {
+pub struct CrosslinePass {
     /// Which track.
     pub track: usize,
     /// When, seconds.
@@ -45,7 +45,7 @@ pub(crate) struct CrosslinePass {
 
 /// A place where two passes cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Crossing {
+pub struct Crossing {
     /// East and north, metres.
     pub place: [f64; 2],
     /// The earlier pass, or that of the earlier track, first.
@@ -58,23 +58,23 @@ pub(crate) struct Crossing {
 
 impl Crossing {
     /// Elevation by the second pass minus that by the first, metres: up is positive.
-    pub(crate) fn difference_m(&self) -> f64 {
+    pub fn difference_m(&self) -> f64 {
         self.passes[0].depth_m - self.passes[1].depth_m
     }
 
     /// Slope of the bottom, metres a metre; NaN where it is not known.
-    pub(crate) fn slope(&self) -> f64 {
+    pub fn slope(&self) -> f64 {
         self.gradient[0].hypot(self.gradient[1])
     }
 }
 
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
-pub(crate) const REACH_M: f64 = 0.5;
+pub const REACH_M: f64 = 0.5;
 /// Depths within this distance of a crossing, along their own track, give the slope there, metres, and how many at least.
 const SLOPE_REACH_M: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
 /// Tracks that cross at a smaller angle run along each other: where they cross is chance, degrees.
-pub(crate) const LEAST_ANGLE_DEG: f64 = 20.0;
+pub const LEAST_ANGLE_DEG: f64 = 20.0;
 /// A boat that has gone less far than this along its track since has not come back, it has stayed, metres.
 const LEAST_WAY_M: f64 = 10.0;
 /// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point anywhere.
@@ -93,7 +93,7 @@ const MOST: usize = 1_000_000;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn crossings(
+pub fn crossings(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<Crossing>, Cancelled> {
@@ -133,7 +133,7 @@ pub(crate) fn crossings(
 
 /// Velocity of the boat at a depth of a track, metres a second to the east and north: from the places at least a second before and
 /// behind, or the depth's own where there is none within ten.
-pub(crate) fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
+pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     let here = &track[index];
     let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
     let is_near = |one: &&TrackDepth| (one.time_s - here.time_s).abs() <= VELOCITY_S[1];

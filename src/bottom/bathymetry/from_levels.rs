@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where depths between the lines come from the levels of the echoes (`crate::bottom::swath`).
+/// Where depths between the lines come from the levels of the echoes (`crate::swath`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SwathDepth {

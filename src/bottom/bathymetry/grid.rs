@@ -1,8 +1,8 @@
 //! The squares that a surface is sampled on, and a mosaic drawn on.
 
 use super::DepthPoint;
-use crate::support::outline::bounds;
-use crate::support::presentation::ticks;
+use crate::presentation::ticks;
+use bathyscope_log::support::outline::bounds;
 use rayon::prelude::*;
 
 /// No cell that is chosen is smaller than this, metres: recorders place their soundings no better.
@@ -28,11 +28,7 @@ pub struct Grid {
 impl Grid {
     /// A grid by its north-western corner, the side of a cell, and its columns and rows.
     #[cfg(test)]
-    pub(crate) fn at(
-        [west_m, north_m]: [f64; 2],
-        cell_m: f64,
-        [columns, rows]: [usize; 2],
-    ) -> Self {
+    pub fn at([west_m, north_m]: [f64; 2], cell_m: f64, [columns, rows]: [usize; 2]) -> Self {
         Self {
             west_m,
             north_m,
@@ -71,7 +67,7 @@ impl Grid {
     }
 
     /// West, south, east and north edge, metres.
-    pub(crate) fn bounds_m(&self) -> [f64; 4] {
+    pub fn bounds_m(&self) -> [f64; 4] {
         let [across_m, down_m] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_m);
         let [south_m, east_m] = [self.north_m - down_m, self.west_m + across_m];
         [self.west_m, south_m, east_m, self.north_m]
@@ -166,7 +162,7 @@ impl CentresAbout {
 /// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of soundings, rounded down to
 /// 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since
 /// beyond the gap there will be no surface. `None` without points.
-pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
+pub fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     let places = occupied(points, LEAST_CELL_M);
     let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
     let half_m = 0.5 * (area_m2 / places as f64).sqrt();

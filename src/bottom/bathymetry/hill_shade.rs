@@ -1,7 +1,7 @@
 //! A surface lit from the side, which makes small relief visible that colours of depth do not show.
 
 use super::Surface;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Factors on the relief to choose from.
@@ -67,7 +67,7 @@ impl Light {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn hill_shade(
+pub fn hill_shade(
     surface: &Surface,
     light: &Light,
     progress: &Progress,
@@ -125,7 +125,7 @@ fn gradient(surface: &Surface, cell: usize) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::Grid;
+    use crate::bathymetry::Grid;
 
     /// `depth = 3 + 0.4 sin(0.9 column) + 0.3 cos(1.3 row + 0.2 column)` to the millimetre, one cell unknown.
     fn waves() -> Surface {

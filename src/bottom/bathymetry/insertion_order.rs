@@ -7,7 +7,7 @@
 //! Incremental constructions con BRIO, SoCG 2003.
 
 use super::Node;
-use crate::support::outline::bounds;
+use bathyscope_log::support::outline::bounds;
 use rayon::prelude::*;
 
 /// Steps of the curve along a side: 2^16, so that a place on it is a number of 32 bits.

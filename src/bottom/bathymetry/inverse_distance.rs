@@ -37,7 +37,7 @@ pub(super) fn inverse_distance(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::testing::{GOLDEN, golden_nodes};
+    use crate::bathymetry::testing::{GOLDEN, golden_nodes};
 
     #[test]
     fn all_points_within_reach_give_the_golden_depths() {

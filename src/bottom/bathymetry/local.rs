@@ -5,18 +5,18 @@ use super::nodes::merge_repeated_with;
 use super::surface::{DepthField, Surface, SurfaceMethod};
 use super::tin::largest_radius_m;
 use super::{DepthPoint, Grid};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 
 /// Standard deviation of a depth that stands alone in its cell, metres: what differences between two logs scatter by on level ground.
 const ALONE_M: f64 = 0.03;
 /// Lines through the cells of a tile depend on so many cells beyond its edge, however their corners are cut.
-pub(crate) const LOCAL_MARGIN_CELLS: usize = 4;
+pub const LOCAL_MARGIN_CELLS: usize = 4;
 
 /// How far from a cell the points lie that it depends on, metres, but for the cells that they fall into.
 ///
 /// A triangle that counts lies, with all nodes that decide whether it is one, in its circumscribed circle: no two places of that are
 /// farther apart than its diameter.
-pub(crate) fn local_reach_m(max_gap_m: f64) -> f64 {
+pub fn local_reach_m(max_gap_m: f64) -> f64 {
     2.0 * largest_radius_m(max_gap_m)
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn local_reach_m(max_gap_m: f64) -> f64 {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn local_surface(
+pub fn local_surface(
     points: &[DepthPoint],
     grid: Grid,
     max_gap_m: f64,
@@ -51,7 +51,7 @@ pub(crate) fn local_surface(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::testing::random;
+    use crate::bathymetry::testing::random;
 
     /// Winding tracks at random over uneven ground, in the metres of a zone.
     fn points() -> Vec<DepthPoint> {

@@ -1,12 +1,12 @@
 //! What the many soundings of one place say together.
 
 use super::DepthPoint;
-use crate::support::statistics::{median, weighted_median};
+use bathyscope_log::support::statistics::{median, weighted_median};
 use rayon::prelude::*;
 
 /// One depth for one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Node {
+pub struct Node {
     /// Metres east of the survey's origin.
     pub east_m: f64,
     /// Metres north of the survey's origin.
@@ -20,7 +20,7 @@ pub(crate) struct Node {
 
 impl Node {
     /// East and north, metres.
-    pub(crate) fn place(&self) -> [f64; 2] {
+    pub fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 }
@@ -32,7 +32,7 @@ const LEAST_FOR_SPREAD: usize = 3;
 /// only exactly repeated places. Points without weight are left out.
 ///
 /// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
-pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
+pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     let known = nodes.iter().map(|node| node.spread_m);
     let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
@@ -115,7 +115,7 @@ fn fill_spreads(nodes: &mut [Node], typical_m: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::testing::point;
+    use crate::bathymetry::testing::point;
 
     #[test]
     fn repeated_places_give_their_median() {

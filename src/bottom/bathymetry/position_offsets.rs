@@ -11,7 +11,7 @@
 
 use super::crosslines::{Crossing, TrackDepth, velocity_mps};
 use super::height_offsets::{difference_sigma_m, groups, robust_shares};
-use crate::support::sparse::{Equations, Factor, Pattern};
+use crate::sparse::{Equations, Factor, Pattern};
 use std::collections::BTreeMap;
 
 /// Standard deviations of what is looked for, before any crossing: of positions of a receiver without corrections, metres, and of the latency
@@ -125,7 +125,7 @@ impl FoundShift {
 }
 
 /// A track with its positions corrected.
-pub(crate) fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
+pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
     let moved = |(index, depth): (usize, &TrackDepth)| {
         let [east_m, north_m] = shift.at(velocity_mps(track, index));
         TrackDepth {
@@ -139,7 +139,7 @@ pub(crate) fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
 
 /// A log that crossings are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct CorrectedLog {
+pub struct CorrectedLog {
     /// How its positions were corrected before its depths were compared.
     pub shift: Shift,
     /// Its height offset, where that is known and the shift stays: a log that a person has pinned.
@@ -151,7 +151,7 @@ pub(crate) struct CorrectedLog {
 ///
 /// # Errors
 /// Those of `crossings`.
-pub(crate) fn settled_offsets<E>(
+pub fn settled_offsets<E>(
     logs: &[CorrectedLog],
     wanted: Wanted,
     mut crossings: impl FnMut(&[CorrectedLog]) -> Result<Vec<Crossing>, E>,
@@ -383,8 +383,8 @@ impl<'a> Adjustment<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::crosslines::crossings;
-    use crate::support::progress::Progress;
+    use crate::bathymetry::crosslines::crossings;
+    use bathyscope_log::support::progress::Progress;
 
     /// Depth of a bed of hills some 25 m wide with slopes of up to 8 degrees, metres.
     fn bed_m([east, north]: [f64; 2]) -> f64 {

@@ -1,8 +1,7 @@
 //! Depths with a place.
 
-use crate::support::statistics;
-#[cfg(any(test, feature = "bench"))]
-use crate::survey::{Navigation, Survey};
+use bathyscope_log::support::statistics;
+use bathyscope_log::survey::{Navigation, Survey};
 
 /// A depth at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,13 +20,12 @@ pub struct DepthPoint {
 
 impl DepthPoint {
     /// East and north, metres.
-    pub(crate) fn place(&self) -> [f64; 2] {
+    pub fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 
     /// A sounding that counts in full.
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
+    pub fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
         Self {
             east_m,
             north_m,
@@ -39,8 +37,7 @@ impl DepthPoint {
 }
 
 /// Every sounding of the survey that has both a place and a depth, in time order.
-#[cfg(any(test, feature = "bench"))]
-pub(crate) fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
+pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed
         .filter(|(sounding, _)| sounding.locked)
@@ -54,7 +51,7 @@ pub(crate) fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<Dept
 }
 
 /// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any finite depth.
-pub(crate) fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
+pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     statistics::colour_ends(depths)
 }
 

@@ -2,8 +2,8 @@
 
 use super::DepthPoint;
 use super::isobaths::IsobathSettings;
-use crate::support::outline::bounds;
-use crate::support::presentation::ticks;
+use crate::presentation::ticks;
+use bathyscope_log::support::outline::bounds;
 use std::collections::HashMap;
 
 /// Where nobody says how far figures are apart, about so many fit along the diagonal of a map.
@@ -11,7 +11,7 @@ const ALONG_DIAGONAL: f64 = 40.0;
 
 /// Chooses depths that are `radius_m` apart at least, shoal first: the shallowest of all, then the shallowest that is far enough from it,
 /// and so on. Every other depth has a shallower one within that distance. They come from shallow to deep.
-pub(crate) fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
+pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
     let mut order: Vec<&DepthPoint> = points.iter().collect();
     order.sort_unstable_by(|a, b| {
         (a.depth_m.total_cmp(&b.depth_m))
@@ -42,7 +42,7 @@ pub(crate) fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthP
 
 /// How far spot soundings are apart by the settings, or, where these leave it open, a round distance by the extent of the depths; `None`
 /// without an extent.
-pub(crate) fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
+pub fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
     let [west, south, east, north] = bounds(points.iter().map(DepthPoint::place));
     let by_extent = || {
         let diagonal_m = (east - west).hypot(north - south);
@@ -54,7 +54,7 @@ pub(crate) fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::testing::point;
+    use crate::bathymetry::testing::point;
 
     fn depth(east_m: f64, depth_m: f64) -> DepthPoint {
         point(east_m, 0.3 * east_m, depth_m)

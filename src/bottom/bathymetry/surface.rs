@@ -5,9 +5,9 @@ use super::from_levels::{FromLevels, SwathDepth};
 use super::inverse_distance::inverse_distance;
 use super::left_out::state_error;
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
-use crate::bottom::cloud::{CloudPoint, PointSource};
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::{ends, quantile};
+use crate::cloud::{CloudPoint, PointSource};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::{ends, quantile};
 use kiddo::ImmutableKdTree;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -63,7 +63,7 @@ pub struct SurfaceSettings {
     pub longest_above_bottom_m: f64,
     /// Whether depths between the lines come from the levels of the echoes.
     pub swath: SwathDepth,
-    /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`crate::survey::Relief`]); otherwise on a
+    /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`bathyscope_log::survey::Relief`]); otherwise on a
     /// level one.
     pub relief: bool,
 }
@@ -126,7 +126,7 @@ pub enum Spread {
 pub struct Surface {
     /// How the depth between soundings was found.
     pub method: SurfaceMethod,
-    /// Whether depths between those measured come from the levels of the echoes (`crate::bottom::swath`).
+    /// Whether depths between those measured come from the levels of the echoes (`crate::swath`).
     pub levels: FromLevels,
     /// What the spreads are.
     pub spread_is: Spread,
@@ -322,7 +322,7 @@ pub fn surface(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn surface_of_depths(
+pub fn surface_of_depths(
     points: Vec<DepthPoint>,
     settings: &SurfaceSettings,
     progress: &Progress,

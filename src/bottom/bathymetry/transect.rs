@@ -4,7 +4,7 @@ use super::Surface;
 
 /// A corner of a line on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Corner {
+pub struct Corner {
     /// East and north in the plane of the survey, metres.
     pub place: [f64; 2],
     /// Metres on the ground from the start of the line.
@@ -13,7 +13,7 @@ pub(crate) struct Corner {
 
 /// A place on a line, and the depth there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TransectStation {
+pub struct TransectStation {
     /// Metres on the ground from the start of the line.
     pub distance_m: f64,
     /// East and north in the plane of the survey, metres.
@@ -24,7 +24,7 @@ pub(crate) struct TransectStation {
 
 /// Looks at the depth at every corner of a line, and between two of them at equal steps of at most `step_m`, or of what makes
 /// `most` stations of the whole line where that is more.
-pub(crate) fn transect(
+pub fn transect(
     corners: &[Corner],
     step_m: f64,
     most: usize,
@@ -83,7 +83,7 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::Grid;
+    use crate::bathymetry::Grid;
 
     /// Three rows of four cells of 2 m, west edge at 10, north edge at 106; the bed slopes to the east and to the south.
     fn slope() -> Surface {

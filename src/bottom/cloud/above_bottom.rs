@@ -4,9 +4,9 @@
 //! not distinguish weed from boulders, their length along the track has to. A recorder that smooths its depth, or writes it in steps of
 //! 10 cm, departs from a rough bed all along: there only what stands out of that is above the bottom.
 
-use crate::sonar::first_return::FirstReturns;
-use crate::support::statistics::{median, spread_about};
-use crate::survey::{Navigation, PingNav, Side, Survey};
+use crate::first_return::FirstReturns;
+use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::survey::{Navigation, PingNav, Side, Survey};
 
 /// Way to both sides of a ping over which most first returns must lie above the recorded depth for the ping to belong to a
 /// stretch of them, metres.
@@ -125,8 +125,8 @@ fn way_m(pings: &[PingNav]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sonar::first_return::Pick;
-    use crate::survey::{SidePing, SideSpan};
+    use crate::first_return::Pick;
+    use bathyscope_log::survey::{SidePing, SideSpan};
     use std::sync::Arc;
 
     /// Heights of first returns above recorded depths, and how far above them is usual, along 120 m of a bed with a clump of weed of

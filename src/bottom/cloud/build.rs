@@ -9,15 +9,15 @@ use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
     RecordIndex, Reduction,
 };
-use crate::sonar::calibration::Calibration;
-use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Navigation, Side, Survey, nearest_in_time};
+use crate::calibration::Calibration;
+use crate::first_return::{FirstReturns, Pick};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Navigation, Side, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Slant range of a pick by the calibration in force, metres; NaN without a pick.
-pub(crate) fn slant_range_m(
+pub fn slant_range_m(
     survey: &Survey,
     calibration: &Calibration,
     ping: usize,
@@ -34,7 +34,7 @@ pub(crate) fn slant_range_m(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn build(
+pub fn build(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,
@@ -63,7 +63,7 @@ pub(crate) fn build(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn place(
+pub fn place(
     survey: &Survey,
     navigation: &Navigation,
     (returns, traits): (&FirstReturns, &PickTraits),

@@ -1,8 +1,8 @@
 //! What each point of a cloud is: decided here once, for the map, every file, every count and every view.
 
 use super::{CloudPoint, OutlierSettings, PointCloud, PointSource, outliers};
-use crate::support::named::named;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::named;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// What a point is, in the code of ASPRS LAS 1.4 and its topo-bathymetric profile. Classes from 64 on are free for users; those here are
@@ -92,7 +92,7 @@ impl ClassRules<'_> {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn classify(
+pub fn classify(
     cloud: &PointCloud,
     rules: &ClassRules<'_>,
     progress: &Progress,

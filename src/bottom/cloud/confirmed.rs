@@ -1,7 +1,7 @@
 //! Soundings that stand out like glitches and are none: a rock or a pile under the boat is passed in a few soundings, as a wrong depth is,
 //! but the side-scan sees it too.
 
-use crate::survey::{Sounding, Survey, nearest_in_time};
+use bathyscope_log::survey::{Sounding, Survey, nearest_in_time};
 
 /// More soundings than this in a row without bottom lock are a loss of the bottom, in which the depth may meet a first return by chance.
 const LONGEST: usize = 4;
@@ -42,7 +42,7 @@ pub(super) fn confirmed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{SidePing, mark_bottom_lock};
+    use bathyscope_log::survey::{SidePing, mark_bottom_lock};
     use std::sync::Arc;
 
     /// Soundings of 3 m but for a stretch of them, at every other of pings whose port sees `port_m` there and whose starboard sees the bed.

@@ -1,11 +1,11 @@
 //! By how much the depths of a cloud change when it is built again, for example by another scale.
 
 use super::{CloudPoint, PointClass, PointCloud, PointSource};
-use crate::support::statistics::median;
+use bathyscope_log::support::statistics::median;
 
 /// How the side-scan depths that count for the map change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DepthChange {
+pub struct DepthChange {
     /// Depths that were compared.
     pub count: usize,
     /// Median change, metres; above 0 depths become greater.
@@ -16,7 +16,7 @@ pub(crate) struct DepthChange {
 
 impl DepthChange {
     /// Of the points that `classes` keeps of a cloud, against those of the same first returns in another one; `None` where none is in both.
-    pub(crate) fn between(
+    pub fn between(
         before: &PointCloud,
         classes: &[PointClass],
         after: &PointCloud,
@@ -48,7 +48,7 @@ impl DepthChange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::cloud::BySource;
+    use crate::cloud::BySource;
     use std::sync::Arc;
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {

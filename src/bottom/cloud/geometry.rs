@@ -1,11 +1,11 @@
 //! Where a first return lies, seen from the boat.
 
 use super::Geometry;
-use crate::survey::{PingNav, Side};
+use bathyscope_log::survey::{PingNav, Side};
 
 /// A place on the bottom, seen from the boat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct BottomPoint {
+pub struct BottomPoint {
     /// Depth below the transducer, metres.
     pub depth_m: f64,
     /// Distance out to the beam's own side, metres.
@@ -18,7 +18,7 @@ pub(crate) struct BottomPoint {
 /// - self-consistent: with `PPD' = p_0 cos(alpha_2) / d_0` in place of `p_0 / d_0` the published equations give back the
 ///   depth they were calibrated on: `z = r`, `y = r tan(alpha_2)` in terms of the unchanged range;
 /// - nadir, and [`Geometry::Slope`] before the slope is known: `z = r`, `y = 0`.
-pub(crate) fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f64) -> BottomPoint {
+pub fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f64) -> BottomPoint {
     let (sin, cos) = alpha2_deg.to_radians().sin_cos();
     let (depth_m, across_m) = match geometry {
         Geometry::Published => (range_m * cos, range_m * sin),
@@ -29,7 +29,7 @@ pub(crate) fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f
 }
 
 /// The place `across_m` out to one side of the boat; `None` without heading or position.
-pub(crate) fn across_track(place: &PingNav, side: Side, across_m: f64) -> Option<[f64; 2]> {
+pub fn across_track(place: &PingNav, side: Side, across_m: f64) -> Option<[f64; 2]> {
     place
         .abeam(side, across_m)
         .filter(|[east_m, _]| east_m.is_finite())

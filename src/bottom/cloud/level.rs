@@ -1,6 +1,6 @@
 //! How strong the echo of a first return is.
 
-use crate::survey::{Side, Survey};
+use bathyscope_log::survey::{Side, Survey};
 
 /// Slant range from the edge of a first return within which its echo is strongest, metres.
 const ECHO_M: f64 = 0.2;

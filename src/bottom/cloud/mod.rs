@@ -12,11 +12,11 @@ mod build;
 mod by_source;
 mod class;
 mod confirmed;
-pub(crate) mod correction;
+pub mod correction;
 mod depth_change;
 mod geometry;
 mod level;
-pub(crate) mod outliers;
+pub mod outliers;
 mod pick_traits;
 mod ping_depth;
 mod record;
@@ -26,25 +26,22 @@ mod scales;
 mod specular;
 mod swath;
 
-use crate::support::named::named;
-pub(crate) use build::{build, place, slant_range_m};
-pub(crate) use by_source::BySource;
-pub(crate) use class::{ClassCounts, ClassRules, PointClass, classify};
-pub(crate) use correction::{Correction, DepthReference, DepthSettings};
-pub(crate) use depth_change::DepthChange;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use geometry::{across_track, fixed_bottom_point};
-pub(crate) use pick_traits::PickTraits;
-pub(crate) use ping_depth::{
-    DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths,
-};
-pub(crate) use record::{PointRecord, RecordIndex};
-pub(crate) use reduction::Reduction;
-pub(crate) use residuals::{Residuals, residuals, same_ping_differences};
-pub(crate) use scales::PointScales;
+use bathyscope_log::named;
+pub use build::{build, place, slant_range_m};
+pub use by_source::BySource;
+pub use class::{ClassCounts, ClassRules, PointClass, classify};
+pub use correction::{Correction, DepthReference, DepthSettings};
+pub use depth_change::DepthChange;
+pub use geometry::{across_track, fixed_bottom_point};
+pub use pick_traits::PickTraits;
+pub use ping_depth::{DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths};
+pub use record::{PointRecord, RecordIndex};
+pub use reduction::Reduction;
+pub use residuals::{Residuals, residuals, same_ping_differences};
+pub use scales::PointScales;
 
-use crate::sonar::first_return::ground_confidence;
-use crate::survey::Exclusions;
+use crate::first_return::ground_confidence;
+use bathyscope_log::survey::Exclusions;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -140,7 +137,7 @@ named! {
 
 impl PointSource {
     /// Whether it is a first return of the side-scan.
-    pub(crate) fn is_side_scan(self) -> bool {
+    pub fn is_side_scan(self) -> bool {
         matches!(self, Self::Port | Self::Starboard)
     }
 }
@@ -157,7 +154,7 @@ pub struct CloudPoint {
     /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first return confirms it or
     /// [`DownScan::All`] asks for it.
     pub reliable: bool,
-    /// Whether it is an above-bottom return: its pick lies above the recorded depth ([`crate::sonar::first_return::Pick::above_bottom`]) by more
+    /// Whether it is an above-bottom return: its pick lies above the recorded depth ([`crate::first_return::Pick::above_bottom`]) by more
     /// than this departs from the bed nearby.
     pub above_bottom: bool,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to 0.2 m of slant range beyond it; 0 for
@@ -166,7 +163,7 @@ pub struct CloudPoint {
     /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
     /// it does not.
     pub above_bottom_m: f32,
-    /// The confidence of the first return ([`crate::sonar::first_return::Pick::confidence`]); NaN for other points.
+    /// The confidence of the first return ([`crate::first_return::Pick::confidence`]); NaN for other points.
     pub confidence: f32,
     /// First return in u8 samples outward; for a swath point the number of its depth in its ping; NaN for a sounding.
     pub sample: f32,
@@ -225,7 +222,7 @@ impl PointCloud {
 
 impl CloudPoint {
     /// East, north and elevation, metres.
-    pub(crate) fn place(&self) -> [f64; 3] {
+    pub fn place(&self) -> [f64; 3] {
         [self.east_m, self.north_m, self.z_m]
     }
 

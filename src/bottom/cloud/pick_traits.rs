@@ -2,8 +2,8 @@
 
 use super::above_bottom::{height_m, stretches_m, usual_departures_m};
 use super::level::echo_level;
-use crate::sonar::first_return::{FirstReturns, Pick, ground_confidence};
-use crate::survey::{Navigation, Side, Survey};
+use crate::first_return::{FirstReturns, Pick, ground_confidence};
+use bathyscope_log::survey::{Navigation, Side, Survey};
 use rayon::prelude::*;
 
 /// What a first return is, wherever it is placed.
@@ -20,14 +20,14 @@ pub(super) struct PickTrait {
 }
 
 /// That of all first returns. Several clouds of the same returns share it: it costs as much as all else of a cloud.
-pub(crate) struct PickTraits {
+pub struct PickTraits {
     /// By side, port first, one a ping.
     sides: [Vec<PickTrait>; 2],
 }
 
 impl PickTraits {
     /// Of a survey's first returns.
-    pub(crate) fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
+    pub fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
         let above_bottom_m = stretches_m(survey, navigation, returns);
         let usual_m = usual_departures_m(survey, navigation, returns);
         let of_pick = |side: Side, ping: usize, pick: &Pick| {

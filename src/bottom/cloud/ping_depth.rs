@@ -1,7 +1,7 @@
 //! The depth under the boat at every ping, and what it comes from.
 
 use super::{Correction, PointClass, PointCloud};
-use crate::survey::{Exclusions, PingNav, Survey};
+use bathyscope_log::survey::{Exclusions, PingNav, Survey};
 use serde::Serialize;
 
 /// What the depth under the boat comes from.
@@ -27,7 +27,7 @@ pub struct PingDepth {
 
 /// One entry a side-scan ping: the recorded depth where the recorder had the bottom, else that of the deeper of the first returns
 /// that are kept. The other side detects a bank or a boulder to the side of the boat first.
-pub(crate) fn ping_depths(
+pub fn ping_depths(
     survey: &Survey,
     cloud: &PointCloud,
     classes: &[PointClass],
@@ -58,11 +58,7 @@ pub(crate) fn ping_depths(
 }
 
 /// Takes the depths from the pings that are excluded; `first` is the ping of the first of them.
-pub(crate) fn clear_excluded_depths(
-    depths: &mut [PingDepth],
-    first: usize,
-    exclusions: &Exclusions,
-) {
+pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions: &Exclusions) {
     for (ping, depth) in (first..).zip(depths) {
         if exclusions.ping(ping).is_some() {
             *depth = PingDepth {

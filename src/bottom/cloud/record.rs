@@ -1,7 +1,7 @@
 //! Which record of a log measured a point: what its time, its boat's place and its exclusion follow from.
 
 use super::{CloudPoint, PointSource};
-use crate::survey::{
+use bathyscope_log::survey::{
     ExclusionReason, Exclusions, Navigation, PingNav, Side, Survey, SwathSounding,
 };
 use std::num::NonZero;
@@ -55,7 +55,7 @@ impl CloudPoint {
     }
 
     /// The depth across the track that the point is; `None` for other points.
-    pub(crate) fn swath_sounding(&self, survey: &Survey) -> Option<SwathSounding> {
+    pub fn swath_sounding(&self, survey: &Survey) -> Option<SwathSounding> {
         let PointRecord::Swath(index) = self.record() else {
             return None;
         };

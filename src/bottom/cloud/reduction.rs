@@ -5,8 +5,8 @@
 
 use super::correction::DepthReference;
 use super::{CloudPoint, Correction, PointRecord};
-use crate::sonar::calibration::Calibration;
-use crate::survey::{Side, SideSpan, Survey};
+use crate::calibration::Calibration;
+use bathyscope_log::survey::{Side, SideSpan, Survey};
 
 /// From the recorder's samples and depths to ranges and depths. The default one leaves both as recorded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,9 +105,9 @@ impl<'a> Reduction<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::cloud::DepthSettings;
-    use crate::bottom::cloud::correction::SoundSpeedSettings;
-    use crate::sonar::calibration::{PpdReach, ScaleMode};
+    use crate::calibration::{PpdReach, ScaleMode};
+    use crate::cloud::DepthSettings;
+    use crate::cloud::correction::SoundSpeedSettings;
 
     #[test]
     fn a_range_comes_back_to_its_sample_and_a_depth_names_what_it_counts_from() {

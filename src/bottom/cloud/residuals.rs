@@ -1,8 +1,8 @@
 //! Statistics of differences, and those of side-scan depths from recorded depths.
 
 use super::{Correction, PointClass, PointCloud};
-use crate::support::statistics::{median, quantile};
-use crate::survey::Survey;
+use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::survey::Survey;
 use serde::Serialize;
 
 /// Statistics of differences: of elevations, measured minus reference, so that above 0 is shallower; where other things are
@@ -29,7 +29,7 @@ pub struct Residuals {
 /// where the recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
 ///
 /// The two are those of different places where the bottom point lies across-track: on a slope the difference is real.
-pub(crate) fn residuals(
+pub fn residuals(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,
@@ -41,7 +41,7 @@ pub(crate) fn residuals(
 }
 
 /// The differences behind [`residuals`], metres: those of several logs are put together before statistics are made of them.
-pub(crate) fn same_ping_differences(
+pub fn same_ping_differences(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,

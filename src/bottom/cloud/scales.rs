@@ -1,8 +1,8 @@
 //! Between which values the points of a cloud are coloured.
 
 use super::{PointClass, PointCloud, Reduction};
-use crate::support::statistics::{colour_ends, wider};
-use crate::survey::Survey;
+use bathyscope_log::support::statistics::{colour_ends, wider};
+use bathyscope_log::survey::Survey;
 
 /// Ends of the colour scales of what is known of a point besides its depth: the 2nd and the 98th percentile of the kept points. `None`
 /// where no point has such a value.

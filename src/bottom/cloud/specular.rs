@@ -8,7 +8,7 @@
 //! recorded depth as reference, this measured best on simulated gentle, steep and rough beds alike.
 
 use super::geometry::BottomPoint;
-use crate::support::statistics::{SIGMA_PER_MAD, upper_median};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};
 
 /// Pings on each side of a ping that its slope is measured over.
 const REACH: usize = 10;

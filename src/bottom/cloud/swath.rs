@@ -1,9 +1,11 @@
 //! Depths across the track to points. They are depths already: no slant range, no first return.
 
 use super::{CloudPoint, Correction, PointSource, RecordIndex};
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::upper_median;
-use crate::survey::{Navigation, PingNav, Survey, SwathPing, SwathSounding, nearest_in_time};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::upper_median;
+use bathyscope_log::survey::{
+    Navigation, PingNav, Survey, SwathPing, SwathSounding, nearest_in_time,
+};
 use rayon::prelude::*;
 
 /// Of the depths of a ping in a stretch across the track of this share of the depth, one makes a point: the sonar does not see finer.
@@ -89,7 +91,7 @@ fn thinned(mut soundings: Vec<SwathSounding>) -> Vec<SwathSounding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::Side;
+    use bathyscope_log::survey::Side;
 
     #[test]
     fn a_stretch_has_one_point_and_a_spike_has_none() {

@@ -3,7 +3,7 @@
 use super::ground::PlanningGrid;
 use super::leg::{Leg, apart_m};
 use super::window::best_stretch;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;

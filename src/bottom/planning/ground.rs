@@ -3,7 +3,7 @@
 use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
 use super::leg::apart_m;
 use super::water::{Water, thinned};
-use crate::support::nearest::Nearest;
+use crate::nearest::Nearest;
 use rayon::prelude::*;
 
 /// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it helps.

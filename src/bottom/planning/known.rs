@@ -1,10 +1,10 @@
 //! What a survey knows of its ground, as far as a plan needs it. All in one plane, metres east and north.
 
-use crate::bottom::bathymetry::SigmaByDistance;
+use crate::bathymetry::SigmaByDistance;
 
 /// What was sailed and what is known from it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SurveyCoverage {
+pub struct SurveyCoverage {
     /// Places of the soundings.
     pub soundings: Vec<[f64; 2]>,
     /// What a depth is worth at a distance from them.
@@ -27,7 +27,7 @@ pub(crate) struct SurveyCoverage {
 
 /// The ground that one ping insonified on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct InsonifiedSide {
+pub struct InsonifiedSide {
     /// Below the boat.
     pub from: [f64; 2],
     /// At the end of the range.
@@ -38,7 +38,7 @@ pub(crate) struct InsonifiedSide {
 
 /// An object on the bottom.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SeenObject {
+pub struct SeenObject {
     /// Its place.
     pub place: [f64; 2],
     /// Headings of the boat when it was seen, radians.
@@ -47,7 +47,7 @@ pub(crate) struct SeenObject {
 
 /// A place where two passes differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Doubt {
+pub struct Doubt {
     /// Where they cross.
     pub place: [f64; 2],
     /// How far their depths differ, metres.
@@ -57,14 +57,14 @@ pub(crate) struct Doubt {
 impl SeenObject {
     /// How well the directions that it was seen from complete each other: the largest sine squared of an angle between two of them, 1 at
     /// right angles, 0 from one side only.
-    pub(crate) fn crossing(&self) -> f64 {
+    pub fn crossing(&self) -> f64 {
         let each = self.headings_rad.iter().enumerate();
         each.map(|(index, heading)| crossed(&self.headings_rad[..index], *heading))
             .fold(0.0, f64::max)
     }
 
     /// The same with one more heading.
-    pub(crate) fn crossing_with(&self, heading_rad: f64) -> f64 {
+    pub fn crossing_with(&self, heading_rad: f64) -> f64 {
         self.crossing()
             .max(crossed(&self.headings_rad, heading_rad))
     }
@@ -79,7 +79,7 @@ fn crossed(headings_rad: &[f64], other_rad: f64) -> f64 {
 
 /// The standard deviation of a depth's error by the distance to the nearest sounding, up to what it is where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SigmaLaw {
+pub struct SigmaLaw {
     /// At multiples of [`STEP_M`]; the last is that of all distances beyond.
     steps_m: Vec<f32>,
 }
@@ -98,7 +98,7 @@ const LEAST_LIMIT_M: f64 = 0.1;
 impl SigmaLaw {
     /// By left-out soundings where there were enough, else a usual rise; nowhere more than `limit_m`, the spread of the depths of the survey,
     /// with which the mean depth would be wrong.
-    pub(crate) fn new(left_out: Option<&SigmaByDistance>, limit_m: f64) -> Self {
+    pub fn new(left_out: Option<&SigmaByDistance>, limit_m: f64) -> Self {
         let at = |distance_m: f64| match left_out {
             Some(left_out) => left_out.at(distance_m),
             None => USUAL_SIGMA_M.hypot(USUAL_RISE * distance_m),
@@ -114,18 +114,18 @@ impl SigmaLaw {
     }
 
     /// At a distance, metres.
-    pub(crate) fn at(&self, distance_m: f32) -> f32 {
+    pub fn at(&self, distance_m: f32) -> f32 {
         let step = (distance_m * (1.0 / STEP_M) as f32 + 0.5) as usize;
         self.steps_m[step.min(self.steps_m.len() - 1)]
     }
 
     /// Where nothing is known, metres.
-    pub(crate) fn limit_m(&self) -> f32 {
+    pub fn limit_m(&self) -> f32 {
         self.steps_m[self.steps_m.len() - 1]
     }
 
     /// Beyond this distance a sounding tells nothing, metres.
-    pub(crate) fn reach_m(&self) -> f64 {
+    pub fn reach_m(&self) -> f64 {
         STEP_M * (self.steps_m.len() - 1) as f64
     }
 }

@@ -4,7 +4,7 @@ use super::turns::TurnPose;
 
 /// A straight line, from its start to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Leg {
+pub struct Leg {
     /// Metres east and north.
     pub from: [f64; 2],
     /// Metres east and north.
@@ -13,19 +13,19 @@ pub(crate) struct Leg {
 
 impl Leg {
     /// Metres.
-    pub(crate) fn length_m(&self) -> f64 {
+    pub fn length_m(&self) -> f64 {
         apart_m(self.from, self.to)
     }
 
     /// Radians clockwise from north.
-    pub(crate) fn heading_rad(&self) -> f64 {
+    pub fn heading_rad(&self) -> f64 {
         let [east, north] = self.way();
         east.atan2(north)
     }
 
     /// The same line sailed the other way.
     #[must_use]
-    pub(crate) fn turned(self) -> Self {
+    pub fn turned(self) -> Self {
         Self {
             from: self.to,
             to: self.from,

@@ -19,11 +19,11 @@ mod turns;
 mod water;
 mod window;
 
-pub(crate) use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
-pub(crate) use leg::Leg;
-pub(crate) use plan::{Plan, PlanSettings, WaterState, WaypointKind};
+pub use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
+pub use leg::Leg;
+pub use plan::{Plan, PlanSettings, WaterState, WaypointKind};
 
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use candidates::{CandidateLine, Limits, candidates};
 use ground::PlanningGrid;
 use route::{Insertion, Route};
@@ -41,7 +41,7 @@ const WORTH: f64 = 0.03;
 
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum PlanError {
+pub enum PlanError {
     /// Nothing was surveyed.
     #[error("there is no log to plan from")]
     NoLog,
@@ -81,7 +81,7 @@ pub(crate) enum PlanError {
 
 impl PlanError {
     /// Whether it is about the area that was given.
-    pub(crate) fn is_about_area(&self) -> bool {
+    pub fn is_about_area(&self) -> bool {
         matches!(self, PlanError::NoArea | PlanError::AreaElsewhere)
     }
 }
@@ -93,7 +93,7 @@ impl PlanError {
 ///
 /// # Errors
 /// [`PlanError`].
-pub(crate) fn plan(
+pub fn plan(
     known: &SurveyCoverage,
     area: Option<&[Vec<[f64; 2]>]>,
     settings: &PlanSettings,

@@ -5,8 +5,7 @@ use super::leg::Leg;
 use super::route::link;
 use super::turns::turns;
 use super::{PlanError, SeenObject, SurveyCoverage};
-#[cfg(any(test, feature = "bench"))]
-use crate::bottom::bathymetry::Grid;
+use crate::bathymetry::Grid;
 
 /// A boat's speed where the survey does not tell, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
@@ -15,7 +14,7 @@ const STRAIGHT_M: f64 = 1e9;
 
 /// What a plan is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlanSettings {
+pub struct PlanSettings {
     /// Time from the start of the first line to the end of the last, minutes.
     pub minutes: f64,
     /// Speed over ground, metres a second; the survey's own where it is not given.
@@ -43,7 +42,7 @@ impl PlanSettings {
     ///
     /// # Errors
     /// A sentence about the first number that is out of bounds.
-    pub(crate) fn check(&self) -> Result<(), PlanError> {
+    pub fn check(&self) -> Result<(), PlanError> {
         let within = |value: f64, least: f64, most: f64| (least..=most).contains(&value);
         let optional = |value: Option<f64>, least: f64, most: f64| {
             value.is_none_or(|value| within(value, least, most))
@@ -74,7 +73,7 @@ impl PlanSettings {
 
 /// What a place of the way is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum WaypointKind {
+pub enum WaypointKind {
     /// The start of a line, counted from 0.
     Start(usize),
     /// The end of a line.
@@ -85,7 +84,7 @@ pub(crate) enum WaypointKind {
 
 /// A place of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Waypoint {
+pub struct Waypoint {
     /// Metres east and north.
     pub place: [f64; 2],
     /// What it is.
@@ -94,7 +93,7 @@ pub(crate) struct Waypoint {
 
 /// How well the water is known.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct WaterState {
+pub struct WaterState {
     /// Predicted standard deviation of the depth by cell, metres; NaN outside of the water.
     pub sigma_m: Vec<f32>,
     /// Mean of it over the water, metres.
@@ -107,7 +106,7 @@ pub(crate) struct WaterState {
 
 /// Lines to sail, and what they are good for.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Plan {
+pub struct Plan {
     ground: PlanningGrid,
     /// The lines in the order and direction of sailing.
     pub lines: Vec<Leg>,
@@ -157,7 +156,7 @@ impl Plan {
 
     /// The same with other lines, in their order.
     #[must_use]
-    pub(crate) fn with_lines(&self, lines: Vec<Leg>) -> Self {
+    pub fn with_lines(&self, lines: Vec<Leg>) -> Self {
         let radius_m = self.turn_radius_m;
         let waypoint = |place, station| Waypoint { place, station };
         let mut way = Vec::new();
@@ -195,19 +194,17 @@ impl Plan {
     }
 
     /// Time from the start of the first line to the end of the last, minutes.
-    pub(crate) fn minutes(&self) -> f64 {
+    pub fn minutes(&self) -> f64 {
         self.length_m / self.speed_mps / 60.0
     }
 
     /// The cells of [`WaterState::sigma_m`].
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &Grid {
         &self.ground.water.grid
     }
 
     /// Whether a place lies in the water that was planned for.
-    #[cfg(any(test, feature = "bench"))]
-    pub(crate) fn is_water(&self, place: [f64; 2]) -> bool {
+    pub fn is_water(&self, place: [f64; 2]) -> bool {
         self.ground.water.holds(place)
     }
 }

@@ -1,8 +1,8 @@
 //! The water that a plan may use: within a polygon, or within the outline of what was sailed.
 
-use crate::bottom::bathymetry::Grid;
-use crate::support::nearest::Nearest;
-use crate::support::outline::{self, between, edges};
+use crate::bathymetry::Grid;
+use crate::nearest::Nearest;
+use bathyscope_log::support::outline::{self, between, edges};
 use rayon::prelude::*;
 
 /// Cells are no smaller than this, metres: a boat keeps no line any better.

@@ -7,9 +7,9 @@ use super::nodes::{Blend, Nodes};
 use super::solve::{Prior, TileInput, TileSolution, learn};
 use super::tiling::{Resolution, Tiling};
 use super::weed::WeedPlaces;
-use crate::bottom::bathymetry::{DepthPoint, Node, merge_repeated};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::Side;
+use crate::bathymetry::{DepthPoint, Node, merge_repeated};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

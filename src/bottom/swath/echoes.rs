@@ -1,9 +1,9 @@
 //! What the method reads of a log: where every ping was, the range of its samples and its first returns.
 
-use crate::survey::{Side, Survey};
+use bathyscope_log::survey::{Side, Survey};
 
 /// Where the samples of a log are read from, a ping at a time.
-pub(crate) trait SampleSource: Sync {
+pub trait SampleSource: Sync {
     /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are none.
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>);
 }
@@ -19,7 +19,7 @@ impl SampleSource for Survey {
 
 /// A log in the plane of a surface.
 #[derive(Clone)]
-pub(crate) struct LogEchoes<'a> {
+pub struct LogEchoes<'a> {
     /// The recording.
     pub levels: &'a dyn SampleSource,
     /// One entry a side-scan ping.
@@ -28,7 +28,7 @@ pub(crate) struct LogEchoes<'a> {
 
 /// Where a ping was and what its samples mean.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PingPlace {
+pub struct PingPlace {
     /// Seconds of the log.
     pub time_s: f64,
     /// East and north in the plane, metres; NaN where the place is unknown or the ping counts for nothing.
@@ -43,7 +43,7 @@ pub(crate) struct PingPlace {
 
 /// One side of a ping.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SideEchoes {
+pub struct SideEchoes {
     /// Slant range of the near edge of the first sample, metres; NaN where the side was not recorded.
     pub near_m: f64,
     /// Slant range that a sample covers, metres.
@@ -56,7 +56,7 @@ pub(crate) struct SideEchoes {
 
 impl PingPlace {
     /// Whether its echoes have a place.
-    pub(crate) fn is_placed(&self) -> bool {
+    pub fn is_placed(&self) -> bool {
         let numbers = [
             self.place_m,
             self.starboard,
@@ -69,26 +69,26 @@ impl PingPlace {
     }
 
     /// Unit vector outward on a side, east and north.
-    pub(crate) fn outward(&self, side: Side) -> [f64; 2] {
+    pub fn outward(&self, side: Side) -> [f64; 2] {
         self.starboard.map(|part| side.to_starboard(part))
     }
 
     /// What is known of a side.
-    pub(crate) fn side(&self, side: Side) -> &SideEchoes {
+    pub fn side(&self, side: Side) -> &SideEchoes {
         &self.sides[side as usize]
     }
 }
 
 impl SideEchoes {
     /// Whether its samples have ranges.
-    pub(crate) fn has_ranges(&self) -> bool {
+    pub fn has_ranges(&self) -> bool {
         self.near_m.is_finite() && self.step_m.is_finite() && self.step_m > 0.0
     }
 }
 
 impl LogEchoes<'_> {
     /// Replaces `out` with the samples of a side of a ping, nearest first; false where there are none.
-    pub(crate) fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
+    pub fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
         self.levels.read(ping, side, out);
         !out.is_empty()
     }

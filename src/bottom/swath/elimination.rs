@@ -47,7 +47,7 @@ fn part(nodes: &Nodes, spans: [Range<usize>; 2], order: &mut Vec<usize>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::sparse::{Equations, Pattern};
+    use crate::sparse::{Equations, Pattern};
 
     const NODES: Nodes = Nodes {
         zero_m: [0.0; 2],

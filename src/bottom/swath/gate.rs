@@ -6,9 +6,9 @@ use super::model::LawCurves;
 use super::observations::Bed;
 use super::solve::{Brightness, Prior, TileSolution};
 use super::tiling::Tiling;
-use crate::bottom::bathymetry::{Between, DepthPoint, Tin};
-use crate::support::nearest::Nearest;
-use crate::support::progress::{Cancelled, Progress};
+use crate::bathymetry::{Between, DepthPoint, Tin};
+use crate::nearest::Nearest;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 
 /// Length of a stretch that is left out, metres, and of how many stretches one is.
 const STRETCH_M: f64 = 8.0;

@@ -8,10 +8,10 @@
 //! levels, which makes it smaller and more even: of the two, the one is taken whose spread has the shape that is found.
 
 use super::echoes::LogEchoes;
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::sparse::Normal;
-use crate::support::statistics::{median, quantile};
-use crate::survey::Side;
+use crate::sparse::Normal;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::survey::Side;
 use serde::{Deserialize, Serialize};
 
 /// Pings and samples of a window.
@@ -46,7 +46,7 @@ const LEAST_LEVEL: f64 = 0.05;
 
 /// How the levels of a log become logarithms of power.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Law {
+pub struct Law {
     /// What is written.
     pub kind: LawKind,
     /// Samples in a row that tell as much as one independent one: those in a pulse. Smoothing takes nothing away.
@@ -58,7 +58,7 @@ pub(crate) struct Law {
 /// What a recorder writes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum LawKind {
+pub enum LawKind {
     /// Decibels: the natural logarithm of power for a step of the level.
     Decibels(f64),
     /// The exponent of the intensity.
@@ -67,7 +67,7 @@ pub(crate) enum LawKind {
 
 impl Law {
     /// Natural logarithm of power, but for a constant, of every level. Of a power it is the mean over the values that a level stands for.
-    pub(crate) fn table(&self) -> [f32; 256] {
+    pub fn table(&self) -> [f32; 256] {
         std::array::from_fn(|level| {
             let level = level as f64;
             (match self.kind {

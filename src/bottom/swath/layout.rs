@@ -3,9 +3,9 @@
 use super::echoes::{LogEchoes, PingPlace};
 use super::law::{Law, law_of};
 use super::weed::is_weed;
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::median;
-use crate::survey::Side;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::median;
+use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -30,7 +30,7 @@ const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 
 /// Pings in a row that are averaged.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PingChunk {
+pub struct PingChunk {
     /// Which chunk of its log.
     pub number: u32,
     /// Its pings, all of which can be used.
@@ -45,7 +45,7 @@ pub(crate) struct PingChunk {
 
 impl PingChunk {
     /// Chunks with as many as `together` joined to one where they follow each other.
-    pub(crate) fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
+    pub fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
         let mut joined: Vec<Self> = Vec::with_capacity(chunks.len() / together + 1);
         for chunk in chunks {
             match joined.last_mut() {
@@ -65,7 +65,7 @@ impl PingChunk {
 
 /// A log whose echoes can be used, all of it or a part.
 #[derive(Clone)]
-pub(crate) struct LaidOutLog<'a> {
+pub struct LaidOutLog<'a> {
     /// Its echoes.
     pub echoes: LogEchoes<'a>,
     /// Its chunks, in order.
@@ -81,7 +81,7 @@ impl<'a> LaidOutLog<'a> {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub(crate) fn new(echoes: LogEchoes<'a>, progress: &Progress) -> Result<Self, Cancelled> {
+    pub fn new(echoes: LogEchoes<'a>, progress: &Progress) -> Result<Self, Cancelled> {
         let law = law_of(&echoes, progress)?;
         let is_weed = is_weed(&echoes);
         let chunks = match law {
@@ -299,7 +299,7 @@ fn range_setting(ping: &PingPlace) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::swath::SideEchoes;
+    use crate::swath::SideEchoes;
 
     fn ping(time_s: f64, step_m: f64) -> PingPlace {
         let side = SideEchoes {

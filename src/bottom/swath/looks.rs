@@ -2,7 +2,7 @@
 //! on the bed again as that becomes known.
 
 use super::layout::{LaidOutLog, PingChunk};
-use crate::survey::Side;
+use bathyscope_log::survey::Side;
 
 /// Share of clipped samples from which on a range says nothing.
 const MOST_CLIPPED: f64 = 0.1;

@@ -26,15 +26,15 @@ mod solve;
 mod tiling;
 mod weed;
 
-pub(crate) use echoes::{LogEchoes, PingPlace, SampleSource, SideEchoes};
-pub(crate) use layout::{LaidOutLog, PingChunk};
-pub(crate) use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
+pub use echoes::{LogEchoes, PingPlace, SampleSource, SideEchoes};
+pub use layout::{LaidOutLog, PingChunk};
+pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 
-use crate::bottom::bathymetry::{
+use crate::bathymetry::{
     CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Spread, Surface, SwathDepth,
 };
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::median;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::median;
 use depths::{NodeDepths, Sample, SwathInput};
 use model::LawCurves;
 use serde::{Deserialize, Serialize};
@@ -67,7 +67,7 @@ const UNTESTED_SDS: f64 = 0.7;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn correct(
+pub fn correct(
     surface: &mut Surface,
     logs: Vec<LogEchoes<'_>>,
     measured: &[DepthPoint],
@@ -156,7 +156,7 @@ fn found(
 
 /// What the levels of a log mean, so that a part of a map needs no more of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct LearntLevels {
+pub struct LearntLevels {
     law: law::Law,
     /// The curves of each range setting.
     curves: Vec<(i32, Vec<f64>)>,
@@ -167,7 +167,7 @@ impl LearntLevels {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub(crate) fn of(
+    pub fn of(
         log: &LaidOutLog<'_>,
         measured: &[DepthPoint],
         progress: &Progress,
@@ -196,7 +196,7 @@ impl LearntLevels {
     }
 
     /// What is written of an echo.
-    pub(crate) fn law(&self) -> law::Law {
+    pub fn law(&self) -> law::Law {
         self.law
     }
 
@@ -213,7 +213,7 @@ impl LearntLevels {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn correct_part(
+pub fn correct_part(
     around: &mut Surface,
     edges_m: [f64; 4],
     logs: &[LaidOutLog<'_>],
@@ -311,7 +311,7 @@ fn hardness_db(found: &NodeDepths, surface: &Surface) -> Option<Vec<f32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::Survey;
+    use bathyscope_log::survey::Survey;
 
     fn grid() -> Grid {
         Grid::at([0.0, 10.0], 1.0, [10, 10])

@@ -213,7 +213,11 @@ impl LawCurves {
     pub(super) fn fit(places: &[FitPlace]) -> Option<Self> {
         let mut levels: Vec<f64> = places.iter().map(|place| place.ln_power).collect();
         levels.sort_by(f64::total_cmp);
-        let at = |share: f64| Some(crate::support::statistics::quantile(&levels, share));
+        let at = |share: f64| {
+            Some(bathyscope_log::support::statistics::quantile(
+                &levels, share,
+            ))
+        };
         let mut curves = Self(std::array::from_fn(|_| 0.0));
         curves.0[..KNOTS].fill(at(0.5).filter(|_| !levels.is_empty())?);
         curves.0[NOISE] = at(0.05)?;

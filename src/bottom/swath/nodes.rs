@@ -1,6 +1,6 @@
 //! The places of the unknowns: nodes at even steps, with values bilinear between them.
 
-use crate::bottom::bathymetry::Grid;
+use crate::bathymetry::Grid;
 
 /// Nodes beside its core over which a tile fades into the next.
 const BLEND: usize = 6;

@@ -4,8 +4,8 @@
 use super::looks::SideChunk;
 use super::model::{Incidence, LawCurves};
 use super::nodes::Nodes;
-use crate::bottom::bathymetry::{Between, Node, Tin};
-use crate::support::nearest::Nearest;
+use crate::bathymetry::{Between, Node, Tin};
+use crate::nearest::Nearest;
 
 /// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and depths were measured.
 const NEAREST_M: f64 = 1.2;

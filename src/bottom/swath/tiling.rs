@@ -4,7 +4,7 @@
 
 use super::nodes::{NodeTile, Nodes};
 use super::observations::FARTHEST_M;
-use crate::bottom::bathymetry::Grid;
+use crate::bathymetry::Grid;
 
 /// Nodes along the side of a tile's core, and around it.
 const CORE: usize = 64;
@@ -61,11 +61,11 @@ impl Resolution {
 /// Most nodes of the fine resolution.
 const MOST_FINE: usize = 40_000;
 /// Edges of parts are multiples of this, metres.
-pub(crate) const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
+pub const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
 /// How far around a part measured depths must be known, metres: a core and the halo.
-pub(crate) const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
+pub const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
 /// How far around a part the pings must be known, metres: as far as they look into these.
-pub(crate) const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
+pub const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
 
 /// What is solved for.
 #[derive(Clone)]

@@ -1,8 +1,8 @@
 //! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of the bed's slope.
 
 use super::echoes::{LogEchoes, PingPlace};
-use crate::support::nearest::Nearest;
-use crate::survey::Side;
+use crate::nearest::Nearest;
+use bathyscope_log::survey::Side;
 
 /// Pings that are looked at together.
 const PINGS: usize = 15;

@@ -1,17 +1,17 @@
 //! `bathyscope adjust`: the height offsets of the logs of an archive, and how their positions are corrected.
 
-use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
-use crate::products::archive::{Adjusted, Archive, ArchiveError, OffsetRow, adjust};
-use crate::support::presentation::text;
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Adjusted, Archive, ArchiveError, OffsetRow, adjust};
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// `bathyscope adjust DIR`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct AdjustArgs {
+pub struct AdjustArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// Also find how far the positions of each log are off, where its tracks cross others over a bottom that slopes
@@ -44,7 +44,7 @@ struct Printed<'a> {
 }
 
 /// Finds the offsets, writes the table and prints it.
-pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
+pub fn run(args: &AdjustArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let wanted = Wanted {
         shifts: args.positions,

@@ -2,26 +2,26 @@
 
 use super::adjust::{adjusted, summary, tell};
 use super::make_maps;
-use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
-use crate::products::archive::{
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{
     Archive, MapTilesState, TileId, TileState, contents, remove_left_over, tile_state, write_index,
     write_map_tiles,
 };
-use crate::support::presentation::text;
-use crate::support::progress::Progress;
 use std::path::PathBuf;
 
 /// `bathyscope archive DIR`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct ArchiveArgs {
+pub struct ArchiveArgs {
     /// Folder of the archive
     archive: PathBuf,
 }
 
 /// Finds the offsets, makes the maps that are stale or missing, and the index of all.
-pub(crate) fn run(args: &ArchiveArgs) -> Result<(), Failure> {
+pub fn run(args: &ArchiveArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs()?;
     let adjusted = adjusted(&archive, Wanted::default())?;

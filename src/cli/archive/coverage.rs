@@ -2,19 +2,19 @@
 
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
-use crate::formats::read_area;
-use crate::products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
-use crate::support::calendar;
-use crate::support::geo::LonLat;
-use crate::support::presentation::text;
-use crate::support::progress::Progress;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::formats::read_area;
+use bathyscope_log::support::calendar;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 /// `bathyscope coverage DIR LON,LAT[,RADIUS]`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct CoverageArgs {
+pub struct CoverageArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603 or -111.4801,36.8603,5
@@ -66,7 +66,7 @@ impl FromStr for SearchPlace {
 }
 
 /// Prints which logs cover the place.
-pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
+pub fn run(args: &CoverageArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let area = args.area.as_deref().map(read_area).transpose()?;
     let asked = match (&area, args.place) {

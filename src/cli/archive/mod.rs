@@ -9,18 +9,18 @@ mod coverage;
 mod tile;
 mod tiles;
 
-pub(crate) use adjust::{AdjustArgs, run as run_adjust};
-pub(crate) use build::{ArchiveArgs, run as run_archive};
-pub(crate) use coverage::{CoverageArgs, run as run_coverage};
-pub(crate) use tile::{TileArgs, run as run_tile};
-pub(crate) use tiles::{TilesArgs, run as run_tiles};
+pub use adjust::{AdjustArgs, run as run_adjust};
+pub use build::{ArchiveArgs, run as run_archive};
+pub use coverage::{CoverageArgs, run as run_coverage};
+pub use tile::{TileArgs, run as run_tile};
+pub use tiles::{TilesArgs, run as run_tiles};
 
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
-use crate::products::archive::{Archive, LogRecord, Offsets, TileId, TileRecord, write_tile};
-use crate::support::presentation::text;
-use crate::support::progress::Progress;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Archive, LogRecord, Offsets, TileId, TileRecord, write_tile};
 
 /// Tiles of which each worker has one in memory.
 const MOST_AT_ONCE: usize = 4;

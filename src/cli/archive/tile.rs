@@ -2,12 +2,12 @@
 
 use super::{make_maps, tell_of_missing};
 use crate::cli::Failure;
-use crate::products::archive::{Archive, Offsets, TileId};
+use bathyscope_products::archive::{Archive, Offsets, TileId};
 use std::path::PathBuf;
 
 /// `bathyscope tile DIR TILE...`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct TileArgs {
+pub struct TileArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// The tiles, as `bathyscope tiles` names them
@@ -16,7 +16,7 @@ pub(crate) struct TileArgs {
 }
 
 /// Makes the maps of the tiles, whether they are stale or not.
-pub(crate) fn run(args: &TileArgs) -> Result<(), Failure> {
+pub fn run(args: &TileArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs_of_maps(&args.tiles)?;
     let offsets = Offsets::read(&archive)?;

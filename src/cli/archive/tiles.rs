@@ -1,14 +1,14 @@
 //! `bathyscope tiles`: what exists of an archive.
 
 use crate::cli::{Failure, output};
-use crate::products::archive::{Archive, Offsets, TileState, contents, tile_state};
-use crate::support::presentation::text;
+use bathyscope_bottom::presentation::text;
+use bathyscope_products::archive::{Archive, Offsets, TileState, contents, tile_state};
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// `bathyscope tiles DIR`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct TilesArgs {
+pub struct TilesArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// List only tiles whose map is stale or missing
@@ -30,7 +30,7 @@ struct Printed {
 }
 
 /// Prints a line for each tile.
-pub(crate) fn run(args: &TilesArgs) -> Result<(), Failure> {
+pub fn run(args: &TilesArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs()?;
     let offsets = Offsets::read(&archive)?;

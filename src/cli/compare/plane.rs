@@ -1,8 +1,8 @@
 //! Two files of points in one plane.
 
 use crate::cli::Failure;
-use crate::formats::points::{Elevations, PointPlane};
-use crate::support::geo::{Crs, LocalFrame, LonLat};
+use bathyscope_log::formats::points::{Elevations, PointPlane};
+use bathyscope_log::support::geo::{Crs, LocalFrame, LonLat};
 
 /// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
 /// of different systems, become metres about the first reference point.

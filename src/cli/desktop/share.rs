@@ -1,6 +1,6 @@
 //! The files that a desktop, `man` and the shells look for in a `share` folder, a user's or that of a package.
 
-use crate::formats::FORMATS;
+use bathyscope_log::formats::FORMATS;
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 

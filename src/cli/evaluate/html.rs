@@ -1,10 +1,10 @@
 //! Everything on one page: figures, curves, matrix and the list of mistakes.
 
 use super::{Outcome, table};
-use crate::detection::Rect;
-use crate::detection::metrics::CurvePoint;
-use crate::support::presentation::plot::{Axis, Plot, PlotCurve};
-use crate::support::printable::xml;
+use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
+use bathyscope_log::support::printable::xml;
+use bathyscope_objects::Rect;
+use bathyscope_objects::metrics::CurvePoint;
 
 /// Area of the curves, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 360.0];

@@ -1,8 +1,8 @@
 //! The figures as JSON. What has nothing to divide by is null.
 
 use super::{BoxSource, Outcome};
-use crate::detection::Rect;
-use crate::detection::metrics::{CurvePoint, MatchCounts};
+use bathyscope_objects::Rect;
+use bathyscope_objects::metrics::{CurvePoint, MatchCounts};
 use serde_json::{Value, json};
 
 /// Everything, with the lists of mistakes and the curve.
@@ -76,7 +76,7 @@ fn curve(points: &[CurvePoint]) -> Value {
 }
 
 fn sizes(outcome: &Outcome) -> Vec<Value> {
-    let size = |size: &crate::detection::metrics::SizeReport| {
+    let size = |size: &bathyscope_objects::metrics::SizeReport| {
         let mut report = counts(&size.counts);
         report["side_px"] = json!(size.side_px);
         report["map_coco"] = json!(size.map);

@@ -10,9 +10,9 @@ mod table;
 
 use super::output;
 use crate::cli::Failure;
-use crate::detection::labels::{self, LabelError, LabelSet, Paired};
-use crate::detection::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
-use crate::products::export::write_bytes;
+use bathyscope_objects::labels::{self, LabelError, LabelSet, Paired};
+use bathyscope_objects::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
+use bathyscope_products::export::write_bytes;
 use std::path::{Path, PathBuf};
 
 /// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.

@@ -1,7 +1,7 @@
 //! The figures as text.
 
 use super::{BoxSource, Outcome};
-use crate::detection::metrics::{Cause, MatchCounts};
+use bathyscope_objects::metrics::{Cause, MatchCounts};
 
 /// Everything, table by table.
 pub(super) fn of(outcome: &Outcome) -> String {

@@ -1,6 +1,6 @@
 //! What `--products` can name.
 
-use crate::products::outputs::Product;
+use bathyscope_products::outputs::Product;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 

@@ -1,24 +1,26 @@
 //! The logs of one survey, one or several: processed and written.
 
-use crate::bottom::bathymetry::compare::Matching;
-use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset};
-use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
 use crate::cli::{Failure, detection_summary, output};
-use crate::detection::Model;
-use crate::pipeline::joint::{LogPositions, RequestedCorrection, height_offsets, position_offsets};
-use crate::pipeline::{self, Derived, ProcessedLog, Settings};
-use crate::products::outputs::{self, Order, Product};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::Survey;
+use bathyscope_bottom::bathymetry::compare::Matching;
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, LogOffset};
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Survey;
+use bathyscope_objects::Model;
+use bathyscope_products::outputs::{self, Order, Product};
+use bathyscope_products::pipeline::joint::{
+    LogPositions, RequestedCorrection, height_offsets, position_offsets,
+};
+use bathyscope_products::pipeline::{self, Derived, ProcessedLog, Settings};
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
 /// What is done to the logs of a survey.
 #[derive(Clone, Copy)]
-pub(crate) struct How<'a> {
+pub struct How<'a> {
     /// What searches for objects, if anything does.
     pub model: Option<&'a Model>,
     /// The products.
@@ -35,7 +37,7 @@ impl How<'_> {
     ///
     /// # Errors
     /// When something cannot be done.
-    pub(crate) fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), Failure> {
+    pub fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), Failure> {
         let Some(first) = opened.first() else {
             return Ok(());
         };
@@ -98,7 +100,7 @@ impl How<'_> {
 ///
 /// # Errors
 /// When a log was cut or changed meanwhile, or the work was cancelled.
-pub(crate) fn all_processed(
+pub fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,
     progress: &Progress,

@@ -5,9 +5,9 @@ use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{LogInput, all_or};
 use crate::cli::{Failure, output};
-use crate::products::archive::{Added, Archive, LogRecord, add};
-use crate::support::presentation::text;
-use crate::support::progress::Progress;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Added, Archive, LogRecord, add};
 
 /// Logs of which each worker has one in memory: more of them at once than this only take memory, since the work on a log is parallel
 /// too.

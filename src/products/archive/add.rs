@@ -11,19 +11,19 @@ use super::point_rows;
 use super::record::Archive;
 use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
-use crate::bottom::bathymetry::SwathDepth;
-use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
+use crate::export::{make_folder, write_atomically, write_json};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
-use crate::products::export::{make_folder, write_atomically, write_json};
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use bathyscope_bottom::bathymetry::SwathDepth;
+use bathyscope_log::formats::parquet_table::{Column, Values, geo_key, write_parquet};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// What became of a log.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Added {
+pub enum Added {
     /// Its rows were written.
     Written(LogRecord),
     /// They are there already, made from the same bytes with the same settings.
@@ -36,7 +36,7 @@ pub(crate) enum Added {
 ///
 /// # Errors
 /// When the log has no place or was cut or changed meanwhile, a file cannot be written, or the work was cancelled; what was written is then no part of the archive.
-pub(crate) fn add(
+pub fn add(
     archive: &Archive,
     survey: &Arc<Survey>,
     settings: &Settings,

@@ -9,10 +9,10 @@ use super::offsets::{OffsetRow, Offsets};
 use super::positions::shifts;
 use super::record::Archive;
 use super::solve::solve;
-use crate::bottom::bathymetry::height_offsets::{HeightOffsets, PairDifference};
-use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::support::progress::Progress;
-use crate::support::statistics::median;
+use bathyscope_bottom::bathymetry::height_offsets::{HeightOffsets, PairDifference};
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::statistics::median;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An offset that new logs move by less than this stays as it is, metres: a log that is added must not make every map stale for
@@ -21,7 +21,7 @@ const KEPT_M: f64 = 0.02;
 
 /// What an adjustment found.
 #[derive(Clone, Debug)]
-pub(crate) struct Adjusted {
+pub struct Adjusted {
     /// The offsets, as written.
     pub offsets: Offsets,
     /// Groups of logs that are tied to each other.
@@ -37,7 +37,7 @@ pub(crate) struct Adjusted {
 ///
 /// # Errors
 /// When rows or the table cannot be used, or the work was cancelled.
-pub(crate) fn adjust(
+pub fn adjust(
     archive: &Archive,
     wanted: Wanted,
     progress: &Progress,

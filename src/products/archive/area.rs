@@ -1,8 +1,8 @@
 //! What of a polygon a side of a ping saw.
 
 use super::footprint::{CoveredSamples, Footprint, SideRange};
-use crate::support::geo::{LonLat, UtmZone};
-use crate::support::outline::goes_around;
+use bathyscope_log::support::geo::{LonLat, UtmZone};
+use bathyscope_log::support::outline::goes_around;
 
 /// Closed rings in the metres of a zone: a place is within where an odd number of them go around it, so that islands are rings too.
 #[derive(Clone, Debug, PartialEq)]

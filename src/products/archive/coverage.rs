@@ -10,17 +10,17 @@ use super::ping_rows::{self, PingRow};
 use super::positions::moved;
 use super::record::{Archive, MOST_MOVED_M};
 use super::tile::TileId;
-use crate::bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
-use crate::bottom::bathymetry::position_offsets::Shift;
-use crate::support::geo::{LonLat, UtmZone};
-use crate::support::progress::Progress;
-use crate::survey::Side;
+use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
+use bathyscope_bottom::bathymetry::position_offsets::Shift;
+use bathyscope_log::support::geo::{LonLat, UtmZone};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A side of a ping that covers a place: it insonified the ground there.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PingCoverage {
+pub struct PingCoverage {
     /// SHA-256 of the log.
     pub log: String,
     /// What the log is called.
@@ -41,7 +41,7 @@ pub(crate) struct PingCoverage {
 
 /// The place whose coverage is asked for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum CoverageQuery<'a> {
+pub enum CoverageQuery<'a> {
     /// All ground within so many metres of a position.
     Around(LonLat, f64),
     /// All ground within rings of corners, each named once: within an odd number of them, so that islands are rings too.
@@ -109,7 +109,7 @@ struct Search<'a> {
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub(crate) fn coverage_at(
+pub fn coverage_at(
     archive: &Archive,
     asked: CoverageQuery<'_>,
     progress: &Progress,

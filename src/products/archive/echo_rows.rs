@@ -8,14 +8,16 @@ use super::offsets::Offsets;
 use super::positions::moved;
 use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
-use crate::bottom::swath::{
+use crate::pipeline::{depth_points, log_echoes};
+use bathyscope_bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
 };
-use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
-use crate::pipeline::{depth_points, log_echoes};
-use crate::support::geo::{LonLat, UtmZone};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::Side;
+use bathyscope_log::formats::parquet_table::{
+    Column, ParquetError, ParquetFault, Values, read_parquet,
+};
+use bathyscope_log::support::geo::{LonLat, UtmZone};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Side;
 use std::path::Path;
 
 /// The echoes of a whole log, laid out by tile.

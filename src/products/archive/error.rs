@@ -1,14 +1,14 @@
 //! What is wrong with an archive.
 
-use crate::formats::parquet_table::ParquetError;
-use crate::products::export::{ExportError, NoFolder, RasterError};
-use crate::support::file_error::FileError;
-use crate::support::mapped_file::FileFault;
-use crate::support::progress::Cancelled;
+use crate::export::{ExportError, NoFolder, RasterError};
+use bathyscope_log::formats::parquet_table::ParquetError;
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::mapped_file::FileFault;
+use bathyscope_log::support::progress::Cancelled;
 
 /// Why something cannot be done in an archive.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum ArchiveError {
+pub enum ArchiveError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

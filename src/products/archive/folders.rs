@@ -2,7 +2,7 @@
 
 use super::error::ArchiveError;
 use crate::pipeline::Fingerprint;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;

@@ -32,7 +32,7 @@ pub(super) struct Footprint {
 
 /// Where on the ground of one side a place lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CoveredSamples {
+pub struct CoveredSamples {
     /// The samples that lie there, or nearest to it, from the first to the last, counted outward from 0; of a single place one.
     pub samples: [i32; 2],
     /// Slant range of the first, metres.

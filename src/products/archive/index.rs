@@ -8,13 +8,13 @@ use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::{TILE_M, TileId, ring, tile_bounds_deg};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
-use crate::bottom::bathymetry::CellSource;
-use crate::formats::geotiff::NODATA;
-use crate::products::export::{make_folder, qgis_classes, qgis_style, write_bytes, write_json};
-use crate::support::calendar::whole_seconds;
-use crate::support::geo::{Crs, UtmZone};
-use crate::support::presentation::colours::{depth_colour, uncertainty_colour};
-use crate::support::printable::xml;
+use crate::export::{make_folder, qgis_classes, qgis_style, write_bytes, write_json};
+use bathyscope_bottom::bathymetry::CellSource;
+use bathyscope_bottom::presentation::colours::{depth_colour, uncertainty_colour};
+use bathyscope_log::formats::geotiff::NODATA;
+use bathyscope_log::support::calendar::whole_seconds;
+use bathyscope_log::support::geo::{Crs, UtmZone};
+use bathyscope_log::support::printable::xml;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,7 +32,7 @@ const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
 ///
 /// # Errors
 /// When a file cannot be written.
-pub(crate) fn write_index(
+pub fn write_index(
     archive: &Archive,
     logs: &[LogRecord],
     tiles: &[TileId],

@@ -8,11 +8,11 @@ use super::offsets::{LevelFactor, Offsets};
 use super::record::Archive;
 use super::solve::solve;
 use super::tile::TileId;
-use crate::bottom::bathymetry::Grid;
-use crate::bottom::bathymetry::height_offsets::LogOverlap;
-use crate::formats::geotiff::RASTER_TILE;
-use crate::imagery::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::bathymetry::height_offsets::LogOverlap;
+use bathyscope_bottom::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor};
+use bathyscope_log::formats::geotiff::RASTER_TILE;
+use bathyscope_log::support::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -9,9 +9,9 @@ use super::reach::{beside, tiles_read};
 use super::record::Archive;
 use super::tile::TileId;
 use super::tile_points::moved_points;
-use crate::bottom::bathymetry::{DepthPoint, Grid, Surface, SwathDepth, local_surface};
-use crate::bottom::swath::{PART_DEPTHS_M, PART_PINGS_M, correct_part};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::{DepthPoint, Grid, Surface, SwathDepth, local_surface};
+use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_PINGS_M, correct_part};
+use bathyscope_log::support::progress::Progress;
 
 /// The surface of a tile on a grid a few cells larger than it, with depths from echo levels.
 ///

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// The rows of a tile, of all logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct TileRowCounts {
+pub struct TileRowCounts {
     /// Logs with rows of points or pings.
     pub logs: usize,
     /// Rows of points, those of the halo among them.
@@ -22,7 +22,7 @@ pub(crate) struct TileRowCounts {
 ///
 /// # Errors
 /// When a record cannot be used.
-pub(crate) fn contents(archive: &Archive) -> Result<BTreeMap<TileId, TileRowCounts>, ArchiveError> {
+pub fn contents(archive: &Archive) -> Result<BTreeMap<TileId, TileRowCounts>, ArchiveError> {
     let mut tiles: BTreeMap<TileId, TileRowCounts> = BTreeMap::new();
     for log in archive.logs()? {
         for rows in &log.tiles {

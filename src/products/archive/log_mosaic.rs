@@ -5,17 +5,17 @@ use super::error::ArchiveError;
 use super::folders::{MOSAIC, WEIGHTS};
 use super::record::Archive;
 use super::tile::TileId;
-use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{
-    Band, CellFormat, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
-};
-use crate::imagery::mosaic::{
+use crate::export::{geotiff, make_folder};
+use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::mosaic::{
     GainTable, MosaicLog, MosaicPart, MosaicSettings, TILE_CELLS, TileIndex, part,
 };
-use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
-use crate::products::export::{geotiff, make_folder};
-use crate::support::geo::{Crs, MapPlane, UtmZone};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::formats::geotiff::{
+    Band, CellFormat, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
+};
+use bathyscope_log::support::geo::{Crs, MapPlane, UtmZone};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -6,12 +6,12 @@ use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::TileId;
 use super::{ping_rows, point_rows};
-use crate::bottom::bathymetry::crosslines::TrackDepth;
-use crate::bottom::bathymetry::height_offsets::{
+use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
+use bathyscope_bottom::bathymetry::height_offsets::{
     FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,
 };
-use crate::bottom::bathymetry::position_offsets::{FoundShift, Shift, shifted};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::bathymetry::position_offsets::{FoundShift, Shift, shifted};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 

@@ -3,13 +3,13 @@
 use super::error::ArchiveError;
 use super::folders::LONGEST_RECORD;
 use super::tile::TileId;
-use crate::bottom::swath::LearntLevels;
 use crate::pipeline::{
     Fingerprint, LogFiles, SettingValues, Settings, deserialize_values, in_hexadecimal,
     setting_values,
 };
-use crate::support::regular_file;
-use crate::survey::Survey;
+use bathyscope_bottom::swath::LearntLevels;
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::Survey;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::path::Path;
@@ -20,7 +20,7 @@ pub(super) const AREA: &str = "isobaths.clip";
 /// A log of an archive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct LogRecord {
+pub struct LogRecord {
     /// SHA-256 of the log: its name in the archive.
     pub log: String,
     /// What people call it: the name of its file.
@@ -61,7 +61,7 @@ pub(super) struct Origin {
 /// The rows of a log in a tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TileRows {
+pub struct TileRows {
     /// The tile.
     #[serde(with = "as_text")]
     pub tile: TileId,
@@ -155,7 +155,7 @@ impl LogRecord {
     }
 
     /// Its rows in a tile, if any.
-    pub(crate) fn rows_in(&self, tile: TileId) -> Option<&TileRows> {
+    pub fn rows_in(&self, tile: TileId) -> Option<&TileRows> {
         self.tiles.iter().find(|rows| rows.tile == tile)
     }
 

@@ -1,12 +1,12 @@
 //! A log while its rows are made.
 
 use super::spread::TileRow;
-use crate::bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
-use crate::bottom::cloud::{CloudPoint, PointClass};
-use crate::formats::parquet_table::{Column, Values};
 use crate::pipeline::Products;
-use crate::support::geo::{LonLat, UtmZone};
-use crate::survey::{PingNav, Survey};
+use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
+use bathyscope_bottom::cloud::{CloudPoint, PointClass};
+use bathyscope_log::formats::parquet_table::{Column, Values};
+use bathyscope_log::support::geo::{LonLat, UtmZone};
+use bathyscope_log::survey::{PingNav, Survey};
 
 /// A log whose rows are written.
 pub(super) struct LogRows<'a> {

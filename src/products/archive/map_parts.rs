@@ -4,11 +4,11 @@
 use super::error::ArchiveError;
 use super::folders::{names_in, remove};
 use super::tile::TileId;
-use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
-use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
+use crate::export::{make_folder, write_atomically};
+use crate::map_tiles::{KnownTile, MapPart, Pixels, TileStyle, WebTile};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
-use crate::products::export::{make_folder, write_atomically};
-use crate::products::map_tiles::{KnownTile, MapPart, Pixels, TileStyle, WebTile};
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
+use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
@@ -222,8 +222,8 @@ fn line_of(bytes: &[u8]) -> Option<Isobath> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::products::map_tiles::Pixel;
-    use crate::support::geo::UtmZone;
+    use crate::map_tiles::Pixel;
+    use bathyscope_log::support::geo::UtmZone;
     use std::fs;
 
     const TILE: WebTile = WebTile {

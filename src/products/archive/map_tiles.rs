@@ -10,19 +10,19 @@ use super::tile::{TileId, zone_bounds_deg};
 use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
 use super::tile_map::isobath_settings;
-use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
-use crate::bottom::bathymetry::{Grid, Light, Surface, hill_shade};
-use crate::pipeline::Fingerprint;
-use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
-use crate::products::export::{make_folder, write_json};
-use crate::products::map_tiles::{
+use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
+use crate::export::{make_folder, write_json};
+use crate::map_tiles::{
     LitSurface, MapPart, MapScales, PixelPlaces, Pixels, PyramidSource, TileStyle, WebTile,
     ZoomRange,
 };
-use crate::support::geo::{LonLat, UtmZone, boxes_meet};
-use crate::support::presentation::ticks::round_up;
-use crate::support::progress::Progress;
-use crate::support::regular_file;
+use crate::pipeline::Fingerprint;
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
+use bathyscope_bottom::bathymetry::{Grid, Light, Surface, hill_shade};
+use bathyscope_bottom::presentation::ticks::round_up;
+use bathyscope_log::support::geo::{LonLat, UtmZone, boxes_meet};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::regular_file;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -50,7 +50,7 @@ const NAME: &str = "Depth map of an archive";
 
 /// What was done about the tiles of the web.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MapTilesState {
+pub enum MapTilesState {
     /// They are what the maps of the archive's tiles give.
     UpToDate,
     /// They were made.
@@ -79,7 +79,7 @@ struct MadeFrom {
 ///
 /// # Errors
 /// When a map cannot be read, a file cannot be written, or the work was cancelled.
-pub(crate) fn write_map_tiles(
+pub fn write_map_tiles(
     archive: &Archive,
     tiles: &[TileId],
     progress: &Progress,

@@ -40,8 +40,7 @@ mod ping_rows;
 mod point_rows;
 mod positions;
 mod reach;
-#[cfg(any(test, feature = "fuzz"))]
-pub(crate) mod readers;
+pub mod readers;
 mod record;
 mod solve;
 mod spread;
@@ -52,21 +51,18 @@ mod tile_map;
 mod tile_mosaic;
 mod tile_points;
 
-pub(crate) use add::{Added, add};
-pub(crate) use adjust::{Adjusted, adjust};
-pub(crate) use coverage::{CoverageQuery, PingCoverage, coverage_at};
-pub(crate) use error::ArchiveError;
-pub(crate) use index::write_index;
-pub(crate) use list::contents;
-pub(crate) use log_record::LogRecord;
-pub(crate) use map_tiles::{MapTilesState, write_map_tiles};
-pub(crate) use offsets::{OffsetRow, Offsets};
-pub(crate) use record::Archive;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use tile::TILE_M;
-pub(crate) use tile::TileId;
-pub(crate) use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use tile_map::tile_map;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use tile_map::tile_surface;
+pub use add::{Added, add};
+pub use adjust::{Adjusted, adjust};
+pub use coverage::{CoverageQuery, PingCoverage, coverage_at};
+pub use error::ArchiveError;
+pub use index::write_index;
+pub use list::contents;
+pub use log_record::LogRecord;
+pub use map_tiles::{MapTilesState, write_map_tiles};
+pub use offsets::{OffsetRow, Offsets};
+pub use record::Archive;
+pub use tile::TILE_M;
+pub use tile::TileId;
+pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
+pub use tile_map::tile_map;
+pub use tile_map::tile_surface;

@@ -4,9 +4,9 @@
 use super::error::ArchiveError;
 use super::log_record::LogRecord;
 use super::record::Archive;
-use crate::bottom::bathymetry::position_offsets::Shift;
-use crate::products::export::write_bytes;
-use crate::support::regular_file;
+use crate::export::write_bytes;
+use bathyscope_bottom::bathymetry::position_offsets::Shift;
+use bathyscope_log::support::regular_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ const MOST_LATENCY_S: f64 = 2.0;
 
 /// The height offset of a log, and how its positions are corrected.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct OffsetRow {
+pub struct OffsetRow {
     /// What the log is called.
     pub name: String,
     /// SHA-256 of the log.
@@ -95,19 +95,19 @@ pub(super) fn as_written(shift: Shift) -> Shift {
 
 impl OffsetRow {
     /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of the others.
-    pub(crate) fn level_factor(&self) -> f64 {
+    pub fn level_factor(&self) -> f64 {
         self.level.factor
     }
 
     /// Blocks of ground that its mosaic shows with those of others.
-    pub(crate) fn level_ties(&self) -> usize {
+    pub fn level_ties(&self) -> usize {
         self.level.ties
     }
 }
 
 /// The offsets of an archive.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Offsets {
+pub struct Offsets {
     by_log: BTreeMap<String, OffsetRow>,
 }
 
@@ -122,7 +122,7 @@ impl Offsets {
     ///
     /// # Errors
     /// A sentence that names the line which cannot be used.
-    pub(crate) fn read(archive: &Archive) -> Result<Self, ArchiveError> {
+    pub fn read(archive: &Archive) -> Result<Self, ArchiveError> {
         let path = path_of(archive);
         match path.exists() {
             true => Ok(Self::new(rows_of(&path)?)),
@@ -160,34 +160,34 @@ impl Offsets {
     }
 
     /// The row of a log.
-    pub(crate) fn row(&self, log: &str) -> Option<&OffsetRow> {
+    pub fn row(&self, log: &str) -> Option<&OffsetRow> {
         self.by_log.get(log)
     }
 
     /// What is added to every elevation of a log, metres; 0 of one that has no row.
-    pub(crate) fn of(&self, log: &str) -> f64 {
+    pub fn of(&self, log: &str) -> f64 {
         self.row(log).map_or(0.0, |row| row.offset_m)
     }
 
     /// How the positions of a log are corrected; not at all of one that has no row.
-    pub(crate) fn shift_of(&self, log: &str) -> Shift {
+    pub fn shift_of(&self, log: &str) -> Shift {
         self.row(log).map_or(Shift::default(), |row| row.shift)
     }
 
     /// What the levels of a log are multiplied by; 1 of one that has no row.
-    pub(crate) fn level_factor(&self, log: &str) -> f64 {
+    pub fn level_factor(&self, log: &str) -> f64 {
         self.row(log).map_or(1.0, OffsetRow::level_factor)
     }
 
     /// All rows, by the names of the logs.
-    pub(crate) fn rows(&self) -> Vec<&OffsetRow> {
+    pub fn rows(&self) -> Vec<&OffsetRow> {
         let mut rows: Vec<&OffsetRow> = self.by_log.values().collect();
         rows.sort_by(|a, b| (&a.name, &a.log).cmp(&(&b.name, &b.log)));
         rows
     }
 
     /// The logs that nothing ties to another, by name.
-    pub(crate) fn untied(&self) -> Vec<&str> {
+    pub fn untied(&self) -> Vec<&str> {
         let rows = self.rows().into_iter();
         rows.filter(|row| row.ties == 0)
             .map(|row| row.name.as_str())
@@ -195,7 +195,7 @@ impl Offsets {
     }
 
     /// Logs that have no row yet.
-    pub(crate) fn missing<'a>(&self, logs: &'a [LogRecord]) -> Vec<&'a LogRecord> {
+    pub fn missing<'a>(&self, logs: &'a [LogRecord]) -> Vec<&'a LogRecord> {
         logs.iter()
             .filter(|log| self.row(&log.log).is_none())
             .collect()

@@ -6,10 +6,12 @@ use super::footprint::{Footprint, SideRange};
 use super::log_rows::LogRows;
 use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
-use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
-use crate::imagery::mosaic::joined_way_m;
-use crate::support::geo::{LonLat, UtmZone};
-use crate::survey::{Side, SideSpan};
+use bathyscope_bottom::mosaic::joined_way_m;
+use bathyscope_log::formats::parquet_table::{
+    Column, ParquetError, ParquetFault, Values, read_parquet,
+};
+use bathyscope_log::support::geo::{LonLat, UtmZone};
+use bathyscope_log::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
 use std::path::Path;
 

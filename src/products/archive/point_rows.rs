@@ -3,10 +3,12 @@
 use super::error::ArchiveError;
 use super::log_rows::LogRows;
 use super::spread::{self, TileRow};
-use crate::bottom::bathymetry::DepthPoint;
-use crate::bottom::cloud::{CloudPoint, PointClass};
-use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
-use crate::survey::Side;
+use bathyscope_bottom::bathymetry::DepthPoint;
+use bathyscope_bottom::cloud::{CloudPoint, PointClass};
+use bathyscope_log::formats::parquet_table::{
+    Column, ParquetError, ParquetFault, Values, read_parquet,
+};
+use bathyscope_log::survey::Side;
 use std::path::Path;
 
 /// Columns of the rows of points in a tile.

@@ -5,11 +5,11 @@ use super::log_overlaps::OverlapSearch;
 use super::log_record::LogRecord;
 use super::offsets::{Offsets, as_written};
 use super::record::{Archive, MOST_MOVED_M};
-use crate::bottom::bathymetry::crosslines::{Crossing, crossings};
-use crate::bottom::bathymetry::position_offsets::{
+use bathyscope_bottom::bathymetry::crosslines::{Crossing, crossings};
+use bathyscope_bottom::bathymetry::position_offsets::{
     CorrectedLog, FoundShift, Shift, Wanted, settled_offsets,
 };
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 
 /// A correction that new logs move by less than this stays as it is, metres to the east or north and seconds, lest a log that is added make every
 /// map stale.

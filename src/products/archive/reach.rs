@@ -2,9 +2,9 @@
 
 use super::error::ArchiveError;
 use super::tile::{TILE_M, TileId};
-use crate::bottom::bathymetry::SwathDepth;
-use crate::bottom::swath::{PART_DEPTHS_M, PART_STEP_M};
 use crate::pipeline::Settings;
+use bathyscope_bottom::bathymetry::SwathDepth;
+use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_STEP_M};
 
 const _: () = assert!(TILE_M % PART_STEP_M == 0.0);
 /// Largest cells of an archive with depths from levels, metres: larger ones would not show what these tell.

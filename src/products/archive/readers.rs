@@ -6,12 +6,12 @@ use super::record::ArchiveRecord;
 use super::tile_files::TileRecord;
 use super::{echo_rows, offsets, ping_rows, point_rows};
 use crate::pipeline::{LogFiles, Settings};
-use crate::support::regular_file;
-use crate::survey::Survey;
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::Survey;
 use std::path::Path;
 
 /// Reads a file as rows of points, of pings and of echoes; why it is none of them.
-pub(crate) fn rows(path: &Path) -> Vec<ArchiveError> {
+pub fn rows(path: &Path) -> Vec<ArchiveError> {
     let points = point_rows::read(path).map(drop);
     let pings = ping_rows::read(path).map(drop);
     let echoes = echo_rows::read(path).map(drop);
@@ -22,7 +22,7 @@ pub(crate) fn rows(path: &Path) -> Vec<ArchiveError> {
 }
 
 /// Reads a file as the record of an archive, of a log and of a tile, and as a table of offsets; why it is none of them.
-pub(crate) fn records(path: &Path) -> Vec<ArchiveError> {
+pub fn records(path: &Path) -> Vec<ArchiveError> {
     let text = regular_file::read_text(path, u64::MAX).unwrap_or_default();
     let refused = |error: serde_json::Error| ArchiveError::Refused(error.to_string());
     let archive = serde_json::from_str::<ArchiveRecord>(&text).map_err(refused);
@@ -35,7 +35,7 @@ pub(crate) fn records(path: &Path) -> Vec<ArchiveError> {
 }
 
 /// The record of an archive, and that of a log without rows.
-pub(crate) fn record_seeds(settings: &Settings) -> Vec<String> {
+pub fn record_seeds(settings: &Settings) -> Vec<String> {
     let files = LogFiles {
         sha256: "0a1b".to_owned(),
         files: Vec::new(),

@@ -5,15 +5,15 @@ use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in};
 use super::log_record::{AREA, LogRecord};
 use super::reach;
 use super::tile::{TILE_M, TileId};
-use crate::bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
-use crate::formats::read_area;
+use crate::export::{make_folder, write_bytes, write_json};
 use crate::pipeline::{
     Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
     with_values,
 };
-use crate::products::export::{make_folder, write_bytes, write_json};
-use crate::support::regular_file;
-use crate::survey::WaterArea;
+use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
+use bathyscope_log::formats::read_area;
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::WaterArea;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ const COLOURS: &str = "mosaic.colours";
 /// What all logs of an archive share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ArchiveRecord {
+pub struct ArchiveRecord {
     /// How rows are laid out.
     format: u32,
     /// Side of a tile, metres.
@@ -65,7 +65,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// A sentence where `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive.
-    pub(crate) fn new(settings: &Settings) -> Result<Self, ArchiveError> {
+    pub fn new(settings: &Settings) -> Result<Self, ArchiveError> {
         let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
         let is_power = cell_m.log2().fract() == 0.0;
         if !is_power || !(CELLS_M[0]..=CELLS_M[1]).contains(&cell_m) {
@@ -106,7 +106,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// As [`ArchiveRecord::settings`].
-    pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
+    pub fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
         let cell_m = self.settings()?.mosaic.cell_m;
         match divides_tiles(cell_m) {
             true => Ok(tile.grid(0.0, cell_m)),
@@ -120,7 +120,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// A sentence where somebody has changed the record to what cannot be.
-    pub(crate) fn settings(&self) -> Result<Settings, ArchiveError> {
+    pub fn settings(&self) -> Result<Settings, ArchiveError> {
         let settings = with_values(&Settings::default(), &self.settings);
         settings.map_err(|error| ArchiveError::Refused(format!("{error}: {RECORD}")))
     }
@@ -188,7 +188,7 @@ fn area_in_words(area: Option<&Fingerprint>) -> String {
 
 /// A folder with an archive.
 #[derive(Clone, Debug)]
-pub(crate) struct Archive {
+pub struct Archive {
     folder: PathBuf,
     /// What its logs share.
     pub record: ArchiveRecord,
@@ -203,7 +203,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where there is none.
-    pub(crate) fn open(folder: &Path) -> Result<Self, ArchiveError> {
+    pub fn open(folder: &Path) -> Result<Self, ArchiveError> {
         let path = folder.join(RECORD);
         let text = regular_file::read_text(&path, LONGEST_RECORD).map_err(|error| {
             format!(
@@ -236,7 +236,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence: the folder holds something else, an archive of other settings, or cannot be written into.
-    pub(crate) fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
+    pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
         let record = ArchiveRecord::new(settings)?;
         if !folder.join(RECORD).exists() {
             refuse_other_content(folder)?;
@@ -253,7 +253,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence that names the first setting, with both values.
-    pub(crate) fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
+    pub fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
         match self.record.difference(&ArchiveRecord::new(settings)?) {
             None => Ok(()),
             Some(what) => Err(ArchiveError::Refused(format!(
@@ -280,7 +280,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where somebody has changed the record, or the copy of the area of the isobaths, to what cannot be.
-    pub(crate) fn settings(&self) -> Result<Settings, ArchiveError> {
+    pub fn settings(&self) -> Result<Settings, ArchiveError> {
         let mut settings = self.record.settings()?;
         let Some(kept) = &self.record.isobath_area else {
             return Ok(settings);
@@ -316,7 +316,7 @@ impl Archive {
     }
 
     /// Where it lies.
-    pub(crate) fn folder(&self) -> &Path {
+    pub fn folder(&self) -> &Path {
         &self.folder
     }
 
@@ -338,7 +338,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where one cannot be used.
-    pub(crate) fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
         let swath = self.record.settings()?.surface.swath;
         let read = tiles
             .iter()
@@ -351,7 +351,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where one cannot be used.
-    pub(crate) fn logs_in(
+    pub fn logs_in(
         &self,
         tiles: impl Iterator<Item = TileId>,
     ) -> Result<Vec<LogRecord>, ArchiveError> {
@@ -379,7 +379,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where one cannot be used.
-    pub(crate) fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
         let mut names = names_in(&self.folder.join(LOGS))?;
         names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
         names.sort_unstable();

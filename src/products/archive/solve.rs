@@ -1,7 +1,7 @@
 //! Offsets of logs from where they overlap, some of them pinned.
 
-use crate::bottom::bathymetry::height_offsets as solver;
-use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOverlap};
+use bathyscope_bottom::bathymetry::height_offsets as solver;
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOverlap};
 
 /// The offsets that the overlaps give. Logs that are pinned are taken together as one more log, whose offset is zero: an overlap with one of
 /// them is one with that, its difference corrected by the offset that is pinned.
@@ -53,7 +53,7 @@ pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> Heig
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::height_offsets::OverlapKind;
+    use bathyscope_bottom::bathymetry::height_offsets::OverlapKind;
 
     fn log_overlap(logs: [usize; 2], heights_m: [f64; 2]) -> LogOverlap {
         let difference_m = heights_m[0] - heights_m[1];

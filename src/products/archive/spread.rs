@@ -1,8 +1,8 @@
 //! Which tiles the rows of a log belong to.
 
 use super::tile::TileId;
-use crate::formats::parquet_table::{Column, Values};
-use crate::support::geo::{LonLat, UtmZone};
+use bathyscope_log::formats::parquet_table::{Column, Values};
+use bathyscope_log::support::geo::{LonLat, UtmZone};
 use std::collections::BTreeMap;
 
 /// A row of a tile: what it is of, and where that lies.

@@ -1,13 +1,13 @@
 //! The squares that an archive is cut into.
 
-use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{CellFormat, RasterSpec};
-use crate::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
+use bathyscope_log::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use std::fmt;
 use std::str::FromStr;
 
 /// Side of a tile, metres of its zone.
-pub(crate) const TILE_M: f64 = 512.0;
+pub const TILE_M: f64 = 512.0;
 /// The same in whole metres.
 const TILE: i64 = 512;
 /// No northing or easting of a zone reaches farther, metres.
@@ -16,7 +16,7 @@ const FARTHEST: i64 = 20_000_000;
 /// A square of 512 m of a UTM zone, aligned to its grid. It is written as zone, easting and northing of its south-west corner in metres:
 /// `12N_455680_4077568`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct TileId {
+pub struct TileId {
     /// The zone.
     pub zone: UtmZone,
     /// Tiles from the zone's zero, east and north.
@@ -25,7 +25,7 @@ pub(crate) struct TileId {
 
 impl TileId {
     /// The tile that holds a place of a zone; of a place on an edge, that to the east or north.
-    pub(crate) fn at(zone: UtmZone, place: [f64; 2]) -> Self {
+    pub fn at(zone: UtmZone, place: [f64; 2]) -> Self {
         Self {
             zone,
             index: place.map(|metres| (metres / TILE_M).floor() as i64),
@@ -33,7 +33,7 @@ impl TileId {
     }
 
     /// The tiles of a zone that a box touches: west, south, east and north, metres.
-    pub(crate) fn touched(
+    pub fn touched(
         zone: UtmZone,
         [west, south, east, north]: [f64; 4],
     ) -> impl Iterator<Item = Self> {
@@ -49,13 +49,13 @@ impl TileId {
     }
 
     /// West, south, east and north edge, metres of the zone.
-    pub(crate) fn bounds_m(&self) -> [f64; 4] {
+    pub fn bounds_m(&self) -> [f64; 4] {
         let [west, south] = self.index.map(|index| index as f64 * TILE_M);
         [west, south, west + TILE_M, south + TILE_M]
     }
 
     /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to the other zone.
-    pub(crate) fn is_within_zone(&self) -> bool {
+    pub fn is_within_zone(&self) -> bool {
         let [west, south, east, north] = self.bounds_m();
         let middle = [0.5 * (west + east), 0.5 * (south + north)];
         UtmZone::near(self.zone.to_lon_lat(middle), TILE_M) == [self.zone]
@@ -90,7 +90,7 @@ impl TileId {
     }
 
     /// Whether the tile, made larger by `halo_m` on all sides, holds a place of its zone.
-    pub(crate) fn holds(&self, [x, y]: [f64; 2], halo_m: f64) -> bool {
+    pub fn holds(&self, [x, y]: [f64; 2], halo_m: f64) -> bool {
         let [west, south, east, north] = self.bounds_m();
         (west - halo_m..east + halo_m).contains(&x) && (south - halo_m..north + halo_m).contains(&y)
     }
@@ -108,7 +108,7 @@ impl fmt::Display for TileId {
 /// A text that names no tile.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` names no tile; `bathyscope tiles DIR` lists them, as 12N_455680_4077568")]
-pub(crate) struct NoTile(String);
+pub struct NoTile(String);
 
 impl FromStr for TileId {
     type Err = NoTile;

@@ -12,14 +12,14 @@ use super::record::{Archive, ArchiveRecord};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};
-use crate::bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
-use crate::formats::geotiff::{Band, RasterSpec};
-use crate::pipeline::Fingerprint;
-use crate::products::export::{
+use crate::export::{
     DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };
-use crate::support::progress::Progress;
-use crate::support::regular_file;
+use crate::pipeline::Fingerprint;
+use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
+use bathyscope_log::formats::geotiff::{Band, RasterSpec};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::regular_file;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_F
 /// What is known of a tile's map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TileRecord {
+pub struct TileRecord {
     /// What it was made from.
     made: MadeFrom,
     /// Cells with a depth; without any there is no file of depths.
@@ -91,7 +91,7 @@ struct MosaicPart {
 
 /// How a tile's map stands to the rows and offsets of its logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TileState {
+pub enum TileState {
     /// It is what they give.
     UpToDate,
     /// It was made of others.
@@ -102,7 +102,7 @@ pub(crate) enum TileState {
 
 impl TileState {
     /// `up to date`, `stale`, `missing`.
-    pub(crate) fn in_words(self) -> &'static str {
+    pub fn in_words(self) -> &'static str {
         match self {
             Self::UpToDate => "up to date",
             Self::Stale => "stale",
@@ -162,7 +162,7 @@ fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> 
 
 impl TileRecord {
     /// The record of a tile, if it has a map.
-    pub(crate) fn read(archive: &Archive, tile: TileId) -> Option<Self> {
+    pub fn read(archive: &Archive, tile: TileId) -> Option<Self> {
         let text = regular_file::read_text(&folder_of(archive, tile).join(RECORD), LONGEST_RECORD);
         serde_json::from_str(&text.ok()?).ok()
     }
@@ -184,7 +184,7 @@ pub(super) fn folder_of(archive: &Archive, tile: TileId) -> PathBuf {
 }
 
 /// How the map of a tile stands.
-pub(crate) fn tile_state(
+pub fn tile_state(
     archive: &Archive,
     tile: TileId,
     logs: &[LogRecord],
@@ -205,10 +205,7 @@ pub(crate) fn tile_state(
 ///
 /// # Errors
 /// When a file cannot be removed.
-pub(crate) fn remove_left_over(
-    archive: &Archive,
-    tiles: &[TileId],
-) -> Result<Vec<TileId>, ArchiveError> {
+pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileId>, ArchiveError> {
     let names = names_in(&archive.folder().join(TILES))?;
     let found = names.iter().filter_map(|name| name.parse::<TileId>().ok());
     let mut left: Vec<TileId> = found.filter(|tile| !tiles.contains(tile)).collect();
@@ -229,7 +226,7 @@ pub(crate) fn remove_left_over(
 /// # Errors
 /// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was cancelled; the tile is then one whose map is
 /// missing, or as it was.
-pub(crate) fn write_tile(
+pub fn write_tile(
     archive: &Archive,
     tile: TileId,
     logs: &[LogRecord],

@@ -7,19 +7,19 @@ use super::offsets::Offsets;
 use super::record::Archive;
 use super::tile::{TileId, tile_bounds_deg};
 use super::tile_points::depth_points;
-use crate::bottom::bathymetry::isobaths::{
+use crate::pipeline::clip_area;
+use bathyscope_bottom::bathymetry::isobaths::{
     Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
 };
-use crate::bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
-use crate::pipeline::clip_area;
-use crate::support::geo::UtmZone;
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
+use bathyscope_log::support::geo::UtmZone;
+use bathyscope_log::support::progress::Progress;
 
 /// Metres from one isobath to the next where the settings name none: the same in all tiles, so that lines meet.
 const USUAL_INTERVAL_M: f64 = 0.5;
 
 /// The depth map of a tile.
-pub(crate) struct TileMap {
+pub struct TileMap {
     /// The cells of the tile, none of its halo.
     pub surface: Surface,
     /// Lines of equal depth, cut at its edges and at those of the area of the archive's isobaths.
@@ -31,7 +31,7 @@ pub(crate) struct TileMap {
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub(crate) fn tile_map(
+pub fn tile_map(
     archive: &Archive,
     tile: TileId,
     logs: &[LogRecord],
@@ -61,7 +61,7 @@ pub(crate) fn tile_map(
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub(crate) fn tile_surface(
+pub fn tile_surface(
     archive: &Archive,
     tile: TileId,
     grid: Grid,
@@ -100,7 +100,7 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
 }
 
 /// The settings of the isobaths with an interval that is the same in all tiles.
-pub(crate) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
+pub fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
     IsobathSettings {
         interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
         ..settings.clone()

@@ -8,8 +8,8 @@ use super::point_rows::{self, PointRow};
 use super::positions::moved;
 use super::record::Archive;
 use super::tile::TileId;
-use crate::bottom::bathymetry::DepthPoint;
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::DepthPoint;
+use bathyscope_log::support::progress::Progress;
 
 /// The points that count in a tile and its halo, the logs in the order of their hashes, with their offsets and their positions corrected.
 ///

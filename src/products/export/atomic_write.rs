@@ -1,7 +1,7 @@
 //! A file is complete or it is not there.
 
-use crate::support::file_error::FileError;
-use crate::support::file_in_use::patiently;
+use crate::file_in_use::patiently;
+use bathyscope_log::support::file_error::FileError;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -37,7 +37,7 @@ impl ExportError {
 }
 
 /// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
-pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
     let there = [one, other].map(fs::canonicalize);
     matches!(there, [Ok(one), Ok(other)] if one == other)
 }
@@ -45,7 +45,7 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
 /// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
 /// handed on.
-pub(crate) fn write_atomically<T>(
+pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
 ) -> Result<T, ExportError> {
@@ -86,17 +86,17 @@ pub(super) fn write_atomically_at<T>(
 pub struct NoFolder(io::Error);
 
 /// Makes a folder, with those that it lies in.
-pub(crate) fn make_folder(folder: &Path) -> Result<(), FileError<NoFolder>> {
+pub fn make_folder(folder: &Path) -> Result<(), FileError<NoFolder>> {
     fs::create_dir_all(folder).map_err(|error| FileError::new(NoFolder(error), folder))
 }
 
 /// Writes bytes, as [`write_atomically`] does.
-pub(crate) fn write_bytes(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), ExportError> {
+pub fn write_bytes(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), ExportError> {
     write_atomically(path, |mut file| file.write_all(bytes.as_ref()))
 }
 
 /// Writes a record for scripts: JSON to be read by people, too, and a line's end.
-pub(crate) fn write_json(path: &Path, record: &impl Serialize) -> Result<(), ExportError> {
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), ExportError> {
     let text = serde_json::to_string_pretty(record);
     let text = text.map_err(|error| ExportError::at(path)(error.into()))?;
     write_bytes(path, text + "\n")
@@ -117,7 +117,7 @@ impl Drop for Leftover<'_> {
 ///
 /// # Errors
 /// When it cannot be renamed.
-pub(crate) fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
+pub fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().map(|ending| ending.to_string_lossy());
     let named = |count: usize| {
@@ -150,7 +150,7 @@ fn tidy(folder: &Path) {
 
 /// Removes files of processes that are no more; `passing` gives what of a name stands before the passing name's end, `NAME.PID`, of a
 /// file that may go.
-pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
+pub fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
     let here = match folder.as_os_str().is_empty() {
         true => Path::new("."),
         false => folder,
@@ -300,7 +300,7 @@ mod tests {
             Err::<(), _>(io::Error::other("disk full"))
         });
         assert!(failed.unwrap_err().to_string().contains("disk full"));
-        let stopped = crate::support::catch_panic::catch_panic(|| {
+        let stopped = bathyscope_log::support::catch_panic::catch_panic(|| {
             write_atomically::<()>(&path, |_| panic!("fault"))
         });
         assert!(stopped.is_none());

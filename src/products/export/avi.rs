@@ -6,7 +6,7 @@ use image::codecs::jpeg::JpegEncoder;
 use std::io::{self, Seek, SeekFrom, Write};
 
 /// Bytes of a film at most: players of this format count in 31 bits.
-pub(crate) const LARGEST: u64 = 0x7fff_ffff;
+pub const LARGEST: u64 = 0x7fff_ffff;
 /// Quality of the pictures, 1 to 100: at this one, speckle stays and nothing of the JPEG is seen.
 const QUALITY: u8 = 90;
 /// Bytes from the start of the file to the first frame.
@@ -17,7 +17,7 @@ const KEY_FRAME: u32 = 0x10;
 const HAS_INDEX: u32 = 0x10;
 
 /// Writes a film, frame by frame.
-pub(crate) struct AviWriter<W> {
+pub struct AviWriter<W> {
     out: W,
     size: [u32; 2],
     frames_per_s: u32,
@@ -33,7 +33,7 @@ impl<W: Write + Seek> AviWriter<W> {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub(crate) fn new(mut out: W, size: [u32; 2], frames_per_s: u32) -> io::Result<Self> {
+    pub fn new(mut out: W, size: [u32; 2], frames_per_s: u32) -> io::Result<Self> {
         out.write_all(&[0; HEAD as usize])?;
         Ok(Self {
             out,
@@ -49,7 +49,7 @@ impl<W: Write + Seek> AviWriter<W> {
     ///
     /// # Errors
     /// When it cannot be written, has another size, or the film would be larger than players read.
-    pub(crate) fn push(&mut self, picture: &RgbImage) -> io::Result<()> {
+    pub fn push(&mut self, picture: &RgbImage) -> io::Result<()> {
         if <[u32; 2]>::from(picture.dimensions()) != self.size {
             return Err(io::Error::other("a frame has another size than the film"));
         }
@@ -71,12 +71,12 @@ impl<W: Write + Seek> AviWriter<W> {
     }
 
     /// Bytes of the frames and of the index that they make.
-    pub(crate) fn bytes_with_index(&self) -> u64 {
+    pub fn bytes_with_index(&self) -> u64 {
         u64::from(self.bytes) + 16 * self.frames.len() as u64
     }
 
     /// Writes the index and the head.
-    pub(crate) fn finish(mut self) -> io::Result<W> {
+    pub fn finish(mut self) -> io::Result<W> {
         let index = 16 * self.frames.len() as u32;
         self.out.write_all(b"idx1")?;
         self.out.write_all(&index.to_le_bytes())?;

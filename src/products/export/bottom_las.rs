@@ -3,8 +3,8 @@
 use super::extra_bytes::{Dimension, DimensionType};
 use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, Summary};
-use crate::bottom::cloud::PointClass;
-use crate::support::geo::{Crs, LonLat};
+use bathyscope_bottom::cloud::PointClass;
+use bathyscope_log::support::geo::{Crs, LonLat};
 use las::point::Classification;
 use las::{Color, Point};
 use std::path::Path;
@@ -36,7 +36,7 @@ const DIMENSIONS: [Dimension; 3] = [
 
 /// A cell of the depth map.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BottomCell {
+pub struct BottomCell {
     /// Its middle in the file's coordinates.
     pub place: [f64; 2],
     /// Metres, positive down.
@@ -45,7 +45,7 @@ pub(crate) struct BottomCell {
     pub sigma_m: f32,
     /// To the nearest depth that was measured, metres.
     pub distance_m: f32,
-    /// The source of the depth, by the number of [`crate::bottom::bathymetry::CellSource`].
+    /// The source of the depth, by the number of [`bathyscope_bottom::bathymetry::CellSource`].
     pub source: u8,
     /// Whether it was measured there.
     pub is_measured: bool,
@@ -55,7 +55,7 @@ pub(crate) struct BottomCell {
 
 /// Writes cells as COPC, in a system (its WKT in the header), with `origin` near them. z is minus the depth. Points that nothing measured have the
 /// flag of synthetic points.
-pub(crate) fn bottom_las(
+pub fn bottom_las(
     path: &Path,
     crs: &Crs,
     origin: LonLat,

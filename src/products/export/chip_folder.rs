@@ -1,7 +1,7 @@
 //! The folder of chips: a picture of each box.
 
 use super::ExportError;
-use crate::detection::Picture;
+use bathyscope_objects::Picture;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
 use std::collections::HashSet;
@@ -20,7 +20,7 @@ const TABLE: &str = "detections.csv";
 const UNNAMED: &str = "object";
 
 /// Chips on their way.
-pub(crate) struct ChipFolder {
+pub struct ChipFolder {
     folder: PathBuf,
     /// Classes by index, as part of a file name.
     classes: Vec<String>,
@@ -33,7 +33,7 @@ impl ChipFolder {
     ///
     /// # Errors
     /// When the folder cannot be made.
-    pub(crate) fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
+    pub fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = output.join(FOLDER);
         fs::create_dir_all(&folder).map_err(ExportError::at(&folder))?;
         Ok(Self {
@@ -44,7 +44,7 @@ impl ChipFolder {
     }
 
     /// Writes the next chip, `0001-rock.png` and so on.
-    pub(crate) fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
+    pub fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
         let class = self.classes.get(class).map_or(UNNAMED, String::as_str);
         self.count += 1;
         let path = self.folder.join(format!("{:04}-{class}.png", self.count));
@@ -68,7 +68,7 @@ impl ChipFolder {
 
 /// Chips in the subfolder `of` of a folder of products that go with its table of boxes, when that is in `removed` or gives way to one
 /// in `new`: those with a number and a class of either table for a name. Other files in there are somebody's own.
-pub(crate) fn earlier_chips(
+pub fn earlier_chips(
     output: &Path,
     of: &str,
     new: Option<&Path>,
@@ -88,7 +88,7 @@ pub(crate) fn earlier_chips(
 }
 
 /// Removes chips that a version which is no more left half done; best effort.
-pub(crate) fn remove_passing_chips(output: &Path) {
+pub fn remove_passing_chips(output: &Path) {
     let passing = output.join(PASSING);
     for chip in chips_in(&passing, |_| true) {
         fs::remove_file(chip).ok();

@@ -1,9 +1,9 @@
 //! A small picture of each object found.
 
 use super::{ChipFolder, ExportError};
-use crate::detection::{Detection, Mark, Picture, Raster, Rect, Scored, TILE_PX, level};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::Survey;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Survey;
+use bathyscope_objects::{Detection, Mark, Picture, Raster, Rect, Scored, TILE_PX, level};
 use std::path::Path;
 
 /// Pixels around a box, so that the eye sees what the object stands out from.
@@ -21,7 +21,7 @@ pub enum ChipError {
 }
 
 /// The boxes of a log, and where chips of them are cut from.
-pub(crate) struct ChipLog<'a> {
+pub struct ChipLog<'a> {
     /// The recording.
     pub survey: &'a Survey,
     /// Its raster.
@@ -34,7 +34,7 @@ pub(crate) struct ChipLog<'a> {
 ///
 /// # Errors
 /// When a picture cannot be written, or the work was cancelled.
-pub(crate) fn chips(
+pub fn chips(
     folder: &Path,
     names: &[String],
     logs: &[ChipLog<'_>],
@@ -55,7 +55,7 @@ pub(crate) fn chips(
 
 /// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A pixel is the raster's, and
 /// larger where the box would not fit into a tile: a hull is shown as a whole.
-pub(crate) fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
+pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     let rect = raster.rect_of(mark);
     let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;
     let factor = (rect.x1 - rect.x0).max(rect.y1 - rect.y0) / room_px;
@@ -75,7 +75,7 @@ pub(crate) fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
 }
 
 /// The same for a picture of another program.
-pub(crate) fn picture_chips(
+pub fn picture_chips(
     folder: &Path,
     picture: &Picture,
     names: &[String],

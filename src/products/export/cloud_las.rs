@@ -4,9 +4,9 @@ use super::extra_bytes::{Dimension, DimensionType};
 use super::gps_time::adjusted_standard_s;
 use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, LogPoints, Summary, colour};
-use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
-use crate::support::geo::Crs;
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointSource};
+use bathyscope_log::support::geo::Crs;
+use bathyscope_log::survey::{Side, Survey};
 use las::point::Classification;
 use las::{Color, Point};
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ const DIMENSIONS: [Dimension; 5] = [
 ///
 /// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
 /// where one of them does not know when it was.
-pub(crate) fn cloud_las(
+pub fn cloud_las(
     path: &Path,
     packing: LasPacking,
     crs: &Crs,

@@ -2,13 +2,13 @@
 
 use super::fixed::Fixed;
 use super::{ExportError, LogPoints, Summary, write_summed};
-use crate::bottom::cloud::CloudPoint;
+use bathyscope_bottom::cloud::CloudPoint;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the points of the class of the bottom as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` gives where a
 /// point of a log lies. z is elevation in metres above the transducer, so negative.
-pub(crate) fn cloud_xyz(
+pub fn cloud_xyz(
     path: &Path,
     decimals: usize,
     place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],

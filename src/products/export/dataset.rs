@@ -1,7 +1,7 @@
 //! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
 
 use super::{ExportError, write_bytes};
-use crate::detection::dataset::{Chip, Coco, PictureBoxes, voc_xml, yolo_lines};
+use bathyscope_objects::dataset::{Chip, Coco, PictureBoxes, voc_xml, yolo_lines};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// A part of a dataset. No recording, real or simulated, is in two of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum DatasetPart {
+pub enum DatasetPart {
     /// What is learnt from.
     Train,
     /// What settings are chosen on.
@@ -20,11 +20,10 @@ pub(crate) enum DatasetPart {
 
 impl DatasetPart {
     /// All parts, in the order of a split.
-    pub(crate) const ALL: [DatasetPart; 3] =
-        [DatasetPart::Train, DatasetPart::Val, DatasetPart::Test];
+    pub const ALL: [DatasetPart; 3] = [DatasetPart::Train, DatasetPart::Val, DatasetPart::Test];
 
     /// `train`, `val` or `test`.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             DatasetPart::Train => "train",
             DatasetPart::Val => "val",
@@ -35,7 +34,7 @@ impl DatasetPart {
 
 /// What a part holds, for the manifest.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct PartSummary {
+pub struct PartSummary {
     /// `train`, `val` or `test`.
     pub name: &'static str,
     /// Pictures.
@@ -51,14 +50,14 @@ pub(crate) struct PartSummary {
 /// A folder `images/PART/NNNNNN.png` with `labels/PART/NNNNNN.txt` (YOLO), `PART.json` (COCO), `classes.txt` and
 /// `manifest.json`.
 #[derive(Clone, Debug)]
-pub(crate) struct DatasetFolder {
+pub struct DatasetFolder {
     root: PathBuf,
     classes: Vec<String>,
 }
 
 impl DatasetFolder {
     /// Makes the folders and the class names.
-    pub(crate) fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
+    pub fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = Self {
             root: root.to_owned(),
             classes: classes.to_vec(),
@@ -73,12 +72,7 @@ impl DatasetFolder {
     }
 
     /// Writes a picture and its YOLO labels.
-    pub(crate) fn chip(
-        &self,
-        part: DatasetPart,
-        number: usize,
-        chip: &Chip,
-    ) -> Result<(), ExportError> {
+    pub fn chip(&self, part: DatasetPart, number: usize, chip: &Chip) -> Result<(), ExportError> {
         let png = format!("images/{}/{}", part.name(), picture(number));
         self.bytes(&png, &chip.png())?;
         let labels = format!("labels/{}/{number:06}.txt", part.name());
@@ -86,7 +80,7 @@ impl DatasetFolder {
     }
 
     /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
-    pub(crate) fn voc(
+    pub fn voc(
         &self,
         part: DatasetPart,
         number: usize,
@@ -98,7 +92,7 @@ impl DatasetFolder {
     }
 
     /// Writes the COCO file of a part, its pictures numbered from 0.
-    pub(crate) fn finish(
+    pub fn finish(
         &self,
         part: DatasetPart,
         pictures: &[PictureBoxes],
@@ -126,7 +120,7 @@ impl DatasetFolder {
     }
 
     /// Writes how the dataset was made.
-    pub(crate) fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
+    pub fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
         self.json("manifest.json", manifest)
     }
 

@@ -2,12 +2,12 @@
 
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_summed};
-use crate::bottom::bathymetry::compare::Match;
+use bathyscope_bottom::bathymetry::compare::Match;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the points that differences are of, log by log: their `measured` is the index in the log's cloud.
-pub(crate) fn differences_csv(
+pub fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
     differences: &[&[Match]],

@@ -2,14 +2,14 @@
 
 use super::geojson::{collection, feature_at, position};
 use super::{ExportError, write_bytes};
-use crate::detection::targets::ShadowHeight;
-use crate::support::geo::LonLat;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_objects::targets::ShadowHeight;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// A line or an area that was measured.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MeasuredFigure {
+pub struct MeasuredFigure {
     /// The log that lay under it.
     pub log: String,
     /// `distance`, `area`, `profile` or `height`.
@@ -29,7 +29,7 @@ pub(crate) struct MeasuredFigure {
 }
 
 /// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a profile.
-pub(crate) fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
+pub fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
     let features = std::iter::once(None).chain(points);
     collection(path, features, |station, _| match station {
@@ -103,7 +103,7 @@ fn turns_right(ring: &[[f64; 2]]) -> bool {
 
 /// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them, and its first corner again at
 /// the end of its way around; a height has `height_m` and what it follows from.
-pub(crate) fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
+pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();
     let mut whole = String::new();

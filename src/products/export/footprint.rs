@@ -2,13 +2,13 @@
 
 use super::geojson::{areas, collection, feature_at};
 use super::{ExportError, Summary};
-use crate::bottom::bathymetry::isobaths::Polygon;
-use crate::support::geo::LonLat;
+use bathyscope_bottom::bathymetry::isobaths::Polygon;
+use bathyscope_log::support::geo::LonLat;
 use serde_json::json;
 use std::path::Path;
 
 /// Writes the ground of one log as one feature of `area_m2`.
-pub(crate) fn footprint_geojson(
+pub fn footprint_geojson(
     path: &Path,
     name: &str,
     shapes: &[Polygon],

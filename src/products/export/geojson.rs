@@ -2,8 +2,8 @@
 
 use super::rings::rounded;
 use super::{ExportError, Summary, write_summed};
-use crate::bottom::bathymetry::isobaths::Polygon;
-use crate::support::geo::LonLat;
+use bathyscope_bottom::bathymetry::isobaths::Polygon;
+use bathyscope_log::support::geo::LonLat;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::io::Write as _;

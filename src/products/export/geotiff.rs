@@ -1,8 +1,8 @@
 //! Rasters as GeoTIFF files.
 
 use super::atomic_write::{ExportError, scratch_near, write_atomically};
-use crate::formats::geotiff::{self, RasterSpec};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::formats::geotiff::{self, RasterSpec};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::io;
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub enum RasterError {
 ///
 /// # Errors
 /// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; none of them leaves a file.
-pub(crate) fn geotiff(
+pub fn geotiff(
     path: &Path,
     spec: &RasterSpec,
     tiles: &[[usize; 2]],
@@ -39,8 +39,8 @@ pub(crate) fn geotiff(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::geotiff::{CellFormat, RASTER_TILE};
-    use crate::support::geo::Crs;
+    use bathyscope_log::formats::geotiff::{CellFormat, RASTER_TILE};
+    use bathyscope_log::support::geo::Crs;
 
     #[test]
     fn a_raster_is_one_file_and_a_cancelled_one_is_none() {

@@ -19,7 +19,7 @@ const CLAMP_TO_EDGE: u32 = 33071;
 
 /// A mesh of triangles.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct TexturedMesh {
+pub struct TexturedMesh {
     /// What it is called.
     pub name: String,
     /// East, north and up of each corner, metres.
@@ -85,7 +85,7 @@ impl GlbParts {
 }
 
 /// Writes the mesh.
-pub(crate) fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
+pub fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
     let (document, mut bytes) = document(mesh);
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');

@@ -1,9 +1,9 @@
 //! The cells of a grid as the tiles of a raster.
 
 use super::{RasterError, geotiff};
-use crate::bottom::bathymetry::{CellSource, Grid, Surface};
-use crate::formats::geotiff::{Band, CellFormat, NODATA, RASTER_TILE, RasterSpec};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
+use bathyscope_log::formats::geotiff::{Band, CellFormat, NODATA, RASTER_TILE, RasterSpec};
+use bathyscope_log::support::progress::Progress;
 use std::path::Path;
 
 /// Writes the cells of a grid; `stored` gives the number of a cell, of `None` that of one of which nothing is known. Tiles without a
@@ -27,7 +27,7 @@ pub(super) fn grid_raster<const BYTES: usize>(
 ///
 /// # Errors
 /// As [`grid_raster`].
-pub(crate) fn metres_raster(
+pub fn metres_raster(
     path: &Path,
     spec: &RasterSpec,
     grid: &Grid,
@@ -53,7 +53,7 @@ pub(crate) fn metres_raster(
 ///
 /// # Errors
 /// As [`grid_raster`].
-pub(crate) fn source_raster(
+pub fn source_raster(
     path: &Path,
     spec: RasterSpec,
     surface: &Surface,

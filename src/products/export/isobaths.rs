@@ -2,16 +2,16 @@
 
 use super::geojson::{areas as areas_of, collection, feature_at, position, positions};
 use super::{ExportError, Summary, millimetres, write_summed};
-use crate::bottom::bathymetry::DepthPoint;
-use crate::bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
-use crate::support::geo::LonLat;
+use bathyscope_bottom::bathymetry::DepthPoint;
+use bathyscope_bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
+use bathyscope_log::support::geo::LonLat;
 use serde_json::json;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Lines of equal depth as they are drawn.
 #[derive(Clone, Copy)]
-pub(crate) struct DrawnLines<'a> {
+pub struct DrawnLines<'a> {
     /// The lines.
     pub lines: &'a [Isobath],
     /// What their depths are written in.
@@ -28,7 +28,7 @@ impl DrawnLines<'_> {
 }
 
 /// Writes lines of equal depth; `place` gives where a point of them lies.
-pub(crate) fn isobaths_geojson(
+pub fn isobaths_geojson(
     path: &Path,
     drawn: &DrawnLines<'_>,
     place: impl Fn([f64; 2]) -> LonLat,
@@ -53,7 +53,7 @@ pub(crate) fn isobaths_geojson(
 }
 
 /// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
-pub(crate) fn depth_areas_geojson(
+pub fn depth_areas_geojson(
     path: &Path,
     areas: &[DepthArea],
     ground: f64,
@@ -81,7 +81,7 @@ pub(crate) fn depth_areas_geojson(
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn spot_soundings_geojson(
+pub fn spot_soundings_geojson(
     path: &Path,
     soundings: &[DepthPoint],
     settings: &IsobathSettings,
@@ -102,11 +102,7 @@ pub(crate) fn spot_soundings_geojson(
 }
 
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
-pub(crate) fn storage_csv(
-    path: &Path,
-    table: &[Storage],
-    ground: f64,
-) -> Result<Summary, ExportError> {
+pub fn storage_csv(path: &Path, table: &[Storage], ground: f64) -> Result<Summary, ExportError> {
     write_summed(path, |out, summary| {
         writeln!(out, "depth_m,area_m2,volume_m3")?;
         for row in table {

@@ -2,9 +2,9 @@
 
 use super::extra_bytes::{self, Dimension};
 use super::{ExportError, Summary, write_atomically};
-use crate::bottom::cloud::PointClass;
-use crate::formats::points::{LasWriter, transforms, write_copc};
-use crate::support::geo::{Crs, LonLat};
+use bathyscope_bottom::cloud::PointClass;
+use bathyscope_log::formats::points::{LasWriter, transforms, write_copc};
+use bathyscope_log::support::geo::{Crs, LonLat};
 use las::point::Format;
 use las::{Builder, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vector, Version, Vlr};
 use std::io;
@@ -19,7 +19,7 @@ const FORMAT: u8 = 7;
 
 /// Whether points are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LasPacking {
+pub enum LasPacking {
     /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where somebody looks.
     Copc,
     /// LAS, for programs that cannot unpack.

@@ -1,14 +1,14 @@
 //! What the tables and clouds of points are written from: one log, or all of a survey.
 
-use crate::bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
-use crate::sonar::calibration::Calibration;
-use crate::sonar::first_return::FirstReturns;
-use crate::survey::{Exclusions, Navigation, Survey};
+use bathyscope_bottom::calibration::Calibration;
+use bathyscope_bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use std::borrow::Cow;
 
 /// The points of a log and what they come from.
 #[derive(Clone, Copy)]
-pub(crate) struct LogPoints<'a> {
+pub struct LogPoints<'a> {
     /// What the log is called, in a table of several logs.
     pub name: &'a str,
     /// The recording.
@@ -31,14 +31,12 @@ pub(crate) struct LogPoints<'a> {
 
 impl<'a> LogPoints<'a> {
     /// What its samples and recorded depths are in metres.
-    pub(crate) fn reduction(&self) -> Reduction<'a> {
+    pub fn reduction(&self) -> Reduction<'a> {
         Reduction::new(self.calibration, self.correction)
     }
 
     /// All points in the cloud's order, each with its class.
-    pub(crate) fn points(
-        &self,
-    ) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
+    pub fn points(&self) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
         self.cloud.points.iter().zip(self.classes.iter().copied())
     }
 }

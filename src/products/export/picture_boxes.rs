@@ -1,7 +1,7 @@
 //! What a detector found in a picture of another program, one line a box.
 
 use super::{ExportError, write_atomically};
-use crate::detection::Scored;
+use bathyscope_objects::Scored;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
@@ -10,7 +10,7 @@ const HEADER: [&str; 9] = [
 ];
 
 /// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class names.
-pub(crate) fn picture_boxes_csv(
+pub fn picture_boxes_csv(
     path: &Path,
     file: &str,
     names: &[String],

@@ -1,14 +1,14 @@
 //! Point files with some of their points.
 
 use super::{ExportError, write_atomically};
-use crate::formats::points::{PointFile, PointFormat};
+use bathyscope_log::formats::points::{PointFile, PointFormat};
 use std::path::Path;
 
 /// Writes the points whose flag is set.
 ///
 /// # Errors
 /// When the file cannot be written, or the format cannot hold the points.
-pub(crate) fn kept_points(
+pub fn kept_points(
     path: &Path,
     format: PointFormat,
     points: &PointFile,

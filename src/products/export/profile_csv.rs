@@ -1,13 +1,13 @@
 //! The depth profile along a drawn line as a table.
 
 use super::{ExportError, write_bytes};
-use crate::bottom::bathymetry::TransectStation;
-use crate::survey::{Navigation, Survey};
+use bathyscope_bottom::bathymetry::TransectStation;
+use bathyscope_log::survey::{Navigation, Survey};
 use std::path::Path;
 
 /// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the start, WGS84, the survey's
 /// local metres as in `cloud.csv`, and the depth, empty where nothing is known.
-pub(crate) fn profile_csv(
+pub fn profile_csv(
     survey: &Survey,
     navigation: &Navigation,
     stations: &[TransectStation],
@@ -29,6 +29,6 @@ pub(crate) fn profile_csv(
 }
 
 /// Writes [`profile_csv`] into a file.
-pub(crate) fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
+pub fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
     write_bytes(path, text)
 }

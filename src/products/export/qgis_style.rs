@@ -1,12 +1,12 @@
 //! `NAME.qml` beside `NAME.tif`: colours that QGIS takes up when it opens the raster.
 
 use super::{ExportError, write_bytes};
-use crate::support::printable::xml;
+use bathyscope_log::support::printable::xml;
 use std::path::Path;
 
 /// Writes the style of a raster of one band in metres: `colour` of a share of the way from the least to the greatest value, in
 /// `steps` even steps, linear between them. What is not known is clear.
-pub(crate) fn qgis_style(
+pub fn qgis_style(
     path: &Path,
     [least_m, most_m]: [f64; 2],
     steps: usize,
@@ -44,7 +44,7 @@ pub(crate) fn qgis_style(
 pub(super) type Class = (u8, &'static str, [u8; 3]);
 
 /// Writes the style of a raster of classes. What is none of them is clear.
-pub(crate) fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
+pub fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
     let entries = classes.iter().map(|(number, name, [red, green, blue])| {
         format!(
             "        <paletteEntry alpha=\"255\" color=\"#{red:02x}{green:02x}{blue:02x}\" label=\"{}\" value=\"{number}\"/>\n",

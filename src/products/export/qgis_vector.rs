@@ -1,6 +1,6 @@
 //! How QGIS draws the vector layers of a survey: QML for the table of styles in a GeoPackage.
 
-use crate::support::printable::xml;
+use bathyscope_log::support::printable::xml;
 
 /// A colour, sRGB.
 type Rgb = [u8; 3];

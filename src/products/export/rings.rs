@@ -1,7 +1,7 @@
 //! Polygons as the exchange formats want them (OGC 06-103r4, RFC 7946): once corners are rounded, rings must still neither cross
 //! nor touch themselves.
 
-use crate::bottom::bathymetry::isobaths::{Polygon, polygons};
+use bathyscope_bottom::bathymetry::isobaths::{Polygon, polygons};
 use std::ops::Range;
 
 /// A corner, counted in steps of the lattice that corners are rounded to.

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// How many points, lines or cells a file holds, and the box around them in the file's own coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Summary {
+pub struct Summary {
     /// How many.
     pub count: usize,
     /// Least and most of x (east, longitude) and y (north, latitude); `None` where nothing has a place.
@@ -18,14 +18,14 @@ pub(crate) struct Summary {
 
 impl Summary {
     /// Counts a thing with a value, which may be NaN, as may its place.
-    pub(crate) fn add(&mut self, place: [f64; 2], value: f64) {
+    pub fn add(&mut self, place: [f64; 2], value: f64) {
         self.count += 1;
         self.reach(place);
         self.value(value);
     }
 
     /// Widens the box.
-    pub(crate) fn reach(&mut self, [x, y]: [f64; 2]) {
+    pub fn reach(&mut self, [x, y]: [f64; 2]) {
         if x.is_finite() && y.is_finite() {
             let [xs, ys] = self.extent.unwrap_or([[x, x], [y, y]]);
             self.extent = Some([widened(xs, x), widened(ys, y)]);
@@ -33,7 +33,7 @@ impl Summary {
     }
 
     /// Widens the range of values.
-    pub(crate) fn value(&mut self, value: f64) {
+    pub fn value(&mut self, value: f64) {
         if value.is_finite() {
             self.values = Some(widened(self.values.unwrap_or([value, value]), value));
         }

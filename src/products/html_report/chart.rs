@@ -1,9 +1,9 @@
 //! The water below each level: two curves over the depth, and their table.
 
 use super::ReportData;
-use crate::bottom::bathymetry::isobaths::{Storage, storage};
-use crate::support::presentation::plot::{Axis, Plot, PlotCurve};
-use crate::support::presentation::text::typeset_count as count;
+use bathyscope_bottom::bathymetry::isobaths::{Storage, storage};
+use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
+use bathyscope_bottom::presentation::text::typeset_count as count;
 
 /// Levels that the curves go through.
 const STEPS: usize = 60;

@@ -2,11 +2,11 @@
 
 use super::frame::PageTransform;
 use super::{ReportData, raster};
-use crate::bottom::bathymetry::Surface;
-use crate::bottom::bathymetry::isobaths::Isobath;
-use crate::support::presentation::colours::{depth_colour, lit_depth_colour};
-use crate::support::presentation::ticks::ticks;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::bathymetry::Surface;
+use bathyscope_bottom::bathymetry::isobaths::Isobath;
+use bathyscope_bottom::presentation::colours::{depth_colour, lit_depth_colour};
+use bathyscope_bottom::presentation::ticks::ticks;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 
 /// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to send.
 const MOST_CELLS: usize = 1200;

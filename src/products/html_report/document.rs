@@ -4,8 +4,8 @@ use super::depth_plan::depth_plan;
 use super::mosaic_plan::mosaic_plan;
 use super::strip::strip;
 use super::{ReportData, chart, logs, objects, summary, tables, targets};
-use crate::support::printable::xml;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::printable::xml;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#1b1b1b;margin:0 auto;padding:28px;max-width:1100px}\
 h1{font-size:26px;margin:0 0 6px}h3{font-size:15px;margin:18px 0 4px}h2{font-size:19px;margin:36px 0 8px;border-bottom:1px solid #cccccc;padding-bottom:4px}\
@@ -22,7 +22,7 @@ code{font-size:11.5px;word-break:break-all}.made{color:#666666;font-size:13px}\
 @media print{body{padding:0;max-width:none}figure,table tr,section.target{break-inside:avoid}h2{break-after:avoid}}";
 
 /// The self-contained document: no script, no font and no picture from elsewhere.
-pub(crate) fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+pub fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Survey {}</title><style>{STYLE}</style></head><body>\n",
         xml(&from.title)

@@ -1,10 +1,10 @@
 //! A map on the page: from metres of a plane to pixels, with graticule, scale bar and north arrow.
 
-use crate::bottom::bathymetry::Grid;
-use crate::support::geo::{CoordinateFormat, MapPlane};
-use crate::support::presentation::graticule::{LineFamily, Net};
-use crate::support::presentation::ticks;
-use crate::support::printable::xml;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::presentation::graticule::{LineFamily, Net};
+use bathyscope_bottom::presentation::ticks;
+use bathyscope_log::support::geo::{CoordinateFormat, MapPlane};
+use bathyscope_log::support::printable::xml;
 
 /// Largest map, pixels.
 const MOST_PX: [f64; 2] = [900.0, 760.0];
@@ -260,7 +260,7 @@ impl PageTransform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::geo::{CrsChoice, LonLat};
+    use bathyscope_log::support::geo::{CrsChoice, LonLat};
 
     fn zone_12() -> MapPlane {
         let origin = LonLat {

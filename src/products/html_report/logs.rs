@@ -2,13 +2,15 @@
 
 use super::ReportData;
 use super::summary::sailed_m;
-use crate::bottom::bathymetry::height_offsets::LogOffset;
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::joint::{LogReport, LogsReport};
-use crate::support::calendar;
-use crate::support::presentation::text::{long_date, typeset_count as count, typeset_signed, way};
-use crate::support::printable::xml;
-use crate::survey::Survey;
+use bathyscope_bottom::bathymetry::height_offsets::LogOffset;
+use bathyscope_bottom::presentation::text::{
+    long_date, typeset_count as count, typeset_signed, way,
+};
+use bathyscope_log::support::calendar;
+use bathyscope_log::support::printable::xml;
+use bathyscope_log::survey::Survey;
 use std::collections::BTreeSet;
 
 /// The table of logs; empty of one log.

@@ -26,22 +26,22 @@ mod summary;
 mod tables;
 mod targets;
 
-pub(crate) use document::document;
+pub use document::document;
 
-use crate::detection::Raster;
-use crate::detection::objects::ObjectList;
-use crate::detection::targets::PassCount;
+use crate::export::ObjectRow;
 use crate::pipeline::joint::LogLatency;
 use crate::pipeline::{
     DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
 };
-use crate::products::export::ObjectRow;
-use crate::support::geo::MapPlane;
-use crate::survey::Survey;
+use bathyscope_log::support::geo::MapPlane;
+use bathyscope_log::survey::Survey;
+use bathyscope_objects::Raster;
+use bathyscope_objects::objects::ObjectList;
+use bathyscope_objects::targets::PassCount;
 use std::collections::BTreeMap;
 
 /// What the report shows. Everything but the survey and its results may be missing; the report then says so.
-pub(crate) struct ReportData<'a> {
+pub struct ReportData<'a> {
     /// The logs, one or all of a survey, with what the pipeline made of them.
     pub logs: &'a [ProcessedLog],
     /// What each log is called.
@@ -73,10 +73,10 @@ pub(crate) struct ReportData<'a> {
 }
 
 /// The name of a file, and what it is.
-pub(crate) type FileLine = (&'static str, &'static str);
+pub type FileLine = (&'static str, &'static str);
 
 /// What lies there.
-pub(crate) struct ReportObjects<'a> {
+pub struct ReportObjects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
     /// A line for each box of a target.

@@ -2,10 +2,10 @@
 
 use super::frame::PageTransform;
 use super::{ReportData, objects, raster};
-use crate::bottom::bathymetry::Grid;
-use crate::imagery::mosaic::joint_grid;
 use crate::pipeline::{Mosaic, ProcessedLog};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::mosaic::joint_grid;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Cells along the longer side: what a screen shows, and little to send.

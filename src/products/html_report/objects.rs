@@ -2,13 +2,13 @@
 
 use super::frame::PageTransform;
 use super::{ReportData, raster};
-use crate::detection::objects::{ObjectBox, SurveyObject};
-use crate::detection::review::State;
-use crate::detection::targets::{ObjectHeight, PassCount, Target};
-use crate::products::export::{ObjectRow, chip};
-use crate::support::presentation::text::{decimal, plural, position, typeset_count};
-use crate::support::printable::xml;
-use crate::support::progress::{Cancelled, Progress};
+use crate::export::{ObjectRow, chip};
+use bathyscope_bottom::presentation::text::{decimal, plural, position, typeset_count};
+use bathyscope_log::support::printable::xml;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_objects::objects::{ObjectBox, SurveyObject};
+use bathyscope_objects::review::State;
+use bathyscope_objects::targets::{ObjectHeight, PassCount, Target};
 
 /// Longest table; the files of the run list all.
 const MOST_ROWS: usize = 60;

@@ -1,11 +1,11 @@
 //! The log at a glance: all echoes beside each other, port above and starboard below, with the first return.
 
 use super::raster;
-use crate::bottom::cloud::Reduction;
-use crate::imagery::waterfall::{Levels, RangeAxis};
 use crate::pipeline::ProcessedLog;
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::waterfall::{Levels, RangeAxis};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
 /// Columns and rows of the picture, and the rows of one side of it.
@@ -114,7 +114,7 @@ impl ReportStrip<'_> {
                 true => false,
                 false => {
                     let letter = if is_down { 'L' } else { 'M' };
-                    let range_m = crate::support::statistics::median(&mut ranges);
+                    let range_m = bathyscope_log::support::statistics::median(&mut ranges);
                     let (x, y) = (LEFT + column, self.y(side, range_m));
                     path += &format!("{letter}{x} {y:.1}");
                     true

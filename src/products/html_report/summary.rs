@@ -2,12 +2,12 @@
 
 use super::{ReportData, objects};
 use crate::pipeline::ProcessedLog;
-use crate::support::calendar;
-use crate::support::presentation::text::{
+use bathyscope_bottom::presentation::text::{
     area, decimal, long_date, long_duration, position, typeset_count as count, typeset_signed, way,
 };
-use crate::support::printable::xml;
-use crate::survey::{PingNav, Survey};
+use bathyscope_log::support::calendar;
+use bathyscope_log::support::printable::xml;
+use bathyscope_log::survey::{PingNav, Survey};
 use std::collections::BTreeSet;
 
 /// A step longer than this is a gap in the log or in the fixes, not a way that was sailed, metres.

@@ -2,9 +2,9 @@
 
 use super::ReportData;
 use crate::pipeline::{CalibrationReport, CommonUncertainty, Preset, Settings};
-use crate::sonar::calibration::ScaleMode;
-use crate::support::presentation::text::{bytes, typeset_count as count, typeset_signed};
-use crate::support::printable::xml;
+use bathyscope_bottom::calibration::ScaleMode;
+use bathyscope_bottom::presentation::text::{bytes, typeset_count as count, typeset_signed};
+use bathyscope_log::support::printable::xml;
 
 /// Warnings in a box; nothing without any.
 pub(super) fn warnings(from: &ReportData<'_>) -> String {

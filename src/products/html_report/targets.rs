@@ -2,14 +2,14 @@
 
 use super::ReportData;
 use super::objects::{is_reviewed, passes_of, picture, targets, undecided};
-use crate::detection::ObjectExtent;
-use crate::detection::objects::{ObjectBox, SurveyObject};
-use crate::detection::review::Confidence;
-use crate::detection::targets::{ObjectHeight, Target};
-use crate::support::presentation::text::{NONE, plural, position};
-use crate::support::presentation::units::Units;
-use crate::support::printable::xml;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::presentation::text::{NONE, plural, position};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::support::printable::xml;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_objects::ObjectExtent;
+use bathyscope_objects::objects::{ObjectBox, SurveyObject};
+use bathyscope_objects::review::Confidence;
+use bathyscope_objects::targets::{ObjectHeight, Target};
 
 /// Most sections; the files of the run list all.
 const MOST: usize = 60;

@@ -3,7 +3,7 @@
 use super::TILE_PIXELS;
 use super::label;
 use super::stroke::{TilePen, stroke};
-use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 
 /// Under a line and a number, so that they show on dark ground.
 const HALO: TilePen = TilePen {
@@ -98,7 +98,7 @@ fn at_length(points: &[[f64; 2]], mut along: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::presentation::units::LengthUnit;
+    use bathyscope_bottom::presentation::units::LengthUnit;
 
     fn line(points: &[[f64; 2]]) -> Isobath {
         Isobath {

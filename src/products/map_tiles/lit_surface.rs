@@ -1,20 +1,20 @@
 //! Depths with their hill-shade, as tiles sample them.
 
 use super::Pixel;
-use crate::bottom::bathymetry::{Light, Surface};
+use bathyscope_bottom::bathymetry::{Light, Surface};
 
 /// A surface, and how bright its cells are.
 #[derive(Clone, Copy)]
-pub(crate) struct LitSurface<'a> {
+pub struct LitSurface<'a> {
     surface: &'a Surface,
-    /// As [`crate::bottom::bathymetry::hill_shade`] makes it: 0 where it is unknown.
+    /// As [`bathyscope_bottom::bathymetry::hill_shade`] makes it: 0 where it is unknown.
     shade: &'a [u8],
     level_ground: f32,
 }
 
 impl<'a> LitSurface<'a> {
     /// Lit as `light` says, which the shade was made under.
-    pub(crate) fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
+    pub fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
         Self {
             surface,
             shade,
@@ -24,7 +24,7 @@ impl<'a> LitSurface<'a> {
 
     /// What is known at a place, metres east and north: the depth between the centres of cells, or that of its cell where one of its
     /// neighbours has none. Ground whose slope is unknown is as bright as level ground.
-    pub(crate) fn at(&self, place: [f64; 2]) -> Option<Pixel> {
+    pub fn at(&self, place: [f64; 2]) -> Option<Pixel> {
         let cell = self.surface.grid.index_at(place[0], place[1])?;
         let of_cell = self.surface.depth_m.get(cell).copied();
         let known = of_cell.filter(|depth_m| !depth_m.is_nan())?;
@@ -40,8 +40,8 @@ impl<'a> LitSurface<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::{Grid, hill_shade};
-    use crate::support::progress::Progress;
+    use bathyscope_bottom::bathymetry::{Grid, hill_shade};
+    use bathyscope_log::support::progress::Progress;
 
     #[test]
     fn a_place_has_the_depth_and_the_light_of_the_map() {

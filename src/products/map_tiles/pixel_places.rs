@@ -1,7 +1,7 @@
 //! Where the pixels of a tile lie in the plane of a map.
 
 use super::web_tile::{TILE_PIXELS, WebTile};
-use crate::support::geo::LonLat;
+use bathyscope_log::support::geo::LonLat;
 
 /// Pixels between two places of the lattice. A projection bends so little over them that a place between is off by a millionth of a pixel
 /// where a pixel is some decimetres long: by `16^2 / 8` of a pixel times its length over the earth's radius.
@@ -11,14 +11,14 @@ const PLACES: usize = TILE_PIXELS / STEP + 1;
 
 /// The middles of a tile's pixels in a plane: projected on a lattice, and linear between its places. A projection at every pixel took
 /// four fifths of the time that a tile takes.
-pub(crate) struct PixelPlaces {
+pub struct PixelPlaces {
     /// Row by row from the north-west, metres.
     lattice: Vec<[f64; 2]>,
 }
 
 impl PixelPlaces {
     /// In a plane that a projection leads to.
-    pub(crate) fn new(tile: WebTile, project: impl Fn(LonLat) -> [f64; 2]) -> Self {
+    pub fn new(tile: WebTile, project: impl Fn(LonLat) -> [f64; 2]) -> Self {
         let lattice = (0..PLACES * PLACES).map(|place| {
             let pixel = [place % PLACES, place / PLACES].map(|number| (STEP * number) as f64);
             project(tile.place(pixel))
@@ -29,7 +29,7 @@ impl PixelPlaces {
     }
 
     /// The middle of a pixel, given as its column and row, metres east and north.
-    pub(crate) fn of(&self, pixel: [usize; 2]) -> [f64; 2] {
+    pub fn of(&self, pixel: [usize; 2]) -> [f64; 2] {
         let [column, row] = pixel.map(|number| number / STEP);
         let [right, down] = pixel.map(|number| ((number % STEP) as f64 + 0.5) / STEP as f64);
         let first = row * PLACES + column;
@@ -46,8 +46,8 @@ impl PixelPlaces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::products::map_tiles::web_pixel;
-    use crate::support::geo::UtmZone;
+    use crate::map_tiles::web_pixel;
+    use bathyscope_log::support::geo::UtmZone;
 
     /// How far a place of a pixel is off at most, in pixels, in the tile of a zoom that holds a place.
     fn off(at: LonLat, zoom: u8) -> f64 {

@@ -1,11 +1,11 @@
 //! What is known of a tile, pixel by pixel, and the pictures of it.
 
 use super::web_tile::TILE_PIXELS;
-use crate::support::presentation::colours::lit_depth_colour;
+use bathyscope_bottom::presentation::colours::lit_depth_colour;
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pixel {
+pub struct Pixel {
     /// Depth, metres, positive down.
     pub depth_m: f32,
     /// How bright the bottom is, level ground being 1.
@@ -14,21 +14,21 @@ pub(crate) struct Pixel {
 
 /// A tile's pixels, row by row from the north-west; depths are NaN where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pixels {
+pub struct Pixels {
     depth_m: Vec<f32>,
     light: Vec<f32>,
 }
 
 impl Pixels {
     /// By what is known of each pixel, given as its column and row; `None` where that is nothing.
-    pub(crate) fn draw(known: impl Fn([usize; 2]) -> Option<Pixel>) -> Option<Self> {
+    pub fn draw(known: impl Fn([usize; 2]) -> Option<Pixel>) -> Option<Self> {
         let pixels = (0..TILE_PIXELS * TILE_PIXELS)
             .map(|pixel| known([pixel % TILE_PIXELS, pixel / TILE_PIXELS]));
         Self::collect(pixels)
     }
 
     /// The tile that four of the next zoom make (in the order of [`WebTile::children`]): each pixel is the mean of what is known of four.
-    pub(crate) fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
+    pub fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
         const HALF: usize = TILE_PIXELS / 2;
         let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
             let (column, row) = (pixel % TILE_PIXELS, pixel / TILE_PIXELS);
@@ -67,13 +67,13 @@ impl Pixels {
     }
 
     /// All values, depths before lights, 4 bytes each, the lowest first.
-    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+    pub fn to_bytes(&self) -> Vec<u8> {
         let values = self.depth_m.iter().chain(&self.light);
         values.flat_map(|value| value.to_le_bytes()).collect()
     }
 
     /// Of [`Pixels::to_bytes`]; `None` where they are too few or too many.
-    pub(crate) fn of_bytes(bytes: &[u8]) -> Option<Self> {
+    pub fn of_bytes(bytes: &[u8]) -> Option<Self> {
         let (values, rest) = bytes.as_chunks::<4>();
         let mut depth_m: Vec<f32> = values.iter().copied().map(f32::from_le_bytes).collect();
         if !rest.is_empty() || depth_m.len() != 2 * TILE_PIXELS * TILE_PIXELS {
@@ -84,13 +84,13 @@ impl Pixels {
     }
 
     /// Colours of depth, lit; clear where nothing is known. Red, green, blue and opacity of each pixel.
-    pub(crate) fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
+    pub fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
         self.rgba(|pixel| lit_depth_colour(pixel.depth_m, range_m, pixel.light))
     }
 
     /// Elevations (minus the depths) in the encoding that is called Terrarium: red * 256 + green + blue / 256 - 32768 metres; clear where
     /// nothing is known.
-    pub(crate) fn elevations(&self) -> Vec<u8> {
+    pub fn elevations(&self) -> Vec<u8> {
         self.rgba(|pixel| {
             let steps = (256.0 * (32_768.0 - f64::from(pixel.depth_m))).round();
             let [_, red, green, blue] = (steps.clamp(0.0, 16_777_215.0) as u32).to_be_bytes();

@@ -2,8 +2,8 @@
 
 use super::chart::draw_isobaths;
 use super::{Pixels, TILE_PIXELS, WebTile, ZoomRange};
-use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, evenly_apart_m, joined};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings, evenly_apart_m, joined};
+use bathyscope_log::support::progress::Progress;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _, ImageResult};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// What a picture of a tile shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum TileStyle {
+pub enum TileStyle {
     /// Lit colours of depth, under lines that the web map draws itself.
     Colours,
     /// The same with isobaths and their depths.
@@ -23,12 +23,12 @@ pub(crate) enum TileStyle {
 
 impl TileStyle {
     /// All of them, in the order of their declaration.
-    pub(crate) const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
+    pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
 }
 
 /// Where a map lies, and how it is drawn.
 #[derive(Clone, Debug)]
-pub(crate) struct MapScales {
+pub struct MapScales {
     /// Its zooms, and where it lies.
     pub zooms: ZoomRange,
     /// Ends of the scale of colours, metres.
@@ -41,13 +41,13 @@ pub(crate) struct MapScales {
 
 impl MapScales {
     /// Metres from one isobath to the next, `None` where they are not evenly apart.
-    pub(crate) fn interval_m(&self) -> Option<f64> {
+    pub fn interval_m(&self) -> Option<f64> {
         evenly_apart_m(&self.levels_m).map(|[interval_m, _]| interval_m)
     }
 }
 
 /// What tiles are made of.
-pub(crate) trait PyramidSource: Sync {
+pub trait PyramidSource: Sync {
     /// Where the map lies, and how it is drawn.
     fn scales(&self) -> &MapScales;
     /// Whether anything may be known in a tile of any zoom.
@@ -77,7 +77,7 @@ pub(crate) trait PyramidSource: Sync {
 
 /// What is known of a tile: what the next coarser one is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct KnownTile {
+pub struct KnownTile {
     /// Its pixels.
     pub pixels: Pixels,
     /// The isobaths in it, in pixels of the finest zoom from the north-west of the whole earth.
@@ -86,7 +86,7 @@ pub(crate) struct KnownTile {
 
 /// A part of a map: a tile a few zooms coarser than the finest, drawn with all finer ones in it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MapPart {
+pub struct MapPart {
     /// What is known of the tile, `None` where that is nothing.
     pub known: Option<KnownTile>,
     /// Its pictures and those of the finer tiles, PNG, in order.
@@ -117,7 +117,7 @@ const LEAST_LENGTH: f64 = 4.0;
 ///
 /// # Errors
 /// What the source or the taker says, or that the work was cancelled.
-pub(crate) fn pyramid(
+pub fn pyramid(
     source: &impl PyramidSource,
     progress: &Progress,
     keep: &(impl Fn(TileStyle, WebTile, Vec<u8>) -> io::Result<()> + Sync),
@@ -310,9 +310,9 @@ fn png(rgba: &[u8], style: TileStyle) -> ImageResult<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::isobaths::clipped;
-    use crate::products::map_tiles::{Pixel, web_pixel};
-    use crate::support::geo::{LonLat, boxes_meet};
+    use crate::map_tiles::{Pixel, web_pixel};
+    use bathyscope_bottom::bathymetry::isobaths::clipped;
+    use bathyscope_log::support::geo::{LonLat, boxes_meet};
     use std::collections::BTreeMap;
     use std::sync::Mutex;
 

@@ -1,9 +1,9 @@
 //! Which square of the earth a tile shows.
 
-use crate::support::geo::{LonLat, web_mercator, web_mercator_inverse};
+use bathyscope_log::support::geo::{LonLat, web_mercator, web_mercator_inverse};
 
 /// Pixels along a side of a tile.
-pub(crate) const TILE_PIXELS: usize = 256;
+pub const TILE_PIXELS: usize = 256;
 
 /// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of its sphere.
 const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;
@@ -14,7 +14,7 @@ const LEAST_PIXELS: f64 = 32.0;
 
 /// A tile: its zoom, its column from the west, and its row from the north.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct WebTile {
+pub struct WebTile {
     /// 0 is the whole earth.
     pub zoom: u8,
     /// From 180 degrees west.
@@ -24,7 +24,7 @@ pub(crate) struct WebTile {
 }
 
 /// Pixels from the west and from the north edge of the whole map at a zoom.
-pub(crate) fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
+pub fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
     let [x, y] = web_mercator(at);
     let per_metre = pixels_across(zoom) / (2.0 * HALF_M);
     [(x + HALF_M) * per_metre, (HALF_M - y) * per_metre]
@@ -36,7 +36,7 @@ fn pixels_across(zoom: u8) -> f64 {
 
 impl WebTile {
     /// The tile that holds a place, given in pixels of its zoom.
-    pub(crate) fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
+    pub fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
         let last = (1_u32 << zoom) - 1;
         let number = |pixels: f64| ((pixels / TILE_PIXELS as f64) as u32).min(last);
         Self {
@@ -47,7 +47,7 @@ impl WebTile {
     }
 
     /// The four tiles of the next zoom that it is made of: north-west, north-east, south-west, south-east.
-    pub(crate) fn children(&self) -> [Self; 4] {
+    pub fn children(&self) -> [Self; 4] {
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[east, south]| Self {
             zoom: self.zoom + 1,
             x: 2 * self.x + east,
@@ -56,7 +56,7 @@ impl WebTile {
     }
 
     /// Its north-west corner in pixels of a zoom, its own or a finer one, and its side there.
-    pub(crate) fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
+    pub fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
         let side = TILE_PIXELS as f64 * f64::from(1_u32 << zoom.saturating_sub(self.zoom));
         (
             [self.x, self.y].map(|number| f64::from(number) * side),
@@ -65,21 +65,21 @@ impl WebTile {
     }
 
     /// Its edges in pixels of a zoom, its own or a finer one: least and most from the west and from the north, in the order of
-    /// [`crate::bottom::bathymetry::isobaths::clipped`].
-    pub(crate) fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
+    /// [`bathyscope_bottom::bathymetry::isobaths::clipped`].
+    pub fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
         let ([west, north], side) = self.corner_at(zoom);
         [west, north, west + side, north + side]
     }
 
     /// The middle of a pixel, whole numbers being corners of the tile's pixels.
-    pub(crate) fn place(&self, [x, y]: [f64; 2]) -> LonLat {
+    pub fn place(&self, [x, y]: [f64; 2]) -> LonLat {
         let ([west, north], _) = self.corner_at(self.zoom);
         let metres = 2.0 * HALF_M / pixels_across(self.zoom);
         web_mercator_inverse((west + x) * metres - HALF_M, HALF_M - (north + y) * metres)
     }
 
     /// West, south, east and north edge, degrees.
-    pub(crate) fn bounds_deg(&self) -> [f64; 4] {
+    pub fn bounds_deg(&self) -> [f64; 4] {
         let side = TILE_PIXELS as f64;
         let [north_west, south_east] = [[0.0, 0.0], [side, side]].map(|corner| self.place(corner));
         [
@@ -91,7 +91,7 @@ impl WebTile {
     }
 
     /// Its number along Hilbert's curve behind all tiles of coarser zooms, which is how PMTiles orders tiles: neighbours lie near each other.
-    pub(crate) fn hilbert_id(&self) -> u64 {
+    pub fn hilbert_id(&self) -> u64 {
         let coarser = ((1_u64 << (2 * u32::from(self.zoom))) - 1) / 3;
         let (mut x, mut y) = (u64::from(self.x), u64::from(self.y));
         let mut along = 0;
@@ -116,7 +116,7 @@ impl WebTile {
 
 /// The zooms of a map, and where it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ZoomRange {
+pub struct ZoomRange {
     /// The coarsest.
     pub coarsest: u8,
     /// The finest.
@@ -127,7 +127,7 @@ pub(crate) struct ZoomRange {
 
 impl ZoomRange {
     /// From the zoom at which the map is a few pixels long to that whose pixels are no longer than a cell.
-    pub(crate) fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
+    pub fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
         let [west, south, east, north] = bounds_deg;
         let middle_deg = 0.5 * (south + north);
         let pixel_m = 2.0 * HALF_M * middle_deg.to_radians().cos() / TILE_PIXELS as f64;
@@ -145,7 +145,7 @@ impl ZoomRange {
     }
 
     /// The tiles of a zoom over the map.
-    pub(crate) fn tiles(&self, zoom: u8) -> Vec<WebTile> {
+    pub fn tiles(&self, zoom: u8) -> Vec<WebTile> {
         let [west, south, east, north] = self.bounds_deg;
         let [first, last] = [[west, north], [east, south]].map(|[lon_deg, lat_deg]| {
             WebTile::at_pixel(web_pixel(LonLat { lon_deg, lat_deg }, zoom), zoom)
@@ -159,7 +159,7 @@ impl ZoomRange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::geo::boxes_meet;
+    use bathyscope_log::support::geo::boxes_meet;
 
     #[test]
     fn numbers_along_the_curve_are_those_of_the_pmtiles_package() {

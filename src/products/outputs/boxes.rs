@@ -4,15 +4,15 @@ use super::logs::{log_names, survey_name};
 use super::objects::{all_rows, find_shapes, target_rows};
 use super::order::check_logs;
 use super::training_tiles::TrainingTiles;
-use crate::detection::Raster;
-use crate::detection::objects::{LogReview, ObjectList, SurveyObject, SurveyReview};
-use crate::detection::review::{PIXEL_M, Review, ReviewedTile};
+use crate::export::{self, DatasetPart, ObjectLog, make_folder};
+use crate::file_name::file_name;
+use crate::outputs::OutputError;
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
-use crate::products::export::{self, DatasetPart, ObjectLog, make_folder};
-use crate::products::outputs::OutputError;
-use crate::support::file_name::file_name;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::Raster;
+use bathyscope_objects::objects::{LogReview, ObjectList, SurveyObject, SurveyReview};
+use bathyscope_objects::review::{PIXEL_M, Review, ReviewedTile};
 use std::path::Path;
 
 /// Folder of the pictures for training.
@@ -22,7 +22,7 @@ const REVIEW: &str = "boxes.review.json";
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct BoxesWritten {
+pub struct BoxesWritten {
     /// Boxes in the tables.
     pub boxes: usize,
     /// Pictures for training.
@@ -33,7 +33,7 @@ pub(crate) struct BoxesWritten {
 
 impl BoxesWritten {
     /// What was written, in a sentence.
-    pub(crate) fn summary(&self, folder: &Path) -> String {
+    pub fn summary(&self, folder: &Path) -> String {
         format!(
             "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",
             self.boxes,
@@ -65,7 +65,7 @@ struct LogBoxes<'a> {
 /// # Errors
 /// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only; a log that was cut or changed
 /// meanwhile is named when the files are written, and their pictures may show it as it is now.
-pub(crate) fn write_boxes(
+pub fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,
     part: DatasetPart,

@@ -2,8 +2,8 @@
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
-use crate::bottom::cloud::CloudPoint;
-use crate::products::export::{self, LasPacking, LogPoints};
+use crate::export::{self, LasPacking, LogPoints};
+use bathyscope_bottom::cloud::CloudPoint;
 use std::path::Path;
 
 /// Writes `first_returns.csv`.

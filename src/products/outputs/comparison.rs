@@ -3,16 +3,16 @@
 use super::content::{FileContent, FileResult};
 use super::logs::{log_names, log_points};
 use super::results::Results;
-use crate::bottom::bathymetry::compare::{Comparison, Match};
+use crate::export::{self, Summary};
+use crate::outputs::OutputError;
 use crate::pipeline::{Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings};
-use crate::products::export::{self, Summary};
-use crate::products::outputs::OutputError;
+use bathyscope_bottom::bathymetry::compare::{Comparison, Match};
 use serde::Serialize;
 use std::path::Path;
 
 /// What is written and printed about a survey against a reference.
 #[derive(Debug, Serialize)]
-pub(crate) struct ComparisonRecord<'a> {
+pub struct ComparisonRecord<'a> {
     program: String,
     sign: &'static str,
     statement: String,
@@ -63,7 +63,7 @@ impl<'a> ComparisonRecord<'a> {
     ///
     /// # Errors
     /// A sentence: there is no log or no reference.
-    pub(crate) fn new(
+    pub fn new(
         logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
         inputs: &'a [Input],
@@ -109,12 +109,12 @@ impl<'a> ComparisonRecord<'a> {
     }
 
     /// How a point found its reference, in words.
-    pub(crate) fn by(&self) -> &str {
+    pub fn by(&self) -> &str {
         &self.by
     }
 
     /// A line for each of several logs; `None` of one.
-    pub(crate) fn summary_of_logs(&self) -> Option<String> {
+    pub fn summary_of_logs(&self) -> Option<String> {
         let line = |log: &LogComparison| match &log.comparison.residuals {
             None => format!("{}: no point has a reference", log.log),
             Some(found) => format!(
@@ -143,7 +143,7 @@ fn each(logs: &[ProcessedLog], agreement: &Agreement) -> Vec<LogComparison> {
 ///
 /// # Errors
 /// A sentence that names the file.
-pub(crate) fn write_differences(
+pub fn write_differences(
     path: &Path,
     logs: &[ProcessedLog],
     agreement: &Agreement,

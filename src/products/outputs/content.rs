@@ -1,8 +1,8 @@
 //! What a file of a run holds, as the manifest says it.
 
 use super::error::OutputError;
-use crate::products::export::Summary;
-use crate::support::geo::{Crs, LonLat};
+use crate::export::Summary;
+use bathyscope_log::support::geo::{Crs, LonLat};
 
 /// What the coordinates of a file are.
 #[derive(Clone, Debug)]

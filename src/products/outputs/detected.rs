@@ -7,17 +7,17 @@ use super::registry::{row_of, row_of_beside};
 use super::results::Results;
 use super::run_folder::{Replaced, RunFolder};
 use super::write::write_rows;
-use crate::detection::objects::SurveyReview;
-use crate::detection::{DetectorSettings, Model, Picture, Scored, find_in_picture};
+use crate::export;
 use crate::pipeline::{Derived, ProcessedLog};
-use crate::products::export;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
 
 /// Searches a survey and writes what is found, in the place of what an earlier search wrote there; gives back what became of that, too.
 ///
 /// # Errors
 /// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
-pub(crate) fn write_detected(
+pub fn write_detected(
     log: &ProcessedLog,
     model: &Model,
     run: RunFolder,
@@ -45,7 +45,7 @@ pub(crate) fn write_detected(
 ///
 /// # Errors
 /// As [`write_detected`].
-pub(crate) fn write_detected_in_picture(
+pub fn write_detected_in_picture(
     name: &str,
     picture: &Picture,
     model: &Model,

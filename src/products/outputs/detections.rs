@@ -3,10 +3,10 @@
 use super::content::{FileContent, FileResult};
 use super::objects::all_rows;
 use super::results::Results;
-use crate::detection::objects::SurveyObject;
-use crate::detection::{Detection, Raster};
-use crate::products::export::{self, ChipLog, ObjectRow, Summary};
-use crate::products::outputs::OutputError;
+use crate::export::{self, ChipLog, ObjectRow, Summary};
+use crate::outputs::OutputError;
+use bathyscope_objects::objects::SurveyObject;
+use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
 
 /// What a search proposes.

@@ -2,7 +2,7 @@
 
 use super::registry::{OUTPUT_FILES, OutputFile, row_of};
 use crate::pipeline::{Settings, setting_values};
-use crate::survey::Survey;
+use bathyscope_log::survey::Survey;
 use serde::Deserialize;
 use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsString;
@@ -13,7 +13,7 @@ const REPORT: &str = "report.json";
 
 /// What a folder says of the run that wrote into it.
 #[derive(Clone, Debug)]
-pub(crate) struct EarlierRun {
+pub struct EarlierRun {
     /// `None` where this version does not know them all.
     settings: Option<Settings>,
     /// Names of its files.
@@ -42,7 +42,7 @@ struct Hashed {
 
 impl EarlierRun {
     /// Of a folder; `None` where no run has written.
-    pub(crate) fn read(folder: &Path) -> Option<Self> {
+    pub fn read(folder: &Path) -> Option<Self> {
         let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
         let Manifest {
             settings,
@@ -60,7 +60,7 @@ impl EarlierRun {
 
     /// Files that the same log makes others of with these settings, in the order of writing. Readings of the water level and tracks
     /// count by the names of their files, the area of the isobaths by what it holds.
-    pub(crate) fn out_of_date(&self, settings: &Settings) -> Vec<&'static OutputFile> {
+    pub fn out_of_date(&self, settings: &Settings) -> Vec<&'static OutputFile> {
         let written = || {
             let row = |name: &String| row_of(name).map(|row| row.name);
             let rows: BTreeSet<&str> = self.files.iter().filter_map(row).collect();
@@ -85,7 +85,7 @@ impl EarlierRun {
 
 /// Whether the run in a folder is of these logs, by the names and sizes of their files, or of some of them and no other, or of them and
 /// others.
-pub(crate) fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
+pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
     let read = |record: &Path| -> Option<Origin> {
         let origin: Origin = serde_json::from_slice(&std::fs::read(record).ok()?).ok()?;
         origin.program.starts_with("bathyscope ").then_some(origin)

@@ -1,14 +1,14 @@
 //! Why files could not be written.
 
 use super::mosaic_grid::NoMosaic;
-use crate::bottom::bathymetry::isobaths::NoIsobaths;
-use crate::detection::DetectError;
+use crate::export::{ChipError, ExportError, NoFolder, RasterError};
 use crate::pipeline::{AgreementError, InputError};
-use crate::products::export::{ChipError, ExportError, NoFolder, RasterError};
-use crate::support::file_error::FileError;
-use crate::support::geo::CrsError;
-use crate::support::mapped_file::FileFault;
-use crate::support::progress::Cancelled;
+use bathyscope_bottom::bathymetry::isobaths::NoIsobaths;
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::geo::CrsError;
+use bathyscope_log::support::mapped_file::FileFault;
+use bathyscope_log::support::progress::Cancelled;
+use bathyscope_objects::DetectError;
 
 /// Why there are no isobaths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

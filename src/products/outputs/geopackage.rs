@@ -5,9 +5,9 @@ use super::depth::contours::DrawnContours;
 use super::need::Need;
 use super::objects::target_rows;
 use super::results::Results;
-use crate::products::export::{self, MapGeometry};
-use crate::products::outputs::OutputError;
-use crate::support::presentation::colours::depth_colour;
+use crate::export::{self, MapGeometry};
+use crate::outputs::OutputError;
+use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
 /// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths, depth areas and objects. Map programs

@@ -1,7 +1,7 @@
 //! The ground that the side-scan of a run covers.
 
-use crate::bottom::bathymetry::isobaths::Polygon;
-use crate::support::geo::MapPlane;
+use bathyscope_bottom::bathymetry::isobaths::Polygon;
+use bathyscope_log::support::geo::MapPlane;
 
 /// The ground that the side-scan covers.
 pub(super) struct SideScanCoverage {

@@ -1,11 +1,11 @@
 //! What the logs of a survey are called, and their points.
 
+use crate::export::LogPoints;
 use crate::pipeline::ProcessedLog;
-use crate::products::export::LogPoints;
-use crate::survey::distinct_names;
+use bathyscope_log::survey::distinct_names;
 
 /// What the logs are called: [`distinct_names`].
-pub(crate) fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
+pub fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
     distinct_names(logs.iter().map(|log| &*log.survey))
 }
 

@@ -3,9 +3,9 @@
 use super::content::{Coordinates, FileContent};
 use super::need::Need;
 use super::registry::{Described, OutputFile, row_of};
+use crate::export::{Summary, write_json};
+use crate::outputs::OutputError;
 use crate::pipeline::{Fingerprint, Input, Report, Settings};
-use crate::products::export::{Summary, write_json};
-use crate::products::outputs::OutputError;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;

@@ -46,25 +46,24 @@ mod track;
 mod training_tiles;
 mod write;
 
-pub(crate) use boxes::write_boxes;
-pub(crate) use comparison::{ComparisonRecord, write_differences};
-pub(crate) use detected::{write_detected, write_detected_in_picture};
-pub(crate) use detections::Proposed;
-pub(crate) use earlier_run::{EarlierRun, is_run_of};
-pub(crate) use error::OutputError;
-pub(crate) use logs::log_names;
+pub use boxes::write_boxes;
+pub use comparison::{ComparisonRecord, write_differences};
+pub use detected::{write_detected, write_detected_in_picture};
+pub use detections::Proposed;
+pub use earlier_run::{EarlierRun, is_run_of};
+pub use error::OutputError;
+pub use logs::log_names;
 pub use order::Order;
-pub(crate) use order::When;
-pub(crate) use overwrite::begin;
+pub use order::When;
+pub use overwrite::begin;
 pub use product::Product;
-pub(crate) use product_files::files_in_words;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use registry::row_of;
-pub(crate) use registry::{OUTPUT_FILES, OutputFile};
-pub(crate) use run_folder::Replaced;
+pub use product_files::files_in_words;
+pub use registry::row_of;
+pub use registry::{OUTPUT_FILES, OutputFile};
+pub use run_folder::Replaced;
 pub use run_folder::RunFolder;
-pub(crate) use sizes::{Amounts, about_bytes};
+pub use sizes::{Amounts, about_bytes};
 pub use write::{Written, write};
 
 /// The file that names all files of a run, in place last.
-pub(crate) const MANIFEST: &str = "manifest.json";
+pub const MANIFEST: &str = "manifest.json";

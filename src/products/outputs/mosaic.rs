@@ -3,12 +3,12 @@
 use super::content::{FileContent, FileResult};
 use super::mosaic_grid::mosaic_grid;
 use super::results::Results;
-use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{Band, CellFormat, RASTER_TILE, RasterSpec};
-use crate::imagery::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
-use crate::products::export::{Summary, geotiff};
-use crate::products::outputs::raster;
-use crate::support::geo::MapPlane;
+use crate::export::{Summary, geotiff};
+use crate::outputs::raster;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
+use bathyscope_log::formats::geotiff::{Band, CellFormat, RASTER_TILE, RasterSpec};
+use bathyscope_log::support::geo::MapPlane;
 use std::collections::BTreeSet;
 use std::path::Path;
 

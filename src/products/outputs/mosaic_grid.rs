@@ -1,8 +1,8 @@
 //! The cells that the side-scan mosaic of a run has.
 
-use crate::bottom::bathymetry::Grid;
-use crate::imagery::mosaic::{TILE_CELLS, joint_grid};
 use crate::pipeline::Mosaic;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::mosaic::{TILE_CELLS, joint_grid};
 
 /// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
 const MOST_TILES: usize = 1_000_000;

@@ -1,13 +1,13 @@
 //! The list of objects as rows of tables, with the shapes of what it shows.
 
-use crate::detection::Mark;
-use crate::detection::objects::{ObjectBox, ObjectList, SurveyObject};
-use crate::detection::targets::{FittedShape, Target};
+use crate::export::ObjectRow;
 use crate::pipeline::object_shape;
 use crate::pipeline::{ProcessedLog, Products};
-use crate::products::export::ObjectRow;
-use crate::support::geo::LonLat;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_objects::Mark;
+use bathyscope_objects::objects::{ObjectBox, ObjectList, SurveyObject};
+use bathyscope_objects::targets::{FittedShape, Target};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -2,11 +2,11 @@
 
 use super::error::OutputError;
 use super::product::Product;
-use crate::bottom::bathymetry::compare::Matching;
-use crate::detection::Model;
-use crate::detection::objects::SurveyReview;
 use crate::pipeline::joint::RequestedCorrection;
 use crate::pipeline::{Derived, ProcessedLog, Reference};
+use bathyscope_bottom::bathymetry::compare::Matching;
+use bathyscope_objects::Model;
+use bathyscope_objects::objects::SurveyReview;
 use std::sync::Arc;
 
 /// Who asks for a file.

@@ -4,10 +4,10 @@ use super::MANIFEST;
 use super::order::Order;
 use super::registry::{OUTPUT_FILES, OutputFile};
 use super::run_folder::{RunFolder, has_foreign_manifest, is_stem_of_output};
+use crate::export::is_same_file;
+use crate::outputs::OutputError;
 use crate::pipeline::Reference;
-use crate::products::export::is_same_file;
-use crate::products::outputs::OutputError;
-use crate::survey::Survey;
+use bathyscope_log::survey::Survey;
 use std::path::{Path, PathBuf};
 
 /// Subfolders in which a run may write a file whose name, without its ending, is this one.
@@ -50,7 +50,7 @@ fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<
 ///
 /// # Errors
 /// A sentence that names the folder or the input.
-pub(crate) fn begin<'a>(
+pub fn begin<'a>(
     folder: &Path,
     surveys: impl IntoIterator<Item = &'a Survey>,
     reference: Option<&'a Reference>,

@@ -14,7 +14,7 @@ impl Product {
 }
 
 /// The names of some files: `track/track.gpx, .geojson; track/footprint.geojson`. What belongs to a shapefile goes without saying.
-pub(crate) fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String {
+pub fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String {
     let with_colours = |row: &'a OutputFile| {
         let colours = row.companions.iter().filter(|name| name.ends_with(STYLE));
         std::iter::once(row.name).chain(colours.copied())

@@ -1,8 +1,8 @@
 //! Where a raster lies.
 
-use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{CellFormat, RasterSpec};
-use crate::support::geo::MapPlane;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
+use bathyscope_log::support::geo::MapPlane;
 
 /// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it says.
 pub(super) fn over(grid: &Grid, map: &MapPlane) -> RasterSpec {

@@ -117,17 +117,17 @@ pub(super) fn file_part(name: &str) -> &str {
 }
 
 /// The row that a file of a run belongs to.
-pub(crate) fn row_of(name: &str) -> Option<&'static OutputFile> {
+pub fn row_of(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owns(name))
 }
 
 /// The row that a file belongs to which a version wrote that knew no subfolders.
-pub(crate) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
+pub fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owned_beside(name))
 }
 
 /// All files of a run, in the order of writing.
-pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
+pub const OUTPUT_FILES: [OutputFile; 48] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",

@@ -2,14 +2,14 @@
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
-use crate::bottom::cloud::PointSource;
+use crate::export::write_json;
+use crate::outputs::OutputError;
 use crate::pipeline::{
     Agreement, Crosslines, GeometryChoice, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
 };
-use crate::products::export::write_json;
-use crate::products::outputs::OutputError;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::cloud::PointSource;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::Serialize;
 use std::path::Path;
 use std::slice;

@@ -9,22 +9,24 @@ use super::mosaic_grid::mosaic_grid;
 use super::need::{Missing, Need};
 use super::objects::{Shapes, find_shapes, is_excluded};
 use super::order::{Order, When};
-use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
-use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
-use crate::detection::review::Review;
-use crate::detection::{Detection, find};
-use crate::imagery::mosaic::{MosaicLayout, footprint};
+use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
+use crate::outputs::OutputError;
 use crate::pipeline::list_objects;
 use crate::pipeline::{
     Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Input, Isobaths,
     Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines,
     mosaic_layout,
 };
-use crate::products::export::{self, LogPoints, ObjectLog, TrackPiece};
-use crate::products::outputs::OutputError;
-use crate::support::geo::LonLat;
-use crate::support::progress::Progress;
-use crate::survey::{Identity, Survey};
+use bathyscope_bottom::bathymetry::{
+    DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings,
+};
+use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Identity, Survey};
+use bathyscope_objects::objects::{LogId, LogReview, ObjectList, SurveyReview};
+use bathyscope_objects::review::Review;
+use bathyscope_objects::{Detection, find};
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 

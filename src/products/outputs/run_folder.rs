@@ -11,11 +11,11 @@
 mod earlier;
 mod journal;
 
+use crate::export::{earlier_chips, make_folder, remove_passing_chips};
+use crate::file_in_use::{for_one_writer, is_held, is_in_use};
+use crate::outputs::OutputError;
 use crate::pipeline::Fingerprint;
-use crate::products::export::{earlier_chips, make_folder, remove_passing_chips};
-use crate::products::outputs::OutputError;
-use crate::support::file_in_use::{for_one_writer, is_held, is_in_use};
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use earlier::EarlierFiles;
 pub(super) use earlier::{has_foreign_manifest, is_stem_of_output};
 use journal::Journal;

@@ -2,11 +2,11 @@
 
 use super::Product;
 use crate::pipeline::{DepthMap, ProcessedLog};
-use crate::survey::ChannelKind;
+use bathyscope_log::survey::ChannelKind;
 
 /// What the sizes of files follow from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Amounts {
+pub struct Amounts {
     /// Points of the cloud.
     points: f64,
     /// Side-scan pings.
@@ -19,7 +19,7 @@ pub(crate) struct Amounts {
 
 impl Amounts {
     /// Of some logs and their depth map, where that is there already.
-    pub(crate) fn of(logs: &[ProcessedLog], depth_map: Option<&DepthMap>) -> Self {
+    pub fn of(logs: &[ProcessedLog], depth_map: Option<&DepthMap>) -> Self {
         let mut amounts = Self::default();
         for ProcessedLog { survey, products } in logs {
             amounts.points += products.cloud.points.len() as f64;
@@ -55,7 +55,7 @@ impl Amounts {
 
 /// Bytes of the files of a product, or (without one) of those that every run writes, within a factor of two for surveys of a few lines.
 /// The shares are those of the demo survey, a Humminbird river log and an XTF log, written with the default settings.
-pub(crate) fn about_bytes(product: Option<Product>, amounts: &Amounts) -> u64 {
+pub fn about_bytes(product: Option<Product>, amounts: &Amounts) -> u64 {
     let [base, point, ping, depth_cell, mosaic_cell] = match product {
         None => [40e3, 80.0, 107.0, 0.0, 0.0],
         Some(Product::Cloud) => [0.0, 75.0, 0.0, 0.0, 0.0],

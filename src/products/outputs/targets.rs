@@ -4,9 +4,9 @@ use super::content::{FileContent, FileResult};
 use super::detections::{objects_csv, objects_geojson};
 use super::objects::target_rows;
 use super::results::Results;
-use crate::detection::objects::SurveyObject;
-use crate::products::export::{self, ObjectRow};
-use crate::products::outputs::OutputError;
+use crate::export::{self, ObjectRow};
+use crate::outputs::OutputError;
+use bathyscope_objects::objects::SurveyObject;
 use std::path::Path;
 
 /// The sightings of targets.

@@ -3,7 +3,7 @@
 use super::content::{FileContent, FileResult};
 use super::ground::SideScanCoverage;
 use super::results::Results;
-use crate::products::export::{self, LabelledLine, Summary, TrackPiece};
+use crate::export::{self, LabelledLine, Summary, TrackPiece};
 use std::path::Path;
 
 /// Red, which stays legible on a map and on a picture of the earth.

@@ -1,12 +1,12 @@
 //! What was decided about boxes as pictures with labels, for training.
 
-use crate::detection::dataset::{Chip, PictureBoxes};
-use crate::detection::review::{Review, ReviewedTile};
-use crate::detection::{Labelled, Raster, TILE_PX, level};
-use crate::products::export::{DatasetFolder, DatasetPart, PartSummary};
-use crate::products::outputs::OutputError;
-use crate::support::progress::Progress;
-use crate::survey::{Identity, Survey};
+use crate::export::{DatasetFolder, DatasetPart, PartSummary};
+use crate::outputs::OutputError;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Identity, Survey};
+use bathyscope_objects::dataset::{Chip, PictureBoxes};
+use bathyscope_objects::review::{Review, ReviewedTile};
+use bathyscope_objects::{Labelled, Raster, TILE_PX, level};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;

@@ -13,12 +13,12 @@ use super::report_page;
 use super::results::Results;
 use super::run::OutputRun;
 use super::run_folder::{Replaced, RunFolder};
+use crate::export::write_json;
+use crate::outputs::OutputError;
 use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
-use crate::products::export::write_json;
-use crate::products::outputs::OutputError;
-use crate::support::presentation::text::bytes;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::presentation::text::bytes;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::path::Path;
 
 /// What was written.

@@ -1,14 +1,14 @@
 //! The ground, the boat, the recorder and the troubles of a random survey.
 
 use super::{log_between, up_to};
-use crate::simulation::arithmetic::atan;
-use crate::simulation::artefacts::absorption;
-use crate::simulation::beam::Beam;
-use crate::simulation::random::Random;
-use crate::simulation::scene::{
+use crate::arithmetic::atan;
+use crate::artefacts::absorption;
+use crate::beam::Beam;
+use crate::random::Random;
+use crate::scene::{
     Artefacts, Bank, BedKind, BedSettings, Curve, RecorderSettings, RippleSettings, TrackSettings,
 };
-use crate::simulation::world::backscatter;
+use crate::world::backscatter;
 
 /// A random ground of a mean depth.
 pub(super) fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {

@@ -1,10 +1,10 @@
 //! What lies and swims about in a random survey: objects, and what is mistaken for them.
 
 use super::{log_between, up_to};
-use crate::simulation::arithmetic::{cos, sin};
-use crate::simulation::object_kind::ObjectKind;
-use crate::simulation::random::Random;
-use crate::simulation::scene::{ObjectSettings, Pit, Scene, Shoal, WeedClump};
+use crate::arithmetic::{cos, sin};
+use crate::object_kind::ObjectKind;
+use crate::random::Random;
+use crate::scene::{ObjectSettings, Pit, Scene, Shoal, WeedClump};
 
 /// Most objects of a survey.
 const MOST_OBJECTS: u64 = 13;

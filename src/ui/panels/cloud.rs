@@ -3,12 +3,12 @@
 use super::parts::{self, fact, setting};
 use super::section::{Section, section};
 use crate::app::Figures;
-use crate::bottom::cloud::{Geometry, Residuals};
-use crate::pipeline::settings::rows;
-use crate::pipeline::{Products, Stage};
-use crate::support::presentation::units::Units;
-use crate::survey::{HeadingSource, Projection};
 use crate::ui::{ViewContext, text};
+use bathyscope_bottom::cloud::{Geometry, Residuals};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{HeadingSource, Projection};
+use bathyscope_products::pipeline::settings::rows;
+use bathyscope_products::pipeline::{Products, Stage};
 use egui::Ui;
 
 /// How the side-scan points lie over the soundings of their own pings: named alike wherever it stands.
@@ -24,7 +24,7 @@ pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
 }
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -3,11 +3,11 @@
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, LogPlace, OpenLog, Tool};
-use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
-use crate::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, exclusion_text, text};
+use bathyscope_log::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
+use bathyscope_products::pipeline::Stage;
+use bathyscope_products::pipeline::settings::rows;
 use egui::{Align, Button, Layout, Response, ScrollArea, Ui};
 
 /// Height of a row of the list, points.
@@ -16,7 +16,7 @@ const ROW: f32 = 18.0;
 const ROWS: f32 = 7.0;
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

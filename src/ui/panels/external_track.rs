@@ -4,13 +4,13 @@ use super::parts::{self, fact, remark, setting};
 use super::positions;
 use super::section::{Section, section};
 use crate::app::Action;
-use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;
+use bathyscope_products::pipeline::Stage;
+use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

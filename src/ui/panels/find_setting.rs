@@ -1,12 +1,12 @@
 //! Where the window has the control of a setting, and going there: the palette finds settings by their names.
 
-use crate::pipeline::settings::{SettingRow, rows};
 use crate::ui::{ViewContext, theme};
+use bathyscope_products::pipeline::settings::{SettingRow, rows};
 use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
 
 /// Where the controls of some settings are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ControlPlace {
+pub enum ControlPlace {
     /// In a section of the panel of steps.
     Section(&'static str),
     /// In the list Levels of the waterfall.
@@ -15,7 +15,7 @@ pub(crate) enum ControlPlace {
 
 impl ControlPlace {
     /// Before the name of a setting in the palette.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             ControlPlace::Section(title) => title,
             ControlPlace::Levels => "Waterfall levels",
@@ -24,7 +24,7 @@ impl ControlPlace {
 }
 
 /// All settings that have a control in the window, by the place where it is.
-pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
+pub static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
     (
         ControlPlace::Section("First return"),
         &[
@@ -148,13 +148,13 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
 ];
 
 /// The settings that have their controls in a place.
-pub(crate) fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static SettingRow> {
+pub fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static SettingRow> {
     let here = CONTROLS.iter().filter(move |(other, _)| *other == place);
     here.flat_map(|(_, rows)| rows.iter().copied())
 }
 
 /// Where the control of a setting is.
-pub(crate) fn place_of(key: &str) -> Option<ControlPlace> {
+pub fn place_of(key: &str) -> Option<ControlPlace> {
     let holds = |(_, rows): &&(ControlPlace, &[&SettingRow])| rows.iter().any(|row| row.key == key);
     CONTROLS.iter().find(holds).map(|(place, _)| *place)
 }
@@ -168,22 +168,22 @@ fn marked_id() -> Id {
 }
 
 /// Has the control of a setting take the keyboard when it is drawn next.
-pub(crate) fn seek(ctx: &Context, key: &'static str) {
+pub fn seek(ctx: &Context, key: &'static str) {
     ctx.data_mut(|data| data.insert_temp(sought_id(), key));
 }
 
 /// The setting whose control was sought and not drawn since.
-pub(crate) fn sought(ctx: &Context) -> Option<&'static str> {
+pub fn sought(ctx: &Context) -> Option<&'static str> {
     ctx.data(|data| data.get_temp(sought_id()))
 }
 
 /// Gives up looking for a control.
-pub(crate) fn give_up(ctx: &Context) {
+pub fn give_up(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<&'static str>(sought_id()));
 }
 
 /// Gives the keyboard to the control of a setting that is sought, brings it into view, and frames it while it has the keyboard.
-pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
+pub fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
     let ctx = ui.ctx();
     // Before its size is known a list cannot scroll to it.
     if sought(ctx) == Some(key) && !ui.is_sizing_pass() {
@@ -203,14 +203,14 @@ pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Re
 
 /// The setting whose control is framed while it has the keyboard.
 #[cfg(test)]
-pub(crate) fn marked(ctx: &Context) -> Option<String> {
+pub fn marked(ctx: &Context) -> Option<String> {
     ctx.data(|data| data.get_temp(marked_id()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::settings::rows::ROWS;
+    use bathyscope_products::pipeline::settings::rows::ROWS;
 
     /// Settings without a control: they are drawn in a view, edited in a list of their own, found by a search, or for files and `--set`
     /// alone.

@@ -5,17 +5,17 @@ mod above_bottom;
 use super::parts;
 use super::section::{Section, section};
 use crate::app::{Action, Tool};
-use crate::bottom::cloud::PointClass;
-use crate::pipeline::Stage;
-use crate::survey::Side;
 use crate::ui::{ViewContext, place, text, theme, toggle};
+use bathyscope_bottom::cloud::PointClass;
+use bathyscope_log::survey::Side;
+use bathyscope_products::pipeline::Stage;
 use egui::{Button, RichText, Ui};
 
 /// Title of the section.
 const TITLE: &str = "First return";
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

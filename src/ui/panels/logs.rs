@@ -4,13 +4,13 @@ use super::parts::{self, fact, name_of, press, press_short, remark, warning};
 use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, OpenLog};
-use crate::support::presentation::units::Units;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, exclusion_text, text, theme, toggle};
+use bathyscope_bottom::presentation::units::Units;
 use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Logs"), |ui, context| {
         let app = context.app;
         let last = app.log_count().saturating_sub(1);
@@ -122,7 +122,7 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
         return;
     };
     if let Some(start) = survey.start_unix_s {
-        let day = crate::support::calendar::date(start);
+        let day = bathyscope_log::support::calendar::date(start);
         let value = format!("{day} {}", text::clock(Some(start), 0.0));
         fact(ui, "Start, UTC", "", value);
     }

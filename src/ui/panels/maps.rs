@@ -3,10 +3,10 @@
 use super::parts::{self, fact};
 use super::section::{Section, section};
 use crate::app::{Action, MapLayer};
-use crate::bottom::bathymetry::{FromLevels, LevelsRefused};
-use crate::pipeline::settings::rows;
-use crate::support::presentation::units::Units;
 use crate::ui::ViewContext;
+use bathyscope_bottom::bathymetry::{FromLevels, LevelsRefused};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
 /// Titles of the sections.
@@ -15,7 +15,7 @@ const ISOBATHS: &str = "Isobaths";
 const MOSAIC: &str = "Mosaic";
 
 /// Draws the sections.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new(DEPTH_MAP), depth_map);
     section(ui, context, Section::new(ISOBATHS), isobaths);
     section(ui, context, Section::new(MOSAIC), mosaic);

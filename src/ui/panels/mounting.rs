@@ -4,14 +4,14 @@ use super::find_setting;
 use super::parts::{self, name_cell, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
-use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
-use crate::survey::{HeadingSource, MountingSettings, SidePair, Survey, arm_in_words};
 use crate::ui::ViewContext;
+use bathyscope_log::survey::{HeadingSource, MountingSettings, SidePair, Survey, arm_in_words};
+use bathyscope_products::pipeline::Stage;
+use bathyscope_products::pipeline::settings::rows;
 use egui::{TextEdit, Ui};
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -2,9 +2,9 @@
 
 use super::parts::remark;
 use crate::app::{Action, CARDS_LISTED_EVERY, Command};
-use crate::formats::{FoundLog, LogFolder, formats_to_open};
-use crate::support::calendar;
 use crate::ui::{ViewContext, text};
+use bathyscope_log::formats::{FoundLog, LogFolder, formats_to_open};
+use bathyscope_log::support::calendar;
 use egui::{Button, Label, Ui, vec2};
 use std::path::Path;
 use std::time::SystemTime;

@@ -3,12 +3,12 @@
 use super::parts::{self, fact};
 use super::section::{Section, section};
 use crate::app::Action;
-use crate::pipeline::Stage;
 use crate::ui::{ViewContext, text};
+use bathyscope_products::pipeline::Stage;
 use egui::Ui;
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

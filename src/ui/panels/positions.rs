@@ -2,8 +2,8 @@
 
 use super::parts::{self, name_of, press, press_short, remark};
 use crate::app::{Action, App, FoundPositions};
-use crate::bottom::bathymetry::position_offsets::FoundShift;
 use crate::ui::{ViewContext, text};
+use bathyscope_bottom::bathymetry::position_offsets::FoundShift;
 use egui::{RichText, Ui};
 
 /// Draws the buttons, and what was found.

@@ -3,12 +3,12 @@
 use super::parts;
 use super::section::{Section, section};
 use crate::app::Action;
-use crate::products::outputs::files_in_words;
 use crate::ui::ViewContext;
+use bathyscope_products::outputs::files_in_words;
 use egui::Ui;
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

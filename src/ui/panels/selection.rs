@@ -3,13 +3,13 @@
 use super::parts::{fact, remark};
 use super::section::{Section, section};
 use crate::app::{Command, LogPlace};
-use crate::bottom::cloud::{PointClass, PointSource};
-use crate::survey::{Side, arm_in_words};
 use crate::ui::{ViewContext, place, text, theme};
+use bathyscope_bottom::cloud::{PointClass, PointSource};
+use bathyscope_log::survey::{Side, arm_in_words};
 use egui::{RichText, Ui};
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -3,17 +3,17 @@
 use super::parts::{fact, remark};
 use super::section::{Section, section};
 use crate::app::Action;
-use crate::detection::targets::ShadowHeight;
-use crate::project::MeasurementKind;
 use crate::ui::views::measured;
 use crate::ui::{ViewContext, theme};
+use bathyscope_objects::targets::ShadowHeight;
+use bathyscope_products::project::MeasurementKind;
 use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Height of the drawing, points.
 const DRAWING_HEIGHT: f32 = 110.0;
 
 /// Draws the section; nothing where no height is measured.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let measuring = &context.app.map.measuring;
     let figure = measuring.figure.as_deref();
     let is_height = |kind| kind == MeasurementKind::Height;

@@ -4,19 +4,19 @@ use super::nothing_open;
 use super::parts::{fact, remark, warning};
 use super::section::{Section, section};
 use crate::app::Command;
-use crate::pipeline::Preset;
-use crate::support::calendar;
-use crate::support::presentation::units::Units;
-use crate::support::printable::one_line;
-use crate::survey::{SideScanState, Survey};
 use crate::ui::{ViewContext, text, toggle};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::support::calendar;
+use bathyscope_log::support::printable::one_line;
+use bathyscope_log::survey::{SideScanState, Survey};
+use bathyscope_products::pipeline::Preset;
 use egui::Ui;
 
 /// Warnings shown at once; a damaged log can have thousands.
 const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

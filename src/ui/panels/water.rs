@@ -3,16 +3,16 @@
 use super::parts::{self, setting};
 use super::section::{Section, section};
 use crate::app::Action;
-use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;
+use bathyscope_products::pipeline::Stage;
+use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
 /// What a lake has in spring and autumn: where the slider begins.
 const USUAL_C: f64 = 12.0;
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -10,7 +10,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use std::ops::Range;
 
 /// Squares along a side of a tile; its corners are one more, and shared with the tiles beside it.
-pub(crate) const BOTTOM_TILE: usize = 64;
+pub const BOTTOM_TILE: usize = 64;
 /// Corners along a side of a tile.
 const SIDE: usize = BOTTOM_TILE + 1;
 /// Vertices of a tile: its corners, and those of the skirts along its four sides.
@@ -27,7 +27,7 @@ const SKIRT: f32 = 0.1;
 /// A corner, as the shader reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct BottomVertex {
+pub struct BottomVertex {
     /// Metres from the scene's origin: east, north, up.
     pub place: [f32; 3],
     /// East and north of the direction that the bottom faces there, times 32767.
@@ -40,7 +40,7 @@ pub(crate) struct BottomVertex {
 
 /// What is drawn at a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum BottomPart {
+pub enum BottomPart {
     /// Nothing, nor of any square that it is a corner of.
     None,
     /// Its colour alone, without light and isobaths.
@@ -51,7 +51,7 @@ pub(crate) enum BottomPart {
 
 impl BottomVertex {
     /// At a place, square to `normal` (of length 1).
-    pub(crate) fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], part: BottomPart) -> Self {
+    pub fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], part: BottomPart) -> Self {
         let whole = |part: f32| (part.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16;
         let [r, g, b] = rgb;
         let alpha = |is_so: bool| if is_so { 255 } else { 0 };
@@ -65,7 +65,7 @@ impl BottomVertex {
 
     /// In another colour from far away.
     #[must_use]
-    pub(crate) fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
+    pub fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
         let [.., lit] = self.far_colour;
         Self {
             far_colour: [r, g, b, lit],
@@ -149,7 +149,7 @@ fn level(finest_px: f32) -> usize {
 }
 
 /// A bottom on the GPU.
-pub(crate) struct BottomBuffers {
+pub struct BottomBuffers {
     /// Of the tiles with something to draw: most of the grid around a river, or around ponds far apart, is empty.
     tiles: Vec<wgpu::Buffer>,
     extents: Vec<Extent>,
@@ -161,7 +161,7 @@ pub(crate) struct BottomBuffers {
 
 impl BottomBuffers {
     /// Uploads tiles of (`BOTTOM_TILE` + 1) squared corners each, row by row, `cell_m` metres apart.
-    pub(crate) fn new(
+    pub fn new(
         uploader: &Uploader,
         cell_m: f32,
         tiles: impl Iterator<Item = Vec<BottomVertex>>,
@@ -197,7 +197,7 @@ impl BottomBuffers {
     }
 
     /// The box around what is drawn; `None` where nothing is.
-    pub(crate) fn extent(&self) -> Option<[Vec3; 2]> {
+    pub fn extent(&self) -> Option<[Vec3; 2]> {
         let boxes = self.extents.iter().copied();
         boxes.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
@@ -227,7 +227,7 @@ fn nearest(projection: &CameraProjection, [low, high]: [Vec3; 2]) -> Option<f32>
 
 /// What to draw and from where.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct BottomDraw {
+pub struct BottomDraw {
     /// From world metres to the picture.
     pub projection: CameraProjection,
     /// Towards the light, of length 1: east, north, up.
@@ -254,7 +254,7 @@ impl BottomDraw {
 }
 
 /// Towards a light from a compass direction, so high over the horizon, degrees.
-pub(crate) fn towards_light(azimuth_deg: f32, altitude_deg: f32) -> Vec3 {
+pub fn towards_light(azimuth_deg: f32, altitude_deg: f32) -> Vec3 {
     let (sin_altitude, cos_altitude) = altitude_deg.to_radians().sin_cos();
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
     (Vec2::new(sin_azimuth, cos_azimuth) * cos_altitude).extend(sin_altitude)
@@ -277,14 +277,14 @@ struct ViewUniform {
 }
 
 /// The pipeline for the bottom, with the uniforms of one view.
-pub(crate) struct BottomRenderer {
+pub struct BottomRenderer {
     pipeline: OffscreenPipeline,
     view: Uniform,
 }
 
 impl BottomRenderer {
     /// Builds the pipeline.
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub fn new(device: &wgpu::Device) -> Self {
         let pipeline = OffscreenPipeline::new(
             device,
             PipelineParts {
@@ -308,7 +308,7 @@ impl BottomRenderer {
     }
 
     /// Draws the bottom in a pass of the target.
-    pub(crate) fn draw(
+    pub fn draw(
         &self,
         queue: &wgpu::Queue,
         target: &RenderTarget,

@@ -14,7 +14,7 @@ const LEAST_M: f32 = 0.3;
 
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
+pub enum Direction {
     /// From above, north up.
     Top,
     /// Level, from the south.
@@ -23,7 +23,7 @@ pub(crate) enum Direction {
 
 /// Looks at a target from a distance; never rolls, so that up stays up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct OrbitCamera {
+pub struct OrbitCamera {
     /// The point looked at, metres, before vertical exaggeration.
     pub target: Vec3,
     /// From the target, metres.
@@ -50,21 +50,21 @@ impl Default for OrbitCamera {
 
 impl OrbitCamera {
     /// Turns by a drag across the picture, in pictures' heights: right turns the scene right, down lifts the camera.
-    pub(crate) fn orbit(&mut self, drag: Vec2) {
+    pub fn orbit(&mut self, drag: Vec2) {
         use std::f32::consts::{FRAC_PI_2, TAU};
         self.azimuth_rad = (self.azimuth_rad + drag.x * TAU * 0.5).rem_euclid(TAU);
         self.elevation_rad = (self.elevation_rad + drag.y * TAU * 0.5).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
     /// Moves the target so that the scene follows a drag across the picture, in pictures' heights.
-    pub(crate) fn pan(&mut self, drag: Vec2) {
+    pub fn pan(&mut self, drag: Vec2) {
         let [right, up, _] = self.axes();
         let height_m = 2.0 * self.distance_m * (0.5 * FIELD_OF_VIEW).tan();
         self.move_target(-(right * drag.x - up * drag.y) * height_m);
     }
 
     /// Comes `factor` times nearer (above 1) while the place under `ndc` stays where it is in the picture.
-    pub(crate) fn zoom(&mut self, factor: f32, ndc: Vec2, aspect: f32) {
+    pub fn zoom(&mut self, factor: f32, ndc: Vec2, aspect: f32) {
         let [nearest, farthest] = DISTANCES_M;
         let distance_m = (self.distance_m / factor).clamp(nearest, farthest);
         let [right, up, _] = self.axes();
@@ -76,7 +76,7 @@ impl OrbitCamera {
 
     /// Looks at the depth of a place from where the camera is: the picture stays as it is, and what comes next turns and zooms
     /// about that depth. A place behind the camera changes nothing.
-    pub(crate) fn look_at_depth_of(&mut self, place: Vec3) {
+    pub fn look_at_depth_of(&mut self, place: Vec3) {
         let [_, _, back] = self.axes();
         let eye = self.target + self.shrink(back * self.distance_m);
         let depth_m = self.exaggerate(eye - place).dot(back);
@@ -89,7 +89,7 @@ impl OrbitCamera {
 
     /// Keeps the camera about a box: the target within half of its size around it, and as near and far as there is something
     /// to see.
-    pub(crate) fn hold(&mut self, [low, high]: [Vec3; 2]) {
+    pub fn hold(&mut self, [low, high]: [Vec3; 2]) {
         let half = 0.5 * (high - low).max(Vec3::ONE);
         self.target = self.target.clamp(low - half, high + half);
         let size_m = self.exaggerate(high - low).length().max(1.0);
@@ -100,7 +100,7 @@ impl OrbitCamera {
     }
 
     /// Shows a box whole, from the direction the camera has, within the inner `1 / margin` of the picture.
-    pub(crate) fn fit(&mut self, [low, high]: [Vec3; 2], aspect: f32, margin: f32) {
+    pub fn fit(&mut self, [low, high]: [Vec3; 2], aspect: f32, margin: f32) {
         self.target = 0.5 * (low + high);
         let tan = (0.5 * FIELD_OF_VIEW).tan();
         let [right, up, back] = self.axes();
@@ -115,7 +115,7 @@ impl OrbitCamera {
     }
 
     /// Enlarges a place, from the direction the camera has: what has this size there fills about a third of the picture's height.
-    pub(crate) fn close_up(&mut self, place: Vec3, size_m: f32) {
+    pub fn close_up(&mut self, place: Vec3, size_m: f32) {
         let [nearest, farthest] = DISTANCES_M;
         self.target = place;
         let distance_m = 3.0 * size_m / (2.0 * (0.5 * FIELD_OF_VIEW).tan());
@@ -123,7 +123,7 @@ impl OrbitCamera {
     }
 
     /// Looks from a direction.
-    pub(crate) fn look_from(&mut self, direction: Direction) {
+    pub fn look_from(&mut self, direction: Direction) {
         self.azimuth_rad = 0.0;
         self.elevation_rad = match direction {
             Direction::Top => std::f32::consts::FRAC_PI_2,
@@ -132,7 +132,7 @@ impl OrbitCamera {
     }
 
     /// The projection for a picture of this width over height.
-    pub(crate) fn projection(&self, aspect: f32) -> CameraProjection {
+    pub fn projection(&self, aspect: f32) -> CameraProjection {
         let [right, up, back] = self.axes();
         let view_from_world = Mat4::from_mat3(Mat3::from_cols(right, up, back).transpose());
         let clip_from_view =
@@ -186,7 +186,7 @@ pub(super) fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
 
 /// From the world to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CameraProjection {
+pub struct CameraProjection {
     /// Clip space from world metres.
     pub clip_from_world: Mat4,
     /// Where the camera is, in world metres.
@@ -196,13 +196,13 @@ pub(crate) struct CameraProjection {
 impl CameraProjection {
     /// A place in normalised device coordinates (x right, y up, -1 to 1) and its nearness (reverse-Z: larger is nearer);
     /// `None` behind the camera.
-    pub(crate) fn project(&self, place: Vec3) -> Option<Vec3> {
+    pub fn project(&self, place: Vec3) -> Option<Vec3> {
         let clip = self.clip_from_world * place.extend(1.0);
         (clip.w > 1e-6).then(|| clip.truncate() / clip.w)
     }
 
     /// The direction from the camera to what is seen at a place of the picture; `None` where the projection has no inverse.
-    pub(crate) fn towards(&self, ndc: Vec2) -> Option<Vec3> {
+    pub fn towards(&self, ndc: Vec2) -> Option<Vec3> {
         let place = self.clip_from_world.inverse() * ndc.extend(0.5).extend(1.0);
         let towards = place.truncate() / place.w - self.eye;
         towards.try_normalize()
@@ -210,7 +210,7 @@ impl CameraProjection {
 
     /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the pixel; all within `cover_px`
     /// count as under the pointer) the one in front; its number. `pointer_px` and `size_px` are in pixels from the top left.
-    pub(crate) fn pick(
+    pub fn pick(
         &self,
         points: impl Iterator<Item = (usize, Vec3)>,
         pointer_px: Vec2,

@@ -20,10 +20,10 @@ struct Tint {
 }
 
 /// A colour: red, green and blue of sRGB, multiplied by the alpha that follows.
-pub(crate) type Rgba = [u8; 4];
+pub type Rgba = [u8; 4];
 
 /// Pipelines and colours of one window.
-pub(crate) struct FlatRenderer {
+pub struct FlatRenderer {
     fill: wgpu::RenderPipeline,
     picture: wgpu::RenderPipeline,
     tint_layout: wgpu::BindGroupLayout,
@@ -34,7 +34,7 @@ pub(crate) struct FlatRenderer {
 
 impl FlatRenderer {
     /// Builds the pipelines for targets of this format.
-    pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         let tint_layout = bind_group_layout(device, &[uniform_entry(0)]);
         let picture_layout = bind_group_layout(device, &[texture_entry(0)]);
         let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
@@ -50,7 +50,7 @@ impl FlatRenderer {
     }
 
     /// Makes a colour ready for [`FlatRenderer::fill`] and [`FlatRenderer::show`].
-    pub(crate) fn prepare(&mut self, device: &wgpu::Device, colour: Rgba) {
+    pub fn prepare(&mut self, device: &wgpu::Device, colour: Rgba) {
         let (layout, linear_target) = (&self.tint_layout, self.linear_target);
         self.tints.entry(colour).or_insert_with(|| {
             let tint = Tint {
@@ -68,7 +68,7 @@ impl FlatRenderer {
     }
 
     /// What [`FlatRenderer::show`] reads a picture by.
-    pub(crate) fn bind_picture(
+    pub fn bind_picture(
         &self,
         device: &wgpu::Device,
         picture: &wgpu::TextureView,
@@ -78,17 +78,12 @@ impl FlatRenderer {
     }
 
     /// Fills the viewport with a colour that is prepared.
-    pub(crate) fn fill(&self, pass: &mut wgpu::RenderPass<'_>, colour: Rgba) {
+    pub fn fill(&self, pass: &mut wgpu::RenderPass<'_>, colour: Rgba) {
         self.draw(pass, &self.fill, colour);
     }
 
     /// Shows a picture of the size of the viewport, multiplied by a colour that is prepared.
-    pub(crate) fn show(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        picture: &wgpu::BindGroup,
-        colour: Rgba,
-    ) {
+    pub fn show(&self, pass: &mut wgpu::RenderPass<'_>, picture: &wgpu::BindGroup, colour: Rgba) {
         pass.set_bind_group(1, picture, &[]);
         self.draw(pass, &self.picture, colour);
     }

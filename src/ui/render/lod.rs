@@ -6,7 +6,7 @@ use std::ops::Range;
 /// A place on the line and its colour, as the shader reads it; a NaN place breaks the line.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Vertex {
+pub struct Vertex {
     /// Metres, relative to an origin near the line.
     pub place: [f32; 2],
     /// sRGB and alpha; an alpha of 0 breaks the line on the GPU.
@@ -15,7 +15,7 @@ pub(crate) struct Vertex {
 
 impl Vertex {
     /// Where the line is broken.
-    pub(crate) const BREAK: Self = Self {
+    pub const BREAK: Self = Self {
         place: [f32::NAN; 2],
         colour: [0; 4],
     };
@@ -41,7 +41,7 @@ const FEW: usize = 256;
 
 /// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct LineLevel {
+pub struct LineLevel {
     /// How far the drawn line may lie from the recorded one, metres.
     pub tolerance_m: f32,
     /// How many straight pieces join one vertex to the next, breaks included.
@@ -52,7 +52,7 @@ pub(crate) struct LineLevel {
 
 impl LineLevel {
     /// The runs of segments whose chunks touch the view; neighbours are joined.
-    pub(crate) fn visible(&self, view: LayerBounds) -> Vec<Range<u32>> {
+    pub fn visible(&self, view: LayerBounds) -> Vec<Range<u32>> {
         let mut runs: Vec<Range<u32>> = Vec::new();
         for (index, chunk) in self.chunks.iter().enumerate() {
             if !touches(*chunk, view) {
@@ -82,14 +82,14 @@ impl LineLevel {
 
 /// All levels, finest first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct LinePyramid {
+pub struct LinePyramid {
     /// The levels.
     pub levels: Vec<LineLevel>,
 }
 
 /// What becomes of pieces that are smaller than a level resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Specks {
+pub enum Specks {
     /// They stay, as a dot: a boat at anchor was there.
     Kept,
     /// They go: many of them, as the isobaths of a rough bed have, would fill every level.
@@ -98,11 +98,7 @@ pub(crate) enum Specks {
 
 impl LinePyramid {
     /// Builds all levels of a line and hands the vertices of each to `keep`.
-    pub(crate) fn new(
-        vertices: Vec<Vertex>,
-        specks: Specks,
-        mut keep: impl FnMut(&[Vertex]),
-    ) -> Self {
+    pub fn new(vertices: Vec<Vertex>, specks: Specks, mut keep: impl FnMut(&[Vertex])) -> Self {
         let mut tolerance_m = FINEST_M;
         let mut thinned = thin(&vertices, tolerance_m);
         drop(vertices);
@@ -129,7 +125,7 @@ impl LinePyramid {
 
     /// Index of the level to draw when a pixel covers `metres_per_px`, and its visible runs: nothing coarser than a pixel
     /// and a half unless more than `most` segments would be drawn.
-    pub(crate) fn choose(
+    pub fn choose(
         &self,
         metres_per_px: f32,
         view: LayerBounds,

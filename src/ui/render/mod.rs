@@ -16,16 +16,16 @@ mod part;
 mod pipeline;
 mod target;
 mod upload;
-pub(crate) mod waterfall;
+pub mod waterfall;
 
-pub(crate) use bottom::{
+pub use bottom::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, towards_light,
 };
-pub(crate) use camera::{CameraProjection, Direction, OrbitCamera};
-pub(crate) use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
-pub(crate) use flat::{FlatRenderer, Rgba};
-pub(crate) use lod::{LinePyramid, Specks, Vertex};
-pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
-pub(crate) use part::{Cut, ScenePart};
-pub(crate) use target::{RenderTarget, extent};
-pub(crate) use upload::Uploader;
+pub use camera::{CameraProjection, Direction, OrbitCamera};
+pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
+pub use flat::{FlatRenderer, Rgba};
+pub use lod::{LinePyramid, Specks, Vertex};
+pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
+pub use part::{Cut, ScenePart};
+pub use target::{RenderTarget, extent};
+pub use upload::Uploader;

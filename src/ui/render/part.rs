@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// What lies in a box, and on one side of an upright plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ScenePart {
+pub struct ScenePart {
     /// Corners of the box outside of which nothing is drawn, metres.
     pub corners: [Vec3; 2],
     /// The plane beyond which nothing is drawn.
@@ -13,7 +13,7 @@ pub(crate) struct ScenePart {
 
 /// An upright plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cut {
+pub struct Cut {
     /// Unit vector square to it, towards what is left out: east and north.
     pub outward: Vec2,
     /// How far along that vector the plane stands, metres.
@@ -29,13 +29,13 @@ impl Default for ScenePart {
 
 impl ScenePart {
     /// Everything.
-    pub(crate) const WHOLE: Self = Self {
+    pub const WHOLE: Self = Self {
         corners: [Vec3::MIN, Vec3::MAX],
         cut: None,
     };
 
     /// Whether a place is drawn.
-    pub(crate) fn holds(&self, place: Vec3) -> bool {
+    pub fn holds(&self, place: Vec3) -> bool {
         let [low, high] = self.corners;
         let is_beyond = |cut: Cut| cut.outward.dot(place.truncate()) > cut.at_m;
         (place.cmpge(low) & place.cmple(high)).all() && !self.cut.is_some_and(is_beyond)

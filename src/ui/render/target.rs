@@ -12,7 +12,7 @@ const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own render pass has no depth
 /// buffer that can be relied on, so 3D is drawn here and then shown as an image.
-pub(crate) struct RenderTarget {
+pub struct RenderTarget {
     size_px: [u32; 2],
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
@@ -20,7 +20,7 @@ pub(crate) struct RenderTarget {
 
 impl RenderTarget {
     /// A target of at least 1 x 1 and at most the device's largest texture.
-    pub(crate) fn new(device: &wgpu::Device, size_px: [u32; 2]) -> Self {
+    pub fn new(device: &wgpu::Device, size_px: [u32; 2]) -> Self {
         let size_px = Self::possible(device, size_px);
         Self {
             size_px,
@@ -30,23 +30,23 @@ impl RenderTarget {
     }
 
     /// The size that a target of a requested size gets.
-    pub(crate) fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
+    pub fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
         let most = device.limits().max_texture_dimension_2d;
         size_px.map(|side| side.clamp(1, most))
     }
 
     /// Width and height in pixels.
-    pub(crate) fn size_px(&self) -> [u32; 2] {
+    pub fn size_px(&self) -> [u32; 2] {
         self.size_px
     }
 
     /// The picture.
-    pub(crate) fn colour(&self) -> &wgpu::TextureView {
+    pub fn colour(&self) -> &wgpu::TextureView {
         &self.colour
     }
 
     /// Starts a pass on a cleared target: transparent, and infinitely far (0 in reverse-Z).
-    pub(crate) fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+    pub fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("offscreen"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -103,7 +103,7 @@ pub(super) fn plain_texture(
 }
 
 /// The size of a texture of two dimensions.
-pub(crate) fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+pub fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d {
         width,
         height,

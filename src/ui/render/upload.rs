@@ -7,14 +7,14 @@ const PIECE: usize = 1 << 20;
 
 /// A device and the queue that fills its buffers. Can be used from a worker.
 #[derive(Clone)]
-pub(crate) struct Uploader {
+pub struct Uploader {
     device: wgpu::Device,
     queue: wgpu::Queue,
 }
 
 impl Uploader {
     /// Uploads to this device.
-    pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             device: device.clone(),
             queue: queue.clone(),

@@ -4,9 +4,9 @@ use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, LayoutPreset, View};
-use crate::pipeline::settings;
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
+use bathyscope_products::pipeline::settings;
 use std::path::PathBuf;
 
 /// Said when there is nothing to save or write.

@@ -1,8 +1,8 @@
 //! Logs, base maps, points to compare with and tables of other instruments, dropped on the window.
 
 use crate::app::{Command, FileToOpen};
-use crate::formats::points::is_named_as_elevations;
-use crate::formats::{FileRole, role_by_name};
+use bathyscope_log::formats::points::is_named_as_elevations;
+use bathyscope_log::formats::{FileRole, role_by_name};
 use egui::Ui;
 use std::path::{Path, PathBuf};
 

@@ -1,12 +1,12 @@
 //! The dialog that asks which products are written, and into which folder.
 
 use crate::app::{App, Command, FileToWrite};
-use crate::products::outputs::{
-    Amounts, MANIFEST, OUTPUT_FILES, Product, When, about_bytes, files_in_words,
-};
-use crate::support::presentation::text::bytes;
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::{ViewContext, theme};
+use bathyscope_bottom::presentation::text::bytes;
+use bathyscope_products::outputs::{
+    Amounts, MANIFEST, OUTPUT_FILES, Product, When, about_bytes, files_in_words,
+};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Id, Key, Modal, RichText, TextEdit, Ui};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Keys of the command table, turned into commands.
 
 use crate::app::{Action, App, Command, KeyFocus, Keys, Nudge, Tool, View, is_bare};
-use crate::detection::review::Edit;
+use bathyscope_objects::review::Edit;
 use egui::{Event, FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
 use std::sync::LazyLock;
 

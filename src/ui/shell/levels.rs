@@ -1,10 +1,10 @@
 //! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
 
 use crate::app::Action;
-use crate::imagery::picture::LevelHistogram;
-use crate::pipeline::settings::{SettingKind, SettingRow, rows};
 use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, theme, toggle};
+use bathyscope_bottom::picture::LevelHistogram;
+use bathyscope_products::pipeline::settings::{SettingKind, SettingRow, rows};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 
 /// Width of the panel, points.

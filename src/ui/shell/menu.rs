@@ -3,10 +3,10 @@
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
 use crate::app::{Action, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
-use crate::pipeline::BottomColour;
-use crate::support::geo::CoordinateFormat;
-use crate::support::presentation::units::{LengthUnit, SpeedUnit};
 use crate::ui::ViewContext;
+use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_products::pipeline::BottomColour;
 use egui::{Button, Ui};
 
 const FILE: &[Action] = &[

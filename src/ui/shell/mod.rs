@@ -42,7 +42,7 @@ use sides::{SidePanel, scrolled, time_line_height};
 
 /// A view that fills the whole picture, for `bathyscope snapshot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Alone {
+pub enum Alone {
     /// One of the views of the centre.
     View(View),
     /// The profile of the selected ping.
@@ -122,7 +122,7 @@ impl Views {
 }
 
 /// The window: the state, the views, and everything around them.
-pub(crate) struct Shell {
+pub struct Shell {
     /// The state that all of it shows.
     pub app: App,
     views: Views,
@@ -157,7 +157,7 @@ pub(crate) struct Shell {
 
 impl Shell {
     /// A window on `app`.
-    pub(crate) fn new(app: App) -> Self {
+    pub fn new(app: App) -> Self {
         Self {
             app,
             views: Views::default(),
@@ -185,23 +185,23 @@ impl Shell {
     }
 
     /// Leaves the background to the window, whose frames begin as [`eframe::App::clear_color`] says. A picture begins transparent.
-    pub(crate) fn on_cleared_window(mut self) -> Self {
+    pub fn on_cleared_window(mut self) -> Self {
         self.is_cleared = true;
         self
     }
 
     /// Fills the whole picture with one view, without anything around it.
-    pub(crate) fn show_alone(&mut self, alone: Alone) {
+    pub fn show_alone(&mut self, alone: Alone) {
         self.alone = Some(alone);
     }
 
     /// Makes the waterfall show exactly these pings.
-    pub(crate) fn show_pings(&mut self, pings: std::ops::Range<usize>) {
+    pub fn show_pings(&mut self, pings: std::ops::Range<usize>) {
         self.views.waterfall.show_pings(pings);
     }
 
     /// Whether nothing runs any more and everything on screen is drawn at its final quality.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         let views_settled = match self.alone {
             Some(Alone::View(view)) => self.views.is_settled(view),
             Some(Alone::Profile) => self.views.profile.is_settled(),
@@ -222,7 +222,7 @@ impl Shell {
     }
 
     /// Share of the map's tiles that is drawn, 0 to 1.
-    pub(crate) fn drawn_share(&self) -> f32 {
+    pub fn drawn_share(&self) -> f32 {
         match self.views.map.missing() {
             [_, 0] => 0.0,
             [missing, all] => 1.0 - missing as f32 / all as f32,
@@ -230,7 +230,7 @@ impl Shell {
     }
 
     /// One frame: collects what workers finished, draws everything, and carries out what the analyst asked for.
-    pub(crate) fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
+    pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
         self.app.poll();
         self.meet_survey(ui.ctx());
         self.guard_decisions(ui.ctx());

@@ -1,9 +1,9 @@
 //! All that the program has said since it was started: when, what, and what can be done about it.
 
 use crate::app::Notice;
-use crate::support::presentation::text;
 use crate::ui::ViewContext;
 use crate::ui::panels::parts;
+use bathyscope_bottom::presentation::text;
 use egui::{Align, Layout, RichText, ScrollArea, Ui, Window, vec2};
 use std::time::UNIX_EPOCH;
 

@@ -1,9 +1,9 @@
 //! The command palette: a few letters of a name find any command, any setting of the panels, or a recent log.
 
 use crate::app::{Action, Command};
-use crate::pipeline::settings::SettingRow;
 use crate::ui::panels::find_setting::{self, ControlPlace};
 use crate::ui::{ViewContext, take_typed};
+use bathyscope_products::pipeline::settings::SettingRow;
 use egui::text::{CCursor, CCursorRange};
 use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 

@@ -54,7 +54,7 @@ pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
 
 impl Shell {
     /// Takes over what an earlier run saved; anything unreadable is left as it is by default.
-    pub(crate) fn restore(&mut self, storage: &dyn eframe::Storage) {
+    pub fn restore(&mut self, storage: &dyn eframe::Storage) {
         let Some(text) = storage.get_string(KEY) else {
             return;
         };

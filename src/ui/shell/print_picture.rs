@@ -3,8 +3,8 @@
 use super::printing::map_scale;
 use super::{Alone, Shell, Views};
 use crate::app::{App, Command, Paper, Sheet, ThemeChoice, View};
-use crate::support::progress::Progress;
 use crate::ui::offscreen::{PictureError, Studio, write_picture};
+use bathyscope_log::support::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 

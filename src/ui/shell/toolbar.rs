@@ -5,10 +5,10 @@ use crate::app::{
     Action, CloudColour, CloudOptions, ColourMap, EchogramChannel, View, ViewOptions,
     WaterfallOptions,
 };
-use crate::pipeline::BottomColour;
 use crate::ui::drop_down::DropDown;
 use crate::ui::panels::find_setting;
 use crate::ui::{ViewContext, toggle};
+use bathyscope_products::pipeline::BottomColour;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Popup, Ui};
 

@@ -1,9 +1,9 @@
 //! Drags with a tool in hand, the same in all views.
 
 use crate::app::{App, Command, ExclusionEdit, LogId};
-use crate::sonar::calibration::PingRange;
-use crate::survey::{LogPart, Side};
 use crate::ui::{exclusion_text, theme};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::survey::{LogPart, Side};
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
 
 /// What comes of a drag along the pings of a log.

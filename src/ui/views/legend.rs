@@ -2,12 +2,12 @@
 
 use super::ticks;
 use crate::app::ViewOptions;
-use crate::bottom::cloud::DepthReference;
-use crate::support::presentation::colours::{
+use crate::ui::theme;
+use bathyscope_bottom::cloud::DepthReference;
+use bathyscope_bottom::presentation::colours::{
     depth_colour, difference_colour, distance_colour, share_colour, uncertainty_colour,
 };
-use crate::support::presentation::units::Units;
-use crate::ui::theme;
+use bathyscope_bottom::presentation::units::Units;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 
 /// Width of the colour bar.

@@ -16,9 +16,9 @@ mod profile;
 mod tool_banner;
 pub(super) mod waterfall;
 
-use crate::support::presentation::ticks;
-pub(crate) use cloud::CloudView;
-pub(crate) use map::MapView;
-pub(crate) use objects::ObjectsView;
-pub(crate) use profile::ProfileView;
-pub(crate) use waterfall::WaterfallView;
+use bathyscope_bottom::presentation::ticks;
+pub use cloud::CloudView;
+pub use map::MapView;
+pub use objects::ObjectsView;
+pub use profile::ProfileView;
+pub use waterfall::WaterfallView;

@@ -2,8 +2,8 @@
 
 use super::legend;
 use crate::app::{App, BoxEdge, Tool, View};
-use crate::project::MeasurementKind;
 use crate::ui::theme;
+use bathyscope_products::project::MeasurementKind;
 use egui::text::LayoutJob;
 use egui::{Color32, FontId, Galley, Rect, Role, Sense, TextFormat, Ui, WidgetInfo, vec2};
 use std::sync::Arc;

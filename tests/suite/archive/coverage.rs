@@ -1,13 +1,13 @@
 //! Which recording saw a place: the rows of an archive against all pings of the logs themselves.
 
 use super::{CORNER_M, ZONE, three_logs};
-use crate::formats;
-use crate::pipeline::{self, Products, Settings};
-use crate::products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
-use crate::suite::cli::{refusal, run};
-use crate::suite::support::Moments;
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use crate::cli::{refusal, run};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
+use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_test_support::Moments;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

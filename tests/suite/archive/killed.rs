@@ -1,9 +1,9 @@
 //! An archive whose runs are killed at any moment: the next run makes the same bytes.
 
 use super::{add, files, sail, scene};
-use crate::products::archive::Archive;
-use crate::suite::cli::run;
-use crate::suite::support::Moments;
+use crate::cli::run;
+use bathyscope_products::archive::Archive;
+use bathyscope_test_support::Moments;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,7 +15,7 @@ const LOGS: [&str; 3] = ["log-0.sl2", "log-1.sl2", "log-2.sl2"];
 
 /// Runs the program and kills it after a time.
 fn killed(folder: &Path, args: &[&str], after: Duration) {
-    let mut child = Command::new(crate::suite::support::program())
+    let mut child = Command::new(crate::support::program())
         .args(args)
         .current_dir(folder)
         .stdout(Stdio::null())

@@ -1,12 +1,12 @@
 //! Archives whose depths between the lines come from echo levels.
 
 use super::{ZONE, files, sail, scene};
-use crate::bottom::bathymetry::{CellSource, Grid, Surface};
-use crate::formats::geotiff::read_cells;
-use crate::products::archive::{Archive, Offsets, TileId, contents, tile_surface};
-use crate::simulation::{Mound, Scene, simulate};
-use crate::suite::cli::{refusal, run};
-use crate::support::progress::Progress;
+use crate::cli::{refusal, run};
+use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
+use bathyscope_log::formats::geotiff::read_cells;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Archive, Offsets, TileId, contents, tile_surface};
+use bathyscope_simulation::{Mound, Scene, simulate};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The maps of an archive joined to one map of the web.
 
 use super::{add, files, sail, scene};
-use crate::suite::cli::run;
+use crate::cli::run;
 use std::fs;
 
 const FILES: [&str; 5] = [

@@ -1,11 +1,11 @@
 //! The maps of tiles: parts of one map, to the bit, and made again only where their logs changed.
 
 use super::{CORNER_M, ZONE, add, files, sail, scene, three_logs, zigzag};
-use crate::bottom::bathymetry::{DepthPoint, Grid, Surface, local_surface};
-use crate::formats::parquet_table::{Values, read_parquet};
-use crate::products::archive::{Archive, Offsets, TILE_M, TileId, contents, tile_map};
-use crate::suite::cli::{refusal, run};
-use crate::support::progress::Progress;
+use crate::cli::{refusal, run};
+use bathyscope_bottom::bathymetry::{DepthPoint, Grid, Surface, local_surface};
+use bathyscope_log::formats::parquet_table::{Values, read_parquet};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Archive, Offsets, TILE_M, TileId, contents, tile_map};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

@@ -10,10 +10,10 @@ mod offsets;
 pub(super) mod positions;
 mod rows;
 
-use crate::simulation::{Artefacts, BedSettings, Scene, Simulated, TrackSettings, simulate};
-use crate::suite::cli::run;
-use crate::support::geo::{UtmZone, metres_per_degree};
-use crate::support::progress::Progress;
+use crate::cli::run;
+use bathyscope_log::support::geo::{UtmZone, metres_per_degree};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_simulation::{Artefacts, BedSettings, Scene, Simulated, TrackSettings, simulate};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

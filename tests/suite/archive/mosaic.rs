@@ -1,8 +1,8 @@
 //! The mosaics of tiles: that of `process`, cut at the tiles, whatever the order in which logs came.
 
 use super::{files, sail, scene};
-use crate::products::archive::{Archive, TileId, contents};
-use crate::suite::cli::{refusal, run};
+use crate::cli::{refusal, run};
+use bathyscope_products::archive::{Archive, TileId, contents};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;

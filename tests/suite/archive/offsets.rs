@@ -1,8 +1,8 @@
 //! Height offsets between the logs of an archive, found from the rows in its tiles.
 
 use super::{add, sail, zigzag};
-use crate::suite::cli::{refusal, run, stderr_of};
-use crate::suite::support::Moments;
+use crate::cli::{refusal, run, stderr_of};
+use bathyscope_test_support::Moments;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

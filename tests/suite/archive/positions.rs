@@ -1,11 +1,11 @@
 //! Positions of the logs of an archive that are off or late, found from crossings over a bottom that slopes.
 
 use super::{add, sail, zigzag};
-use crate::formats::lowrance::{FILE_HEADER, sl2::Header};
-use crate::products::archive::{Archive, Offsets, contents, tile_map};
-use crate::simulation::{BedSettings, Mound, Scene};
-use crate::suite::cli::{refusal, run};
-use crate::support::progress::Progress;
+use crate::cli::{refusal, run};
+use bathyscope_log::formats::lowrance::{FILE_HEADER, sl2::Header};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{Archive, Offsets, contents, tile_map};
+use bathyscope_simulation::{BedSettings, Mound, Scene};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

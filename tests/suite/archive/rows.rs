@@ -1,9 +1,9 @@
 //! The rows of logs in tiles: the same bytes however they came there, and no settings mixed.
 
 use super::{add, files, sail, scene, three_logs};
-use crate::formats::parquet_table::{Values, read_parquet};
-use crate::products::archive::{Archive, TileId};
-use crate::suite::cli::{refusal, run};
+use crate::cli::{refusal, run};
+use bathyscope_log::formats::parquet_table::{Values, read_parquet};
+use bathyscope_products::archive::{Archive, TileId};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -155,7 +155,7 @@ fn a_log_that_cannot_be_used_keeps_no_other_out() {
         "--products",
         "tiles",
     ];
-    let output = std::process::Command::new(crate::suite::support::program())
+    let output = std::process::Command::new(crate::support::program())
         .args(args)
         .current_dir(folder)
         .output()

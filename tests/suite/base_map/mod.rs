@@ -1,8 +1,8 @@
 //! Base maps that GDAL wrote (`make.py`), read as GDAL reads them.
 
-use crate::formats::base_map::{BaseMap, open};
-use crate::support::geo::LonLat;
-use crate::support::progress::Progress;
+use bathyscope_log::formats::base_map::{BaseMap, open};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::progress::Progress;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

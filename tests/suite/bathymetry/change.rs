@@ -1,11 +1,11 @@
 //! Whether the interval of a volume holds the truth, over simulated pairs of surveys of a bed with and without a mound.
 
 use super::dice::Dice;
-use crate::bottom::bathymetry::change::{ChangeErrors, ChangeField, ChangeTotals};
-use crate::bottom::bathymetry::{
+use bathyscope_bottom::bathymetry::change::{ChangeErrors, ChangeField, ChangeTotals};
+use bathyscope_bottom::bathymetry::{
     CellSource, DepthPoint, Surface, SurfaceMethod, SurfaceSettings, surface,
 };
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use std::f64::consts::TAU;
 
 const CELL_M: f64 = 0.5;
@@ -132,7 +132,7 @@ fn the_interval_of_a_volume_holds_the_truth_in_95_of_100_pairs() {
                 ratios.push(fill.volume_m3 / truth_m3);
             }
             let same = change(&again, &older);
-            let beyond = |sum: crate::bottom::bathymetry::change::ChangeSum| {
+            let beyond = |sum: bathyscope_bottom::bathymetry::change::ChangeSum| {
                 sum.volume_m3.abs() > sum.within_95_m3(&ERRORS)
             };
             false_alarms += usize::from(beyond(same.fill) || beyond(same.cut));

@@ -1,11 +1,11 @@
 //! Height offsets of logs against what scipy makes of the same overlaps (`make_height_offsets.py`).
 
 use super::dice::Dice;
-use crate::bottom::bathymetry::crosslines::TrackDepth;
-use crate::bottom::bathymetry::height_offsets::{
+use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
+use bathyscope_bottom::bathymetry::height_offsets::{
     Datum, LogOverlap, OverlapKind, adjust, height_offsets,
 };
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use serde::Deserialize;
 
 #[derive(Deserialize)]

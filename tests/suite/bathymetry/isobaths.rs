@@ -1,8 +1,8 @@
 //! Isobaths and depth areas against GDAL and contourpy (`make_isobaths.py` shows how their figures were made).
 
-use crate::bottom::bathymetry::isobaths::{Isobath, depth_areas, isobaths, storage};
-use crate::bottom::bathymetry::{Grid, Surface};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, depth_areas, isobaths, storage};
+use bathyscope_bottom::bathymetry::{Grid, Surface};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

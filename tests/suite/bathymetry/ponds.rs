@@ -1,12 +1,12 @@
 //! Depth maps of simulated ponds against their beds; `cargo bench -- surface` prints the figures over many.
 
-use crate::bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
-use crate::bottom::bathymetry::{CellSource, Surface, SurfaceSettings, SwathDepth};
-use crate::bottom::cloud::{PointSource, Residuals};
-use crate::simulation::{Mound, Scene};
-use crate::suite::missions::{Mission, repeatability};
-use crate::suite::truth::MapError;
-use crate::support::progress::Progress;
+use crate::missions::{Mission, repeatability};
+use crate::truth::MapError;
+use bathyscope_bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
+use bathyscope_bottom::bathymetry::{CellSource, Surface, SurfaceSettings, SwathDepth};
+use bathyscope_bottom::cloud::{PointSource, Residuals};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_simulation::{Mound, Scene};
 
 /// Four lines 8 m apart and two across, on a bed of its own seed.
 fn pond() -> Scene {

@@ -1,7 +1,7 @@
 //! Isobaths, depth areas and spot soundings that end at an area of `isobaths.clip`.
 
 use super::{refusal, run, stderr_of};
-use crate::suite::support::demo_log;
+use crate::support::demo_log;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

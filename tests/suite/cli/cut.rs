@@ -1,7 +1,7 @@
 //! Logs that are cut, overwritten or removed while `bathyscope process` reads them: it ends by itself, with all products or none.
 
 use super::simulated;
-use crate::suite::support::Moments;
+use bathyscope_test_support::Moments;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::fs::{self, File};
@@ -15,7 +15,7 @@ const ROUNDS: usize = 4;
 
 /// A run during which something is done to the log at some moment.
 fn process(folder: &Path, moment: Duration, act: impl FnOnce(&Path)) -> Output {
-    let child = Command::new(crate::suite::support::program())
+    let child = Command::new(crate::support::program())
         .args(["process", "pond.sl2", "--no-objects", "-o", "out"])
         .args(["--products", "depth,mosaic,track"])
         .current_dir(folder)

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 fn desktop(data: &Path, args: &[&str]) -> String {
-    let run = Command::new(crate::suite::support::program())
+    let run = Command::new(crate::support::program())
         .arg("desktop")
         .args(args)
         .env("XDG_DATA_HOME", data)
@@ -30,7 +30,7 @@ fn an_entry_and_file_types_are_written_and_removed() {
     let text = desktop(data, &[]);
     assert!(text.contains(entry) && text.contains(types), "{text}");
     let text = fs::read_to_string(data.join(entry)).expect("an entry");
-    let program = fs::canonicalize(crate::suite::support::program()).expect("the program");
+    let program = fs::canonicalize(crate::support::program()).expect("the program");
     let program = program.display();
     assert!(text.contains(&format!("Exec=\"{program}\" %F\n")), "{text}");
     let xml = fs::read_to_string(data.join(types)).expect("types");

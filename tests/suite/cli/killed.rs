@@ -1,8 +1,8 @@
 //! `bathyscope process` killed at any moment: the folder holds the files of one run, and the next run leaves nothing over.
 
 use super::{run, simulated};
-use crate::products::outputs::{MANIFEST, RunFolder};
-use crate::suite::support::Moments;
+use bathyscope_products::outputs::{MANIFEST, RunFolder};
+use bathyscope_test_support::Moments;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
@@ -29,7 +29,7 @@ fn kills() -> usize {
 /// A run with a setting that the manifest and the report state.
 fn start(folder: &Path, draft_m: f64, products: &str) -> Child {
     let draft = format!("draft_m={draft_m}");
-    Command::new(crate::suite::support::program())
+    Command::new(crate::support::program())
         .args(["process", "pond.sl2", "--no-objects", "-o", "out"])
         .args(["--products", products, "--set", &draft])
         .current_dir(folder)

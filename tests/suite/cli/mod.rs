@@ -15,13 +15,13 @@ mod review;
 mod soundings_only;
 mod waterfall_options;
 
-use crate::suite::support;
+use crate::support;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
 fn bathyscope(folder: &Path, args: &[&str]) -> Output {
-    Command::new(crate::suite::support::program())
+    Command::new(crate::support::program())
         .args(args)
         .current_dir(folder)
         .env_remove("DISPLAY")

@@ -1,8 +1,8 @@
 //! The maps of `bathyscope process`: which are made, and that they agree with each other.
 
 use super::{refusal, run, simulated, stderr_of};
-use crate::suite::handmade;
-use crate::suite::support::manifest;
+use crate::support::manifest;
+use bathyscope_test_support::handmade;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

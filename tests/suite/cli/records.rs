@@ -1,8 +1,8 @@
 //! What the manifest of `bathyscope process` says of each file, and the systems that products are written in.
 
 use super::{refusal, run, simulated};
-use crate::products::outputs::row_of;
-use crate::suite::support::manifest;
+use crate::support::manifest;
+use bathyscope_products::outputs::row_of;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

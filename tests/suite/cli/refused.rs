@@ -1,7 +1,7 @@
 //! What the command line refuses, and how: one sentence, the right exit code, nothing half written, no waiting for ever.
 
 use super::{bathyscope, refusal, run, simulated};
-use crate::suite::handmade;
+use bathyscope_test_support::handmade;
 use std::fs;
 use std::path::Path;
 #[cfg(unix)]
@@ -140,7 +140,7 @@ fn a_name_that_is_not_unicode_is_a_name() {
     simulated(folder);
     let name = OsStr::from_bytes(b"p\xFFnd.sl2");
     fs::copy(folder.join("pond.sl2"), folder.join(name)).expect("a copy");
-    let info = Command::new(crate::suite::support::program())
+    let info = Command::new(crate::support::program())
         .args([OsStr::new("info"), name, OsStr::new("--json")])
         .current_dir(folder)
         .output()
@@ -156,7 +156,7 @@ fn a_full_or_closed_stdout_is_no_panic() {
     let folder = temporary.path();
     simulated(folder);
     let info = |stdout: Stdio| {
-        let mut command = Command::new(crate::suite::support::program());
+        let mut command = Command::new(crate::support::program());
         let command = command.args(["info", "pond.sl2"]).current_dir(folder);
         command
             .stdout(stdout)
@@ -482,7 +482,7 @@ fn what_the_system_says_is_put_plainly() {
 #[test]
 fn a_snapshot_says_what_drew_it_and_no_more() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
-    let output = std::process::Command::new(crate::suite::support::program())
+    let output = std::process::Command::new(crate::support::program())
         .args([
             "snapshot", "-o", "demo.png", "--size", "320x240", "--view", "profile",
         ])

@@ -1,9 +1,9 @@
 //! `review`: decisions about boxes, written for maps and for training.
 
 use super::{refusal, run};
-use crate::detection::Mark;
-use crate::detection::review::{Edit, Review};
-use crate::survey::{Identity, Side};
+use bathyscope_log::survey::{Identity, Side};
+use bathyscope_objects::Mark;
+use bathyscope_objects::review::{Edit, Review};
 use std::fs;
 
 #[test]
@@ -11,7 +11,7 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     let log = folder.join("pond.sl2");
-    fs::copy(crate::suite::support::demo_log(), &log).expect("a log");
+    fs::copy(crate::support::demo_log(), &log).expect("a log");
     let identity = Identity {
         swapped_sides: false,
         file: "pond.sl2".into(),

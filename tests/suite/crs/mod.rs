@@ -1,6 +1,6 @@
 //! Places in EPSG systems against PROJ's (`make.py` writes `epsg.csv`), and what is refused.
 
-use crate::support::geo::{Crs, CrsChoice, LonLat};
+use bathyscope_log::support::geo::{Crs, CrsChoice, LonLat};
 use std::path::Path;
 
 /// System, position and place of each line.

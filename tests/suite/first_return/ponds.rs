@@ -1,13 +1,13 @@
 //! First returns against the truth of simulated ponds.
 
-use crate::formats;
-use crate::simulation::{PingTruth, Scene, simulate};
-use crate::sonar::first_return::{
+use bathyscope_bottom::first_return::{
     FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, SampleMode, detect,
     track_range,
 };
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_simulation::{PingTruth, Scene, simulate};
 
 /// A pond with what is true about it.
 struct Pond {

@@ -1,10 +1,10 @@
 //! Results that are made of a log's tail are those of the whole log, but for what is measured over all of it.
 
-use crate::formats::{open_bytes, open_growing, open_tail};
-use crate::pipeline::{GrowingResults, Preset, Products, Settings, extend, run};
-use crate::suite::support::{demo_log, real_data};
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, Side, Survey, SurveyVersions};
+use crate::support::{demo_log, real_data};
+use bathyscope_log::formats::{open_bytes, open_growing, open_tail};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, Side, Survey, SurveyVersions};
+use bathyscope_products::pipeline::{GrowingResults, Preset, Products, Settings, extend, run};
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! What is read of the tail of a growing log makes the very survey that the whole file makes, wherever it was split.
 
-use crate::formats::{open_growing, open_tail};
-use crate::suite::handmade::{Frame, humminbird, sl2, sl3, survey_frames, xtf};
-use crate::suite::support::real_data;
-use crate::support::progress::Progress;
-use crate::survey::{Bytes, Survey, SurveyVersions};
+use crate::support::real_data;
+use bathyscope_log::formats::{open_growing, open_tail};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Bytes, Survey, SurveyVersions};
+use bathyscope_test_support::handmade::{Frame, humminbird, sl2, sl3, survey_frames, xtf};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -72,7 +72,7 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
     assert_eq!(grown.side_scan_state, whole.side_scan_state, "{what}");
     assert_eq!(grown.sounding_channel, whole.sounding_channel, "{what}");
     assert_eq!(grown.range_source, whole.range_source, "{what}");
-    let same_fix = |(a, b): (&crate::survey::Fix, &crate::survey::Fix)| {
+    let same_fix = |(a, b): (&bathyscope_log::survey::Fix, &bathyscope_log::survey::Fix)| {
         a.time_s == b.time_s
             && a.position == b.position
             && a.cog_rad.to_bits() == b.cog_rad.to_bits()
@@ -103,7 +103,7 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
     for ping in (0..whole.side_scan.len()).step_by(7) {
         let samples = |survey: &Survey| {
             let mut out = Vec::new();
-            let samples = survey.samples(ping, crate::survey::Side::Port);
+            let samples = survey.samples(ping, bathyscope_log::survey::Side::Port);
             if let Some(samples) = samples {
                 samples.copy_outward(&mut out);
             }

@@ -1,16 +1,16 @@
 //! The window beside a recorder: a writer adds records at 20 times real speed while the program looks on.
 
-use crate::app::{
+use crate::residuals::wait;
+use crate::support::{demo_log, real_data};
+use bathyscope::app::{
     Action, App, BottomStroke, Command, ExclusionEdit, FileToWrite, FollowStatus, Ink, Jobs,
     LogPlace, is_project,
 };
-use crate::detection::review::{Edit, State};
-use crate::formats::open_bytes;
-use crate::sonar::calibration::ScaleMode;
-use crate::suite::residuals::wait;
-use crate::suite::support::{demo_log, real_data};
-use crate::support::progress::Progress;
-use crate::survey::{LogPart, Side};
+use bathyscope_bottom::calibration::ScaleMode;
+use bathyscope_log::formats::open_bytes;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{LogPart, Side};
+use bathyscope_objects::review::{Edit, State};
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -223,7 +223,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
             path: vec![[30.0, 3.0], [60.0, 3.2]],
             ink: Ink::Bottom,
         }));
-        let mark = crate::detection::Mark {
+        let mark = bathyscope_objects::Mark {
             side: Side::Starboard,
             pings: 20..45,
             near_m: 6.0,
@@ -253,7 +253,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
     assert_eq!(app.log.reviewing.review.identity().pings, pings(&app));
     // A box among the pings that came since.
     let last = pings(&app);
-    let mark = crate::detection::Mark {
+    let mark = bathyscope_objects::Mark {
         side: Side::Port,
         pings: last - 30..last - 10,
         near_m: 5.0,
@@ -436,7 +436,7 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
         .expect("room");
     let before = pings(&app);
     watch(&mut app, |app| pings(app) > before);
-    let mark = crate::detection::Mark {
+    let mark = bathyscope_objects::Mark {
         side: Side::Port,
         pings: pings(&app) - 30..pings(&app) - 10,
         near_m: 5.0,
@@ -479,7 +479,7 @@ fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<Strin
     };
     let mut at_start = None;
     let (_folder, mut app) = follow(whole, name, share, |app| {
-        let mut settings = crate::pipeline::Settings::clone(&app.log.settings);
+        let mut settings = bathyscope_products::pipeline::Settings::clone(&app.log.settings);
         settings.calibration.mode = ScaleMode::FlatSpot;
         app.apply(Command::Change {
             settings: Box::new(settings),

@@ -8,11 +8,11 @@ mod refused;
 mod table;
 mod xtf;
 
-use crate::formats::{self, OpenError};
-use crate::suite::handmade::{self, Frame};
-use crate::suite::support;
-use crate::support::progress::Progress;
-use crate::survey::{ChannelKind, SampleOrder, Side, SideScanState, Survey, Warning};
+use crate::support;
+use bathyscope_log::formats::{self, OpenError};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{ChannelKind, SampleOrder, Side, SideScanState, Survey, Warning};
+use bathyscope_test_support::handmade::{self, Frame};
 use std::path::{Path, PathBuf};
 
 fn open(file: &str) -> Option<Survey> {

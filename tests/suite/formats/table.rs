@@ -1,8 +1,8 @@
 //! The table of formats is what README.md, the flow for archives, the commands and the messages say.
 
 use super::*;
-use crate::formats::{FORMATS, FileRole, FormatEntry};
-use crate::suite::cli::run;
+use crate::cli::run;
+use bathyscope_log::formats::{FORMATS, FileRole, FormatEntry};
 use serde_json::Value;
 
 const BEGIN: &str = "<!-- The table of formats: src/formats/table.rs. A test compares them. -->\n";

@@ -1,7 +1,7 @@
 //! Small XTF files: both sample widths, both kinds of positions.
 
 use super::*;
-use crate::survey::RangeSource;
+use bathyscope_log::survey::RangeSource;
 
 #[test]
 fn eight_and_sixteen_bits_show_the_same_picture() {

@@ -2,12 +2,12 @@
 
 use super::mutate::{self, Random, WILD};
 use super::run::program;
-use crate::detection::Mark;
-use crate::detection::review::{Edit, Review};
-use crate::formats;
-use crate::suite::handmade;
-use crate::support::progress::Progress;
-use crate::survey::{Identity, Side};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Identity, Side};
+use bathyscope_objects::Mark;
+use bathyscope_objects::review::{Edit, Review};
+use bathyscope_test_support::handmade;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -167,7 +167,7 @@ impl Seeds {
     }
 }
 
-fn review_of(survey: &crate::survey::Survey) -> String {
+fn review_of(survey: &bathyscope_log::survey::Survey) -> String {
     let names = vec!["rock".to_owned(), "tyre".to_owned()];
     let mut review = Review::new(Identity::of(survey), names);
     for index in 0..6 {
@@ -186,7 +186,7 @@ fn review_of(survey: &crate::survey::Survey) -> String {
     review.to_json()
 }
 
-fn bottom_of(survey: &crate::survey::Survey) -> String {
+fn bottom_of(survey: &bathyscope_log::survey::Survey) -> String {
     let bytes = survey.source.byte_count;
     let pings = survey.side_scan.len();
     format!(

@@ -1,7 +1,7 @@
 //! What once took the program down, for ever, or more memory than a laptop has; each with the sentence that it ends in.
 
 use super::survives;
-use crate::suite::support;
+use crate::support;
 use std::fs;
 use tempfile::TempDir;
 
@@ -365,7 +365,7 @@ fn onnx_adding(axes: usize) -> Vec<u8> {
 #[test]
 fn what_files_hold_reaches_the_terminal_as_text() {
     let folder = folder();
-    let mut xtf = crate::suite::handmade::xtf(40, 1, 3, (-73.6, 42.7), 5.0);
+    let mut xtf = bathyscope_test_support::handmade::xtf(40, 1, 3, (-73.6, 42.7), 5.0);
     // The name of the first channel: 16 bytes from the 12th of its description.
     xtf[256 + 12..256 + 28].copy_from_slice(b"\x1b[31mPORT\x07\x1b[2J\0\0");
     write(&folder, "pond.xtf", &xtf);
@@ -428,7 +428,7 @@ fn a_full_disk_is_said_whatever_is_written() {
     write(&folder, "points.csv", format!("x,y,z\n{rows}"));
     // A file of a limited size is what a full disk looks like from within.
     let full = |output: &str| {
-        let program = crate::suite::support::program();
+        let program = crate::support::program();
         let program = program.display();
         let line = format!(
             "ulimit -f 4; trap '' XFSZ; exec '{program}' filter points.csv -o {output} --radius 5000 --min-neighbors 1"

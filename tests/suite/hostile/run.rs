@@ -26,7 +26,7 @@ pub(super) struct Outcome {
 
 /// Runs `bathyscope` in a folder.
 pub(super) fn program(folder: &Path, args: &[String]) -> Outcome {
-    let mut child = Command::new(crate::suite::support::program())
+    let mut child = Command::new(crate::support::program())
         .args(args)
         .current_dir(folder)
         .env_remove("DISPLAY")

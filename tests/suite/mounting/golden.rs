@@ -1,8 +1,8 @@
 //! Lever arms against geodesics.
 
-use crate::support::geo::{LonLat, distance_m};
-use crate::support::progress::Progress;
-use crate::survey::{
+use bathyscope_log::support::geo::{LonLat, distance_m};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
     Fix, HeadingSettings, HeadingSource, MountingSettings, PositionSettings, PositionShift,
     Projection, SidePing, Survey, Track, navigate_with,
 };

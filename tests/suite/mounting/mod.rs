@@ -5,12 +5,12 @@ mod sailed;
 mod source;
 mod window;
 
-use crate::formats::TrackFile;
-use crate::pipeline::{self, Products, Settings};
-use crate::simulation::{Artefacts, ObjectKind, ObjectSettings, Scene, TrackSettings};
-use crate::suite::truth::KnownSurvey;
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use crate::truth::KnownSurvey;
+use bathyscope_log::formats::TrackFile;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_simulation::{Artefacts, ObjectKind, ObjectSettings, Scene, TrackSettings};
 
 /// Two lines to and fro over a gentle bed with three objects that both see, and nothing that disturbs but speckle.
 fn scene() -> Scene {
@@ -64,5 +64,5 @@ fn off_m(known: &KnownSurvey, products: &Products) -> f64 {
     // At both ends the line of the fit is one-sided.
     let off: Vec<f64> = off.skip(60).collect();
     let inner = &off[..off.len() - 60];
-    crate::suite::many_logs::rms(inner)
+    crate::many_logs::rms(inner)
 }

@@ -1,14 +1,14 @@
 //! Surveys of recorders that are mounted askew: with the right settings they are right, without them they are off by as much.
 
 use super::{off_m, processed, scene, settings};
-use crate::detection::review::{Edit, Review};
-use crate::formats::TrackFile;
-use crate::pipeline::{ObjectLocator, Products};
-use crate::simulation::{BedSettings, Mound, Scene};
-use crate::suite::cli::run;
-use crate::suite::many_logs::{rms, true_box};
-use crate::suite::truth::KnownSurvey;
-use crate::survey::{HeadingSource, Identity, Side, Survey};
+use crate::cli::run;
+use crate::many_logs::{rms, true_box};
+use crate::truth::KnownSurvey;
+use bathyscope_log::formats::TrackFile;
+use bathyscope_log::survey::{HeadingSource, Identity, Side, Survey};
+use bathyscope_objects::review::{Edit, Review};
+use bathyscope_products::pipeline::{ObjectLocator, Products};
+use bathyscope_simulation::{BedSettings, Mound, Scene};
 use std::path::Path;
 
 /// Metres forward and to starboard, and their length.
@@ -89,7 +89,7 @@ fn the_arm_turns_with_the_fitted_track_where_headings_are_steps() {
         let at = stretched
             .navigation
             .to_lon_lat(&survey.track, east_m, north_m);
-        crate::support::geo::distance_m(at, truth.position)
+        bathyscope_log::support::geo::distance_m(at, truth.position)
     });
     let off: Vec<f64> = off.collect();
     let off_m = rms(&off[..off.len() - 60]);
@@ -149,7 +149,7 @@ fn a_clock_that_is_behind_finds_its_place_on_another_receivers_track() {
     let known = KnownSurvey::new(&askew, 3);
     // The receiver's clock is right.
     let path = folder.path().join("rtk.csv");
-    let row = |ping: &crate::simulation::PingTruth| {
+    let row = |ping: &bathyscope_simulation::PingTruth| {
         let time_s = f64::from(askew.start_unix_s) + ping.time_s;
         let at = ping.position;
         format!("{time_s:.3},{:.9},{:.9}\n", at.lon_deg, at.lat_deg)
@@ -167,7 +167,7 @@ fn a_clock_that_is_behind_finds_its_place_on_another_receivers_track() {
         });
         let off = places
             .zip(&known.truth.pings)
-            .map(|(place, truth)| crate::support::geo::distance_m(place, truth.position));
+            .map(|(place, truth)| bathyscope_log::support::geo::distance_m(place, truth.position));
         let off: Vec<f64> = off.filter(|metres| metres.is_finite()).collect();
         (rms(&off[60..off.len() - 60]), survey.start_unix_s)
     };
@@ -304,7 +304,7 @@ fn every_side_of_a_mirrored_log_is_that_of_the_boat() {
 
 /// A boat to and fro over mounds and hollows, whose positions are recorded 0.8 s late.
 fn late() -> Scene {
-    let scene = crate::suite::archive::zigzag(0, [0.0, 0.0], 0.0);
+    let scene = crate::archive::zigzag(0, [0.0, 0.0], 0.0);
     let places = (-4..=4).flat_map(|column| (-4..=4).map(move |row| (column, row)));
     let mounds = places.map(|(column, row)| Mound {
         east_m: 8.0 * f64::from(column),

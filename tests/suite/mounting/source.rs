@@ -2,13 +2,13 @@
 
 use super::golden::golden;
 use super::settings;
-use crate::formats;
-use crate::pipeline::{self, Settings};
-use crate::suite::cli::{refusal, run, stderr_of};
-use crate::suite::handmade;
-use crate::support::geo::{LonLat, distance_m};
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use crate::cli::{refusal, run, stderr_of};
+use bathyscope_log::formats;
+use bathyscope_log::support::geo::{LonLat, distance_m};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{self, Settings};
+use bathyscope_test_support::handmade;
 
 /// An XTF log of 20 pings, half a metre to the north each, that says that its positions are metres.
 fn log(origin: (f64, f64)) -> Survey {

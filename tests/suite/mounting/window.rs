@@ -1,17 +1,16 @@
 //! The mounting in the window: by panel and by key, taken back, kept in a project, and as the default of a recorder.
 
 use super::{off_m, scene};
-use crate::app::{
+use crate::cli::run;
+use crate::logs_window::{change, settle};
+use crate::truth::KnownSurvey;
+use crate::window::{Window, app, drawn_window, drop_file, empty_window, press};
+use bathyscope::app::{
     Action, BottomStroke, Command, FileToOpen, FileToWrite, Ink, LogPlace, Mountings,
 };
-use crate::detection;
-use crate::detection::review::{Edit, Review};
-use crate::suite::cli::run;
-use crate::suite::handmade;
-use crate::suite::logs_window::{change, settle};
-use crate::suite::truth::KnownSurvey;
-use crate::suite::window::{Window, app, drawn_window, drop_file, empty_window, press};
-use crate::survey::{Identity, MountingSettings, Side};
+use bathyscope_log::survey::{Identity, MountingSettings, Side};
+use bathyscope_objects::review::{Edit, Review};
+use bathyscope_test_support::handmade;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -95,7 +94,7 @@ fn an_arm_is_typed_shown_and_taken_back() {
 fn mark_port(window: &mut Window) {
     let survey = app(window).log.survey.clone().expect("a log");
     let review = Review::new(Identity::of(&survey), vec!["rock".to_owned()]);
-    let mark = detection::Mark {
+    let mark = bathyscope_objects::Mark {
         side: Side::Port,
         pings: 100..120,
         near_m: 4.0,
@@ -374,7 +373,7 @@ fn the_system_of_metres_is_typed_in_the_panel() {
     settle(&mut window);
     let places = |window: &Window| -> Vec<[f64; 4]> {
         let logs = app(window).shown_logs().into_iter();
-        let place = |shown: crate::app::ShownLog| {
+        let place = |shown: bathyscope::app::ShownLog| {
             let (survey, navigation) = (&shown.log.survey, &shown.log.products.navigation);
             let ping = navigation.pings[30];
             let at = navigation.to_lon_lat(&survey.track, ping.east_m, ping.north_m);
@@ -441,10 +440,10 @@ fn the_waterfall_is_drawn_anew_when_sides_are_exchanged() {
         let mut window = drawn_window([1400.0, 1000.0]);
         open(&mut window, &path);
         // The picture of the log as it was is there before its sides are exchanged.
-        crate::suite::window::settle(&mut window);
+        crate::window::settle(&mut window);
         if mirrored {
             act(&mut window, Action::SwapSides);
-            crate::suite::window::settle(&mut window);
+            crate::window::settle(&mut window);
         }
         let view = window.get_by_label_contains("Waterfall, pings").rect();
         let image = window.render().expect("a picture");

@@ -2,12 +2,12 @@
 
 mod ponds;
 
-use crate::bottom::planning::{
+use crate::cli::{refusal, run};
+use crate::support::demo_log;
+use bathyscope_bottom::planning::{
     Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, SurveyCoverage, WaypointKind, plan,
 };
-use crate::suite::cli::{refusal, run};
-use crate::suite::support::demo_log;
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use serde_json::Value;
 use std::fs;
 

@@ -1,16 +1,18 @@
 //! What sailing the planned lines does for simulated ponds whose survey has a hole.
 
-use crate::bottom::bathymetry::Surface;
-use crate::bottom::planning::{Plan, PlanSettings, plan};
-use crate::detection::objects::ObjectList;
-use crate::formats;
-use crate::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, survey_coverage};
-use crate::simulation::{
+use bathyscope_bottom::bathymetry::Surface;
+use bathyscope_bottom::planning::{Plan, PlanSettings, plan};
+use bathyscope_log::formats;
+use bathyscope_log::support::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::objects::ObjectList;
+use bathyscope_products::pipeline::{
+    self, ProcessedLog, Settings, joint_depth_surface, survey_coverage,
+};
+use bathyscope_simulation::{
     Artefacts, BedKind, BedSettings, RecorderSettings, Scene, Simulated, TrackSettings, simulate,
 };
-use crate::suite::support::Moments;
-use crate::support::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
-use crate::support::progress::Progress;
+use bathyscope_test_support::Moments;
 use std::fs;
 use std::sync::Arc;
 

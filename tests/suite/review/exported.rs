@@ -55,7 +55,7 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
     let images = coco["images"].as_array().expect("images");
     let annotations = coco["annotations"].as_array().expect("annotations");
     let classes = fs::read_to_string(folder.join("classes.txt")).expect("classes");
-    let list = crate::detection::ReviewSettings::default().classes;
+    let list = bathyscope_objects::ReviewSettings::default().classes;
     let names: Vec<&str> = classes.lines().collect();
     assert_eq!(names[..list.len()], list, "the analyst's list comes first");
     let used = review.boxes().map(|one| review.class_name(one.class));

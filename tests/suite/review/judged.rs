@@ -1,8 +1,8 @@
 //! The boxes against the truth, as the analyst sees it: curve, figures, list of mistakes, missed objects.
 
 use super::*;
-use crate::app::MistakeSort;
-use crate::detection::truth::{Mistake, SurveyTruth};
+use bathyscope::app::MistakeSort;
+use bathyscope_objects::truth::{Mistake, SurveyTruth};
 use egui_kittest::kittest::NodeT as _;
 
 /// The demo, whose truth is known, with what a detector would find that misses two objects and sees two where nothing is.
@@ -171,8 +171,8 @@ fn the_matrix_says_what_was_taken_for_what() {
 fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("pond.sl2");
-    fs::copy(crate::suite::support::demo_log(), &log).expect("a log");
-    let mut window = crate::suite::window::empty_window();
+    fs::copy(crate::support::demo_log(), &log).expect("a log");
+    let mut window = crate::window::empty_window();
     app_mut(&mut window).apply(Command::Open(log.clone()));
     window.run();
     assert!(app(&window).log.reviewing.judging.source().is_none());

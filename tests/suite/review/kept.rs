@@ -6,9 +6,9 @@ use super::*;
 fn opened(folder: &Path) -> (PathBuf, Window) {
     let log = folder.join("pond.sl2");
     if !log.exists() {
-        fs::copy(crate::suite::support::demo_log(), &log).expect("a log");
+        fs::copy(crate::support::demo_log(), &log).expect("a log");
     }
-    let mut window = crate::suite::window::empty_window();
+    let mut window = crate::window::empty_window();
     app_mut(&mut window).apply(Command::Open(log.clone()));
     window.run();
     (log, window)

@@ -8,13 +8,15 @@ mod on_map;
 pub(crate) mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};
-use crate::app::{Action, App, BoxEdge, Command, FileToOpen, FileToWrite, Jobs, Tool, border_m};
-use crate::detection::review::{BoxId, Edit, Review, Reviewed, State};
-use crate::detection::{Detection, Mark, ObjectExtent, Raster};
-use crate::simulation::{Scene, simulate};
-use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle, threshold};
-use crate::support::progress::Progress;
-use crate::survey::{Identity, Side};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle, threshold};
+use bathyscope::app::{
+    Action, App, BoxEdge, Command, FileToOpen, FileToWrite, Jobs, Tool, border_m,
+};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Identity, Side};
+use bathyscope_objects::review::{BoxId, Edit, Review, Reviewed, State};
+use bathyscope_objects::{Detection, Mark, ObjectExtent, Raster};
+use bathyscope_simulation::{Scene, simulate};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
@@ -374,7 +376,7 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     press(&mut window, Modifiers::NONE, Key::A);
     let decided = states(&window);
     // Another log, shorter, with a review beside it.
-    let bytes = fs::read(crate::suite::support::demo_log()).expect("the demo log");
+    let bytes = fs::read(crate::support::demo_log()).expect("the demo log");
     let log = folder.path().join("other.sl2");
     fs::write(&log, &bytes[..bytes.len() / 2]).expect("half a log");
     window.state_mut().app.apply(Command::Open(log.clone()));
@@ -439,11 +441,11 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     let counts = app(&window).log.reviewing.counts();
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
     window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
-    let below = crate::support::presentation::text::plural(9 - sure, "proposal", "proposals");
+    let below = bathyscope_bottom::presentation::text::plural(9 - sure, "proposal", "proposals");
     window.get_by_label_contains(&format!("{below} below the minimum confidence"));
 }
 
-fn app_mut(window: &mut Window) -> &mut crate::app::App {
+fn app_mut(window: &mut Window) -> &mut bathyscope::app::App {
     &mut window.state_mut().app
 }
 

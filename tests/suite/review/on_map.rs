@@ -2,8 +2,8 @@
 
 use super::search::truth;
 use super::*;
-use crate::app::{MapLayer, View};
-use crate::ui::Alone;
+use bathyscope::app::{MapLayer, View};
+use bathyscope::ui::Alone;
 
 #[test]
 fn the_mosaic_with_boxes_looks_as_it_did() {

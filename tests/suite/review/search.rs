@@ -1,7 +1,7 @@
 //! The search for objects in the window, and the look of a review.
 
 use super::*;
-use crate::detection::truth::Mistake;
+use bathyscope_objects::truth::Mistake;
 
 /// A small model of random weights: it finds things everywhere, fast.
 pub(crate) fn model(name: &str) -> PathBuf {

@@ -1,12 +1,12 @@
 //! The detector that comes with the program: on the demo survey, whose objects are known, and against onnxruntime
 //! (`oracle.py` made `boxes.json` from the shipped file and a chip of the test split).
 
-use crate::detection::model::shipped;
-use crate::detection::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
-use crate::formats;
-use crate::simulation::{ObjectPass, Scene, simulate};
-use crate::support::progress::Progress;
-use crate::survey::{HeadingSettings, Projection, Survey, navigate};
+use bathyscope_log::formats;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{HeadingSettings, Projection, Survey, navigate};
+use bathyscope_objects::model::shipped;
+use bathyscope_objects::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
+use bathyscope_simulation::{ObjectPass, Scene, simulate};
 
 const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
 const SIDECAR: &str = include_str!("../../../assets/detector/default.json");

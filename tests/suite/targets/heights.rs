@@ -1,10 +1,12 @@
 //! Heights of many objects, by the edges of the shadows that the program finds.
 
 use super::{edit, level_scene, opened, target, written};
-use crate::detection::Mark;
-use crate::detection::review::Edit;
-use crate::simulation::{Curve, ObjectKind, ObjectSettings, RecorderSettings, Scene, Simulated};
-use crate::suite::support::Moments;
+use bathyscope_objects::Mark;
+use bathyscope_objects::review::Edit;
+use bathyscope_simulation::{
+    Curve, ObjectKind, ObjectSettings, RecorderSettings, Scene, Simulated,
+};
+use bathyscope_test_support::Moments;
 use std::path::Path;
 
 const OBJECTS: usize = 50;

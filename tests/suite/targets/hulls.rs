@@ -1,12 +1,12 @@
 //! Sunken boats of 30 m, upright or keel up, with a list, by edges drawn by hand.
 
 use super::{edit, level_scene, only_box, opened, see_far, settle, target, written};
-use crate::app::{Action, App, Command, Measure};
-use crate::detection::review::{Edit, Review};
-use crate::detection::{Mark, MeasuredShadow};
-use crate::project::Pick;
-use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
-use crate::survey::Identity;
+use bathyscope::app::{Action, App, Command, Measure};
+use bathyscope_log::survey::Identity;
+use bathyscope_objects::review::{Edit, Review};
+use bathyscope_objects::{Mark, MeasuredShadow};
+use bathyscope_products::project::Pick;
+use bathyscope_simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
 
 const LENGTH_M: f64 = 30.0;
 const WIDTH_M: f64 = 6.0;

@@ -5,13 +5,13 @@ mod hulls;
 mod shapes;
 mod wreck;
 
-use crate::app::{App, Command, Jobs, LogBox};
-use crate::detection::review::{BoxId, Edit, Reviewed};
-use crate::detection::targets::Target;
-use crate::simulation::{
+use bathyscope::app::{App, Command, Jobs, LogBox};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::review::{BoxId, Edit, Reviewed};
+use bathyscope_objects::targets::Target;
+use bathyscope_simulation::{
     Artefacts, BedSettings, ObjectSettings, Scene, Simulated, Terrace, TrackSettings, simulate,
 };
-use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
 
 /// A level bed so deep under the boat, one line to the east over it, and nothing that disturbs but speckle.

@@ -1,12 +1,12 @@
 //! Shapes fitted to simulated objects of known kind and size.
 
 use super::{edit, level_scene, log_box, opened, see_far, target, written};
-use crate::app::{App, Command};
-use crate::detection::Mark;
-use crate::detection::review::Edit;
-use crate::detection::targets::{FittedShape, ShapeError, ShapeKind};
-use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
-use crate::suite::support::Moments;
+use bathyscope::app::{App, Command};
+use bathyscope_objects::Mark;
+use bathyscope_objects::review::Edit;
+use bathyscope_objects::targets::{FittedShape, ShapeError, ShapeKind};
+use bathyscope_simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
+use bathyscope_test_support::Moments;
 use std::path::Path;
 
 const OBJECTS: usize = 60;

@@ -1,11 +1,11 @@
 //! A sunken barge of 30 m on a level bed, from the picture to the report.
 
 use super::{edit, level_scene, log_box, only_box, opened, see_far, settle, target, written};
-use crate::app::{Action, App, Command, FileToWrite};
-use crate::detection::review::{Confidence, Edit, Review, State};
-use crate::detection::{Mark, ObjectExtent};
-use crate::simulation::{ObjectKind, ObjectSettings, Scene, Simulated};
-use crate::survey::{Identity, Side};
+use bathyscope::app::{Action, App, Command, FileToWrite};
+use bathyscope_log::survey::{Identity, Side};
+use bathyscope_objects::review::{Confidence, Edit, Review, State};
+use bathyscope_objects::{Mark, ObjectExtent};
+use bathyscope_simulation::{ObjectKind, ObjectSettings, Scene, Simulated};
 use std::path::Path;
 
 const LENGTH_M: f64 = 30.0;

@@ -2,12 +2,12 @@
 
 use super::synthetic::{bed_m, even_bottom, pond};
 use super::{app_with, name, pond_app, window};
-use crate::app::{Command, LogPlace};
-use crate::sonar::first_return::{
+use bathyscope::app::{Command, LogPlace};
+use bathyscope_bottom::first_return::{
     FirstReturnSettings, ImageSettings, Method, Normalisation, SampleMode, detect,
 };
-use crate::support::progress::Progress;
-use crate::survey::Side;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Side;
 use egui::pos2;
 use std::time::Duration;
 

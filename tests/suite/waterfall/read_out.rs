@@ -1,7 +1,7 @@
 //! What is said of the place under the pointer.
 
 use super::{settle, window};
-use crate::app::{App, Command, Jobs};
+use bathyscope::app::{App, Command, Jobs};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 

@@ -1,7 +1,7 @@
 //! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of range.
 
-use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::survey::{
+use bathyscope_bottom::first_return::{FirstReturns, Pick};
+use bathyscope_log::survey::{
     Bytes, Encoding, SampleOrder, Side, SidePing, SideScanState, SideSpan, Survey,
 };
 use std::sync::Arc;

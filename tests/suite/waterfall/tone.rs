@@ -2,12 +2,12 @@
 
 use super::synthetic::{span, survey_of};
 use super::{Window, settle, window};
-use crate::app::{Action, App, ColourMap, Command, Jobs, Tool};
-use crate::imagery::mosaic::Gain;
-use crate::imagery::picture::PictureGeometry;
-use crate::pipeline::{self, Settings};
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
+use bathyscope::app::{Action, App, ColourMap, Command, Jobs, Tool};
+use bathyscope_bottom::mosaic::Gain;
+use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::pipeline::{self, Settings};
 use egui::pos2;
 use egui_kittest::Harness;
 use std::sync::Arc;

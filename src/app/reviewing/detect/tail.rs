@@ -6,8 +6,8 @@
 use super::{LABEL, LEAST_SCORE};
 use crate::app::error::AppError;
 use crate::app::{App, LogId, Task, TaskOutcome};
-use crate::detection::{Detection, DetectorSettings, find};
-use crate::survey::Navigation;
+use bathyscope_log::survey::Navigation;
+use bathyscope_objects::{Detection, DetectorSettings, find};
 use std::sync::Arc;
 
 /// New pings that are enough for a search: about half of a tile of the picture at a walking pace.
@@ -44,7 +44,7 @@ impl TailSearch {
 
 impl super::ObjectSearch {
     /// Whether the end of a followed log is being searched.
-    pub(crate) fn is_busy_with_tail(&self) -> bool {
+    pub fn is_busy_with_tail(&self) -> bool {
         self.tail.running.is_some()
     }
 }

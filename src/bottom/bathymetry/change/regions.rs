@@ -2,7 +2,7 @@
 //! between measured places.
 
 use super::{CellChange, ChangeErrors};
-use crate::support::statistics::{median, spread_about};
+use bathyscope_log::support::statistics::{median, spread_about};
 
 /// Half the side of the square that a change is averaged over before its rim is sought, metres.
 const SMOOTHED_M: f64 = 1.0;
@@ -13,7 +13,7 @@ const RIM_SIGMAS: f64 = 1.5;
 
 /// A raster of changes, row by row.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ChangeField<'a> {
+pub struct ChangeField<'a> {
     /// Cells from west to east.
     pub columns: usize,
     /// Square metres of a cell.
@@ -28,7 +28,7 @@ pub(crate) struct ChangeField<'a> {
 
 /// A connected place that rose, or sank.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ChangeRegion {
+pub struct ChangeRegion {
     /// Whether the bottom rose.
     pub is_fill: bool,
     /// Indices of its cells.
@@ -39,7 +39,7 @@ pub(crate) struct ChangeRegion {
 
 impl ChangeField<'_> {
     /// What is known of a cell.
-    pub(crate) fn cell(&self, index: usize) -> Option<CellChange> {
+    pub fn cell(&self, index: usize) -> Option<CellChange> {
         let (rise_m, sigma_m) = (*self.rise_m.get(index)?, *self.sigma_m.get(index)?);
         (!rise_m.is_nan()).then(|| CellChange {
             rise_m: f64::from(rise_m),
@@ -53,7 +53,7 @@ impl ChangeField<'_> {
     ///
     /// Noise is what undetected cells show, in units of their stated errors. Their median is what one map is set off from the other, and a place
     /// has a cell that stands out of that by more than the depths' own errors.
-    pub(crate) fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
+    pub fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
         let smoothed = self.smoothed(errors);
         let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
         for (index, smoothed) in smoothed.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! Which reference belongs to a measured point.
 
-use crate::bottom::bathymetry::{Between, Node, Tin};
-use crate::support::nearest::Nearest;
-use crate::support::progress::{Cancelled, Progress};
+use crate::bathymetry::{Between, Node, Tin};
+use crate::nearest::Nearest;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// How the reference of a point is found.
@@ -22,7 +22,7 @@ pub enum Matching {
 
 impl Matching {
     /// In words.
-    pub(crate) fn in_words(self) -> String {
+    pub fn in_words(self) -> String {
         match self {
             Self::Nearest { radius_m } => format!("nearest point within {radius_m} m"),
             Self::Surface { max_gap_m } => format!("triangulated surface, gap {max_gap_m} m"),
@@ -46,7 +46,7 @@ const CHUNK: usize = 1024;
 
 /// Finds the reference of each measured point, in their order; points without one are left out, as are those that are not
 /// finite. Points are east, north, elevation, metres; of both in one plane.
-pub(crate) fn match_points(
+pub fn match_points(
     measured: &[[f64; 3]],
     reference: &[[f64; 3]],
     matching: Matching,
@@ -60,7 +60,7 @@ pub(crate) fn match_points(
 }
 
 /// A reference that several measurements are compared with.
-pub(crate) struct ReferencePoints(Prepared);
+pub struct ReferencePoints(Prepared);
 
 enum Prepared {
     Nearest(NearPoints),
@@ -71,7 +71,7 @@ enum Prepared {
 
 impl ReferencePoints {
     /// Of points as east, north, elevation, metres; those that are not finite are left out.
-    pub(crate) fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
+    pub fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let prepared = match matching {
             Matching::Nearest { radius_m } => {
@@ -85,7 +85,7 @@ impl ReferencePoints {
     }
 
     /// As [`match_points`], of anything that `place` finds east, north and elevation of.
-    pub(crate) fn matches<T: Sync>(
+    pub fn matches<T: Sync>(
         &self,
         measured: &[T],
         place: impl Fn(&T) -> [f64; 3] + Sync,
@@ -186,7 +186,7 @@ fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::testing::{GOLDEN, golden_points};
+    use crate::bathymetry::testing::{GOLDEN, golden_points};
 
     fn reference() -> Vec<[f64; 3]> {
         let points = golden_points();

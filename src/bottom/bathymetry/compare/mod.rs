@@ -11,11 +11,11 @@ mod matching;
 mod orders;
 mod tables;
 
-pub(crate) use matching::{Match, Matching, ReferencePoints, match_points};
-pub(crate) use orders::{ORDERS, SurveyOrder};
-pub(crate) use tables::{Bin, DifferenceHistogram, binned, suited_width};
+pub use matching::{Match, Matching, ReferencePoints, match_points};
+pub use orders::{ORDERS, SurveyOrder};
+pub use tables::{Bin, DifferenceHistogram, binned, suited_width};
 
-use crate::bottom::cloud::Residuals;
+use crate::cloud::Residuals;
 use serde::Serialize;
 
 /// How a measurement agrees with a reference.

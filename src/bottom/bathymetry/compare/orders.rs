@@ -14,7 +14,7 @@ pub struct SurveyOrder {
 }
 
 /// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest first.
-pub(crate) const ORDERS: [SurveyOrder; 4] = [
+pub const ORDERS: [SurveyOrder; 4] = [
     order("exclusive", 0.15, 0.0075),
     order("special", 0.25, 0.0075),
     order("1a/1b", 0.5, 0.013),

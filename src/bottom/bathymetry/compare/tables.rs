@@ -1,12 +1,12 @@
 //! Differences by what they may hang on, and how often each size of them occurs.
 
-use crate::bottom::cloud::Residuals;
-use crate::support::presentation::ticks;
+use crate::cloud::Residuals;
+use crate::presentation::ticks;
 use serde::Serialize;
 
 /// Differences whose variable lies in one stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Bin {
+pub struct Bin {
     /// Begin of the stretch, itself included.
     pub from: f64,
     /// End of the stretch.
@@ -18,7 +18,7 @@ pub(crate) struct Bin {
 
 /// Statistics for each stretch of `width` of a variable that holds any difference, in rising order. Pairs are the variable and the
 /// difference, metres; those that are not finite are left out.
-pub(crate) fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
+pub fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
     let finite =
         pairs.filter(|(variable, difference)| variable.is_finite() && difference.is_finite());
     let mut keyed: Vec<(i64, f64)> = Vec::with_capacity(finite.size_hint().1.unwrap_or(0));
@@ -39,9 +39,9 @@ pub(crate) fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec
 
 /// A width of 1, 2 or 5 times a power of ten that makes 6 to 15 stretches, more or less, of what lies between the 1st and the 99th
 /// percentile of `values`, which are sorted; `None` where they are all the same.
-pub(crate) fn suited_width(values: &mut [f64]) -> Option<f64> {
+pub fn suited_width(values: &mut [f64]) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
-    let at = |share: f64| crate::support::statistics::quantile(values, share);
+    let at = |share: f64| bathyscope_log::support::statistics::quantile(values, share);
     let width = (at(0.99) - at(0.01)) / 10.0;
     if !(width > 1e-9 && width.is_finite()) {
         return None;
@@ -52,7 +52,7 @@ pub(crate) fn suited_width(values: &mut [f64]) -> Option<f64> {
 
 /// How often differences of each size occur.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct DifferenceHistogram {
+pub struct DifferenceHistogram {
     /// Begin of the first column, metres.
     pub from_m: f64,
     /// Width of a column, metres.
@@ -70,7 +70,7 @@ const COLUMNS: i64 = 100;
 
 impl DifferenceHistogram {
     /// Of differences in metres; the ends hold 99 % of them or more. `None` without any.
-    pub(crate) fn of(differences: &[f64]) -> Option<Self> {
+    pub fn of(differences: &[f64]) -> Option<Self> {
         let mut sorted: Vec<f64> = differences
             .iter()
             .copied()

@@ -1,13 +1,13 @@
 //! Places that two logs measured.
 
 use super::{LogOverlap, OverlapKind};
-use crate::bottom::bathymetry::crosslines::{CrosslinePass, TrackDepth, crossings, velocity_mps};
-use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::{ends, median};
+use crate::bathymetry::crosslines::{CrosslinePass, TrackDepth, crossings, velocity_mps};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::{ends, median};
 use std::collections::{BTreeMap, HashMap};
 
 /// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
-pub(crate) const FEW_CROSSINGS: usize = 3;
+pub const FEW_CROSSINGS: usize = 3;
 /// Side of the squares in which two logs measured the same, metres.
 const SQUARE_M: f64 = 1.0;
 /// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
@@ -22,7 +22,7 @@ const LINE_TURN_DEG: f64 = 45.0;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn log_overlaps(
+pub fn log_overlaps(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, Cancelled> {
@@ -41,7 +41,7 @@ pub(crate) fn log_overlaps(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn crossing_overlaps(
+pub fn crossing_overlaps(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, Cancelled> {
@@ -101,7 +101,7 @@ struct Shared {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn overlaps(
+pub fn overlaps(
     tracks: &[Vec<TrackDepth>],
     is_wanted: impl Fn(&[usize; 2]) -> bool,
     progress: &Progress,

@@ -11,17 +11,17 @@
 mod log_overlaps;
 mod network;
 
-pub(crate) use log_overlaps::{FEW_CROSSINGS, crossing_overlaps, log_overlaps, overlaps};
-pub(crate) use network::adjust;
+pub use log_overlaps::{FEW_CROSSINGS, crossing_overlaps, log_overlaps, overlaps};
+pub use network::adjust;
 pub(super) use network::{difference_sigma_m, groups, robust_shares};
 
 use super::crosslines::TrackDepth;
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::Serialize;
 
 /// What the heights of the logs count from: their differences say nothing about what all of them share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Datum {
+pub enum Datum {
     /// The mean of the offsets of connected logs is zero: no log is taken for better than another.
     #[default]
     Mean,
@@ -41,7 +41,7 @@ pub enum OverlapKind {
 
 /// A place that two logs measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LogOverlap {
+pub struct LogOverlap {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
     /// Whether they cross or overlap.
@@ -60,7 +60,7 @@ pub(crate) struct LogOverlap {
 
 impl LogOverlap {
     /// Of a slope without a direction, on lines that are not known.
-    pub(crate) fn new(
+    pub fn new(
         logs: [usize; 2],
         kind: OverlapKind,
         place: [f64; 2],
@@ -140,7 +140,7 @@ impl PairDifference {
 
 /// Height offsets of all logs, and what they come from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct HeightOffsets {
+pub struct HeightOffsets {
     /// One a log.
     pub logs: Vec<LogOffset>,
     /// Every pair of logs that cross or overlap, in order.
@@ -149,7 +149,7 @@ pub(crate) struct HeightOffsets {
 
 impl HeightOffsets {
     /// How many groups of connected logs there are; heights can be compared within a group only.
-    pub(crate) fn groups(&self) -> usize {
+    pub fn groups(&self) -> usize {
         self.logs.iter().map(|log| log.group + 1).max().unwrap_or(0)
     }
 }
@@ -159,7 +159,7 @@ impl HeightOffsets {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn height_offsets(
+pub fn height_offsets(
     tracks: &[Vec<TrackDepth>],
     datum: Datum,
     progress: &Progress,

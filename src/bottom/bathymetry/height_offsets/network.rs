@@ -1,8 +1,8 @@
 //! Robust weighted least squares over the graph of logs.
 
 use super::{Datum, HeightOffsets, LogOffset, LogOverlap, PairDifference};
-use crate::support::sparse::{Equations, Factor, Pattern};
-use crate::support::statistics::{SIGMA_PER_MAD, median, spread_about};
+use crate::sparse::{Equations, Factor, Pattern};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, spread_about};
 use std::collections::BTreeMap;
 
 /// Standard deviation of a difference on level ground, metres, and of the place of an overlap: they weigh overlaps against each
@@ -34,7 +34,7 @@ const MEDIAN_SHARE: f64 = 1.2533;
 /// take, is found with its height, so that the standard errors hold what such a shift makes of a slope. They are those of the weighted
 /// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single overlaps scatter (a tide,
 /// positions that are off all along a line), they are larger by that much.
-pub(crate) fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> HeightOffsets {
+pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> HeightOffsets {
     let known: Vec<LogOverlap> = log_overlaps
         .iter()
         .filter(|one| {
@@ -78,13 +78,13 @@ pub(crate) fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) ->
 }
 
 /// Standard deviation of the difference between two depths at one place, metres, where the bottom has some slope.
-pub(crate) fn difference_sigma_m(slope: f64) -> f64 {
+pub fn difference_sigma_m(slope: f64) -> f64 {
     let slope = if slope.is_nan() { USUAL_SLOPE } else { slope };
     DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
 }
 
 /// Huber's weights of some residuals, and their robust standard deviation.
-pub(crate) fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
+pub fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
     weighted_shares(residuals, &huber)
 }
 
@@ -100,7 +100,7 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
 }
 
 /// The group of every log, numbered in the order of their first logs: those that cross or overlap, directly or through others, share one.
-pub(crate) fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+pub fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
     fn first_of(first: &mut [usize], mut log: usize) -> usize {

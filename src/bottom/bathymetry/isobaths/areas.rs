@@ -3,11 +3,11 @@
 mod rings;
 
 use super::march::{CellEdge, Square, crossing, square};
-use crate::bottom::bathymetry::Surface;
-use crate::support::progress::{Cancelled, Progress};
+use crate::bathymetry::Surface;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
-pub(crate) use rings::{Polygon, polygons};
+pub use rings::{Polygon, polygons};
 
 /// The part of a surface between two depths.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl DepthArea {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn depth_areas(
+pub fn depth_areas(
     surface: &Surface,
     levels_m: &[f64],
     progress: &Progress,

@@ -8,7 +8,7 @@ pub(super) const LEAST_LENGTH_M: f64 = 0.01;
 
 /// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and enters the next one the place is the same
 /// number in both.
-pub(crate) fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
+pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for step in line.points.windows(2) {
         let Some([from, to]) = within([step[0], step[1]], bounds) else {
@@ -82,7 +82,7 @@ fn within(
 type End = [u64; 3];
 
 /// The lines that pieces make: one that ends where another of its depth begins goes on there. Pieces that begin at the same place stay apart.
-pub(crate) fn joined(pieces: Vec<Isobath>) -> Vec<Isobath> {
+pub fn joined(pieces: Vec<Isobath>) -> Vec<Isobath> {
     let end = |depth_m: f64, [x, y]: [f64; 2]| -> End { [depth_m, x, y].map(f64::to_bits) };
     let (mut by_begin, mut links, mut lines) = (HashMap::new(), Vec::new(), Vec::new());
     for piece in pieces {

@@ -2,8 +2,8 @@
 
 use super::clip::LEAST_LENGTH_M;
 use super::{DepthArea, Isobath, Polygon};
-use crate::support::outline::{between, edges, is_crossed};
-use crate::support::statistics::ends;
+use bathyscope_log::support::outline::{between, edges, is_crossed};
+use bathyscope_log::support::statistics::ends;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;

@@ -1,15 +1,15 @@
 //! Which depths isobaths are drawn at.
 
 use super::Smoothing;
-use crate::support::presentation::ticks;
-use crate::support::presentation::units::LengthUnit;
-use crate::survey::WaterArea;
+use crate::presentation::ticks;
+use crate::presentation::units::LengthUnit;
+use bathyscope_log::survey::WaterArea;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Every so many isobaths one is thick and labelled, counted from depth 0.
-pub(crate) const INDEX: f64 = 5.0;
+pub const INDEX: f64 = 5.0;
 /// More isobaths than this are a mistake, not a map.
 const MOST_LEVELS: f64 = 1000.0;
 /// About so many are drawn where nobody says how many.
@@ -73,7 +73,7 @@ pub enum NoIsobaths {
 }
 
 /// Metres from one of some rising depths to the next, and the first of them; `None` where they are not equally far apart, and of none.
-pub(crate) fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
+pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
     const ALONE_M: f64 = 1e6;
     let first_m = *levels_m.first()?;
     let apart_m = levels_m.get(1).map_or(ALONE_M, |next_m| next_m - first_m);

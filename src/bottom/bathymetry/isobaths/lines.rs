@@ -1,8 +1,8 @@
 //! Isobaths: the cuts of one level, joined.
 
 use super::march::{CellEdge, crossing, square};
-use crate::bottom::bathymetry::Surface;
-use crate::support::progress::{Cancelled, Progress};
+use crate::bathymetry::Surface;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
@@ -35,7 +35,7 @@ impl Isobath {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn isobaths(
+pub fn isobaths(
     surface: &Surface,
     levels_m: &[f64],
     progress: &Progress,

@@ -1,6 +1,6 @@
 //! Marching squares: where a level cuts the squares whose corners are the centres of four cells.
 
-use crate::bottom::bathymetry::Surface;
+use crate::bathymetry::Surface;
 
 /// An edge between the centres of two neighbouring cells: twice the index of its western or northern cell, and one more where
 /// it runs south.

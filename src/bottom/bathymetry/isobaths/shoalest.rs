@@ -1,12 +1,9 @@
 //! The surface whose isobaths understate no shoal, and the shoalest depth of each cell.
 
-use crate::bottom::bathymetry::{DepthPoint, Grid, Surface};
+use crate::bathymetry::{DepthPoint, Grid, Surface};
 
 /// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN where none was.
-pub(crate) fn shoalest_m<'a>(
-    grid: &Grid,
-    depths: impl IntoIterator<Item = &'a DepthPoint>,
-) -> Vec<f32> {
+pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoint>) -> Vec<f32> {
     let mut shoalest_m = vec![f32::NAN; grid.len()];
     for point in depths {
         let cell = grid.index_at(point.east_m, point.north_m);
@@ -21,7 +18,7 @@ pub(crate) fn shoalest_m<'a>(
 /// A surface that is nowhere deeper than the depths it was made from: the four cells around each depth are as shallow as it, at least. A
 /// line of equal depth crosses no square of four centres whose cells are all shallower, so every depth that is shallower than the line lies
 /// on its shallow side.
-pub(crate) fn with_shoalest<'a>(
+pub fn with_shoalest<'a>(
     surface: &Surface,
     depths: impl IntoIterator<Item = &'a DepthPoint>,
 ) -> Surface {
@@ -62,9 +59,9 @@ fn not_deeper(depth_m: f64) -> f32 {
 mod tests {
     use super::super::{Smoothing, depth_areas, isobaths, smoothed};
     use super::*;
-    use crate::bottom::bathymetry::Grid;
-    use crate::bottom::bathymetry::testing::point as depth;
-    use crate::support::progress::Progress;
+    use crate::bathymetry::Grid;
+    use crate::bathymetry::testing::point as depth;
+    use bathyscope_log::support::progress::Progress;
 
     /// Cells of a metre, all 3 m deep, east and south of the origin.
     fn flat(side: usize) -> Surface {

@@ -1,6 +1,6 @@
 //! Rounder lines, for those who prefer looks to exactness.
 
-use crate::support::outline::between;
+use bathyscope_log::support::outline::between;
 
 /// How the corners of lines are cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub struct Smoothing {
 
 /// Cuts the corners of a line (Chaikin 1974): each pass puts two points at a quarter and three quarters of every step and leaves the
 /// corners out. The ends of an open line stay; a ring, which ends where it began, stays one. The line moves by up to a quarter of a step.
-pub(crate) fn smoothed(points: &[[f64; 2]], smoothing: Smoothing) -> Vec<[f64; 2]> {
+pub fn smoothed(points: &[[f64; 2]], smoothing: Smoothing) -> Vec<[f64; 2]> {
     let mut line = points.to_vec();
     for _ in 0..smoothing.passes {
         line = cut_corners(&line, smoothing.toward_deep);

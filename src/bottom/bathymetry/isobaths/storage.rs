@@ -1,12 +1,12 @@
 //! How much lies below a level: what a reservoir's table says.
 
 use super::ClipArea;
-use crate::bottom::bathymetry::Surface;
+use crate::bathymetry::Surface;
 use serde::Serialize;
 
 /// The part of a surface below a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Storage {
+pub struct Storage {
     /// The level: its depth, metres.
     pub depth_m: f64,
     /// Area of the bottom that is deeper, seen from above, square metres.
@@ -17,11 +17,7 @@ pub(crate) struct Storage {
 
 /// Area and volume below each level. Every cell counts as a column of its own depth; what was not measured does not count, nor do cells
 /// whose middle lies outside the area, where there is one.
-pub(crate) fn storage(
-    surface: &Surface,
-    levels_m: &[f64],
-    within: Option<&ClipArea>,
-) -> Vec<Storage> {
+pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -> Vec<Storage> {
     let is_within = |cell: usize| {
         let middle = surface.grid.centre_of(cell);
         within.is_none_or(|area| area.holds(middle))

@@ -1,14 +1,14 @@
 //! How the error of a depth grows with the distance to the nearest sounding.
 
 use super::LeftOutMiss;
-use crate::support::statistics::quantile;
+use bathyscope_log::support::statistics::quantile;
 
 /// Bins by distance of what a stated error is read from, of large squares; small ones are one bin.
 const BINS: usize = 8;
 
 /// The standard deviation of a depth's error by the distance to the nearest sounding.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SigmaByDistance {
+pub struct SigmaByDistance {
     /// Distance and standard deviation, metres, both rising.
     steps: Vec<[f64; 2]>,
 }
@@ -28,7 +28,7 @@ impl SigmaByDistance {
     }
 
     /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on as between the last two.
-    pub(crate) fn at(&self, away_m: f64) -> f64 {
+    pub fn at(&self, away_m: f64) -> f64 {
         let after = self
             .steps
             .partition_point(|[distance_m, _]| *distance_m <= away_m);

@@ -10,11 +10,11 @@
 mod by_distance;
 mod roughness;
 
-pub(crate) use by_distance::SigmaByDistance;
+pub use by_distance::SigmaByDistance;
 
 use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m};
-use crate::support::nearest::Nearest;
-use crate::support::progress::{Cancelled, Progress};
+use crate::nearest::Nearest;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use roughness::{Roughness, RoughnessSampler};
 
@@ -85,7 +85,7 @@ pub(super) fn state_error(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(crate) fn sigma_by_distance(
+pub fn sigma_by_distance(
     points: &[DepthPoint],
     max_gap_m: f64,
     progress: &Progress,

@@ -1,8 +1,8 @@
 //! What is stated of a depth against beds that are known.
 
 use super::*;
-use crate::bottom::bathymetry::testing::{point, random};
-use crate::bottom::bathymetry::{Spread, Surface, SurfaceSettings, surface};
+use crate::bathymetry::testing::{point, random};
+use crate::bathymetry::{Spread, Surface, SurfaceSettings, surface};
 
 /// Four lines 8 m apart over a bed, a sounding each half metre, with noise of `noise_m`.
 fn lines(noise_m: f64, bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {

@@ -1,7 +1,7 @@
 use super::*;
-use crate::bottom::bathymetry::local_surface;
-use crate::bottom::bathymetry::testing::golden_points;
-use crate::support::statistics::ends;
+use crate::bathymetry::local_surface;
+use crate::bathymetry::testing::golden_points;
+use bathyscope_log::support::statistics::ends;
 
 fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
     (0..=40).map(move |i| DepthPoint::of_sounding([f64::from(i), north_m], depth_m))

@@ -1,6 +1,6 @@
 //! Why readings of the water's height are not in force.
 
-use crate::support::calendar;
+use bathyscope_log::support::calendar;
 use std::path::PathBuf;
 
 /// Why readings of the water's height are not in force: one sentence, the path last.

@@ -11,11 +11,11 @@ mod error;
 mod sound_speed;
 mod statement;
 
-pub(crate) use error::WaterLevelError;
-pub(crate) use sound_speed::SoundSpeedSettings;
-pub(crate) use statement::DepthReference;
+pub use error::WaterLevelError;
+pub use sound_speed::SoundSpeedSettings;
+pub use statement::DepthReference;
 
-use crate::survey::{Gauge, Survey};
+use bathyscope_log::survey::{Gauge, Survey};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WaterLevelSettings {
-    /// Readings of a gauge or tide over the time of the survey, as [`crate::formats::read_gauge`] reads them.
+    /// Readings of a gauge or tide over the time of the survey, as [`bathyscope_log::formats::read_gauge`] reads them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     /// What the file holds, once it has been read.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::survey::{MountingSettings, Sounding};
+use bathyscope_log::survey::{MountingSettings, Sounding};
 
 fn survey(start_unix_s: Option<f64>) -> Survey {
     let sounding = |time_s| Sounding {

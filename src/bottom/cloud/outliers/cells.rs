@@ -1,7 +1,7 @@
 //! Points sorted by cell: rows of cells along x, ascending within the row.
 
 use super::{CellAxis, PointPlace};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
 

@@ -14,8 +14,8 @@ mod cells;
 mod sweep;
 mod tree;
 
-use crate::support::progress::{Cancelled, Progress};
 use axis::CellAxis;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use cells::CellPoints;
 
 /// Cells are this much wider than the radius, so that rounding never puts neighbours two cells apart.
@@ -25,7 +25,7 @@ const CELL_MARGIN: f64 = 1.0 + 1e-6;
 ///
 /// Distances are compared in f64. Points with a coordinate that is not finite are dropped and are nobody's neighbours.
 /// Memory is proportional to the number of points, however far apart they lie.
-pub(crate) fn keep(
+pub fn keep(
     points: &[[f64; 3]],
     radius_m: f64,
     min_neighbors: usize,

@@ -2,7 +2,7 @@
 
 use super::cells::CellPoints;
 use super::tree::{Tree, distance_square};
-use crate::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::OnceLock;

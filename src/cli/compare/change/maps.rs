@@ -1,11 +1,11 @@
 //! The depth maps of either side of a change: of a run, of an archive, or of any program.
 
-use crate::bottom::bathymetry::CellSource;
 use crate::cli::Failure;
-use crate::formats::geotiff::{
+use bathyscope_bottom::bathymetry::CellSource;
+use bathyscope_log::formats::geotiff::{
     CellFormat, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
 };
-use crate::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
+use bathyscope_log::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 

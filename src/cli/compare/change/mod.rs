@@ -8,20 +8,20 @@ mod record;
 mod report_page;
 
 use super::CompareArgs;
-use crate::bottom::bathymetry::Grid;
-use crate::bottom::bathymetry::change::{
-    CellChange, ChangeErrors, ChangeField, ChangeRegion, ChangeTotals,
-};
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
-use crate::formats::geotiff::{Band, RasterSpec};
-use crate::products::export::{
-    ExportError, RasterError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::bathymetry::change::{
+    CellChange, ChangeErrors, ChangeField, ChangeRegion, ChangeTotals,
 };
-use crate::support::presentation::colours::{
+use bathyscope_bottom::presentation::colours::{
     difference_colour, difference_reach_m, uncertainty_colour,
 };
-use crate::support::progress::Progress;
+use bathyscope_log::formats::geotiff::{Band, RasterSpec};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::export::{
+    ExportError, RasterError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
+};
 use maps::{DepthMaps, DepthPart};
 use rayon::prelude::*;
 use record::ChangeRecord;

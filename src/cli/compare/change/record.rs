@@ -1,6 +1,6 @@
 //! What changed, in figures: for scripts, for a terminal, and for the page.
 
-use crate::bottom::bathymetry::change::{ChangeErrors, ChangeSum, ChangeTotals};
+use bathyscope_bottom::bathymetry::change::{ChangeErrors, ChangeSum, ChangeTotals};
 use serde::Serialize;
 use std::path::Path;
 

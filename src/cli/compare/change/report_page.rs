@@ -1,10 +1,10 @@
 //! The change on one page: figures and a picture.
 
 use super::record::ChangeRecord;
-use crate::support::presentation::colours::{difference_colour, difference_reach_m};
-use crate::support::printable::xml;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use bathyscope_bottom::presentation::colours::{difference_colour, difference_reach_m};
+use bathyscope_log::support::printable::xml;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 
 /// Longest side of the picture, pixels.

@@ -2,7 +2,7 @@
 //! features.
 
 use super::Layer;
-use crate::products::export::sqlite::{Value, insert, run, text};
+use crate::export::sqlite::{Value, insert, run, text};
 use rusqlite::Connection;
 use std::io;
 

@@ -7,14 +7,14 @@
 mod part;
 mod traces;
 
-pub(crate) use part::{LogPartChoice, PartError, TimeBound};
+pub use part::{LogPartChoice, PartError, TimeBound};
 
 use super::track::write_track_gpx;
 use super::{ExportError, is_same_file, track, write_atomically};
-use crate::formats::log_writer::{LogToWrite, LogWriter};
-use crate::formats::{FORMATS, writer_for};
-use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{PositionSettings, Projection, Survey, navigate_with};
+use bathyscope_log::formats::log_writer::{LogToWrite, LogWriter};
+use bathyscope_log::formats::{FORMATS, writer_for};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{PositionSettings, Projection, Survey, navigate_with};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ const TABLES: [&str; 3] = ["csv", "parquet", "gpx"];
 
 /// Why a log cannot be copied: one sentence.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum CopyError {
+pub enum CopyError {
     /// No format has the ending of the file.
     #[error(
         "the ending of the file names no format that is written; end it in {endings}: {}",
@@ -51,7 +51,7 @@ pub(crate) enum CopyError {
 
 /// What a copy is written as.
 #[derive(Clone, Copy)]
-pub(crate) enum CopyFormat {
+pub enum CopyFormat {
     /// The format of a recorder.
     Recorder(&'static dyn LogWriter),
     /// A line for each trace.
@@ -67,7 +67,7 @@ impl CopyFormat {
     ///
     /// # Errors
     /// When no format has it.
-    pub(crate) fn of(path: &Path) -> Result<Self, CopyError> {
+    pub fn of(path: &Path) -> Result<Self, CopyError> {
         let ending = path.extension().unwrap_or_default();
         let is = |name: &str| ending.eq_ignore_ascii_case(name);
         match writer_for(ending) {
@@ -98,7 +98,7 @@ fn endings_in_words() -> String {
 ///
 /// # Errors
 /// As above.
-pub(crate) fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
+pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
     CopyFormat::of(path)?;
     match log_files.iter().any(|file| is_same_file(file, path)) {
         true => Err(CopyError::IsLog(path.to_owned())),
@@ -108,7 +108,7 @@ pub(crate) fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyE
 
 /// What a copy holds.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Copied {
+pub struct Copied {
     /// Side-scan pings.
     pub pings: usize,
     /// Recorded depths.
@@ -119,7 +119,7 @@ pub(crate) struct Copied {
 
 impl Copied {
     /// `1200 side-scan pings and 300 depths`.
-    pub(crate) fn summary(&self) -> String {
+    pub fn summary(&self) -> String {
         let Self {
             pings, soundings, ..
         } = self;
@@ -131,7 +131,7 @@ impl Copied {
 ///
 /// # Errors
 /// When [`check_copy`] refuses the file, the log has nothing of the part or cannot be in that format, writing fails, or the work is cancelled.
-pub(crate) fn copy_log(
+pub fn copy_log(
     path: &Path,
     survey: &Survey,
     positions: PositionSettings<'_>,

@@ -1,14 +1,14 @@
 //! Which part of a log is copied.
 
-use crate::sonar::calibration::PingRange;
-use crate::support::calendar::unix_from_iso;
-use crate::survey::{Navigation, Survey, WaterArea};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::calendar::unix_from_iso;
+use bathyscope_log::survey::{Navigation, Survey, WaterArea};
 use std::ops::Range;
 use std::str::FromStr;
 
 /// Why a part cannot be chosen: one sentence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum PartError {
+pub enum PartError {
     /// A time is neither a number of seconds nor a date with a time.
     #[error(
         "a time is written in seconds of the log, 60, or as a date with the time of day in UTC, 2024-05-01T10:00:00; got {0}"
@@ -35,7 +35,7 @@ pub(crate) enum PartError {
 
 /// A moment of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum TimeBound {
+pub enum TimeBound {
     /// Seconds after its time zero.
     Log(f64),
     /// Unix seconds.
@@ -60,7 +60,7 @@ impl TimeBound {
     ///
     /// # Errors
     /// When it is written otherwise.
-    pub(crate) fn span(text: &str) -> Result<[Self; 2], PartError> {
+    pub fn span(text: &str) -> Result<[Self; 2], PartError> {
         let (from, to) = text
             .split_once("..")
             .ok_or_else(|| PartError::NoSpan(text.to_owned()))?;
@@ -81,7 +81,7 @@ impl TimeBound {
 
 /// The part of a log that all choices have in common; without any the whole.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LogPartChoice {
+pub struct LogPartChoice {
     /// Side-scan pings, or soundings of a log without side-scan; the last one left out.
     pub pings: Option<PingRange>,
     /// First and last moment.
@@ -95,7 +95,7 @@ impl LogPartChoice {
     ///
     /// # Errors
     /// When the log has nothing of it.
-    pub(crate) fn stretches(
+    pub fn stretches(
         &self,
         survey: &Survey,
         navigation: &Navigation,
@@ -141,8 +141,8 @@ impl LogPartChoice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::geo::LonLat;
-    use crate::survey::{PingNav, SidePing};
+    use bathyscope_log::support::geo::LonLat;
+    use bathyscope_log::survey::{PingNav, SidePing};
 
     fn log() -> (Survey, Navigation) {
         let survey = Survey {

@@ -1,11 +1,11 @@
 //! The records of a log as a table: a row for each trace, which is one side of a ping, a ping of a channel that looks down, or a depth.
 
-use crate::formats::log_writer::{LogToWrite, Recorded};
-use crate::formats::parquet_table::{Column, ParquetWriter, Values};
-use crate::support::calendar::timestamp;
-use crate::support::geo::{LonLat, compass_deg};
-use crate::support::progress::Progress;
-use crate::survey::{ChannelKind, Encoding, Fix, PingNav, SideSpan};
+use bathyscope_log::formats::log_writer::{LogToWrite, Recorded};
+use bathyscope_log::formats::parquet_table::{Column, ParquetWriter, Values};
+use bathyscope_log::support::calendar::timestamp;
+use bathyscope_log::support::geo::{LonLat, compass_deg};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{ChannelKind, Encoding, Fix, PingNav, SideSpan};
 use std::fs::File;
 use std::io::{self, Write};
 

@@ -1,9 +1,9 @@
 //! `objects.csv`: one line a box.
 
 use super::{ObjectLog, ObjectRow, log_name};
-use crate::detection::targets::{FittedShape, Target};
-use crate::products::export::{ExportError, write_atomically};
-use crate::survey::Survey;
+use crate::export::{ExportError, write_atomically};
+use bathyscope_log::survey::Survey;
+use bathyscope_objects::targets::{FittedShape, Target};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
@@ -43,7 +43,7 @@ const HEADER: [&str; 30] = [
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
 /// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe. A table of several
 /// logs begins with the column `log`. Shapes are those of whole objects: every sighting of one has the same.
-pub(crate) fn objects_csv(
+pub fn objects_csv(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],

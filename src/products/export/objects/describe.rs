@@ -1,8 +1,8 @@
 //! What plotters and map programs say of an object: a name, and all that is known in a line.
 
-use crate::detection::objects::SurveyObject;
-use crate::support::presentation::text::plural;
-use crate::support::presentation::units::Units;
+use bathyscope_bottom::presentation::text::plural;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_objects::objects::SurveyObject;
 use std::collections::HashMap;
 
 /// What a plotter shows beside the name; what is not known is left out.

@@ -1,13 +1,13 @@
 //! `objects.geojson` (RFC 7946): one point a box that has a place.
 
 use super::{ObjectLog, ObjectRow, log_name};
-use crate::products::export::{ExportError, write_json};
+use crate::export::{ExportError, write_json};
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// Writes boxes as points with everything that is known about them; `log` says which of several logs they are of. Boxes without a place
 /// are left out.
-pub(crate) fn objects_geojson(
+pub fn objects_geojson(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],

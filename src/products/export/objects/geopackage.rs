@@ -1,12 +1,12 @@
 //! Layers of a GeoPackage with boxes: their places, and their outlines on the ground; `objects.gpkg` has these two.
 
 use super::{ObjectLog, ObjectRow, log_name};
-use crate::detection::targets::Target;
-use crate::products::export::ExportError;
-use crate::products::export::geopackage::{FeatureGeometry, Layer, geopackage};
-use crate::products::export::qgis_vector::{target_outline_style, target_style};
-use crate::products::export::sqlite::{Value, count, text};
-use crate::support::geo::{Crs, LonLat};
+use crate::export::ExportError;
+use crate::export::geopackage::{FeatureGeometry, Layer, geopackage};
+use crate::export::qgis_vector::{target_outline_style, target_style};
+use crate::export::sqlite::{Value, count, text};
+use bathyscope_log::support::geo::{Crs, LonLat};
+use bathyscope_objects::targets::Target;
 use std::path::Path;
 
 /// EPSG's number of WGS84.
@@ -18,7 +18,7 @@ const ABOUT: &str = "Targets of a side-scan survey";
 /// Writes boxes as two layers, `targets` (points) and `target_outlines` (length along the track by width across it, on the ground), with
 /// everything that is known about them. The time of the last change is that of the first recording, so that the same survey gives the
 /// same bytes.
-pub(crate) fn objects_gpkg(
+pub fn objects_gpkg(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
@@ -32,7 +32,7 @@ pub(crate) fn objects_gpkg(
 
 /// Boxes as two layers; `place` gives where a position lies in the system of the file. Boxes without a place are left out, points and
 /// boxes of unknown size from the outlines.
-pub(crate) fn object_layers(
+pub fn object_layers(
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
     place: impl Fn(LonLat) -> [f64; 2],

@@ -1,13 +1,13 @@
 //! `objects.gpx` (GPX 1.1): a waypoint for each object, as plotters read it.
 
 use super::describe::{description, titles};
-use crate::detection::objects::SurveyObject;
-use crate::products::export::{ExportError, Summary, write_bytes};
-use crate::support::printable::xml;
+use crate::export::{ExportError, Summary, write_bytes};
+use bathyscope_log::support::printable::xml;
+use bathyscope_objects::objects::SurveyObject;
 use std::path::Path;
 
 /// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class (`type`).
-pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
+pub fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",
     );

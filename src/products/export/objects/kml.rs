@@ -1,13 +1,13 @@
 //! `objects.kml` (KML 2.2): a placemark for each object.
 
 use super::describe::{description, titles};
-use crate::detection::objects::SurveyObject;
-use crate::products::export::{ExportError, Summary, write_bytes};
-use crate::support::printable::xml;
+use crate::export::{ExportError, Summary, write_bytes};
+use bathyscope_log::support::printable::xml;
+use bathyscope_objects::objects::SurveyObject;
 use std::path::Path;
 
 /// Writes objects as placemarks.
-pub(crate) fn objects_kml(
+pub fn objects_kml(
     path: &Path,
     name: &str,
     objects: &[&SurveyObject],

@@ -1,8 +1,8 @@
 //! `shapes.ply`: the solids that objects are like, as bodies for 3D programs.
 
 use super::ObjectRow;
-use crate::detection::targets::FittedShape;
-use crate::products::export::{ExportError, Summary, write_summed};
+use crate::export::{ExportError, Summary, write_summed};
+use bathyscope_objects::targets::FittedShape;
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
@@ -67,7 +67,7 @@ impl Body {
 
 /// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue as bytes; the object's number as `object`. Comments name the kind and the size of each.
-pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
+pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
     let shapes: BTreeMap<u32, &FittedShape> = (rows.iter())
         .filter_map(|row| Some((row.of.object?, row.shape?)))
         .collect();

@@ -1,12 +1,12 @@
 use super::*;
-use crate::detection::Mark;
-use crate::detection::objects::{
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::{Side, Survey};
+use bathyscope_objects::Mark;
+use bathyscope_objects::objects::{
     LogBox, LogId, ObjectSummary, PlacedBox, SurveyObject, joint_objects,
 };
-use crate::detection::review::{BoxId, Reviewed, State};
-use crate::detection::targets::{GroupSettings, PosedSolid, ShapeKind, Solid, Target};
-use crate::support::geo::LonLat;
-use crate::survey::{Side, Survey};
+use bathyscope_objects::review::{BoxId, Reviewed, State};
+use bathyscope_objects::targets::{GroupSettings, PosedSolid, ShapeKind, Solid, Target};
 use std::fs;
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ fn mark() -> Mark {
 fn target(mark: &Mark) -> Target {
     Target {
         mark: mark.clone(),
-        extent: crate::detection::ObjectExtent::Found,
+        extent: bathyscope_objects::ObjectExtent::Found,
         measured_shadow: None,
         parts: None,
         slant_m: 4.5,
@@ -104,7 +104,7 @@ fn logs(survey: &Survey) -> [ObjectLog<'_>; 2] {
 }
 
 fn written(
-    write: impl FnOnce(&std::path::Path) -> Result<(), crate::products::export::ExportError>,
+    write: impl FnOnce(&std::path::Path) -> Result<(), crate::export::ExportError>,
 ) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("file");

@@ -1,8 +1,8 @@
 //! `.gpx` (GPX 1.1).
 
 use super::{PlannedWay, WayPlace};
-use crate::bottom::planning::WaypointKind;
-use crate::support::printable::xml;
+use bathyscope_bottom::planning::WaypointKind;
+use bathyscope_log::support::printable::xml;
 
 pub(super) fn text(way: &PlannedWay<'_>) -> String {
     let ends = way

@@ -1,11 +1,11 @@
 //! `.kml` (KML 2.2).
 
 use super::PlannedWay;
-use crate::support::geo::LonLat;
-use crate::support::printable::xml;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::printable::xml;
 
 pub(super) fn text(way: &PlannedWay<'_>) -> String {
-    let line = |(number, leg): (usize, &crate::bottom::planning::Leg)| {
+    let line = |(number, leg): (usize, &bathyscope_bottom::planning::Leg)| {
         let ends = [leg.from, leg.to].map(|place| way.lon_lat(place));
         placemark(&format!("L{number}"), ends.into_iter(), "line")
     };

@@ -2,7 +2,7 @@
 
 use super::PlannedWay;
 use super::qgroundcontrol::{NAV_WAYPOINT, RELATIVE_HEIGHT};
-use crate::support::geo::LonLat;
+use bathyscope_log::support::geo::LonLat;
 
 /// `MAV_FRAME_GLOBAL`, of the home position.
 const ABSOLUTE_HEIGHT: u8 = 0;

@@ -11,13 +11,13 @@ mod mission_planner;
 mod qgroundcontrol;
 
 use super::{ExportError, write_bytes};
-use crate::bottom::planning::{Plan, WaypointKind};
-use crate::support::geo::{LocalFrame, LonLat};
+use bathyscope_bottom::planning::{Plan, WaypointKind};
+use bathyscope_log::support::geo::{LocalFrame, LonLat};
 use std::path::{Path, PathBuf};
 
 /// A kind of file that a plan can be written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PlanFormat {
+pub enum PlanFormat {
     /// GPX 1.1: a waypoint at both ends of every line, and the way as a route.
     Gpx,
     /// KML 2.2: lines and way.
@@ -33,11 +33,11 @@ pub(crate) enum PlanFormat {
 #[error(
     "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}", .0.display()
 )]
-pub(crate) struct PlanFormatError(pub PathBuf);
+pub struct PlanFormatError(pub PathBuf);
 
 impl PlanFormat {
     /// All of them.
-    pub(crate) const ALL: [PlanFormat; 4] = [
+    pub const ALL: [PlanFormat; 4] = [
         PlanFormat::Gpx,
         PlanFormat::Kml,
         PlanFormat::QGroundControl,
@@ -45,7 +45,7 @@ impl PlanFormat {
     ];
 
     /// How its files end.
-    pub(crate) fn ending(self) -> &'static str {
+    pub fn ending(self) -> &'static str {
         match self {
             PlanFormat::Gpx => "gpx",
             PlanFormat::Kml => "kml",
@@ -58,7 +58,7 @@ impl PlanFormat {
     ///
     /// # Errors
     /// When it ends like none of them.
-    pub(crate) fn of(path: &Path) -> Result<Self, PlanFormatError> {
+    pub fn of(path: &Path) -> Result<Self, PlanFormatError> {
         let ending = path.extension().unwrap_or_default();
         let format = Self::ALL
             .into_iter()
@@ -69,7 +69,7 @@ impl PlanFormat {
 
 /// A plan on the Earth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PlannedWay<'a> {
+pub struct PlannedWay<'a> {
     /// What it is called.
     pub name: &'a str,
     /// The plan.
@@ -88,7 +88,7 @@ struct WayPlace {
 
 impl PlannedWay<'_> {
     /// Writes it.
-    pub(crate) fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
+    pub fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
         let text = match format {
             PlanFormat::Gpx => gpx::text(self),
             PlanFormat::Kml => kml::text(self),

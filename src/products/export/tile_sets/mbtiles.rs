@@ -2,9 +2,9 @@
 //! (<https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md>).
 
 use super::{TileSet, TileStore};
-use crate::products::export::ExportError;
-use crate::products::export::sqlite::{DatabaseKind, Value, database, insert, run, text};
-use crate::products::map_tiles::{TileStyle, WebTile};
+use crate::export::ExportError;
+use crate::export::sqlite::{DatabaseKind, Value, database, insert, run, text};
+use crate::map_tiles::{TileStyle, WebTile};
 use std::path::Path;
 
 /// `MPBX`.
@@ -16,7 +16,7 @@ const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KE
 const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
 
 /// Writes the pictures of one kind.
-pub(crate) fn mbtiles(
+pub fn mbtiles(
     path: &Path,
     store: &TileStore,
     picture: TileStyle,

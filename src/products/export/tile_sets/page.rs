@@ -1,14 +1,14 @@
 //! A page that shows a map's PMTiles: all that it needs lies in the page or beside it.
 
 use super::TileSet;
-use crate::bottom::bathymetry::isobaths::evenly_apart_m;
-use crate::products::export::{ExportError, write_atomically};
-use crate::products::map_tiles::MapScales;
-use crate::support::presentation::colours::depth_colour;
-use crate::support::presentation::ticks::round_up;
-use crate::support::printable::xml;
+use crate::export::{ExportError, write_atomically};
+use crate::map_tiles::MapScales;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use bathyscope_bottom::bathymetry::isobaths::evenly_apart_m;
+use bathyscope_bottom::presentation::colours::depth_colour;
+use bathyscope_bottom::presentation::ticks::round_up;
+use bathyscope_log::support::printable::xml;
 use serde_json::json;
 use std::fs;
 use std::io::Write as _;
@@ -28,7 +28,7 @@ const STEPS: usize = 20;
 ///
 /// # Errors
 /// When an archive cannot be read or the file cannot be written.
-pub(crate) fn map_page(
+pub fn map_page(
     path: &Path,
     set: &TileSet,
     archives: [&'static str; 2],
@@ -90,7 +90,7 @@ fn interval_m(scales: &MapScales) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::products::map_tiles::ZoomRange;
+    use crate::map_tiles::ZoomRange;
 
     #[test]
     fn a_small_map_lies_in_its_page_and_a_large_one_beside_it() {

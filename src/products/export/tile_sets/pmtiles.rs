@@ -5,8 +5,8 @@
 
 use super::store::Stored;
 use super::{TileSet, TileStore};
-use crate::products::export::{ExportError, write_atomically};
-use crate::products::map_tiles::TileStyle;
+use crate::export::{ExportError, write_atomically};
+use crate::map_tiles::TileStyle;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::json;
@@ -24,7 +24,7 @@ const PLAIN: u8 = 1;
 const PNG: u8 = 2;
 
 /// Writes the pictures of one kind, in the order of the curve.
-pub(crate) fn pmtiles(
+pub fn pmtiles(
     path: &Path,
     store: &TileStore,
     picture: TileStyle,

@@ -1,6 +1,6 @@
 use super::*;
-use crate::products::map_tiles::{TileStyle, WebTile, ZoomRange, web_pixel};
-use crate::support::geo::LonLat;
+use crate::map_tiles::{TileStyle, WebTile, ZoomRange, web_pixel};
+use bathyscope_log::support::geo::LonLat;
 use flate2::read::GzDecoder;
 use std::fs;
 use std::io::Read as _;

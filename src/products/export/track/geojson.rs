@@ -1,13 +1,13 @@
 //! `track.geojson` and the insonified area.
 
 use super::TrackPiece;
-use crate::products::export::geojson::{collection, feature_at, positions};
-use crate::products::export::{ExportError, Summary};
+use crate::export::geojson::{collection, feature_at, positions};
+use crate::export::{ExportError, Summary};
 use serde_json::json;
 use std::path::Path;
 
 /// Writes each piece as a line.
-pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
+pub fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
     let feature = |piece: &TrackPiece, summary: &mut Summary| {
         let line = positions(piece.points.iter().map(|point| point.position));
         summary.count += 1;

@@ -1,14 +1,14 @@
 //! `track.gpx` (GPX 1.1): the track as plotters and handheld receivers read it.
 
 use super::TrackPiece;
-use crate::products::export::{ExportError, Summary, write_summed};
-use crate::support::calendar::timestamp;
-use crate::support::printable::xml;
+use crate::export::{ExportError, Summary, write_summed};
+use bathyscope_log::support::calendar::timestamp;
+use bathyscope_log::support::printable::xml;
 use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
-pub(crate) fn track_gpx(
+pub fn track_gpx(
     path: &Path,
     name: &str,
     start_unix_s: Option<f64>,
@@ -23,7 +23,7 @@ pub(crate) fn track_gpx(
 }
 
 /// As [`track_gpx`], into a file that is open.
-pub(crate) fn write_track_gpx(
+pub fn write_track_gpx(
     out: &mut impl Write,
     name: &str,
     start_unix_s: Option<f64>,

@@ -6,11 +6,11 @@
 mod geojson;
 mod gpx;
 
-pub(crate) use geojson::track_geojson;
-pub(crate) use gpx::{track_gpx, write_track_gpx};
+pub use geojson::track_geojson;
+pub use gpx::{track_gpx, write_track_gpx};
 
-use crate::support::geo::LonLat;
-use crate::survey::{Navigation, PingNav, Survey};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::{Navigation, PingNav, Survey};
 
 /// Points of a track are at least this far apart, metres: recorders place a ping no better.
 const LEAST_STEP_M: f64 = 0.5;
@@ -19,7 +19,7 @@ const PAUSE_S: f64 = 10.0;
 
 /// A place of the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TrackPoint {
+pub struct TrackPoint {
     /// The side-scan ping; the sounding in a log without side-scan.
     pub ping: usize,
     /// Seconds after the log's time zero.
@@ -30,7 +30,7 @@ pub(crate) struct TrackPoint {
 
 /// A stretch of the track without a pause.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct TrackPiece {
+pub struct TrackPiece {
     /// Two points or more.
     pub points: Vec<TrackPoint>,
     /// Metres on the ground.
@@ -38,7 +38,7 @@ pub(crate) struct TrackPiece {
 }
 
 /// The track through the pings that have a place, in pieces, thinned to half a metre.
-pub(crate) fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
+pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
     let mut pieces = Pieces::default();
     let frame = &survey.track.frame;
     let mut add = |ping: usize, time_s: f64, place: &PingNav| {

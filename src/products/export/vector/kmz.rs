@@ -2,11 +2,11 @@
 
 use super::LabelledLine;
 use super::zipped::one_file;
-use crate::bottom::bathymetry::isobaths::Polygon;
-use crate::products::export::geojson::{areas, positions};
-use crate::products::export::{ExportError, Summary, write_atomically};
-use crate::support::geo::LonLat;
-use crate::support::printable::xml;
+use crate::export::geojson::{areas, positions};
+use crate::export::{ExportError, Summary, write_atomically};
+use bathyscope_bottom::bathymetry::isobaths::Polygon;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::printable::xml;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -15,11 +15,7 @@ const LABELLED_DEG: f64 = 1e-4;
 
 /// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the middle of its line, for a line alone shows
 /// none. Geometries of both kinds in one would be no layer of lines for QGIS.
-pub(crate) fn lines_kmz(
-    path: &Path,
-    name: &str,
-    lines: &[LabelledLine],
-) -> Result<Summary, ExportError> {
+pub fn lines_kmz(path: &Path, name: &str, lines: &[LabelledLine]) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
         let mut labels = String::new();
@@ -60,7 +56,7 @@ fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
 }
 
 /// Writes areas as one thing on the map; `place` gives where a corner lies.
-pub(crate) fn areas_kmz(
+pub fn areas_kmz(
     path: &Path,
     name: &str,
     shapes: &[Polygon],

@@ -7,14 +7,14 @@ mod kmz;
 mod shapefile;
 mod zipped;
 
-pub(crate) use kmz::{areas_kmz, lines_kmz};
-pub(crate) use shapefile::lines_shapefile;
+pub use kmz::{areas_kmz, lines_kmz};
+pub use shapefile::lines_shapefile;
 
-use crate::support::geo::LonLat;
+use bathyscope_log::support::geo::LonLat;
 
 /// A line with what a map says about it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LabelledLine {
+pub struct LabelledLine {
     /// Its corners.
     pub points: Vec<LonLat>,
     /// What stands beside it.

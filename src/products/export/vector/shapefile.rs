@@ -1,8 +1,8 @@
 //! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998): what every map program of the last decades opens.
 
 use super::LabelledLine;
-use crate::products::export::{ExportError, Summary, write_atomically, write_bytes};
-use crate::support::geo::Crs;
+use crate::export::{ExportError, Summary, write_atomically, write_bytes};
+use bathyscope_log::support::geo::Crs;
 use shapefile::dbase::{FieldError, FieldName, FieldWriter, TableWriterBuilder, WritableRecord};
 use shapefile::{Point, Polyline, ShapeWriter};
 use std::fs::File;
@@ -16,7 +16,7 @@ const LETTERS: u8 = 64;
 
 /// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns behind `label`. The `.shp` is
 /// in its place last: where it is, its companions are whole.
-pub(crate) fn lines_shapefile(
+pub fn lines_shapefile(
     path: &Path,
     crs: &Crs,
     names: &[&'static str],

@@ -1,12 +1,12 @@
 //! Writes the bottom as a body: `bottom.glb`, the depth map as a mesh with its colours and the mosaic over it.
 
-use crate::bottom::bathymetry::{Grid, Surface};
+use crate::export::{Summary, TexturedMesh, glb};
+use crate::outputs::OutputError;
+use crate::outputs::content::{FileContent, FileResult};
+use crate::outputs::results::Results;
 use crate::pipeline::{Bottom, BottomColour};
-use crate::products::export::{Summary, TexturedMesh, glb};
-use crate::products::outputs::OutputError;
-use crate::products::outputs::content::{FileContent, FileResult};
-use crate::products::outputs::results::Results;
-use crate::support::presentation::colours::Rgb;
+use bathyscope_bottom::bathymetry::{Grid, Surface};
+use bathyscope_bottom::presentation::colours::Rgb;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 use serde_json::json;
 use std::path::Path;
@@ -17,7 +17,7 @@ const MOST_CORNERS: usize = 250_000;
 const MOST_PIXELS: usize = 2048;
 
 /// Writes `bottom.glb`.
-pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let bottom = results.bottom(BottomColour::Depth, MOST_CORNERS)?;
     let bottom = bottom.ok_or(super::NO_SURFACE)?;
     let surface = bottom.surface();

@@ -1,21 +1,21 @@
 //! The pictures of a depth map as tiles, which several files share.
 
 use super::applied;
-use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
-use crate::pipeline::{DepthMap, Isobaths, Products};
-use crate::products::export::tile_sets::{TileSet, TileStore};
-use crate::products::map_tiles::{
+use crate::export::tile_sets::{TileSet, TileStore};
+use crate::map_tiles::{
     LitSurface, MapScales, PixelPlaces, Pixels, PyramidSource, WebTile, ZoomRange, web_pixel,
 };
-use crate::products::outputs::OutputError;
-use crate::support::geo::{MapPlane, boxes_meet};
-use crate::support::progress::Progress;
-use crate::survey::Survey;
+use crate::outputs::OutputError;
+use crate::pipeline::{DepthMap, Isobaths, Products};
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
+use bathyscope_log::support::geo::{MapPlane, boxes_meet};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
 use std::io;
 use std::path::Path;
 
 /// The tiles of a depth map, drawn once for all files of them.
-pub(crate) struct MapTiles {
+pub struct MapTiles {
     pub(super) store: TileStore,
     pub(super) set: TileSet,
 }
@@ -25,7 +25,7 @@ impl MapTiles {
     ///
     /// # Errors
     /// When the folder cannot be written into, or the work was cancelled.
-    pub(crate) fn new(
+    pub fn new(
         depth_map: &DepthMap,
         isobaths: &Isobaths,
         (survey, products): (&Survey, &Products),

@@ -11,8 +11,8 @@ pub(super) mod map_tiles;
 pub(super) mod rasters;
 pub(super) mod tiles;
 
-use crate::bottom::bathymetry::Surface;
 use crate::pipeline::Products;
+use bathyscope_bottom::bathymetry::Surface;
 
 /// The registry asks for a surface before it has one written.
 pub(super) const NO_SURFACE: &str = "there is no depth map";

@@ -2,17 +2,17 @@
 //! colours for QGIS (`.qml`).
 
 use super::applied;
-use crate::bottom::bathymetry::isobaths::shoalest_m;
-use crate::bottom::bathymetry::{CellSource, Grid, Spread, Surface};
-use crate::formats::geotiff::{Band, CellFormat, RasterSpec};
+use crate::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
+use crate::outputs::content::{FileContent, FileResult};
+use crate::outputs::raster;
+use crate::outputs::results::Results;
 use crate::pipeline::CloudPlane;
-use crate::products::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
-use crate::products::outputs::content::{FileContent, FileResult};
-use crate::products::outputs::raster;
-use crate::products::outputs::results::Results;
-use crate::support::presentation::colours::{
+use bathyscope_bottom::bathymetry::isobaths::shoalest_m;
+use bathyscope_bottom::bathymetry::{CellSource, Grid, Spread, Surface};
+use bathyscope_bottom::presentation::colours::{
     depth_colour, distance_colour, share_colour, uncertainty_colour,
 };
+use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
 use std::path::Path;
 
 /// A raster to write.
@@ -34,7 +34,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
-pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn depth(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
@@ -44,7 +44,7 @@ pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `uncertainty.tif`.
-pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let what = match surface.spread_is {
         Spread::OfError => {
@@ -61,7 +61,7 @@ pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `distance.tif`.
-pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn distance(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
@@ -71,7 +71,7 @@ pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `shoalest.tif`.
-pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let points = depth_map.depth_points(results.progress)?;
     let layer = RasterLayer {
@@ -84,7 +84,7 @@ pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `hardness.tif`.
-pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
         band: Band {
             unit: "decibel",
@@ -102,7 +102,7 @@ pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `source.tif`.
-pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let spec = raster::over(grid, &plane.map);

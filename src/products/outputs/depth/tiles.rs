@@ -1,12 +1,12 @@
 //! The depth map as tiles: for plotters and apps with isobaths, for web maps without, as depths, and with a page that shows them.
 
 use super::map_tiles::MapTiles;
-use crate::products::export::Summary;
-use crate::products::export::tile_sets::{map_page, mbtiles, pmtiles};
-use crate::products::map_tiles::TileStyle;
-use crate::products::outputs::content::{FileContent, FileResult};
-use crate::products::outputs::results::Results;
-use crate::support::geo::{Crs, LonLat, web_mercator};
+use crate::export::Summary;
+use crate::export::tile_sets::{map_page, mbtiles, pmtiles};
+use crate::map_tiles::TileStyle;
+use crate::outputs::content::{FileContent, FileResult};
+use crate::outputs::results::Results;
+use bathyscope_log::support::geo::{Crs, LonLat, web_mercator};
 use std::path::Path;
 
 /// Web Mercator.
@@ -15,19 +15,19 @@ const WEB_MERCATOR: u16 = 3857;
 const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
-pub(crate) fn chart(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn chart(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     mbtiles(path, &tiles.store, TileStyle::Chart, &tiles.set)?;
     content(results, tiles, TileStyle::Chart)
 }
 
 /// Writes `depth.pmtiles`.
-pub(crate) fn colours(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn colours(results: &Results<'_>, path: &Path) -> FileResult {
     archive(results, path, TileStyle::Colours)
 }
 
 /// Writes `depth_values.pmtiles`.
-pub(crate) fn values(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn values(results: &Results<'_>, path: &Path) -> FileResult {
     archive(results, path, TileStyle::Elevations)
 }
 
@@ -38,7 +38,7 @@ fn archive(results: &Results<'_>, path: &Path, picture: TileStyle) -> FileResult
 }
 
 /// Writes `index.html`, behind the archives.
-pub(crate) fn page(results: &Results<'_>, path: &Path) -> FileResult {
+pub fn page(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     map_page(path, &tiles.set, ARCHIVES)?;
     Ok(FileContent::count(0))

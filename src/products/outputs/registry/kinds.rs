@@ -1,9 +1,9 @@
 //! Rows of files of a kind: the columns that they share.
 
 use super::{Described, FileWriter, OutputFile, RunFile, WriteFile};
-use crate::products::outputs::need::Need;
-use crate::products::outputs::order::When;
-use crate::products::outputs::product::Product;
+use crate::outputs::need::Need;
+use crate::outputs::order::When;
+use crate::outputs::product::Product;
 
 type Text = &'static str;
 

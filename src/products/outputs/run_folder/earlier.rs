@@ -2,11 +2,9 @@
 
 use super::journal::is_plain;
 use super::{EARLIER_MANIFESTS, Fingerprint};
-use crate::products::export::remove_leftovers;
-use crate::products::outputs::registry::{
-    OUTPUT_FILES, OutputFile, file_part, row_of, row_of_beside,
-};
-use crate::products::outputs::{MANIFEST, OutputError};
+use crate::export::remove_leftovers;
+use crate::outputs::registry::{OUTPUT_FILES, OutputFile, file_part, row_of, row_of_beside};
+use crate::outputs::{MANIFEST, OutputError};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -27,7 +25,7 @@ pub(super) struct EarlierFiles {
 
 /// Whether a run may write a file whose name, without its ending, is this one. What lies on top and holds data is of later versions than
 /// those that wrote all files there: `survey.gpkg` is no danger to `survey.sl2`.
-pub(in crate::products::outputs) fn is_stem_of_output(stem: &str) -> bool {
+pub(in crate::outputs) fn is_stem_of_output(stem: &str) -> bool {
     let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
     let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
     let stems = rows.map(OutputFile::stem);
@@ -87,7 +85,7 @@ pub(super) fn manifest_names(folder: &Path) -> Vec<String> {
 }
 
 /// Whether a folder has a file by the name of the manifest that is none of ours.
-pub(in crate::products::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
+pub(in crate::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
     folder.join(MANIFEST).exists() && read(folder, MANIFEST).is_none()
 }
 

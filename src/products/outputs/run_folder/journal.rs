@@ -1,7 +1,7 @@
 //! What is left to be done once all files of a run are written.
 
-use crate::products::export::{ExportError, write_atomically};
-use crate::support::file_in_use::patiently;
+use crate::export::{ExportError, write_atomically};
+use crate::file_in_use::patiently;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write as _};

@@ -1,12 +1,12 @@
 //! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands below.
 
 use crate::app::{Command, LogPlace, Tool};
-use crate::pipeline::Products;
-use crate::sonar::calibration::{FlatSpot, PingRange};
-use crate::survey::Survey;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::panels::parts;
 use crate::ui::{ViewContext, flat_spot_words, text, theme};
+use bathyscope_bottom::calibration::{FlatSpot, PingRange};
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::Products;
 use egui::{Align2, Color32, FontId, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 /// The headings, what each holds, and where its column ends as a share of the width.

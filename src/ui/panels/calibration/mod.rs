@@ -11,11 +11,11 @@ use super::find_setting;
 use super::parts::{self, fact, setting};
 use super::section::{Section, section, unfold_section};
 use crate::app::{Action, Tool};
-use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
-use crate::sonar::calibration::{Calibration, PingRange, Scale, ScaleMode};
-use crate::support::presentation::units::Units;
 use crate::ui::{ViewContext, flat_spot_words, text, toggle};
+use bathyscope_bottom::calibration::{Calibration, PingRange, Scale, ScaleMode};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_products::pipeline::Stage;
+use bathyscope_products::pipeline::settings::rows;
 use egui::{Button, Ui};
 
 /// Title of the section.

@@ -1,11 +1,11 @@
 //! First-return ranges against soundings with the line of a scale, and the residuals below.
 
 use crate::app::ViewOptions;
-use crate::pipeline::{Products, ScaleTrial};
-use crate::sonar::calibration::{Calibration, RangeAtDepth, ScaleMode};
-use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::PlotAxes;
 use crate::ui::theme;
+use bathyscope_bottom::calibration::{Calibration, RangeAtDepth, ScaleMode};
+use bathyscope_bottom::presentation::plot::Axis;
+use bathyscope_products::pipeline::{Products, ScaleTrial};
 use egui::{Color32, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 /// Height of each of the two pictures, points.

@@ -2,10 +2,10 @@
 
 use super::{pings, plot};
 use crate::app::Action;
-use crate::pipeline::{Products, ScaleEffect, ScaleTrial};
-use crate::support::presentation::units::Units;
 use crate::ui::panels::parts::{self, fact};
 use crate::ui::{ViewContext, flat_spot_words, theme};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_products::pipeline::{Products, ScaleEffect, ScaleTrial};
 use egui::{Align, Frame, RichText, Ui};
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use super::super::parts::remark;
 use crate::app::{AboveBottom, AboveStretch, Action, Command, LogPlace, Tool};
-use crate::survey::Side;
 use crate::ui::{ViewContext, text, toggle};
+use bathyscope_log::survey::Side;
 use egui::{Align, Button, Layout, ScrollArea, Ui};
 
 /// Height of a row of the list, points.

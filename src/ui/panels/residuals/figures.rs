@@ -1,11 +1,11 @@
 //! The statistics of differences, in rows.
 
-use crate::bottom::bathymetry::compare::Comparison;
-use crate::bottom::cloud::Residuals;
-use crate::support::presentation::units::Units;
 use crate::ui::panels::cloud;
 use crate::ui::panels::parts::fact;
 use crate::ui::text;
+use bathyscope_bottom::bathymetry::compare::Comparison;
+use bathyscope_bottom::cloud::Residuals;
+use bathyscope_bottom::presentation::units::Units;
 use egui::Ui;
 
 /// Draws them; `same_ping` are those against the sounding of each point's own ping, where that is the reference.

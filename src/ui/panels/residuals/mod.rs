@@ -10,13 +10,13 @@ mod reference;
 use super::parts;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, MapLayer};
-use crate::pipeline::Stage;
 use crate::ui::ViewContext;
+use bathyscope_products::pipeline::Stage;
 use egui::{Rect, Ui, vec2};
 use plots::{HEIGHT, OVERS};
 
 /// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

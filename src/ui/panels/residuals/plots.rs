@@ -1,11 +1,11 @@
 //! The pictures of differences: how often each size occurs, and what they hang on.
 
 use crate::app::ViewOptions;
-use crate::bottom::bathymetry::compare::{Bin, DifferenceHistogram};
-use crate::pipeline::ResidualTables;
-use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::PlotAxes;
 use crate::ui::theme;
+use bathyscope_bottom::bathymetry::compare::{Bin, DifferenceHistogram};
+use bathyscope_bottom::presentation::plot::Axis;
+use bathyscope_products::pipeline::ResidualTables;
 use egui::{Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 /// What the differences are drawn over.

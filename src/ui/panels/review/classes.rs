@@ -1,8 +1,8 @@
 //! The classes: one to choose for the selected box, and the list to edit.
 
 use crate::app::Command;
-use crate::detection::review::{Edit, Reviewed};
 use crate::ui::{ViewContext, toggle};
+use bathyscope_objects::review::{Edit, Reviewed};
 use egui::{Button, CollapsingHeader, TextEdit, Ui};
 
 /// Classes that have a key.

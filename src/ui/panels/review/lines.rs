@@ -2,8 +2,8 @@
 
 use super::super::parts::name_cell;
 use crate::app::{App, Command, LogBox};
-use crate::detection::review::{Confidence, Edit, Reviewed};
 use crate::ui::{ViewContext, toggle};
+use bathyscope_objects::review::{Confidence, Edit, Reviewed};
 use egui::{TextEdit, Ui};
 
 /// A text of a box.

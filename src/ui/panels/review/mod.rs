@@ -14,16 +14,16 @@ mod selected;
 use super::parts::{progress_bar, remark, warning, within};
 use super::section::{Section, section};
 use crate::app::Action;
-use crate::pipeline::Background;
-use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, text};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_products::pipeline::Background;
 use egui::{LayerId, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and what is being written about it.
 #[derive(Default)]
-pub(crate) struct ReviewPanel {
+pub struct ReviewPanel {
     chip: Background<chip::ChipKey, BoxChip>,
     lines: lines::BoxTexts,
     classes: classes::Classes,
@@ -34,24 +34,24 @@ pub(crate) struct ReviewPanel {
 
 impl ReviewPanel {
     /// Whether the picture is that of the selected box.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         !self.chip.is_running() && self.object.is_settled()
     }
 
     /// Whether a control is one of the panel.
-    pub(crate) fn holds(&self, control: &Response) -> bool {
+    pub fn holds(&self, control: &Response) -> bool {
         self.area.is_some_and(|(layer, area)| {
             control.layer_id == layer && area.contains(control.rect.center())
         })
     }
 
     /// Moves the keyboard to the name of the selected box.
-    pub(crate) fn name_box(&mut self) {
+    pub fn name_box(&mut self) {
         self.lines.wants_name = true;
     }
 
     /// Draws the section; nothing while there are no boxes.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         if !context.app.has_boxes() {
             *self = Self::default();
             return;

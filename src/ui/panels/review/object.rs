@@ -3,9 +3,9 @@
 use super::super::parts::{fact, remark};
 use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, SurveyObject};
-use crate::pipeline::Background;
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, text, theme};
+use bathyscope_products::pipeline::Background;
 use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 /// Width of a picture, points: two of them side by side, and a part of the next.

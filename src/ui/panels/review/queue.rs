@@ -2,10 +2,10 @@
 
 use super::super::parts::{remark, row};
 use crate::app::Command;
-use crate::detection::review::{Queue, Sort, State};
-use crate::support::presentation::units::Units;
 use crate::ui::drop_down::{Choices, DropDown};
 use crate::ui::{ViewContext, text};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_objects::review::{Queue, Sort, State};
 use egui::{DragValue, Response, Slider, Ui};
 
 /// Size beyond which the filter means "any", metres.

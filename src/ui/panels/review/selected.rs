@@ -3,12 +3,12 @@
 use super::super::parts::{fact, remark, within};
 use super::{ReviewPanel, button, size};
 use crate::app::{Action, App, LogBox, Tool};
-use crate::detection::ObjectExtent;
-use crate::detection::review::{BoxId, Reviewed};
-use crate::detection::targets::{ObjectHeight, Target};
-use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, theme};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_objects::ObjectExtent;
+use bathyscope_objects::review::{BoxId, Reviewed};
+use bathyscope_objects::targets::{ObjectHeight, Target};
 use egui::{RichText, Ui};
 
 impl ReviewPanel {

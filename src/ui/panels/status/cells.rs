@@ -1,8 +1,8 @@
 //! What the status bar says of a place, and how much of it there is room for.
 
 use crate::app::{App, LogPlace};
-use crate::survey::Side;
 use crate::ui::{place, text};
+use bathyscope_log::survey::Side;
 
 /// One fact of a place.
 pub(super) struct StatusCell {

@@ -6,10 +6,10 @@
 mod cells;
 
 use crate::app::{Action, FollowStatus, LogPlace};
-use crate::pipeline::EngineStatus;
-use crate::support::presentation::text::count;
 use crate::ui::panels::parts::progress_bar;
 use crate::ui::{ViewContext, theme};
+use bathyscope_bottom::presentation::text::count;
+use bathyscope_products::pipeline::EngineStatus;
 use egui::{Align, Layout, RichText, Ui};
 
 /// A job that takes longer than this is shown.
@@ -24,7 +24,7 @@ const REST_ROOM: f32 = 150.0;
 const PLACE_ROOM: f32 = 560.0;
 
 /// Draws the line: the right end first, which leaves the rest to the place under the pointer.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let right_to_left = Layout::right_to_left(Align::Center);
     let width = ui.available_width();
     ui.with_layout(right_to_left, |ui| {

@@ -3,9 +3,9 @@
 use super::columns::{ColumnExtremes, resampled, span};
 use super::strips::Strips;
 use crate::app::{Command, LogPlace};
-use crate::support::presentation::ticks;
 use crate::ui::raster::{PaintedArea, RasterTexture};
 use crate::ui::{ViewContext, text, theme};
+use bathyscope_bottom::presentation::ticks;
 use egui::{Color32, Pos2, Rect, Response, Stroke, Ui};
 
 /// Where the parts of the panel lie.

@@ -8,19 +8,19 @@ mod drawing;
 mod strips;
 
 use crate::app::Command;
-use crate::bottom::cloud::{Correction, PingDepth};
-use crate::pipeline::Products;
-use crate::pipeline::{Background, Same};
-use crate::survey::{Navigation, Survey};
 use crate::ui::raster::RasterTexture;
 use crate::ui::{ViewContext, exclusion_text, place, theme};
+use bathyscope_bottom::cloud::{Correction, PingDepth};
+use bathyscope_log::survey::{Navigation, Survey};
+use bathyscope_products::pipeline::Products;
+use bathyscope_products::pipeline::{Background, Same};
 use drawing::TimelineLayout;
 use egui::{Sense, Ui};
 use std::sync::Arc;
 use strips::Strips;
 
 /// Height of the panel, points.
-pub(crate) const HEIGHT: f32 = 104.0;
+pub const HEIGHT: f32 = 104.0;
 
 /// The results that the strips are of.
 type StripResults = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
@@ -48,7 +48,7 @@ impl StripsKey {
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
-pub(crate) struct TimeLine {
+pub struct TimeLine {
     /// `None` inside where the log has no times.
     strips: Background<StripsKey, Option<Strips>>,
     /// Depth and speed as they are on screen.
@@ -60,7 +60,7 @@ pub(crate) struct TimeLine {
 
 impl TimeLine {
     /// Whether the strips shown are those of the survey and its last result.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         !self.strips.is_running()
     }
 
@@ -82,7 +82,7 @@ impl TimeLine {
     }
 
     /// Draws the panel.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         self.refresh(context);
         let (outer, response) =
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());

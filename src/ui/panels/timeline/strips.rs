@@ -1,10 +1,10 @@
 //! What the time line shows, reduced on a worker to a few columns.
 
 use super::columns::{ColumnExtremes, columns, span};
-use crate::bottom::cloud::{DepthReference, DepthSource};
-use crate::pipeline::Products;
-use crate::support::presentation::units::Units;
-use crate::survey::{Sounding, Survey};
+use bathyscope_bottom::cloud::{DepthReference, DepthSource};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{Sounding, Survey};
+use bathyscope_products::pipeline::Products;
 use egui::Rect;
 
 /// Columns that a log is reduced to; more than any screen is wide.
@@ -114,7 +114,7 @@ fn column_count(values: usize) -> usize {
 
 /// Times of the pings at which the log's warnings point; at most one a column.
 fn warning_times(survey: &Survey) -> Vec<f64> {
-    let offset = |ping: &crate::survey::SidePing, file: usize| {
+    let offset = |ping: &bathyscope_log::survey::SidePing, file: usize| {
         let span = ping.port.or(ping.starboard)?;
         (usize::from(span.file) == file).then_some(span.offset)
     };

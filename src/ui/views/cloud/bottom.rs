@@ -1,11 +1,11 @@
 //! The bottom, ready to draw; uploaded in a background thread.
 
 use crate::app::{App, CloudOptions};
-use crate::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
 use crate::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomVertex, CameraProjection, ScenePart,
     Uploader, towards_light,
 };
+use bathyscope_products::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 

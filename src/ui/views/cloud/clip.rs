@@ -3,10 +3,10 @@
 use super::axes::BoxAxes;
 use super::scene::SceneBox;
 use crate::app::{ClipBox, ViewOptions};
-use crate::support::presentation::units::Units;
 use crate::ui::ViewContext;
 use crate::ui::views::legend;
 use crate::ui::{place, theme};
+use bathyscope_bottom::presentation::units::Units;
 use egui::{
     Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };

@@ -3,15 +3,15 @@
 use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, ViewOptions};
-use crate::bottom::bathymetry::CellSource;
-use crate::bottom::cloud::{DepthReference, PointClass};
-use crate::pipeline::{Bottom, BottomColour, Products};
-use crate::support::presentation::colours::{SOURCES, share_colour};
-use crate::support::presentation::units::Units;
-use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
+use bathyscope_bottom::bathymetry::CellSource;
+use bathyscope_bottom::cloud::{DepthReference, PointClass};
+use bathyscope_bottom::presentation::colours::{SOURCES, share_colour};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{Side, SideScanState, Survey};
+use bathyscope_products::pipeline::{Bottom, BottomColour, Products};
 use egui::{Align2, Color32, Painter, Rect, Slider, Ui, pos2, vec2};
 
 /// Most logs that the legend names.

@@ -17,10 +17,10 @@ mod shown;
 
 use super::empty;
 use crate::app::{App, CloudColour, Command, Enlarged, LogPlace, SideColours, ThemeChoice};
-use crate::pipeline::Background;
 use crate::ui::render::{Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, flat, place, theme};
 use axes::BoxAxes;
+use bathyscope_products::pipeline::Background;
 use bottom::ShownBottom;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
@@ -41,7 +41,7 @@ type CloudKey = (
 
 /// State of the cloud view: where it looks, and what was made for it.
 #[derive(Default)]
-pub(crate) struct CloudView {
+pub struct CloudView {
     camera: Option<OrbitCamera>,
     /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew to another frame.
     fitted: Option<(OrbitCamera, Vec2)>,
@@ -65,7 +65,7 @@ type Extent = ([f64; 3], [glam::Vec3; 2]);
 
 impl CloudView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         let canvas = theme::canvas_colour(context.options());
@@ -80,7 +80,7 @@ impl CloudView {
     }
 
     /// A view from the same place, in a frame of any size.
-    pub(crate) fn for_picture(&self, app: &App) -> Self {
+    pub fn for_picture(&self, app: &App) -> Self {
         Self {
             camera: self.camera,
             aim: self.aspect,
@@ -90,12 +90,12 @@ impl CloudView {
     }
 
     /// Carries out a request from menu, key or palette.
-    pub(crate) fn request(&mut self, request: ViewRequest) {
+    pub fn request(&mut self, request: ViewRequest) {
         self.request = Some(request);
     }
 
     /// Whether everything on screen is drawn at its final quality.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         !self.scene.is_running() && !self.bottom.is_running() && self.request.is_none()
     }
 

@@ -3,8 +3,8 @@
 use super::axes::BoxAxes;
 use super::scene::CloudScene;
 use crate::app::{App, Reviewing};
-use crate::detection::review::{BoxId, State};
 use crate::ui::theme;
+use bathyscope_objects::review::{BoxId, State};
 use egui::{Painter, Pos2, Shape, Stroke};
 
 /// Profiles of a shape along it, and as many across it; points of each.

@@ -4,10 +4,10 @@ use super::axes::BoxAxes;
 use super::bottom::BottomScene;
 use super::scene::{CloudScene, SceneBox, ShownPoints};
 use crate::app::{App, Command, LogId, LogPlace};
-use crate::pipeline::Products;
-use crate::support::geo::LonLat;
 use crate::ui::render::OrbitCamera;
 use crate::ui::{OwnHover, ViewContext, place, theme};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_products::pipeline::Products;
 use egui::{Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui};
 use glam::Vec2;
 
@@ -249,9 +249,9 @@ fn paint_mark(
 mod tests {
     use super::*;
     use crate::app::{SwathShown, ViewOptions};
-    use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
-    use crate::support::progress::Progress;
     use crate::ui::views::cloud::scene::{ColourEnds, SceneLogPoints};
+    use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
+    use bathyscope_log::support::progress::Progress;
     use std::sync::Arc;
 
     /// Two lines of points 40 m apart, and nothing between.

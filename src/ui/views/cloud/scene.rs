@@ -1,16 +1,16 @@
 //! The cloud, ready to draw and to pick; computed in a background thread.
 
 use crate::app::{CloudColour, LogId, LogPlace, ShownLog, SwathShown, ViewOptions};
-use crate::bottom::cloud::{
+use crate::ui::render::{CloudBuffers, PointVertex, ScenePart, Uploader};
+use crate::ui::theme;
+use bathyscope_bottom::calibration::Calibration;
+use bathyscope_bottom::cloud::{
     ClassCounts, CloudPoint, Correction, PointClass, PointCloud, PointScales, PointSource,
     Reduction,
 };
-use crate::sonar::calibration::Calibration;
-use crate::support::presentation::colours::{depth_colour, depth_share, value_colour};
-use crate::support::progress::Progress;
-use crate::survey::{Side, Survey};
-use crate::ui::render::{CloudBuffers, PointVertex, ScenePart, Uploader};
-use crate::ui::theme;
+use bathyscope_bottom::presentation::colours::{depth_colour, depth_share, value_colour};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Side, Survey};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -410,7 +410,7 @@ fn counts(logs: &[SceneLogPoints]) -> PointCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::cloud::BySource;
+    use bathyscope_bottom::cloud::BySource;
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
         CloudPoint {

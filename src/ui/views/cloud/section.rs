@@ -5,9 +5,9 @@ use super::axes::BoxAxes;
 use super::clip;
 use super::scene::CloudScene;
 use crate::app::{App, ViewOptions};
-use crate::bottom::bathymetry::TransectStation;
 use crate::ui::render::{CameraProjection, Cut, ScenePart};
 use crate::ui::theme;
+use bathyscope_bottom::bathymetry::TransectStation;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec3, Vec4};
 

@@ -7,10 +7,10 @@ use super::pointer::PickScene;
 use super::scene::{CloudScene, SceneBox};
 use super::{clip, section};
 use crate::app::App;
-use crate::pipeline::Products;
-use crate::survey::Survey;
 use crate::ui::render::{CameraProjection, CloudDraw};
 use crate::ui::text;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::Products;
 use egui::Rect;
 use std::sync::Arc;
 

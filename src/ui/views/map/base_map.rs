@@ -3,10 +3,10 @@
 use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::{GroundBounds, NOWHERE, joined};
 use super::warp::Warp;
-use crate::formats::base_map::BaseMap;
-use crate::pipeline::Same;
-use crate::support::progress::Progress;
-use crate::survey::{Navigation, Survey};
+use bathyscope_log::formats::base_map::BaseMap;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Navigation, Survey};
+use bathyscope_products::pipeline::Same;
 use egui::Color32;
 use std::sync::Arc;
 

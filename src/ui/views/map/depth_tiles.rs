@@ -3,10 +3,10 @@
 use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::GroundBounds;
 use super::warp::Warp;
-use crate::bottom::bathymetry::Grid;
-use crate::pipeline::DepthMap;
-use crate::support::presentation::colours::{depth_colour, depth_share};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::presentation::colours::{depth_colour, depth_share};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::DepthMap;
 use egui::Color32;
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::{GroundBounds, around, away_m};
-use crate::support::progress::Progress;
+use bathyscope_log::support::progress::Progress;
 use egui::Color32;
 
 /// Dots in a box that shows whether they need to be looked at. A boat cannot jump: those in a row lie close together.

@@ -2,8 +2,8 @@
 
 use super::scene::MapScene;
 use crate::app::{App, MapLayer, OpenLog};
-use crate::survey::PingNav;
 use crate::ui::theme;
+use bathyscope_log::survey::PingNav;
 use egui::{Painter, Pos2, Rect, Shape, Stroke};
 
 /// Places drawn along a stretch: enough for its bends at any scale that shows it whole.

@@ -1,10 +1,10 @@
 //! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one that is proposed.
 
 use super::scene::MapScene;
-use crate::sonar::calibration::{FlatSpot, ScaleMode};
-use crate::support::presentation::units::Units;
 use crate::ui::theme;
 use crate::ui::views::legend;
+use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};
+use bathyscope_bottom::presentation::units::Units;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use std::ops::Range;
 

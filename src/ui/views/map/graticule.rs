@@ -1,10 +1,10 @@
 //! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the left edge.
 
 use super::scene::MapScene;
-use crate::support::geo::{LonLat, UtmZone};
-use crate::support::presentation::graticule::{LineFamily, Net, NetBounds};
 use crate::ui::theme;
 use crate::ui::views::legend;
+use bathyscope_bottom::presentation::graticule::{LineFamily, Net, NetBounds};
+use bathyscope_log::support::geo::{LonLat, UtmZone};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 /// Points along a line: a meridian that is bent over the whole view is still drawn bent.

@@ -4,13 +4,13 @@ use super::lines::MapLine;
 use super::ping_boxes::PingBoxes;
 use super::transform::{GroundBounds, NOWHERE, around};
 use crate::app::{LogId, ShownLog};
-use crate::bottom::cloud::{Correction, DepthSource, PingDepth};
-use crate::pipeline::ProcessedLog;
-use crate::pipeline::Same;
-use crate::support::presentation::colours::{depth_colour, depth_share};
-use crate::support::progress::Progress;
-use crate::survey::{Navigation, PingNav, Sounding, Survey};
 use crate::ui::render::{Specks, Uploader, Vertex};
+use bathyscope_bottom::cloud::{Correction, DepthSource, PingDepth};
+use bathyscope_bottom::presentation::colours::{depth_colour, depth_share};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Navigation, PingNav, Sounding, Survey};
+use bathyscope_products::pipeline::ProcessedLog;
+use bathyscope_products::pipeline::Same;
 use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.

@@ -37,10 +37,10 @@ mod warp;
 use super::tool_banner::Banner;
 use super::{empty, legend};
 use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View};
-use crate::pipeline::Background;
-use crate::pipeline::Products;
-use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::Background;
+use bathyscope_products::pipeline::Products;
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use layers::{TrackKey, TrackLayer};
 use plan::PointerUse;
@@ -50,7 +50,7 @@ use transform::{GroundBounds, MapTransform};
 
 /// State of the map view: where it looks, and what was made for it.
 #[derive(Default)]
-pub(crate) struct MapView {
+pub struct MapView {
     transform: Option<MapTransform>,
     /// The transform that showed everything; while it is in force, the view stays fitted to its frame.
     fitted: Option<MapTransform>,
@@ -75,7 +75,7 @@ pub(crate) struct MapView {
 
 impl MapView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let whole = ui.available_rect_before_wrap();
         let (rect, plot) = measure::split(whole, context.app);
         self.make_room(whole.height() - rect.height());
@@ -106,22 +106,22 @@ impl MapView {
     }
 
     /// Sets a corner of what is drawn where the pointer or the cross is.
-    pub(crate) fn set_corner(&mut self) {
+    pub fn set_corner(&mut self) {
         self.measure.set_corner();
     }
 
     /// Carries out a request from menu, key or palette.
-    pub(crate) fn request(&mut self, request: ViewRequest) {
+    pub fn request(&mut self, request: ViewRequest) {
         self.request = Some(request);
     }
 
     /// Whether everything on screen is drawn at its final quality.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         !self.track.is_running() && self.layers.is_settled() && self.request.is_none()
     }
 
     /// A view that looks at the same ground, in a frame of any size.
-    pub(crate) fn for_picture(&self, app: &App) -> Self {
+    pub fn for_picture(&self, app: &App) -> Self {
         Self {
             aim: self.visible,
             // What is open is no other survey to it.
@@ -131,14 +131,14 @@ impl MapView {
     }
 
     /// Metres that a point of a picture of this size covers that shows the same ground.
-    pub(crate) fn metres_per_point_on(&self, [width, height]: [f32; 2]) -> Option<f64> {
+    pub fn metres_per_point_on(&self, [width, height]: [f32; 2]) -> Option<f64> {
         let rect = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
         let shown = MapTransform::showing(self.visible?, rect);
         Some(shown.metres_per_point)
     }
 
     /// Tiles that are not painted yet, of those in view.
-    pub(crate) fn missing(&self) -> [usize; 2] {
+    pub fn missing(&self) -> [usize; 2] {
         self.layers.missing()
     }
 

@@ -2,10 +2,10 @@
 
 use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::GroundBounds;
-use crate::bottom::bathymetry::Grid;
-use crate::imagery::mosaic::{MosaicSettings, Overlap};
-use crate::pipeline::{FINEST, Mosaic};
-use crate::support::progress::Progress;
+use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::mosaic::{MosaicSettings, Overlap};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::{FINEST, Mosaic};
 use egui::Color32;
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 use super::scene::MapScene;
 use super::{mosaic_tiles, points};
 use crate::app::MapLayer;
-use crate::support::presentation::text::count;
 use crate::ui::views::legend;
+use bathyscope_bottom::presentation::text::count;
 use egui::Painter;
 
 /// The lines that fit into a height, those that matter most first.

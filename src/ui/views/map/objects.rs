@@ -2,9 +2,9 @@
 
 use super::scene::MapScene;
 use crate::app::{App, LocatedObject, LogBox, MapLayer, OpenLog};
-use crate::detection::review::{Reviewed, State};
 use crate::ui::theme;
 use crate::ui::views::legend;
+use bathyscope_objects::review::{Reviewed, State};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //! them shows whether they need to be looked at.
 
 use super::transform::{GroundBounds, around, away_m};
-use crate::survey::{Navigation, PingNav};
+use bathyscope_log::survey::{Navigation, PingNav};
 use std::sync::Arc;
 
 /// Pings in a box.
@@ -64,7 +64,7 @@ impl PingBoxes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::Projection;
+    use bathyscope_log::survey::Projection;
 
     #[test]
     fn the_nearest_is_that_of_a_look_at_all() {

@@ -3,12 +3,12 @@
 use super::scene::MapScene;
 use super::transform::MapTransform;
 use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
-use crate::bottom::planning::Leg;
-use crate::pipeline::Products;
-use crate::support::presentation::text;
-use crate::survey::Survey;
 use crate::ui::views::{drag, legend};
 use crate::ui::{ViewContext, theme};
+use bathyscope_bottom::planning::Leg;
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::Products;
 use egui::{
     Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, pos2, vec2,
 };

@@ -4,10 +4,10 @@ use super::scene::MapScene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
 use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
-use crate::sonar::calibration::{FlatSpot, PingRange};
-use crate::support::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
 use crate::ui::{OwnHover, ViewContext, exclusion_text, place, text, theme};
+use bathyscope_bottom::calibration::{FlatSpot, PingRange};
+use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.

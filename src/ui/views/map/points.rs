@@ -3,11 +3,11 @@
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
 use crate::app::{ShownLog, SideColours, SwathShown, ThemeChoice, ViewOptions};
-use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
-use crate::pipeline::Same;
-use crate::support::progress::Progress;
-use crate::survey::Side;
 use crate::ui::theme;
+use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Side;
+use bathyscope_products::pipeline::Same;
 use std::sync::Arc;
 
 /// Points between two looks at whether the work was cancelled.

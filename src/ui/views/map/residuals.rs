@@ -2,9 +2,9 @@
 
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
-use crate::pipeline::Agreement;
-use crate::support::presentation::colours::{difference_colour, difference_reach_m};
-use crate::support::progress::Progress;
+use bathyscope_bottom::presentation::colours::{difference_colour, difference_reach_m};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::Agreement;
 use egui::Color32;
 use std::sync::Arc;
 
@@ -99,10 +99,10 @@ fn shortened(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::compare::{Comparison, Match, Matching};
-    use crate::bottom::cloud::{CloudPoint, PointCloud, PointSource};
-    use crate::pipeline::{LogDifferences, ResidualTables};
     use crate::ui::views::map::tiles::{MapTileKey, SIDE};
+    use bathyscope_bottom::bathymetry::compare::{Comparison, Match, Matching};
+    use bathyscope_bottom::cloud::{CloudPoint, PointCloud, PointSource};
+    use bathyscope_products::pipeline::{LogDifferences, ResidualTables};
 
     /// Points 10 m apart on a line eastwards, each with its difference from a reference.
     fn layer(differences_m: &[f64]) -> ResidualLayer {

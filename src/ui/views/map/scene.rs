@@ -5,11 +5,11 @@ use super::layers::TrackLayer;
 use super::residuals::ResidualLayer;
 use super::transform::MapTransform;
 use crate::app::{MapLayer, ViewOptions};
-use crate::pipeline::{DepthMap, Products};
-use crate::sonar::calibration::PingRange;
-use crate::support::geo::LonLat;
-use crate::survey::Survey;
 use crate::ui::theme;
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{DepthMap, Products};
 use egui::{Color32, Pos2, Rect};
 use std::sync::Arc;
 

@@ -13,12 +13,12 @@ use super::tiles::{TileLayer, TilePainter};
 use super::transform::{GroundBounds, joined};
 use super::{objects, track_picture};
 use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
-use crate::imagery::mosaic::{Colours, MosaicSettings};
-use crate::pipeline::{Agreement, DepthMap, Mosaic, Products};
-use crate::pipeline::{Background, Same};
-use crate::support::presentation::units::Units;
-use crate::survey::Survey;
 use crate::ui::ViewContext;
+use bathyscope_bottom::mosaic::{Colours, MosaicSettings};
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::{Agreement, DepthMap, Mosaic, Products};
+use bathyscope_products::pipeline::{Background, Same};
 use egui::Painter;
 use std::sync::Arc;
 

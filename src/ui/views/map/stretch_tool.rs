@@ -6,10 +6,10 @@ use super::pointer::REACH;
 use super::scene::MapScene;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, Tool};
-use crate::survey::LogPart;
 use crate::ui::ViewContext;
 use crate::ui::views::drag::{self, Does};
 use crate::ui::views::legend;
+use bathyscope_log::survey::LogPart;
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 /// The drag under way.

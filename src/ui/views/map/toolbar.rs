@@ -1,9 +1,9 @@
 //! The buttons on the map. What is drawn is chosen in the view's title.
 
 use crate::app::{Action, Command, Tool};
-use crate::project::MeasurementKind;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme, toggle};
+use bathyscope_products::project::MeasurementKind;
 use egui::{Rect, Ui, vec2};
 
 /// Fit, the calibration tool and the measuring tools.

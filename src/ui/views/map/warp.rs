@@ -58,7 +58,7 @@ impl Warp {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::geo::{LocalFrame, LonLat, UtmZone};
+    use bathyscope_log::support::geo::{LocalFrame, LonLat, UtmZone};
 
     #[test]
     fn a_tile_of_kilometres_is_bent_by_less_than_half_a_texel() {

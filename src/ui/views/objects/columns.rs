@@ -1,9 +1,9 @@
 //! What stands in each column, and how wide it is.
 
 use crate::app::{App, ObjectColumn, ObjectState, SurveyObject};
-use crate::detection::review::{Confidence, State};
-use crate::support::presentation::units::Units;
 use crate::ui::place;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_objects::review::{Confidence, State};
 use egui::{Rect, pos2, vec2};
 
 /// Width of the picture of a row, points.

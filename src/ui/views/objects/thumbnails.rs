@@ -2,7 +2,7 @@
 
 use super::super::chip::{BoxChip, ChipKey};
 use crate::app::{App, LogBox, SurveyObject};
-use crate::pipeline::Background;
+use bathyscope_products::pipeline::Background;
 use std::collections::HashMap;
 
 /// Pictures that are kept; beyond, those out of sight are made again when they come back.

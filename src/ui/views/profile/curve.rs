@@ -3,11 +3,11 @@
 use super::Shown;
 use super::plot::ProfilePlot;
 use crate::app::ViewOptions;
-use crate::bottom::cloud::Reduction;
-use crate::sonar::first_return::Normalisation;
-use crate::survey::{Side, SideSpan};
 use crate::ui::raster::{PaintedArea, RasterTexture};
 use crate::ui::{place, theme};
+use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::first_return::Normalisation;
+use bathyscope_log::survey::{Side, SideSpan};
 use egui::{Color32, Painter, Pos2, pos2};
 
 /// Width of a curve, points.

@@ -3,8 +3,8 @@
 use super::Shown;
 use super::plot::ProfilePlot;
 use crate::app::ViewOptions;
-use crate::survey::Side;
 use crate::ui::{place, theme};
+use bathyscope_log::survey::Side;
 use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2, vec2};
 
 /// The stretch around the transducer that is ignored.

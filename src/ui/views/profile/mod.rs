@@ -10,12 +10,12 @@ mod plot;
 mod scale;
 
 use crate::app::{Command, LogPlace};
-use crate::bottom::cloud::Reduction;
-use crate::sonar::first_return::Pick;
-use crate::support::presentation::units::Units;
-use crate::survey::{Side, SidePing, Survey};
 use crate::ui::raster::RasterTexture;
 use crate::ui::{ViewContext, exclusion_text, flat, place, theme};
+use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::first_return::Pick;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{Side, SidePing, Survey};
 use egui::{Rect, Response, Sense, vec2};
 use plot::ProfilePlot;
 use scale::ScaleJob;
@@ -26,7 +26,7 @@ const LEAST_HEIGHT: f32 = 140.0;
 const GRIP: f32 = 6.0;
 
 /// State of the profile.
-pub(crate) struct ProfileView {
+pub struct ProfileView {
     scale: ScaleJob,
     /// Enlargement about the nadir; 1 shows the whole range.
     zoom: f32,
@@ -73,12 +73,12 @@ struct Found {
 
 impl ProfileView {
     /// Whether the curve is drawn at its final scale.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         self.scale.is_settled()
     }
 
     /// Draws the profile of the hovered ping, or else the selected one.
-    pub(crate) fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+    pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let available = ui.available_size();
         // No taller than wide: a curve that is stretched upward hides how little most echoes differ.
         let height = available.y.min(available.x).max(LEAST_HEIGHT);

@@ -1,8 +1,8 @@
 //! The frame of the profile: intensity up, slant range to both sides.
 
 use crate::app::ViewOptions;
-use crate::support::presentation::units::Units;
 use crate::ui::theme;
+use bathyscope_bottom::presentation::units::Units;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Room for the numbers of the vertical axes, points.

@@ -1,9 +1,9 @@
 //! The normalisation of the whole picture, measured once in a background thread.
 
-use crate::pipeline::Background;
-use crate::sonar::first_return::{ImageSettings, Normalisation, SampleMode};
-use crate::survey::Survey;
 use crate::ui::ViewContext;
+use bathyscope_bottom::first_return::{ImageSettings, Normalisation, SampleMode};
+use bathyscope_log::survey::Survey;
+use bathyscope_products::pipeline::Background;
 use std::sync::Arc;
 
 /// What a measurement is valid for.
@@ -70,7 +70,7 @@ fn full_scale(key: &ScaleKey) -> Normalisation {
 mod tests {
     use super::*;
     use crate::app::{App, Command, Jobs, View};
-    use crate::support::progress::Progress;
+    use bathyscope_log::support::progress::Progress;
 
     #[test]
     fn the_first_frame_of_a_picture_has_the_scale_of_its_survey() {

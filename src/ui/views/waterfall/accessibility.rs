@@ -1,10 +1,10 @@
 //! What the view says about itself to screen readers and tests, and while it has nothing to show.
 
 use super::marks;
-use crate::sonar::first_return::BottomLine;
-use crate::survey::Survey;
 use crate::ui::views::empty;
 use crate::ui::{ViewContext, exclusion_text};
+use bathyscope_bottom::first_return::BottomLine;
+use bathyscope_log::survey::Survey;
 use egui::{Rect, Response, Role, Ui, WidgetInfo};
 use std::ops::Range;
 

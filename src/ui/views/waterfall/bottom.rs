@@ -3,10 +3,10 @@
 use super::lens::{Lens, LensPlace};
 use super::lines::WaterfallPen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
-use crate::sonar::first_return::BottomEdit;
-use crate::survey::Side;
 use crate::ui::views::drag;
 use crate::ui::{ViewContext, theme};
+use bathyscope_bottom::first_return::BottomEdit;
+use bathyscope_log::survey::Side;
 use egui::{CursorIcon, Modifiers, Painter, Pos2, Response, Shape, Stroke, Ui};
 
 /// Width of a drawn line, points.

@@ -3,13 +3,13 @@
 use super::lens::Lens;
 use super::tiles::ResidentTiles;
 use crate::app::{App, Jobs};
-use crate::imagery::picture::LogPicture;
-use crate::imagery::waterfall::{
+use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_bottom::picture::LogPicture;
+use bathyscope_bottom::waterfall::{
     Levels, Made, PickLines, RangeAxis, RangeLine, Tiler, WaterfallTile,
 };
-use crate::sonar::first_return::FirstReturns;
-use crate::survey::Survey;
-use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
+use bathyscope_log::survey::Survey;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use super::labels::{self, WaterfallLabels};
 use super::lens::Lens;
 use crate::app::App;
-use crate::survey::ExclusionReason;
+use bathyscope_log::survey::ExclusionReason;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Points between the lines of the veil.

@@ -4,9 +4,9 @@
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{App, Tool};
-use crate::sonar::calibration::{FlatSpot, PingRange, ScaleMode};
-use crate::survey::Side;
 use crate::ui::{flat_spot_words, place, theme};
+use bathyscope_bottom::calibration::{FlatSpot, PingRange, ScaleMode};
+use bathyscope_log::survey::Side;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
 use std::ops::Range;
 

@@ -3,9 +3,9 @@
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
-use crate::imagery::picture::{PictureGeometry, PingScale, PingScales};
-use crate::survey::Side;
 use crate::ui::place::{across_m, side_at};
+use bathyscope_bottom::picture::{PictureGeometry, PingScale, PingScales};
+use bathyscope_log::survey::Side;
 use egui::{Pos2, Rect, pos2};
 use std::ops::Range;
 use std::sync::Arc;

@@ -3,10 +3,10 @@
 use super::drawing::WaterfallDrawing;
 use super::lens::{Lens, LensPlace};
 use crate::app::Orientation;
-use crate::bottom::cloud::Reduction;
-use crate::imagery::waterfall::{LineSpan, LineStep};
-use crate::sonar::first_return::FirstReturns;
-use crate::survey::{Side, Survey};
+use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_bottom::waterfall::{LineSpan, LineStep};
+use bathyscope_log::survey::{Side, Survey};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
 /// Pings wider than this many points get a dot each.

@@ -2,9 +2,9 @@
 
 use super::lens::{Lens, LensPlace};
 use crate::app::LogPlace;
-use crate::support::presentation::units::Units;
-use crate::survey::{SideScanState, Survey};
 use crate::ui::theme;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{SideScanState, Survey};
 use egui::{Align2, Color32, Painter, Rect, Stroke, vec2};
 
 /// A thin line at the ping and, where the mark has a sample, one at its range.

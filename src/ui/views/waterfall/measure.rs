@@ -4,10 +4,10 @@ use super::cross::Cross;
 use super::labels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{Action, App, Command, Measure};
-use crate::project::{Measurement, MeasurementKind, Pick};
-use crate::survey::{Identity, Survey};
 use crate::ui::views::{drag, measured};
 use crate::ui::{ViewContext, theme};
+use bathyscope_log::survey::{Identity, Survey};
+use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 /// Half of the stroke that ends a shadow, points.

@@ -28,14 +28,14 @@ mod stretch_tool;
 mod tiles;
 mod tone;
 
-pub(crate) use boxes::outline;
+pub use boxes::outline;
 
 use crate::app::{App, ColourMap, Command, Enlarged, LogPlace, Orientation, Tool};
-use crate::imagery::picture::PictureGeometry;
-use crate::imagery::waterfall::RangeAxis;
-use crate::support::presentation::colours;
 use crate::ui::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, flat, theme};
+use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::presentation::colours;
+use bathyscope_bottom::waterfall::RangeAxis;
 use camera::{Camera, PictureExtent, Size};
 use drawing::WaterfallDrawing;
 use eframe::egui_wgpu::RenderState;
@@ -47,7 +47,7 @@ use std::sync::Arc;
 
 /// State of the waterfall view: where it looks, and what is drawn of the open survey.
 #[derive(Default)]
-pub(crate) struct WaterfallView {
+pub struct WaterfallView {
     drawing: Option<WaterfallDrawing>,
     gpu: Option<Gpu>,
     camera: Option<Camera>,
@@ -84,7 +84,7 @@ struct Gpu {
 
 impl WaterfallView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
-    pub(crate) fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+    pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
@@ -126,29 +126,29 @@ impl WaterfallView {
     }
 
     /// Sets a corner of what is measured where the pointer or the cross is.
-    pub(crate) fn set_corner(&mut self) {
+    pub fn set_corner(&mut self) {
         self.measure.set_corner();
     }
 
     /// Carries out a request from menu, key or palette.
-    pub(crate) fn request(&mut self, request: ViewRequest) {
+    pub fn request(&mut self, request: ViewRequest) {
         self.requests.push(Request::View(request));
         self.settled = false;
     }
 
     /// Whether everything on screen is drawn at its final quality.
-    pub(crate) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         self.settled
     }
 
     /// Shows exactly these pings (`snapshot --pings`).
-    pub(crate) fn show_pings(&mut self, pings: Range<usize>) {
+    pub fn show_pings(&mut self, pings: Range<usize>) {
         self.requests.push(Request::Pings(pings));
         self.settled = false;
     }
 
     /// A view that looks at the same pings and ranges, in a frame of any size.
-    pub(crate) fn for_picture(&self) -> Self {
+    pub fn for_picture(&self) -> Self {
         Self {
             aim: self
                 .camera

@@ -6,9 +6,9 @@ use super::lens::Lens;
 use super::scales::RangeLines;
 use super::{bottom, boxes, exclusions, flat_spots, lines, marks, scales};
 use crate::app::{App, LogPlace};
-use crate::imagery::picture::PictureGeometry;
-use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
+use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_log::survey::{Side, Survey};
 use egui::Painter;
 
 /// Width of the first return, points.

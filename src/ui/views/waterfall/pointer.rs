@@ -3,8 +3,8 @@
 use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
 use crate::app::{AboveStretch, App, Command, ExclusionEdit, LogPlace, Tool};
-use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, exclusion_text, place, text, theme};
+use bathyscope_log::survey::{Side, SidePing, Survey};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
 /// The mark at a place; `None` before the first and after the last ping.

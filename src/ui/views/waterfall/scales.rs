@@ -3,12 +3,12 @@
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Lens, LensPlace};
 use crate::app::{Orientation, ViewOptions};
-use crate::bottom::cloud::Reduction;
-use crate::imagery::picture::PictureGeometry;
-use crate::support::presentation::ticks;
-use crate::support::presentation::units::Units;
-use crate::survey::{Side, SideSpan, Survey};
 use crate::ui::{text, theme};
+use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::presentation::ticks;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{Side, SideSpan, Survey};
 use egui::{Align2, Color32, Painter, Pos2, Stroke, vec2};
 
 /// Screen points between range lines, at least.
@@ -262,11 +262,11 @@ pub(super) fn sides(labels: &mut WaterfallLabels<'_>, lens: &Lens, options: &Vie
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::cloud::Correction;
-    use crate::sonar::calibration::{Calibration, PpdReach, ScaleMode};
-    use crate::survey::SidePing;
     use crate::ui::views::waterfall::camera::EXTENT;
     use crate::ui::views::waterfall::camera::{Camera, PictureExtent, Size};
+    use bathyscope_bottom::calibration::{Calibration, PpdReach, ScaleMode};
+    use bathyscope_bottom::cloud::Correction;
+    use bathyscope_log::survey::SidePing;
     use egui::{Rect, pos2, vec2};
     use std::sync::Arc;
 

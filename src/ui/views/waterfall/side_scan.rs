@@ -3,9 +3,9 @@
 use super::lens::{Lens, LensPlace};
 use super::{WaterfallDrawing, WaterfallView, accessibility, boxes, extent, overlay, pointer};
 use crate::app::{App, Command, Tool, View};
-use crate::survey::Survey;
 use crate::ui::ViewContext;
 use crate::ui::views::tool_banner;
+use bathyscope_log::survey::Survey;
 use egui::{Painter, Rect, Response, Sense, Ui};
 
 /// What the tools in hand do with the pointer.

@@ -5,9 +5,9 @@ use super::exclusions::{area, edges, veil};
 use super::labels;
 use super::lens::Lens;
 use crate::app::{App, ExclusionEdit, Tool};
-use crate::survey::Side;
 use crate::ui::views::drag::{self, Does};
 use crate::ui::{ViewContext, place};
+use bathyscope_log::survey::Side;
 use egui::{Align2, CursorIcon, Painter, Response, Stroke, Ui, pos2};
 
 /// The drag under way.

@@ -2,13 +2,13 @@
 
 use super::lens::Lens;
 use crate::app::Orientation;
-use crate::imagery::picture::{LogPicture, PictureGeometry};
-use crate::imagery::waterfall::{
+use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
+use bathyscope_bottom::picture::{LogPicture, PictureGeometry};
+use bathyscope_bottom::waterfall::{
     Level, Lru, RangeAxis, TILE, Want, WaterfallTile, WaterfallTileKey,
 };
-use crate::pipeline::Same;
-use crate::survey::Side;
-use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
+use bathyscope_log::survey::Side;
+use bathyscope_products::pipeline::Same;
 use std::ops::Range;
 use std::sync::Arc;
 

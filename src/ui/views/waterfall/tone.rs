@@ -2,11 +2,11 @@
 
 use super::lens::Lens;
 use crate::app::{App, Orientation};
-use crate::imagery::picture::{LogPicture, PictureGeometry};
-use crate::imagery::waterfall::Levels;
-use crate::pipeline::Same;
-use crate::survey::Side;
 use crate::ui::render::waterfall::{EchoStyle, GainBuffer, WaterfallPicture};
+use bathyscope_bottom::picture::{LogPicture, PictureGeometry};
+use bathyscope_bottom::waterfall::Levels;
+use bathyscope_log::survey::Side;
+use bathyscope_products::pipeline::Same;
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 
@@ -113,8 +113,8 @@ pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> EchoStyle {
 
 #[cfg(test)]
 mod tests {
-    use crate::imagery::mosaic::GainTable;
-    use crate::imagery::picture::LEAST_RANGE_M;
+    use bathyscope_bottom::mosaic::GainTable;
+    use bathyscope_bottom::picture::LEAST_RANGE_M;
 
     #[test]
     fn the_shader_knows_the_curves_as_they_are() {

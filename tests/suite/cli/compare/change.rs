@@ -1,7 +1,7 @@
 //! `bathyscope compare --change`: what changed between two depth maps, on a pond to which a known mound was added.
 
 use super::super::{refusal, run};
-use crate::formats::geotiff::{RasterValues, read_values};
+use bathyscope_log::formats::geotiff::{RasterValues, read_values};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;

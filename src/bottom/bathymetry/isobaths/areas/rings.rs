@@ -1,7 +1,7 @@
 //! Pieces of a border joined to rings, and rings sorted into outlines and holes.
 
 use super::{Piece, Stop};
-use crate::support::outline::{bounds, is_crossed};
+use bathyscope_log::support::outline::{bounds, is_crossed};
 use std::cell::OnceCell;
 
 /// An area with holes.
@@ -61,7 +61,7 @@ pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
 
 /// Sorts rings: counter-clockwise ones are outlines, clockwise ones holes in the smallest outline around them. Rings without
 /// area are left out.
-pub(crate) fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
+pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     let (mut outlines, mut holes) = (Vec::new(), Vec::new());
     for ring in rings.into_iter().filter(|ring| ring.len() > 3) {
         let area_m2 = signed_area(&ring);

@@ -2,11 +2,11 @@
 
 use super::share;
 use crate::app::{Command, ViewOptions};
-use crate::detection::metrics::{CurvePoint, MatchCounts};
-use crate::detection::truth::{Standing, TruthComparison};
-use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::PlotAxes;
 use crate::ui::{ViewContext, text, theme};
+use bathyscope_bottom::presentation::plot::Axis;
+use bathyscope_objects::metrics::{CurvePoint, MatchCounts};
+use bathyscope_objects::truth::{Standing, TruthComparison};
 use egui::{
     CursorIcon, Painter, Pos2, Rect, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
     vec2,

@@ -1,8 +1,8 @@
 //! What was taken for what, as a grid of numbers.
 
-use crate::detection::metrics::Confusion;
-use crate::detection::truth::{Standing, TruthComparison};
 use crate::ui::{ViewContext, text, theme};
+use bathyscope_objects::metrics::Confusion;
+use bathyscope_objects::truth::{Standing, TruthComparison};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 /// Room for the names of the rows, points.

@@ -2,10 +2,10 @@
 
 use super::super::super::parts::{list_rows, remark, row};
 use crate::app::{Action, Command, MistakeSort};
-use crate::detection::metrics::Cause;
-use crate::detection::truth::{Mistake, TruthComparison};
 use crate::ui::drop_down::DropDown;
 use crate::ui::{ViewContext, theme};
+use bathyscope_objects::metrics::Cause;
+use bathyscope_objects::truth::{Mistake, TruthComparison};
 use egui::{Button, RichText, Ui};
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
@@ -87,7 +87,7 @@ fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
     match mistake {
         Mistake::FalseAlarm { id, .. } => {
             let one = context.app.log.reviewing.review.get(*id);
-            let state = one.map_or(crate::detection::review::State::Proposed, |one| one.state);
+            let state = one.map_or(bathyscope_objects::review::State::Proposed, |one| one.state);
             theme::box_colour_on_panel(look, state)
         }
         Mistake::Miss { .. } => theme::missed_colour_on_panel(look),

@@ -1,12 +1,12 @@
 //! The isobaths of a depth map, ready to draw.
 
 use crate::app::DrawnIsobaths;
-use crate::bottom::bathymetry::isobaths::{INDEX, IsobathSettings, NoIsobaths};
-use crate::pipeline::Isobaths;
-use crate::support::presentation::units::{LengthUnit, Units};
-use crate::support::progress::Progress;
 use crate::ui::render::{Specks, Uploader, Vertex};
 use crate::ui::views::map::lines::MapLine;
+use bathyscope_bottom::bathymetry::isobaths::{INDEX, IsobathSettings, NoIsobaths};
+use bathyscope_bottom::presentation::units::{LengthUnit, Units};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::pipeline::Isobaths;
 
 /// Vertices from which on rings too small to be seen are left out of the coarser levels.
 const MANY: usize = 20_000;
@@ -20,7 +20,7 @@ static NONE: Isobaths = Isobaths {
 };
 
 /// A line of equal depth in the plane of the survey.
-pub(crate) struct GroundLine {
+pub struct GroundLine {
     /// Its depth in words.
     pub text: String,
     /// Thick, and the first to be labelled.
@@ -30,7 +30,7 @@ pub(crate) struct GroundLine {
 }
 
 /// The isobaths of a depth map.
-pub(crate) struct IsobathLayer {
+pub struct IsobathLayer {
     /// What the lines are relative to, metres.
     pub origin_m: [f64; 2],
     /// The lines with their depths.
@@ -43,7 +43,7 @@ pub(crate) struct IsobathLayer {
 
 impl IsobathLayer {
     /// Makes them ready to draw; `None` when cancelled.
-    pub(crate) fn new(
+    pub fn new(
         drawn: &DrawnIsobaths,
         units: Units,
         uploader: Option<&Uploader>,

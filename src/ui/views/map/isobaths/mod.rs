@@ -6,8 +6,8 @@
 mod labels;
 pub(super) mod layer;
 
-pub(crate) use labels::{IsobathLabels, octave};
-pub(crate) use layer::IsobathLayer;
+pub use labels::{IsobathLabels, octave};
+pub use layer::IsobathLayer;
 
 use super::lines::{LinePicture, MapPen};
 use super::scene::MapScene;

@@ -1,18 +1,19 @@
 //! What is drawn to measure on the map.
 
 use crate::app::App;
-use crate::bottom::bathymetry::TransectStation;
-use crate::project::{Measurement, MeasurementKind};
 use crate::ui::theme;
 use crate::ui::views::map::scene::MapScene;
 use crate::ui::views::{legend, measured};
+use bathyscope_bottom::bathymetry::TransectStation;
+use bathyscope_products::project::{Measurement, MeasurementKind};
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 
 /// Line, corners, and the numbers beside the last one.
 pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Measurement) {
     let navigation = &scene.products.navigation;
-    let place =
-        |at: &crate::support::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
+    let place = |at: &bathyscope_log::support::geo::LonLat| {
+        scene.at(navigation.to_plane(&scene.survey.track, *at))
+    };
     let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
     let colour = theme::MEASURE_COLOUR;
     let casing = theme::canvas_colour(scene.options);

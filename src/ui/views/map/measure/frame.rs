@@ -1,9 +1,9 @@
 //! The axes of the depth profile: distance to the right, depth down.
 
 use crate::app::ViewOptions;
-use crate::bottom::bathymetry::TransectStation;
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
+use bathyscope_bottom::bathymetry::TransectStation;
 use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Room for the numbers of depth, and of distance, points.

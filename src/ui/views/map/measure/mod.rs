@@ -11,14 +11,14 @@ mod profile;
 
 use super::scene::MapScene;
 use crate::app::{Action, App, Command, Measure, View};
-use crate::bottom::bathymetry::TransectStation;
-use crate::project::{Measurement, MeasurementKind};
-use crate::support::geo::LonLat;
 use crate::ui::ViewContext;
 use crate::ui::views::measured;
+use bathyscope_bottom::bathymetry::TransectStation;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_products::project::{Measurement, MeasurementKind};
 use egui::{Pos2, Rect, Response, Ui};
 
-pub(crate) use profile::split;
+pub use profile::split;
 
 /// What the view keeps between frames for measuring.
 #[derive(Default)]

@@ -2,10 +2,10 @@
 
 use super::frame::ProfileTransform;
 use crate::app::{Action, App, ProfileLine};
-use crate::bottom::bathymetry::TransectStation;
-use crate::support::presentation::units::Units;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, place, theme};
+use bathyscope_bottom::bathymetry::TransectStation;
+use bathyscope_bottom::presentation::units::Units;
 use egui::{
     Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,
     Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -15,7 +15,7 @@ use egui::{
 const HEAD: f32 = 24.0;
 
 /// The part of the view that is the map, and the one that the plot takes while it is shown.
-pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
+pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
     let requested = app.map.measuring.shows_profile() && app.log.products.is_some();
     if !requested || whole.height() < 120.0 {
         return (whole, None);

@@ -9,12 +9,12 @@
 mod key;
 mod occupied;
 
-pub(crate) use key::{MapTileKey, SIDE};
+pub use key::{MapTileKey, SIDE};
 
 use super::transform::{GroundBounds, MapTransform};
 use crate::app::{Jobs, Task, TaskOutcome};
-use crate::imagery::waterfall::Lru;
-use crate::support::progress::Progress;
+use bathyscope_bottom::waterfall::Lru;
+use bathyscope_log::support::progress::Progress;
 use egui::{
     Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, lerp,
 };

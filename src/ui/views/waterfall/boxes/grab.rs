@@ -3,11 +3,11 @@
 use super::hit::{Edges, drawn};
 use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool, border_m};
-use crate::detection::review::{BoxId, Edit, Reviewed};
-use crate::detection::{Mark, ObjectExtent};
 use crate::ui::views::drag;
 use crate::ui::views::waterfall::lens::LensPlace;
 use crate::ui::{ViewContext, theme};
+use bathyscope_objects::review::{BoxId, Edit, Reviewed};
+use bathyscope_objects::{Mark, ObjectExtent};
 use egui::{CursorIcon, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2};
 
 /// How near a box a click must be, points.
@@ -48,7 +48,7 @@ pub(in crate::ui::views::waterfall) struct BoxGrab {
 impl BoxGrab {
     /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not move the picture. The middle
     /// button and Space move the picture in any tool.
-    pub(crate) fn follow(
+    pub fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -156,7 +156,7 @@ impl BoxGrab {
     }
 
     /// Draws the box that is being drawn.
-    pub(crate) fn draw(&self, painter: &Painter, at: Option<Pos2>) {
+    pub fn draw(&self, painter: &Painter, at: Option<Pos2>) {
         if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
             let rect = Rect::from_two_pos(*corner, at);
             let stroke = Stroke::new(1.5, theme::SELECTION_COLOUR);

@@ -1,8 +1,8 @@
 //! What of a box is under the pointer, and what a drag makes of it.
 
 use super::Lens;
-use crate::detection::Mark;
 use crate::ui::views::waterfall::lens::LensPlace;
+use bathyscope_objects::Mark;
 use egui::CursorIcon;
 
 /// How near an edge the pointer must come, points.
@@ -141,7 +141,7 @@ pub(super) fn drawn(from: LensPlace, to: LensPlace) -> Mark {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::Side;
+    use bathyscope_log::survey::Side;
 
     fn port() -> Mark {
         Mark {

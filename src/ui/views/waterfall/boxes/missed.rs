@@ -2,9 +2,9 @@
 
 use super::{Lens, on_screen, outline};
 use crate::app::App;
-use crate::detection::truth::Mistake;
 use crate::ui::theme;
 use crate::ui::views::waterfall::labels::WaterfallLabels;
+use bathyscope_objects::truth::Mistake;
 use egui::{Align2, Painter, Rect, vec2};
 
 /// A missed object in view.
@@ -16,7 +16,7 @@ pub(in crate::ui::views::waterfall) struct Missed<'a> {
 
 impl<'a> Missed<'a> {
     /// Those that a lens sees; none before anything was proposed, which would only give the truth away.
-    pub(crate) fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
+    pub fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
         let judging = &app.log.reviewing.judging;
         let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
         let Some(comparison) = judging.comparison().filter(|_| shown) else {
@@ -40,13 +40,13 @@ impl<'a> Missed<'a> {
     }
 
     /// Draws its outline.
-    pub(crate) fn draw(&self, painter: &Painter) {
+    pub fn draw(&self, painter: &Painter) {
         let style = outline::Style::missed();
         outline::draw(painter, self.rect, style, self.is_selected);
     }
 
     /// Writes `missed rock` below it, where the words of boxes are not.
-    pub(crate) fn label(&self, labels: &mut WaterfallLabels<'_>) {
+    pub fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let at = self.rect.left_bottom() + vec2(0.0, 2.0);
         let words = format!("missed {}", self.class);
         labels.write(at, Align2::LEFT_TOP, &words, theme::MISSED_COLOUR);

@@ -6,7 +6,7 @@
 mod grab;
 mod hit;
 mod missed;
-pub(crate) mod outline;
+pub mod outline;
 pub(super) mod shape;
 
 pub(super) use grab::{BoxGrab, under};
@@ -15,9 +15,9 @@ pub(super) use missed::Missed;
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{App, BoxEdge, Reviewing, Tool, border_m};
-use crate::detection::review::{Review, Reviewed};
-use crate::detection::{Mark, ObjectExtent};
 use crate::ui::text;
+use bathyscope_objects::review::{Review, Reviewed};
+use bathyscope_objects::{Mark, ObjectExtent};
 use egui::{Align2, Painter, Pos2, Rect, vec2};
 use outline::Style;
 

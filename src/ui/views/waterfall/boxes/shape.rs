@@ -3,9 +3,9 @@
 use super::super::lens::{Lens, LensPlace};
 use super::outline;
 use crate::app::App;
-use crate::detection::Mark;
-use crate::detection::targets::ShapeOnPing;
 use crate::ui::theme;
+use bathyscope_objects::Mark;
+use bathyscope_objects::targets::ShapeOnPing;
 use egui::{Painter, Pos2, Shape, Stroke};
 
 /// Width of its lines and of the dark rim under them, points; dashes of its shadow.

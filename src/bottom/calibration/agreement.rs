@@ -1,0 +1,86 @@
+//! How far the first returns of a stretch can be believed to show the bottom that the recorder measured.
+
+use super::scale::Usable;
+use bathyscope_log::support::statistics::median;
+use bathyscope_log::survey::Side;
+use std::ops::Range;
+
+/// A range that departs from its share of the depth by more than this is a wrong pick, whatever the amount.
+const WRONG: f64 = 0.2;
+
+/// First returns against recorded depths, with running sums so that any stretch costs the same.
+pub(super) struct DepthAgreement {
+    /// Sums over the picks of all pings before each index.
+    sums: Vec<Sums>,
+    /// The sides that have any pick in the log.
+    sides: Vec<Side>,
+    /// Median depth under the picks, metres.
+    depth_m: f64,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// How many, port and starboard.
+    counts: [f64; 2],
+    /// Of the share by which a pick's `r / d` exceeds the log's median.
+    excess: f64,
+    squares: f64,
+}
+
+impl DepthAgreement {
+    /// Of picks in ping order, over a log of `pings` pings.
+    pub(super) fn new(picks: &[Usable], pings: usize) -> Self {
+        let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
+        let typical = median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
+        let mut sums = Vec::with_capacity(pings + 1);
+        let (mut so_far, mut rest) = (Sums::default(), picks);
+        sums.push(so_far);
+        for ping in 0..pings {
+            let here = rest.iter().take_while(|pick| pick.ping == ping).count();
+            for pick in &rest[..here] {
+                so_far.add(pick.side, ratio(pick) / typical - 1.0);
+            }
+            rest = &rest[here..];
+            sums.push(so_far);
+        }
+        let mut sides = Side::BOTH.to_vec();
+        sides.retain(|&side| so_far.count(side) > 0.0);
+        Self {
+            sums,
+            sides,
+            depth_m: median(&mut picks.iter().map(|pick| pick.depth_m).collect::<Vec<_>>()),
+        }
+    }
+
+    /// How much the scale of a stretch may be off, metres at the log's median depth: twice the scatter of `r / d` over both
+    /// sides together, which holds a slope across the track, and the square of the share of pings that give no pick on the
+    /// poorer side. A few of those are fish and interference; where there are many, what is left was selected: over boulders
+    /// and weed the pings at which they end below the margin.
+    ///
+    /// Zero where the log has no picks at all: then nothing distinguishes one stretch from another.
+    pub(super) fn doubt_m(&self, pings: &Range<usize>) -> f64 {
+        let (before, after) = (self.sums[pings.start], self.sums[pings.end]);
+        let count = |side: Side| after.count(side) - before.count(side);
+        let missing = |&side: &Side| 1.0 - count(side) / pings.len() as f64;
+        let Some(missing) = self.sides.iter().map(missing).reduce(f64::max) else {
+            return 0.0;
+        };
+        let picks = (count(Side::Port) + count(Side::Starboard)).max(1.0);
+        let mean = (after.excess - before.excess) / picks;
+        let variance = (after.squares - before.squares) / picks - mean * mean;
+        self.depth_m * (2.0 * variance.max(0.0).sqrt() + missing * missing)
+    }
+}
+
+impl Sums {
+    fn add(&mut self, side: Side, excess: f64) {
+        self.counts[side as usize] += 1.0;
+        let excess = excess.clamp(-WRONG, WRONG);
+        self.excess += excess;
+        self.squares += excess * excess;
+    }
+
+    fn count(&self, side: Side) -> f64 {
+        self.counts[side as usize]
+    }
+}

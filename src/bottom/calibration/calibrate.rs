@@ -1,0 +1,170 @@
+//! All scales side by side, the one in force, and what does not agree.
+
+use super::objections::VERY_WIDE;
+use super::offset::{RangeOffset, TOLERANCE_M, blocks};
+use super::robust::robust_line;
+use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
+use super::{
+    Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, PpdReach, ScaleMode,
+    flat_spots,
+};
+use crate::first_return::FirstReturns;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::survey::{Navigation, RangeSource, Survey};
+
+/// The note of an offset that is not taken off for what the log shows.
+const REFUSED: &str = "refused";
+/// Picks that a fit over the log needs, at least.
+const MIN_FIT_PICKS: usize = 50;
+
+/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked stretches.
+///
+/// Where the flat spot gives no scale the header's is in force, and a warning says so.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn calibrate(
+    survey: &Survey,
+    navigation: &Navigation,
+    returns: &FirstReturns,
+    spots: &[FlatSpot],
+    settings: &CalibrationSettings,
+    progress: &Progress,
+) -> Result<Calibration, Cancelled> {
+    progress.start(2);
+    let picks = usable_picks(survey, returns);
+    progress.advance(1);
+    progress.check()?;
+    let flat_spot = match settings.pings {
+        Some(chosen) => {
+            let pings = chosen.start..chosen.end;
+            Some(flat_spots::describe(survey, navigation, &picks, pings))
+        }
+        None => spots.first().cloned(),
+    };
+    let measured = flat_spot.as_ref().is_some_and(|spot| spot.ppd.is_some());
+    let fit = depth_fit(&picks);
+    progress.advance(1);
+    let mode = match settings.mode {
+        ScaleMode::FlatSpot if !measured => ScaleMode::Header,
+        mode => mode,
+    };
+    let header = header_scale(survey);
+    let measured_offset = RangeOffset::of(&picks_at_depths(survey, returns));
+    let objection = (measured_offset.zip(header))
+        .and_then(|(measured, header)| measured.objection(1.0 / header.px_per_m));
+    let mut warnings = Vec::new();
+    let (offset_m, offset_note) = match (mode, settings.offset, survey.range_source) {
+        (ScaleMode::FlatSpot, ..) => (0.0, Some("scaled on the flat stretch")),
+        (_, OffsetMode::None, _) => (0.0, Some("switched off")),
+        (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => {
+            let sample_m = header.map(|header| 1.0 / header.px_per_m);
+            let excess = measured_offset.zip(sample_m);
+            warnings.extend(excess.and_then(|(found, sample_m)| found.excess(sample_m)));
+            (0.0, Some("survey-grade ranges"))
+        }
+        _ => match (measured_offset.zip(header), &objection) {
+            (Some(_), Some(objection)) => {
+                warnings.push(objection.clone());
+                (0.0, Some(REFUSED))
+            }
+            (Some((measured, _)), None) => (measured.offset_m, None),
+            (None, _) => (0.0, Some("no depths to measure it against")),
+        },
+    };
+    if mode != settings.mode {
+        warnings.push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
+    }
+    // A constant is said by itself where it is left in the ranges; what would be refused may be none.
+    let constant = measured_offset.filter(|_| objection.is_none());
+    let lead_m = constant.map_or(0.0, |measured| measured.offset_m);
+    let spot = flat_spot.as_ref();
+    warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
+    if settings.mode == ScaleMode::FlatSpot {
+        let objections = spot.map(|spot| spot.objections(survey, spots.first()));
+        warnings.extend(objections.unwrap_or_default());
+    }
+    if mode == ScaleMode::FlatSpot {
+        warnings.extend(changing_range(survey, settings.ppd));
+    }
+    let mut made = Calibration {
+        mode,
+        reach: settings.ppd,
+        flat_spot,
+        header,
+        fit,
+        offset_m,
+        measured_offset,
+        offset_note,
+        warnings,
+    };
+    made.warnings.extend(remaining(&made));
+    Ok(made)
+}
+
+/// Robust `r = k d + b` with the header's ranges; `None` where depths hardly vary or picks are few.
+///
+/// The line goes through medians over blocks of pings: the noise of a single recorded depth would flatten it.
+fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
+    if picks.len() < MIN_FIT_PICKS {
+        return None;
+    }
+    let middle = |block: &[Usable], value: fn(&Usable) -> f64| {
+        median(&mut block.iter().map(value).collect::<Vec<_>>())
+    };
+    let blocks: Vec<(f64, f64)> = blocks(picks)
+        .map(|block| {
+            (
+                middle(block, |pick| pick.depth_m),
+                middle(block, |pick| pick.range_m),
+            )
+        })
+        .collect();
+    let line = robust_line(&blocks)?;
+    let about = |pick: &Usable| pick.range_m - line.slope * pick.depth_m - line.offset;
+    Some(DepthFit {
+        k: line.slope,
+        b_m: line.offset,
+        spread_m: spread_about(&mut picks.iter().map(about).collect::<Vec<_>>(), 0.0),
+        picks: picks.len(),
+    })
+}
+
+/// What the header's scale makes of the first returns at the flat spot, less the constant `lead_m` that ranges have over depths: an offset
+/// of a few centimetres moves the flat spot's scale, and is none of the header's. Over a log whose range was changed there are no other
+/// picks to compare. Silent where a depth would change by less than it scatters by, but never because it scatters by much.
+fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
+    let (spread, factor) = (spot.spread()?, spot.factor?);
+    let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
+    let sigma_m = spot.depth_m * spread;
+    (change_m.abs() > sigma_m.min(spot.depth_m * VERY_WIDE)).then(|| {
+        format!(
+            "At the flat stretch, {:.2} m deep, recorded ranges give depths {:.1} cm {} than the soundings; single depths scatter by {:.1} cm. Compare the residuals with either scale.",
+            spot.depth_m,
+            100.0 * change_m.abs(),
+            if change_m > 0.0 { "greater" } else { "less" },
+            100.0 * sigma_m,
+        )
+    })
+}
+
+/// Where side-scan and soundings differ by more than both are uncertain by, and nothing was said of it yet: no offset was looked for.
+fn remaining(made: &Calibration) -> Option<String> {
+    let [left_m, two_sigma_m] = made.remaining_offset_m()?;
+    let is_silent = matches!(made.offset_note, Some(note) if note != REFUSED);
+    (is_silent && left_m.abs() > two_sigma_m.max(TOLERANCE_M)).then(|| {
+        format!(
+            "Side-scan depths are {:.1} cm {} than the soundings, more than the uncertainty of either. The stated error of the map includes this; calibration.offset = fit subtracts it where it is a constant.",
+            100.0 * left_m.abs(),
+            if left_m > 0.0 { "greater" } else { "less" },
+        )
+    })
+}
+
+fn changing_range(survey: &Survey, reach: PpdReach) -> Option<String> {
+    let changes = range_changes(survey);
+    (reach == PpdReach::Constant && changes > 0).then(|| {
+        format!("The recorded range changes {changes} times along the log: one constant from the flat stretch is wrong outside its own range; use calibration.ppd = factor.")
+    })
+}

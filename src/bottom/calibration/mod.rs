@@ -1,0 +1,291 @@
+//! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
+//!
+//! In: a survey with its navigation and first returns. Out: flat spots, and a calibration.
+//! It uses `survey` and `support`.
+//!
+//! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one, `scale` measures pixels per metre on them
+//! and reads the header's, `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
+//! them side by side and chooses.
+
+mod agreement;
+mod calibrate;
+mod flat_spots;
+mod objections;
+mod offset;
+mod profile;
+mod robust;
+mod scale;
+
+pub use calibrate::calibrate;
+pub use flat_spots::{flat_spots, stretch, stretch_around};
+pub use offset::RangeOffset;
+pub use scale::{RangeAtDepth, header_scale, ranges_at_depths};
+
+#[cfg(doc)]
+use bathyscope_log::survey::RangeSource;
+use bathyscope_log::survey::SideSpan;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::str::FromStr;
+
+/// Which scale turns samples into metres.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScaleMode {
+    /// Pixels per metre measured at a flat spot, `PPD = p / d`.
+    FlatSpot,
+    /// The range that the recorder states for each ping.
+    Header,
+}
+
+/// What a scale from a flat spot is for pings of another recorded range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PpdReach {
+    /// Pixels per metre, one constant for the whole log as published: wrong where the range was changed.
+    Constant,
+    /// A factor on the range that the log's header gives each ping. The same as the constant while the range stays, also
+    /// where the header's is an estimate (Humminbird).
+    Factor,
+}
+
+/// What is done about a constant between first-return ranges and recorded depths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OffsetMode {
+    /// Ranges stay as they are.
+    None,
+    /// As [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they are ([`RangeSource`]).
+    Auto,
+    /// The constant that the log shows is taken off, where it is one that an instrument causes ([`RangeOffset`]): the pulse's
+    /// leading edge (a few centimetres early), and draft or keel offset where the recorder adds one to its depths only.
+    Fit,
+}
+
+/// `calibration.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrationSettings {
+    /// Which scale turns samples into metres.
+    pub mode: ScaleMode,
+    /// Side-scan pings `A..B` of the flat spot; the best-ranked one when empty.
+    pub pings: Option<PingRange>,
+    /// What the flat spot's scale is for pings of another recorded range.
+    pub ppd: PpdReach,
+    /// What is done about a constant offset. A scale from a flat spot holds it already, so it acts on the header's only.
+    pub offset: OffsetMode,
+}
+
+impl Default for CalibrationSettings {
+    fn default() -> Self {
+        Self {
+            mode: ScaleMode::Header,
+            pings: None,
+            ppd: PpdReach::Factor,
+            offset: OffsetMode::Auto,
+        }
+    }
+}
+
+/// A range of side-scan pings, written `A..B` (B excluded).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct PingRange {
+    /// First ping.
+    pub start: usize,
+    /// One past the last ping.
+    pub end: usize,
+}
+
+impl From<PingRange> for String {
+    fn from(range: PingRange) -> String {
+        format!("{}..{}", range.start, range.end)
+    }
+}
+
+/// A text that is no range of pings.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a ping range is written A..B with A < B, for example 400..600; got `{0}`")]
+pub struct PingRangeError(String);
+
+impl FromStr for PingRange {
+    type Err = PingRangeError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parsed = text.split_once("..").and_then(|(start, end)| {
+            Some(PingRange {
+                start: start.trim().parse().ok()?,
+                end: end.trim().parse().ok()?,
+            })
+        });
+        parsed
+            .filter(|range| range.start < range.end)
+            .ok_or_else(|| PingRangeError(text.to_owned()))
+    }
+}
+
+impl TryFrom<String> for PingRange {
+    type Error = PingRangeError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
+    }
+}
+
+/// A stretch of the track where the recorded depth hardly changes, and what the first returns say there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlatSpot {
+    /// Side-scan pings of the stretch.
+    pub pings: Range<usize>,
+    /// Its length along the track, metres.
+    pub length_m: f64,
+    /// Median recorded depth, metres; NaN where none was recorded.
+    pub depth_m: f64,
+    /// Greatest less least recorded depth, metres; NaN where none was recorded.
+    pub relief_m: f64,
+    /// Pings with a recorded depth at which the recorder had lost the bottom.
+    pub lost: usize,
+    /// Slope of the recorded depth along the track, metres a metre.
+    pub slope: f64,
+    /// Standard deviation of the recorded depth about its line, metres.
+    pub scatter_m: f64,
+    /// First returns that may calibrate, port and starboard: not flagged, not at the search limit.
+    pub picks: [usize; 2],
+    /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
+    pub ppd: Option<Scale>,
+    /// Recorded depth over the header's slant range, median over the same picks: what a metre of the header measures.
+    pub factor: Option<f64>,
+}
+
+impl FlatSpot {
+    /// Its pings as a setting has them.
+    pub fn range(&self) -> PingRange {
+        PingRange {
+            start: self.pings.start,
+            end: self.pings.end,
+        }
+    }
+
+    /// How flat it is and what its first returns say, in three lines.
+    pub fn summary(&self) -> String {
+        let [port, starboard] = self.picks;
+        let scale = match self.ppd.zip(self.factor) {
+            Some((ppd, factor)) => format!(
+                "recorded range ×{factor:.3}, {:.2} ±{:.2} pixels/m",
+                ppd.px_per_m, ppd.spread_px_per_m
+            ),
+            None => "no scale".to_owned(),
+        };
+        format!(
+            "pings {}..{}, {:.1} m long, {:.2} m deep, relief {:.0} cm, slope {:.1} %\n{scale}\n{port} first returns to port, {starboard} to starboard",
+            self.pings.start,
+            self.pings.end,
+            self.length_m,
+            self.depth_m,
+            100.0 * self.relief_m,
+            100.0 * self.slope.abs(),
+        )
+    }
+
+    /// Standard deviation of the scale of single pings as a share of it; `None` without a scale.
+    pub fn spread(&self) -> Option<f64> {
+        let ppd = self.ppd?;
+        Some(ppd.spread_px_per_m / ppd.px_per_m)
+    }
+}
+
+/// A scale with its spread, in u8 samples a metre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Median over the pings used.
+    pub px_per_m: f64,
+    /// Robust standard deviation (1.4826 MAD) over the pings used.
+    pub spread_px_per_m: f64,
+    /// Picks used, both sides.
+    pub picks: usize,
+}
+
+/// Robust straight line `r = k d + b` of first-return range against recorded depth over the whole log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthFit {
+    /// Slope; about 1 when the fan covers nadir, above 1 when the inner edge of the beam is tilted.
+    pub k: f64,
+    /// Offset, metres: draft, pulse lead, keel offset.
+    pub b_m: f64,
+    /// Robust standard deviation about the line, metres.
+    pub spread_m: f64,
+    /// Picks used.
+    pub picks: usize,
+}
+
+/// How picks become slant ranges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Which scale is in force.
+    pub mode: ScaleMode,
+    /// What the flat spot's scale is for pings of another range.
+    pub reach: PpdReach,
+    /// Where pixels per metre were measured, if anywhere.
+    pub flat_spot: Option<FlatSpot>,
+    /// The scale that the log's headers imply (median over the log).
+    pub header: Option<Scale>,
+    /// Range against depth over the whole log.
+    pub fit: Option<DepthFit>,
+    /// Taken off every slant range, metres: [`Calibration::measured_offset`] where it is in force, else 0.
+    pub offset_m: f64,
+    /// The constant between ranges and depths that the log shows, in force or not.
+    pub measured_offset: Option<RangeOffset>,
+    /// Why no offset is taken off where one was asked for, in a few words for a panel.
+    pub offset_note: Option<&'static str>,
+    /// What does not agree, in sentences.
+    pub warnings: Vec<String>,
+}
+
+impl Calibration {
+    /// Pixels per metre at the flat spot.
+    pub fn ppd(&self) -> Option<Scale> {
+        self.flat_spot.as_ref()?.ppd
+    }
+
+    /// What a metre of the header measures at the flat spot ([`FlatSpot::factor`]).
+    pub fn factor(&self) -> Option<f64> {
+        self.flat_spot.as_ref()?.factor
+    }
+
+    /// How much longer first-return ranges are than recorded depths by the scale in force, at the median depth, and two standard errors of
+    /// that, metres; `None` where the log does not show it.
+    pub fn remaining_offset_m(&self) -> Option<[f64; 2]> {
+        let found = self.measured_offset?;
+        let left_m = match (self.mode, self.factor()) {
+            (ScaleMode::FlatSpot, Some(factor)) => {
+                factor * (found.depth_m + found.offset_m) - found.depth_m
+            }
+            _ => found.offset_m - self.offset_m,
+        };
+        Some([left_m, found.uncertainty_m])
+    }
+
+    /// What is done to the recorded ranges, for the edge of a picture; `None` where they stay as they are.
+    pub fn range_change(&self) -> Option<String> {
+        match (self.mode, self.reach, self.ppd(), self.factor()) {
+            (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => {
+                Some(format!("scale {:.2} pixels/m", ppd.px_per_m))
+            }
+            (ScaleMode::FlatSpot, PpdReach::Factor, _, Some(factor)) => {
+                Some(format!("scale ×{factor:.3}"))
+            }
+            _ if self.offset_m.abs() < 0.005 => None,
+            _ => Some(format!("range offset {:+.2} m", -self.offset_m)),
+        }
+    }
+
+    /// Slant range, metres, at a distance of `sample` samples outward from the nearest edge of a recorded side.
+    pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
+        let header_m = span.range_m(sample);
+        match (self.mode, self.reach, self.ppd(), self.factor()) {
+            (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => sample / ppd.px_per_m,
+            (ScaleMode::FlatSpot, PpdReach::Factor, _, Some(factor)) => factor * header_m,
+            _ => header_m - self.offset_m,
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Pixels per metre: measured at a flat spot, and as the log's headers imply it.
+
+use super::Scale;
+use crate::first_return::{FirstReturns, Pick};
+use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::survey::{Side, Survey};
+use std::ops::Range;
+
+/// A pick whose r / d differs from the log's median by more than this factor is no bottom: the search ran into its limit,
+/// or stopped at the edge of the dead zone.
+const RATIO_LIMIT: f64 = 1.6;
+
+/// Picks that a scale is based on, at least, as a share of what the stretch could give: fewer are accidents of the search.
+const MIN_SHARE: f64 = 0.05;
+
+/// A pick that may calibrate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Usable {
+    pub(super) ping: usize,
+    pub(super) side: Side,
+    /// First return in u8 samples.
+    pub(super) sample: f64,
+    /// First return by the header's scale, metres.
+    pub(super) range_m: f64,
+    /// Recorded depth, metres.
+    pub(super) depth_m: f64,
+    /// Flagged as an above-bottom return: it must not calibrate.
+    pub(super) above_bottom: bool,
+}
+
+impl Usable {
+    fn px_per_m(&self) -> f64 {
+        self.sample / self.depth_m
+    }
+}
+
+/// A first return where the recorder had the bottom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeAtDepth {
+    /// The side-scan ping.
+    pub ping: usize,
+    /// Recorded depth, metres.
+    pub depth_m: f64,
+    /// Slant range of the first return by the recorder's scale, metres.
+    pub range_m: f64,
+}
+
+/// The first returns of the log that may calibrate, in ping order.
+pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtDepth> {
+    let picks = usable_picks(survey, returns).into_iter();
+    let of = |pick: Usable| RangeAtDepth {
+        ping: pick.ping,
+        depth_m: pick.depth_m,
+        range_m: pick.range_m,
+    };
+    picks.map(of).collect()
+}
+
+/// The picks of the log that may calibrate, in ping order: no above-bottom return, not at the search limit, not at the dead zone, and
+/// not where the recorder had lost the bottom.
+pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
+    let mut picks = picks_at_depths(survey, returns);
+    picks.retain(|pick| !pick.above_bottom);
+    let ranges_per_depth = |pick: &Usable| pick.range_m / pick.depth_m;
+    let typical = median(&mut picks.iter().map(ranges_per_depth).collect::<Vec<_>>());
+    picks.retain(|pick| {
+        let ratio = ranges_per_depth(pick) / typical;
+        (1.0 / RATIO_LIMIT..=RATIO_LIMIT).contains(&ratio)
+    });
+    picks
+}
+
+/// As [`usable_picks`], with those that are flagged and those that differ much.
+pub(super) fn picks_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
+    (0..survey.side_scan.len())
+        .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
+        .filter_map(|(ping, side)| pick_at_depth(survey, ping, side, returns.side(side).get(ping)?))
+        .collect()
+}
+
+fn pick_at_depth(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<Usable> {
+    let recorded = survey.side_scan.get(ping)?;
+    let span = recorded.side(side)?;
+    let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.locked_depth_m()));
+    let inside = sample > 0.0 && sample < f64::from(span.count) - 1.0;
+    (inside && depth_m > 0.0).then(|| Usable {
+        ping,
+        side,
+        sample,
+        range_m: span.range_m(sample),
+        depth_m,
+        above_bottom: pick.above_bottom,
+    })
+}
+
+/// The picks of a stretch, of picks in ping order.
+pub(super) fn inside<'a>(picks: &'a [Usable], pings: &Range<usize>) -> &'a [Usable] {
+    let place = |ping: usize| picks.partition_point(|pick| pick.ping < ping);
+    &picks[place(pings.start)..place(pings.end).max(place(pings.start))]
+}
+
+/// `PPD = p / d`: the median over the usable picks of a stretch of `pings` pings, both sides; `None` when they are too few to
+/// stand for it.
+pub(super) fn pixels_per_metre(picks: &[Usable], pings: usize) -> Option<Scale> {
+    let enough = picks.len() as f64 >= MIN_SHARE * (2 * pings) as f64;
+    let values = || picks.iter().map(Usable::px_per_m).collect();
+    enough.then(values).and_then(scale_of)
+}
+
+/// Recorded depth over the header's slant range: the median over picks of a flat spot.
+pub(super) fn header_factor(picks: &[Usable]) -> Option<f64> {
+    let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
+    let factor = 1.0 / median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
+    (factor.is_finite() && factor > 0.0).then_some(factor)
+}
+
+/// The scale that the headers state, over all sides of all pings.
+pub fn header_scale(survey: &Survey) -> Option<Scale> {
+    scale_of(header_scales(survey).collect())
+}
+
+/// How many times the recorded scale changes by more than 1 % from one ping to the next.
+pub(super) fn range_changes(survey: &Survey) -> usize {
+    let scales: Vec<f64> = header_scales(survey).collect();
+    scales
+        .windows(2)
+        .filter(|pair| (pair[1] / pair[0] - 1.0).abs() > 0.01)
+        .count()
+}
+
+fn header_scales(survey: &Survey) -> impl Iterator<Item = f64> + '_ {
+    let sides = |ping: &bathyscope_log::survey::SidePing| ping.port.or(ping.starboard);
+    survey
+        .side_scan
+        .iter()
+        .filter_map(sides)
+        .map(|span| 1.0 / span.metres_per_sample())
+        .filter(|scale| scale.is_finite() && *scale > 0.0)
+}
+
+fn scale_of(mut values: Vec<f64>) -> Option<Scale> {
+    let px_per_m = median(&mut values);
+    px_per_m.is_finite().then(|| Scale {
+        px_per_m,
+        picks: values.len(),
+        spread_px_per_m: spread_about(&mut values, px_per_m),
+    })
+}

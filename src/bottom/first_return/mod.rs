@@ -1,0 +1,329 @@
+//! The first sonar return: where, on each side of each ping, the bottom is first detected.
+//!
+//! In: a survey. Out: a first return for each ping and side, and these with the bottom edits.
+//! It uses `survey` and `support`.
+//!
+//! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the plain method, `tracker` the one
+//! that follows the bottom as a whole line, `confidence` says how sure a pick is, `above_bottom` which lie above the recorded depth,
+//! `manual_picks` holds what the analyst drew instead, `accepted` what was accepted as it was found, `bottom_line` which bottom the picture is laid out by.
+
+mod above_bottom;
+mod accepted;
+mod bottom_line;
+mod confidence;
+mod int32_image;
+mod manual_picks;
+mod normalise;
+mod threshold;
+mod tracker;
+
+pub use bottom_line::{BottomLine, at_recorded_depth};
+pub use confidence::Evidence;
+pub use confidence::ground_confidence;
+pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
+pub use normalise::Normalisation;
+pub use threshold::ThresholdIndex;
+
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Exclusions, Side, Survey};
+use confidence::MethodPick;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What a sample of the picture is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleMode {
+    /// The recorded bytes.
+    #[default]
+    Bytes,
+    /// Four bytes read as one little-endian int32, as the published code does: a picture of a quarter of the columns.
+    Words,
+}
+
+/// `image.*` settings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImageSettings {
+    /// Bytes, or the published int32 words.
+    pub samples: SampleMode,
+}
+
+/// How the first return is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// The first sample beyond the dead zone whose normalised intensity reaches the threshold.
+    Threshold,
+    /// The bottom edge as a whole line, among the samples that reach the threshold.
+    Tracker,
+}
+
+/// `first_return.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FirstReturnSettings {
+    /// How the first return is found.
+    pub method: Method,
+    /// Normalised intensity, 0 to 1, that a sample must reach to count as a return.
+    pub threshold: f32,
+    /// Slant range around the transducer that is ignored (ring-down), metres.
+    pub dead_zone_m: f64,
+    /// A pick nearer than the recorded depth by more than this is flagged as an above-bottom return, metres; not where the recorder had lost
+    /// the bottom.
+    pub above_bottom_margin_m: f64,
+    /// Least confidence of a first return whose point is kept, 0 to 1.
+    pub min_confidence: f32,
+    /// Which bottom the picture is laid out by.
+    pub bottom_line: BottomLine,
+}
+
+impl Default for FirstReturnSettings {
+    fn default() -> Self {
+        Self {
+            method: Method::Tracker,
+            threshold: 0.3,
+            dead_zone_m: 0.5,
+            above_bottom_margin_m: 0.15,
+            // On ponds less than one in four threshold picks below it is right, weed counted; the tracker has hardly one there.
+            min_confidence: 0.2,
+            bottom_line: BottomLine::Search,
+        }
+    }
+}
+
+impl FirstReturnSettings {
+    /// Whether both find the same picks: the least confidence only decides which of them are kept, and the bottom line which of them the
+    /// picture is laid out by.
+    pub fn finds_the_same(&self, other: &Self) -> bool {
+        Self {
+            min_confidence: other.min_confidence,
+            bottom_line: other.bottom_line,
+            ..self.clone()
+        } == *other
+    }
+}
+
+/// Where the bottom was first detected on one side of one ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pick {
+    /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no pick.
+    pub sample: f32,
+    /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated ponds ([`Evidence`]);
+    /// 0 when there is no pick.
+    pub confidence: f32,
+    /// Nearer than the recorded depth by more than the margin: an above-bottom return (weed, fish, another obstacle).
+    pub above_bottom: bool,
+}
+
+impl Pick {
+    /// No return found.
+    pub const NONE: Pick = Pick {
+        sample: f32::NAN,
+        confidence: 0.0,
+        above_bottom: false,
+    };
+
+    /// Takes the return for the bottom although it lies above the recorded depth: its confidence is then that of ground.
+    fn accept(&mut self) {
+        self.confidence = ground_confidence(self.confidence, self.above_bottom);
+        self.above_bottom = false;
+    }
+
+    /// Whether a return was found.
+    pub fn is_some(&self) -> bool {
+        !self.sample.is_nan()
+    }
+}
+
+/// The first return of every side-scan ping; the lists are shared by all copies.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FirstReturns {
+    /// One entry per [`Survey::side_scan`] ping.
+    pub port: Arc<Vec<Pick>>,
+    /// One entry per [`Survey::side_scan`] ping.
+    pub starboard: Arc<Vec<Pick>>,
+    /// What the search should say about itself (for example words whose sign bit defeats the threshold).
+    pub warnings: Vec<String>,
+    /// Stretches of manual picks: first and last ping, and the side.
+    pub drawn: Vec<(Side, [usize; 2])>,
+}
+
+impl FirstReturns {
+    /// Whether a ping's pick, or that it has none, is a bottom edit.
+    pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
+        let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
+        (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
+    }
+
+    /// The same without picks at the pings that are excluded.
+    #[must_use]
+    pub fn without(&self, exclusions: &Exclusions) -> Self {
+        let mut counted = self.clone();
+        for side in Side::BOTH {
+            for (ping, pick) in counted.side_mut(side).iter_mut().enumerate() {
+                if exclusions.ping(ping).is_some() {
+                    *pick = Pick::NONE;
+                }
+            }
+        }
+        counted
+    }
+
+    /// The picks of one side, to change them.
+    fn side_mut(&mut self, side: Side) -> &mut Vec<Pick> {
+        Arc::make_mut(match side {
+            Side::Port => &mut self.port,
+            Side::Starboard => &mut self.starboard,
+        })
+    }
+
+    /// The picks of one side.
+    pub fn side(&self, side: Side) -> &[Pick] {
+        match side {
+            Side::Port => &self.port,
+            Side::Starboard => &self.starboard,
+        }
+    }
+}
+
+/// Finds the first return on both sides of every ping. None is in the noise that a unit without a side-scan transducer
+/// records: whatever passed a threshold there would be a point at a made-up depth.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn detect(
+    survey: &Survey,
+    image: &ImageSettings,
+    settings: &FirstReturnSettings,
+    progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    if !survey.has_side_scan() {
+        return Ok(none(survey));
+    }
+    let normalisation = Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
+    detect_with(survey, image, settings, &normalisation, progress)
+}
+
+/// As [`detect`] by a scale that was measured before: that of a picture of which the survey is a part.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn detect_with(
+    survey: &Survey,
+    image: &ImageSettings,
+    settings: &FirstReturnSettings,
+    normalisation: &Normalisation,
+    progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    if !survey.has_side_scan() {
+        return Ok(none(survey));
+    }
+    match settings.method {
+        Method::Threshold => {
+            let index = ThresholdIndex::by(survey, image, normalisation.clone(), progress)?;
+            Ok(index.detect(survey, settings.threshold, settings.above_bottom_margin_m))
+        }
+        Method::Tracker => {
+            let pings = 0..survey.side_scan.len();
+            track_range(survey, normalisation, settings, pings, progress)
+        }
+    }
+}
+
+fn none(survey: &Survey) -> FirstReturns {
+    let none = Arc::new(vec![Pick::NONE; survey.side_scan.len()]);
+    FirstReturns {
+        port: none.clone(),
+        starboard: none,
+        ..FirstReturns::default()
+    }
+}
+
+/// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their confidence is fitted to.
+pub fn evidence(
+    survey: &Survey,
+    image: &ImageSettings,
+    settings: &FirstReturnSettings,
+    progress: &Progress,
+) -> Result<[Vec<Evidence>; 2], Cancelled> {
+    let Settled { found, depths_m } = match settings.method {
+        Method::Threshold => {
+            let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;
+            index.found(settings.threshold)
+        }
+        Method::Tracker => {
+            let normalisation =
+                Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
+            let pings = 0..survey.side_scan.len();
+            Settled {
+                found: tracker::track(survey, &normalisation, settings, pings.clone(), progress)?,
+                depths_m: locked_depths_m(survey, pings),
+            }
+        }
+    };
+    let gathering = confidence::Gathering {
+        survey,
+        first: 0,
+        found: &found,
+        depths_m: &depths_m,
+        margin_m: settings.above_bottom_margin_m,
+        dead_zone_m: settings.dead_zone_m,
+        method: settings.method,
+    };
+    Ok(gathering.evidence())
+}
+
+/// What a method found, with a depth a ping, NaN where there is none to believe.
+struct Settled {
+    found: [Vec<MethodPick>; 2],
+    depths_m: Vec<f32>,
+}
+
+fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
+    let pings = pings.into_par_iter();
+    pings.map(|ping| survey.locked_depth_m(ping)).collect()
+}
+
+/// The tracker over some pings only; the same picks as over the whole survey.
+///
+/// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture, kept by the caller
+/// ([`ThresholdIndex::normalisation`] has it). The result has one entry per ping of `pings`.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn track_range(
+    survey: &Survey,
+    normalisation: &Normalisation,
+    settings: &FirstReturnSettings,
+    pings: Range<usize>,
+    progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    // What speaks for a pick lies around it.
+    let around = pings.start.saturating_sub(confidence::REACH)
+        ..survey.side_scan.len().min(pings.end + confidence::REACH);
+    let found = tracker::track(survey, normalisation, settings, around.clone(), progress)?;
+    let mut sides = confidence::Gathering {
+        survey,
+        first: around.start,
+        found: &found,
+        depths_m: &locked_depths_m(survey, around.clone()),
+        margin_m: settings.above_bottom_margin_m,
+        dead_zone_m: settings.dead_zone_m,
+        method: Method::Tracker,
+    }
+    .picks();
+    for picks in &mut sides {
+        picks.truncate(pings.end - around.start);
+        picks.drain(..pings.start - around.start);
+    }
+    let [port, starboard] = sides.map(Arc::new);
+    Ok(FirstReturns {
+        port,
+        starboard,
+        warnings: normalisation.warning().into_iter().collect(),
+        drawn: Vec::new(),
+    })
+}

@@ -1,0 +1,211 @@
+//! Normalised intensity: the middle set to zero, then min-max over the whole picture, as the paper does it.
+
+use super::int32_image;
+use super::{ImageSettings, SampleMode};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, SideSpan, Survey};
+use rayon::prelude::*;
+
+/// Pings that one parallel step works on.
+pub(super) const BLOCK: usize = 512;
+
+/// The scale between recorded and normalised intensity, measured over the whole masked picture.
+///
+/// `normalised = (value - lowest) / (highest - lowest)`, where a value is a byte, or the signed word of
+/// [`SampleMode::Words`]. The middle of the picture (the dead zone) counts as zeros.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Normalisation {
+    /// What a value of the picture is.
+    pub samples: SampleMode,
+    /// Slant range around the transducer that is set to zero, metres.
+    pub dead_zone_m: f64,
+    /// Smallest value of the masked picture.
+    pub lowest: i32,
+    /// Largest value of the masked picture.
+    pub highest: i32,
+}
+
+impl Normalisation {
+    /// Reads the whole picture once.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn measure(
+        survey: &Survey,
+        image: &ImageSettings,
+        dead_zone_m: f64,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let pings = survey.side_scan.len();
+        progress.start(pings as u64);
+        let extremes = (0..pings.div_ceil(BLOCK))
+            .into_par_iter()
+            .map(|block| {
+                progress.check()?;
+                let range = block * BLOCK..pings.min((block + 1) * BLOCK);
+                progress.advance(range.len() as u64);
+                Ok(range.fold(ValueExtremes::NONE, |all, ping| {
+                    all.and(ping_extremes(survey, ping, image.samples, dead_zone_m))
+                }))
+            })
+            .try_reduce(|| ValueExtremes::NONE, |a, b| Ok(a.and(b)))?;
+        let ValueExtremes { lowest, highest } = extremes;
+        // A picture without a single value is black.
+        let (lowest, highest) = if lowest > highest {
+            (0, 0)
+        } else {
+            (lowest, highest)
+        };
+        Ok(Self {
+            samples: image.samples,
+            dead_zone_m,
+            lowest,
+            highest,
+        })
+    }
+
+    /// The scale over this picture and another part of it.
+    #[must_use]
+    pub fn widened(&self, other: &Self) -> Self {
+        // A picture without a single value is black and says nothing.
+        let is_black = |one: &Self| one.lowest == 0 && one.highest == 0;
+        match (is_black(self), is_black(other)) {
+            (true, _) => other.clone(),
+            (_, true) => self.clone(),
+            _ => Self {
+                lowest: self.lowest.min(other.lowest),
+                highest: self.highest.max(other.highest),
+                ..self.clone()
+            },
+        }
+    }
+
+    /// The smallest value whose normalised intensity reaches `level`; above every value when the picture is empty.
+    pub fn raw_level(&self, level: f32) -> i64 {
+        let span = i64::from(self.highest) - i64::from(self.lowest);
+        if span <= 0 {
+            return i64::MAX;
+        }
+        // A level such as 0.2 is not exact in binary: without the slack, the value that is 0.2 would miss it.
+        let raw = (f64::from(level) - 1e-6) * span as f64;
+        i64::from(self.lowest) + raw.ceil() as i64
+    }
+
+    /// The normalised intensity of a value, 0 to 1.
+    pub fn normalised(&self, value: i32) -> f32 {
+        let span = (i64::from(self.highest) - i64::from(self.lowest)).max(1);
+        ((i64::from(value) - i64::from(self.lowest)) as f64 / span as f64) as f32
+    }
+
+    /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one value a sample, or one a
+    /// word of four. Empty where the side was not recorded.
+    pub fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
+        let span = survey.span(ping, side);
+        let Some((span, samples)) = span.zip(survey.samples(ping, side)) else {
+            return Vec::new();
+        };
+        let dead = dead_samples(span, self.dead_zone_m);
+        let masked = self.normalised(0);
+        match self.samples {
+            SampleMode::Bytes => (0..samples.len())
+                .map(|index| match index < dead {
+                    true => masked,
+                    false => self.normalised(i32::from(samples.get(index))),
+                })
+                .collect(),
+            SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(int32_image::WORD))
+                .chain(int32_image::outward(samples, side, dead).map(|word| self.normalised(word)))
+                .collect(),
+        }
+    }
+
+    /// What the picture should say about itself: words that went negative beyond the dead zone.
+    pub fn warning(&self) -> Option<String> {
+        (self.lowest < 0).then(|| {
+            format!(
+                "int32 words are negative beyond the dead zone ({} at the lowest), so that zero echo is scaled to {:.2} \
+                 and passes most thresholds; use image.samples = bytes, or a longer first_return.dead_zone_m",
+                self.lowest,
+                self.normalised(0)
+            )
+        })
+    }
+}
+
+/// First sample beyond the dead zone.
+pub(super) fn dead_samples(span: &SideSpan, dead_zone_m: f64) -> usize {
+    // A dead zone of exactly n samples must not become n + 1 by rounding.
+    let samples = (span.sample_at(dead_zone_m) - 1e-6).ceil();
+    // The cast saturates: a span without length gives no sample to search.
+    (samples.max(0.0) as usize).min(span.count as usize)
+}
+
+#[derive(Clone, Copy)]
+struct ValueExtremes {
+    lowest: i32,
+    highest: i32,
+}
+
+impl ValueExtremes {
+    const NONE: Self = Self {
+        lowest: i32::MAX,
+        highest: i32::MIN,
+    };
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            lowest: self.lowest.min(other.lowest),
+            highest: self.highest.max(other.highest),
+        }
+    }
+
+    fn with(self, value: i32) -> Self {
+        self.and(Self {
+            lowest: value,
+            highest: value,
+        })
+    }
+}
+
+fn ping_extremes(
+    survey: &Survey,
+    ping: usize,
+    mode: SampleMode,
+    dead_zone_m: f64,
+) -> ValueExtremes {
+    Side::BOTH
+        .into_iter()
+        .fold(ValueExtremes::NONE, |extremes, side| {
+            let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side))
+            else {
+                return extremes;
+            };
+            let dead = dead_samples(span, dead_zone_m);
+            let masked = if dead > 0 { extremes.with(0) } else { extremes };
+            match mode {
+                SampleMode::Bytes => match samples.stored_u8() {
+                    Some((stored, order)) => {
+                        masked.and(byte_extremes(int32_image::beyond(stored, order, dead)))
+                    }
+                    None => (dead..samples.len())
+                        .fold(masked, |all, at| all.with(i32::from(samples.get(at)))),
+                },
+                SampleMode::Words => {
+                    int32_image::outward(samples, side, dead).fold(masked, ValueExtremes::with)
+                }
+            }
+        })
+}
+
+fn byte_extremes(bytes: &[u8]) -> ValueExtremes {
+    if bytes.is_empty() {
+        return ValueExtremes::NONE;
+    }
+    let (lowest, highest) = bytes.iter().fold((u8::MAX, u8::MIN), |(low, high), &byte| {
+        (low.min(byte), high.max(byte))
+    });
+    ValueExtremes {
+        lowest: i32::from(lowest),
+        highest: i32::from(highest),
+    }
+}

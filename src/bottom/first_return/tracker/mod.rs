@@ -1,0 +1,171 @@
+//! The bottom edge as a whole line: the path over range, along the track, that gathers most evidence of a step from water
+//! to bottom and jumps least.
+//!
+//! In: a survey, with the scale of its picture. Out: a sample and a confidence for each ping on both sides.
+//! It uses `survey` and `support`.
+//!
+//! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score` measures the step at
+//! every sample, `depth` compares the recorded depth with it, `viterbi` finds the best path, `line` says where it is a pick
+//! and how sure, and `refine` finds the edge within a fraction of a sample on the picture that `straight` lays along the line,
+//! with what `onset` finds just before it.
+
+mod depth;
+mod grid;
+mod line;
+mod onset;
+mod refine;
+mod rows;
+mod runs;
+mod score;
+mod straight;
+mod viterbi;
+
+use super::confidence::MethodPick;
+use super::{FirstReturnSettings, Normalisation};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, Survey};
+use rayon::prelude::*;
+use runs::TrackerChunk;
+use std::ops::Range;
+
+/// What the tracker is set to; chosen on simulated ponds and looked at on real recordings.
+///
+/// Lengths are in metres where the bottom decides, with limits in cells of the picture where the recorder's grid does:
+/// a range of 37 m in 512 samples is coarser than any step.
+struct Tuning {
+    /// Length of the windows compared on both sides of a step, metres.
+    window_m: f64,
+    /// Fewest cells of that window; a line one or two cells wide must not fill it.
+    window_cells: usize,
+    /// Farthest that the line moves from ping to ping without a leap, metres.
+    move_m: f64,
+    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell. Little: a bottom that slopes
+    /// 20 degrees along the track moves 5 cm at every ping, and must not be left for it.
+    move_cost_per_m: f64,
+    /// See `move_cost_per_m`.
+    move_cost_per_cell: f64,
+    /// How many standard deviations of the noise the echo before a step may lie above quiet water. Over the boulders of the real
+    /// river the step from a boulder to the ground behind it is often the greater one; the first is the one from the water.
+    quiet: f32,
+    /// Score that each further one costs. On the river any from 0.3 on finds the boulders; on ponds none up to 1 changes the
+    /// error by more than a tenth of a millimetre.
+    loud_cost: f32,
+    /// How much brighter the water may grow with range, bytes a metre.
+    water_grows_per_m: f64,
+    /// Score that a leap costs, to wherever: the edge of a boulder, a weed bed, a wall.
+    leap_cost: f32,
+    /// Score that lying outside the window around the recorded depth costs.
+    depth_cost: f32,
+    /// Window around the recorded depth, as shares of it.
+    depth_window: (f64, f64),
+    /// Farthest that a first return lies, as a share of a depth to be believed: both are rounded and noisy.
+    farthest_share: f64,
+    /// Share of the pings whose line must lie before that for the depth to be believed.
+    depth_trust: f64,
+    /// Score that lying farther costs then: more than any step gathers.
+    farther_cost: f32,
+}
+
+const TUNING: Tuning = Tuning {
+    window_m: 0.20,
+    window_cells: 10,
+    move_m: 0.08,
+    move_cost_per_m: 35.0,
+    move_cost_per_cell: 0.3,
+    quiet: 1.0,
+    loud_cost: 0.5,
+    water_grows_per_m: 8.0,
+    leap_cost: 7.0,
+    depth_cost: 1.2,
+    depth_window: (0.65, 1.12),
+    farthest_share: 1.08,
+    depth_trust: 0.9,
+    farther_cost: 8.0,
+};
+
+/// What is found on both sides (port, starboard) of `pings`.
+pub(super) fn track(
+    survey: &Survey,
+    normalisation: &Normalisation,
+    settings: &FirstReturnSettings,
+    pings: Range<usize>,
+    progress: &Progress,
+) -> Result<[Vec<MethodPick>; 2], Cancelled> {
+    let mut sides = [Vec::new(), Vec::new()];
+    let chunks = Side::BOTH.map(|side| runs::chunks(survey, side, &pings));
+    progress.start(
+        chunks
+            .iter()
+            .flatten()
+            .map(|chunk| chunk.kept.len() as u64)
+            .sum(),
+    );
+    for ((side, chunks), picks) in Side::BOTH.into_iter().zip(&chunks).zip(&mut sides) {
+        let tracked = chunks
+            .par_iter()
+            .map_init(Workspace::default, |workspace, chunk| {
+                progress.check()?;
+                let picks = workspace.track(survey, normalisation, settings, side, chunk);
+                progress.advance(chunk.kept.len() as u64);
+                Ok(picks)
+            })
+            .collect::<Result<Vec<_>, Cancelled>>()?;
+        picks.resize(pings.len(), MethodPick::NONE);
+        for (chunk, tracked) in chunks.iter().zip(tracked) {
+            for (&ping, pick) in chunk.kept_pings().iter().zip(tracked) {
+                if pings.contains(&(ping as usize)) {
+                    picks[ping as usize - pings.start] = pick;
+                }
+            }
+        }
+    }
+    Ok(sides)
+}
+
+/// Buffers that a worker uses for one chunk after another.
+#[derive(Default)]
+struct Workspace {
+    rows: rows::SampleRows,
+    scores: score::Scores,
+    paths: viterbi::Paths,
+    refiner: refine::Refiner,
+}
+
+impl Workspace {
+    fn track(
+        &mut self,
+        survey: &Survey,
+        normalisation: &Normalisation,
+        settings: &FirstReturnSettings,
+        side: Side,
+        chunk: &TrackerChunk,
+    ) -> Vec<MethodPick> {
+        let cell_m = chunk.metres_per_sample * rows::cell(normalisation.samples) as f64;
+        self.rows.load(survey, normalisation, side, chunk);
+        self.scores.measure(
+            &self.rows,
+            &score::Kernel::new(normalisation, settings, chunk, cell_m),
+        );
+        let depths = depth::Depths::of(survey, chunk, cell_m);
+        depths.weigh(&mut self.scores);
+        let motion = viterbi::MotionCost::at(cell_m);
+        let mut line = self.paths.line(self.scores.grid(), &motion);
+        if depths.forbid_beyond(&line, &mut self.scores) {
+            line = self.paths.line(self.scores.grid(), &motion);
+        }
+        let evidence = line::evidence(self.scores.grid(), &line);
+        let apart = (line::RIVAL_M / cell_m).ceil() as usize;
+        let margins = self.paths.margins(&line, apart);
+        let places = self.refiner.refine(&self.rows, &line, motion.limit, cell_m);
+        let samples_per_cell = rows::cell(normalisation.samples) as f32;
+        let kept = chunk.kept.clone();
+        kept.map(|row| match evidence[row] {
+            None => MethodPick::NONE,
+            Some(evidence) => MethodPick {
+                sample: places[row] * samples_per_cell,
+                signs: [evidence, margins[row][0], margins[row][1]],
+            },
+        })
+        .collect()
+    }
+}

@@ -1,0 +1,191 @@
+//! From the cell that the line goes through to the place of the edge within a fraction of it.
+//!
+//! The first search smooths along the track and so blurs a sloping edge. Here the picture is laid straight along the
+//! line, searched again close by with shorter windows, and the edge is then read off the averaged profile at a fixed drop
+//! below the bottom's plateau. The recorders' picture is logarithmic, so the toe of a strong echo shows earlier than that of
+//! a weak one; a fixed drop in bytes is a fixed drop in decibels, at which both edges lie equally far from the true range.
+
+use super::grid::{TrackerGrid, peak_offset};
+use super::onset::Onsets;
+use super::rows::SampleRows;
+use super::score::{FLOOR, MOST};
+use super::straight::{extract, gaussian, smooth, smooth_along, stretches};
+use super::viterbi::{MotionCost, Paths};
+use bathyscope_log::support::statistics::upper_median;
+use std::ops::Range;
+
+/// Standard deviation, in pings, of the smoothing of: the line that the picture is laid straight by, the picture that is
+/// searched again, the profile that the edge is read off.
+const LINE_PINGS: f32 = 3.0;
+const SEARCH_PINGS: f32 = 1.1;
+const PROFILE_PINGS: f32 = 6.0;
+
+/// Length of the windows compared on both sides of a step, metres.
+const WINDOW_M: f64 = 0.1;
+/// Distance from the smoothed line that is searched, metres.
+const SEARCH_M: f64 = 0.2;
+/// The second search moves at most this many cells from row to row, at this cost each.
+const MOVE: (usize, f32) = (4, 0.5);
+/// Where beyond the edge the plateau of the bottom lies, and before it the water, metres.
+const PLATEAU_M: (f64, f64) = (0.05, 0.14);
+const WATER_M: (f64, f64) = (0.07, 0.17);
+/// Drop below the plateau at which the edge is read, as a share of the median contrast between plateau and water.
+const DROP: f32 = 0.6;
+/// The edge is read at least this share of a row's own contrast above the water.
+const LEAST_RISE: f32 = 0.15;
+
+/// Works the line of a chunk over.
+#[derive(Default)]
+pub(super) struct Refiner {
+    band: TrackerGrid,
+    smoothed: TrackerGrid,
+    scores: TrackerGrid,
+    profiles: TrackerGrid,
+    paths: Paths,
+    onsets: Onsets,
+}
+
+impl Refiner {
+    /// The place of the edge on every row, in cells. `limit` is how far the line moves from row to row without a leap.
+    pub(super) fn refine(
+        &mut self,
+        rows: &SampleRows,
+        line: &[usize],
+        limit: usize,
+        cell_m: f64,
+    ) -> Vec<f32> {
+        let reach = cells(WATER_M.1, cell_m, 5);
+        self.profiles.reset(line.len(), 2 * reach + 1, 0.0);
+        let mut places = Vec::with_capacity(line.len());
+        let stretches = stretches(line, limit);
+        for stretch in stretches.iter().cloned() {
+            let rough: Vec<f32> = line[stretch.clone()].iter().map(|&at| at as f32).collect();
+            let straight = smooth(&rough, &gaussian(LINE_PINGS));
+            let found = self.search(rows, &stretch, &straight, cell_m);
+            extract(rows, &stretch, &found, reach, &mut self.band);
+            smooth_along(&self.band, &gaussian(PROFILE_PINGS), &mut self.smoothed);
+            for (index, row) in stretch.enumerate() {
+                self.profiles
+                    .row_mut(row)
+                    .copy_from_slice(self.smoothed.row(index));
+            }
+            places.extend(found);
+        }
+        let profiles: Vec<LineProfile> = (0..line.len())
+            .map(|row| LineProfile::of(self.profiles.row(row), cell_m))
+            .collect();
+        let mut contrasts: Vec<f32> = profiles.iter().map(LineProfile::contrast).collect();
+        let drop = DROP * upper_median(&mut contrasts, f32::total_cmp).unwrap_or(0.0);
+        for (place, profile) in places.iter_mut().zip(&profiles) {
+            *place += profile.edge(drop);
+        }
+        self.onsets.advance(rows, &stretches, &mut places, cell_m);
+        places
+    }
+
+    /// The steps close to `line`, searched again on the straightened picture.
+    fn search(
+        &mut self,
+        rows: &SampleRows,
+        stretch: &Range<usize>,
+        line: &[f32],
+        cell_m: f64,
+    ) -> Vec<f32> {
+        let window = cells(WINDOW_M, cell_m, 5);
+        let half = cells(SEARCH_M, cell_m, 4) + window;
+        extract(rows, stretch, line, half, &mut self.band);
+        smooth_along(&self.band, &gaussian(SEARCH_PINGS), &mut self.smoothed);
+        self.scores.reset(stretch.len(), 2 * half + 1, -1.0);
+        for row in 0..stretch.len() {
+            short_steps(self.smoothed.row(row), window, self.scores.row_mut(row));
+        }
+        let motion = MotionCost {
+            limit: MOVE.0,
+            cost: MOVE.1,
+            leap: f32::INFINITY,
+        };
+        let found = self.paths.line(&self.scores, &motion);
+        let placed = found
+            .iter()
+            .zip(line)
+            .enumerate()
+            .map(|(row, (&cell, &line))| {
+                line - half as f32 + cell as f32 + peak_offset(self.scores.row(row), cell)
+            });
+        placed.collect()
+    }
+}
+
+fn cells(metres: f64, cell_m: f64, least: usize) -> usize {
+    ((metres / cell_m).round() as usize).clamp(least, 255)
+}
+
+/// The score of the first search, with windows short enough for the place of the edge, on a few cells.
+fn short_steps(cells: &[f32], window: usize, out: &mut [f32]) {
+    for at in window..(cells.len() + 1).saturating_sub(window) {
+        let (near, far) = (
+            moments(&cells[at - window..at]),
+            moments(&cells[at..at + window]),
+        );
+        out[at] = ((far.0 - near.0) / (near.1 + far.1 + FLOOR).sqrt()).min(MOST);
+    }
+}
+
+/// Mean and variance.
+fn moments(values: &[f32]) -> (f32, f32) {
+    let n = values.len() as f32;
+    let (sum, square) = values.iter().fold((0.0, 0.0), |(sum, square), &value| {
+        (sum + value, square + value * value)
+    });
+    let mean = sum / n;
+    (mean, (square / n - mean * mean).max(0.0))
+}
+
+/// The picture averaged along the line; the line goes through the middle cell.
+struct LineProfile<'a> {
+    values: &'a [f32],
+    /// Where the search for the edge begins.
+    plateau_end: usize,
+    plateau: f32,
+    water: f32,
+}
+
+impl<'a> LineProfile<'a> {
+    fn of(values: &'a [f32], cell_m: f64) -> Self {
+        let middle = values.len() / 2;
+        let mean = |range: Range<usize>| moments(&values[range]).0;
+        let beyond = |metres: f64, least: usize| middle + cells(metres, cell_m, least).min(middle);
+        let before = |metres: f64, least: usize| middle - cells(metres, cell_m, least).min(middle);
+        let plateau = beyond(PLATEAU_M.0, 1)..beyond(PLATEAU_M.1, 3);
+        Self {
+            values,
+            plateau_end: plateau.end,
+            plateau: mean(plateau),
+            water: mean(before(WATER_M.1, 5)..before(WATER_M.0, 2)),
+        }
+    }
+
+    fn contrast(&self) -> f32 {
+        self.plateau - self.water
+    }
+
+    /// Cells from the middle to where, coming from the plateau, the profile has fallen by `drop`.
+    fn edge(&self, drop: f32) -> f32 {
+        let least = self.water + LEAST_RISE * self.contrast();
+        let level = (self.plateau - drop).max(least);
+        let middle = self.values.len() / 2;
+        let below = self.values[..self.plateau_end]
+            .iter()
+            .rposition(|&value| value < level);
+        let Some(below) = below.filter(|&below| below + 1 < self.values.len()) else {
+            return 0.0;
+        };
+        let (low, high) = (self.values[below], self.values[below + 1]);
+        let share = if high > low {
+            (level - low) / (high - low)
+        } else {
+            0.0
+        };
+        below as f32 + share.clamp(0.0, 1.0) - middle as f32
+    }
+}

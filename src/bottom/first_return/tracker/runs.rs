@@ -1,0 +1,140 @@
+//! Where the line may not run on, and the chunks that are tracked on their own.
+
+use bathyscope_log::survey::{Side, SideSpan, Survey};
+use std::ops::Range;
+
+/// Pings that a chunk answers for. Chunks begin at multiples of it, whatever part of the log is asked for.
+const KEPT: usize = 512;
+
+/// Pings beyond both ends of a chunk that its line is found with, so that neighbours meet.
+const OVERLAP: usize = 96;
+
+/// Longest time between pings that the line runs across, seconds.
+const LONGEST_GAP_S: f64 = 1.5;
+
+/// Pings of one side that are tracked together.
+pub(super) struct TrackerChunk {
+    /// All pings, overlap included.
+    pub pings: Vec<u32>,
+    /// Which of them this chunk answers for.
+    pub kept: Range<usize>,
+    /// Slant range of a sample, the same for all of them.
+    pub metres_per_sample: f64,
+    /// Slant range at the near edge of the first sample.
+    pub near_m: f64,
+}
+
+impl TrackerChunk {
+    /// The pings that this chunk answers for.
+    pub(super) fn kept_pings(&self) -> &[u32] {
+        &self.pings[self.kept.clone()]
+    }
+}
+
+/// The chunks of one side that answer for at least one ping of `requested`.
+pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> Vec<TrackerChunk> {
+    let mut chunks = Vec::new();
+    for run in runs(survey, side) {
+        let Some(span) = run
+            .first()
+            .and_then(|&ping| survey.span(ping as usize, side))
+        else {
+            continue;
+        };
+        for start in (0..run.len()).step_by(KEPT) {
+            let kept = start..run.len().min(start + KEPT);
+            let first = run[kept.start] as usize;
+            let last = run[kept.end - 1] as usize;
+            if last < requested.start || first >= requested.end {
+                continue;
+            }
+            let with_overlap = start.saturating_sub(OVERLAP)..run.len().min(kept.end + OVERLAP);
+            chunks.push(TrackerChunk {
+                kept: kept.start - with_overlap.start..kept.end - with_overlap.start,
+                pings: run[with_overlap].to_vec(),
+                metres_per_sample: span.metres_per_sample(),
+                near_m: f64::from(span.near_m),
+            });
+        }
+    }
+    chunks
+}
+
+/// Pings of one side between time gaps and changes of range.
+fn runs(survey: &Survey, side: Side) -> Vec<Vec<u32>> {
+    let mut runs: Vec<Vec<u32>> = Vec::new();
+    let mut last: Option<(f64, &SideSpan)> = None;
+    for (index, ping) in survey.side_scan.iter().enumerate() {
+        let Some(span) = ping.side(side).filter(|span| can_track(span)) else {
+            continue;
+        };
+        let continues = last.is_some_and(|(time_s, before)| {
+            (ping.time_s - time_s).abs() <= LONGEST_GAP_S && same_scale(before, span)
+        });
+        last = Some((ping.time_s, span));
+        match runs.last_mut() {
+            Some(run) if continues => run.push(index as u32),
+            _ => runs.push(vec![index as u32]),
+        }
+    }
+    runs
+}
+
+fn can_track(span: &SideSpan) -> bool {
+    let metres = span.metres_per_sample();
+    span.count >= 16 && metres.is_finite() && metres > 0.0
+}
+
+/// Humminbird pings differ in their number of samples but not in scale: that is no change of range.
+fn same_scale(a: &SideSpan, b: &SideSpan) -> bool {
+    let (one, other) = (a.metres_per_sample(), b.metres_per_sample());
+    (one - other).abs() <= 0.002 * one && f64::from((a.near_m - b.near_m).abs()) < one
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::{SidePing, SideScanState};
+
+    fn survey(times_and_ranges: impl Iterator<Item = (f64, f32)>) -> Survey {
+        let ping = |(time_s, far_m)| SidePing {
+            port: Some(SideSpan::of_bytes(100, [0.0, far_m])),
+            ..SidePing::with_depth(time_s, f32::NAN)
+        };
+        Survey {
+            side_scan_state: SideScanState::Usable,
+            ..Survey::of_pings(times_and_ranges.map(ping))
+        }
+    }
+
+    #[test]
+    fn line_breaks_at_time_gaps_and_range_changes() {
+        let survey = survey((0..300).map(|ping| {
+            let gap_s = if ping < 100 { 0.0 } else { 10.0 };
+            (
+                gap_s + 0.05 * f64::from(ping),
+                if ping < 200 { 12.0 } else { 15.0 },
+            )
+        }));
+        let chunks = chunks(&survey, Side::Port, &(0..300));
+        let starts: Vec<u32> = chunks.iter().map(|chunk| chunk.pings[0]).collect();
+        assert_eq!(starts, [0, 100, 200]);
+        assert!(chunks.iter().all(|chunk| chunk.kept == (0..100)));
+        assert!(super::chunks(&survey, Side::Starboard, &(0..300)).is_empty());
+    }
+
+    #[test]
+    fn every_ping_is_answered_for_once_and_chunks_do_not_depend_on_the_request() {
+        let survey = survey((0..2000).map(|ping| (0.05 * f64::from(ping), 12.0)));
+        let all = chunks(&survey, Side::Port, &(0..2000));
+        let kept: Vec<u32> = all
+            .iter()
+            .flat_map(TrackerChunk::kept_pings)
+            .copied()
+            .collect();
+        assert!(kept.into_iter().eq(0..2000));
+        let some = chunks(&survey, Side::Port, &(700..701));
+        assert_eq!(some.len(), 1);
+        assert!(all.iter().any(|chunk| chunk.pings == some[0].pings));
+    }
+}

@@ -1,0 +1,413 @@
+//! How much every cell of every row looks like the step from water to bottom.
+
+use super::super::{FirstReturnSettings, Normalisation, SampleMode};
+use super::TUNING;
+use super::grid::TrackerGrid;
+use super::rows::SampleRows;
+use super::runs::TrackerChunk;
+use crate::vectors::{VectorLoop, vectorised};
+use std::ops::{Bound, RangeBounds};
+
+/// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
+const ALONG: [u16; 4] = [22, 15, 5, 1];
+
+/// Smoothed values are kept as 8 times a byte, in integers, so that sums over windows are exact.
+const FINE: f32 = 8.0;
+
+/// Variance of the noise floor, bytes squared: even quiet water is not certain to less than 3 bytes.
+pub(super) const FLOOR: f32 = 9.0;
+
+/// Neighbouring pings to each side of which an echo may be the one that reaches the threshold: speckle fades any one of them.
+const LOUD_ALONG: isize = 2;
+
+/// Windows before a step that must be dark together.
+const LONG_WINDOWS: usize = 5;
+
+/// Scores are cut here: one glaring echo must not pull the line off for many pings.
+pub(super) const MOST: f32 = 6.0;
+
+/// What the score compares.
+pub(super) struct Kernel {
+    /// Cells of each of the two windows.
+    window: usize,
+    /// First cell that can be a return.
+    first: usize,
+    /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour; above 255 for none.
+    level: u16,
+    /// How much brighter the water may grow from cell to cell, in fine values.
+    creep: f32,
+}
+
+impl Kernel {
+    /// The kernel for the scale of a chunk.
+    pub(super) fn new(
+        normalisation: &Normalisation,
+        settings: &FirstReturnSettings,
+        chunk: &TrackerChunk,
+        cell_m: f64,
+    ) -> Self {
+        let level = match normalisation.samples {
+            SampleMode::Bytes => normalisation.raw_level(settings.threshold) as f32,
+            SampleMode::Words => settings.threshold * 255.0,
+        };
+        Self {
+            window: ((TUNING.window_m / cell_m).round() as usize).clamp(TUNING.window_cells, 255),
+            // Far beyond any row is far enough: sums of indices must not wrap where a header's range is next to nothing.
+            first: ((settings.dead_zone_m - chunk.near_m) / cell_m)
+                .ceil()
+                .clamp(0.0, 1e9) as usize,
+            level: level.ceil().clamp(0.0, 256.0) as u16,
+            creep: FINE * (TUNING.water_grows_per_m * cell_m).min(255.0) as f32,
+        }
+    }
+}
+
+/// Scores of all cells of a chunk; cells that cannot be a return have [`Scores::CLOSED`].
+#[derive(Default)]
+pub(super) struct Scores {
+    grid: TrackerGrid,
+    fine: Vec<i16>,
+    loudest: Vec<u8>,
+    spare: Vec<u8>,
+    /// Of the rows that are measured together.
+    sums: [RunningSums; TOGETHER],
+    quiet: [Vec<f32>; TOGETHER],
+    before: Vec<f32>,
+}
+
+/// Rows that are measured together: what is known of a cell's water waits for that of the cell before, so one row's waits are filled with the
+/// others' work.
+const TOGETHER: usize = 4;
+
+/// Sums of the first cells of a row, from none to all; they may wrap, differences over a window do not.
+#[derive(Default)]
+struct RunningSums {
+    sums: Vec<u32>,
+    squares: Vec<u32>,
+}
+
+impl Scores {
+    /// The score of a cell that does not pass the threshold or cannot be measured.
+    pub(super) const CLOSED: f32 = -1.0;
+
+    /// Replaces the scores by those of the rows.
+    pub(super) fn measure(&mut self, rows: &SampleRows, kernel: &Kernel) {
+        vectorised(Measure {
+            scores: self,
+            rows,
+            kernel,
+        });
+    }
+
+    /// The same, not vectorised.
+    #[inline(always)]
+    fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
+        self.grid.reset(rows.len(), rows.width, Self::CLOSED);
+        for first in (0..rows.len()).step_by(TOGETHER) {
+            let last = rows.len() - 1;
+            for index in 0..TOGETHER {
+                // Where fewer are left, the last is taken again.
+                self.smooth(rows, last.min(first + index));
+                self.sums[index].of(&self.fine);
+            }
+            quiet_water(&mut self.quiet, &self.sums, kernel);
+            for (index, row) in (first..=last).take(TOGETHER).enumerate() {
+                let RunningSums { sums, squares } = &self.sums[index];
+                brightness_before(&mut self.before, sums, kernel);
+                let water = WaterBrightness {
+                    before: &self.before,
+                    quiet: &self.quiet[index],
+                };
+                let out = self.grid.row_mut(row);
+                step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
+                self.find_loudest(rows, row, kernel.window);
+                close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
+            }
+        }
+    }
+
+    /// Scores of all rows.
+    pub(super) fn grid(&self) -> &TrackerGrid {
+        &self.grid
+    }
+
+    /// Lowers some cells of a row; what of them lies beyond the row is left out.
+    pub(super) fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
+        let row = self.grid.row_mut(row);
+        let start = match cells.start_bound() {
+            Bound::Included(&start) => start.min(row.len()),
+            _ => 0,
+        };
+        let end = match cells.end_bound() {
+            Bound::Excluded(&end) => end.min(row.len()),
+            _ => row.len(),
+        };
+        for score in &mut row[start..end] {
+            *score -= cost;
+        }
+    }
+
+    #[inline(always)]
+    fn smooth(&mut self, rows: &SampleRows, row: usize) {
+        let at = |offset: isize| rows.row(row as isize + offset);
+        self.fine.clear();
+        self.fine.resize(at(0).len(), 0);
+        for (fine, &byte) in self.fine.iter_mut().zip(at(0)) {
+            *fine = (ALONG[0] * u16::from(byte)) as i16;
+        }
+        for (offset, &weight) in (0isize..).zip(&ALONG).skip(1) {
+            for (fine, (&before, &after)) in
+                self.fine.iter_mut().zip(at(-offset).iter().zip(at(offset)))
+            {
+                *fine += (weight * (u16::from(before) + u16::from(after))) as i16;
+            }
+        }
+        for fine in &mut self.fine {
+            *fine >>= 3;
+        }
+    }
+
+    /// For every cell, the loudest one in the window that begins there, over this ping and its neighbours.
+    #[inline(always)]
+    fn find_loudest(&mut self, rows: &SampleRows, row: usize, window: usize) {
+        self.loudest.clear();
+        self.loudest.extend_from_slice(rows.row(row as isize));
+        for offset in (-LOUD_ALONG..=LOUD_ALONG).filter(|&offset| offset != 0) {
+            for (loudest, &byte) in self.loudest.iter_mut().zip(rows.row(row as isize + offset)) {
+                *loudest = byte.max(*loudest);
+            }
+        }
+        window_maximum(&mut self.loudest, &mut self.spare, window);
+    }
+}
+
+impl RunningSums {
+    /// Replaces them by those of a row.
+    #[inline(always)]
+    fn of(&mut self, fine: &[i16]) {
+        let (mut sum, mut square) = (0u32, 0u32);
+        for sums in [&mut self.sums, &mut self.squares] {
+            sums.clear();
+            sums.resize(fine.len() + 1, 0);
+        }
+        let ends = self.sums[1..].iter_mut().zip(&mut self.squares[1..]);
+        for ((sum_end, square_end), &fine) in ends.zip(fine) {
+            let fine = fine as u32;
+            sum = sum.wrapping_add(fine);
+            square = square.wrapping_add(fine * fine);
+            (*sum_end, *square_end) = (sum, square);
+        }
+    }
+}
+
+/// The scores of all rows.
+struct Measure<'a> {
+    scores: &'a mut Scores,
+    rows: &'a SampleRows,
+    kernel: &'a Kernel,
+}
+
+impl VectorLoop for Measure<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.scores.measure_inlined(self.rows, self.kernel);
+    }
+}
+
+/// At every cell, the mean of all cells before it from the dead zone on, or of the last few windows' worth if that is
+/// brighter: what must be dark for a step to be the first. Behind a boulder's shadow, the boulder lies in between.
+#[inline(always)]
+fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
+    let first = kernel.first.min(sums.len());
+    let window = LONG_WINDOWS * kernel.window;
+    out.clear();
+    out.resize(sums.len(), 0.0);
+    let start = sums.get(first).copied().unwrap_or(0);
+    // Signed numbers convert faster.
+    for (count, (mean, sum)) in (0_i32..).zip(out[first..].iter_mut().zip(&sums[first..])) {
+        *mean = sum.wrapping_sub(start) as i32 as f32 / count.max(1) as f32;
+    }
+    let per = 1.0 / window as f32;
+    let lasts = sums
+        .iter()
+        .skip(first)
+        .zip(sums.iter().skip(first + window));
+    for (mean, (before, here)) in out.iter_mut().skip(first + window).zip(lasts) {
+        let last = here.wrapping_sub(*before) as i32 as f32 * per;
+        *mean = if last > *mean { last } else { *mean };
+    }
+}
+
+/// At every cell, how dark the water is before the window that ends there: the darkest window so far, which may brighten
+/// slowly with range. What lies unbroken between that water and a step is an echo already: the step is not the first.
+#[inline(always)]
+fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], kernel: &Kernel) {
+    let per = 1.0 / kernel.window as f32;
+    let length = rows[0].sums.len();
+    // Until there is a window before the window, nothing is known.
+    let known = (kernel.first + 2 * kernel.window).min(length);
+    for out in out.iter_mut() {
+        out.clear();
+        out.resize(length, f32::INFINITY);
+    }
+    if known == length {
+        return;
+    }
+    let windows = rows.each_ref().map(|row| {
+        let starts = &row.sums[kernel.first..];
+        [starts, &starts[kernel.window..]].map(|sums| &sums[..length - known])
+    });
+    let outs = out.each_mut().map(|out| &mut out[known..]);
+    let mut quiet = [f32::INFINITY; TOGETHER];
+    for cell in 0..length - known {
+        for row in 0..TOGETHER {
+            let [starts, ends] = windows[row];
+            let mean = ends[cell].wrapping_sub(starts[cell]) as i32 as f32 * per;
+            let crept = quiet[row] + kernel.creep;
+            quiet[row] = if mean < crept { mean } else { crept };
+            outs[row][cell] = quiet[row];
+        }
+    }
+}
+
+/// How bright it is before every cell.
+struct WaterBrightness<'a> {
+    /// See [`brightness_before`].
+    before: &'a [f32],
+    /// See [`quiet_water`].
+    quiet: &'a [f32],
+}
+
+/// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell, less where the cells before it
+/// are no quiet water.
+#[inline(always)]
+fn step_scores(
+    out: &mut [f32],
+    (sums, squares): (&[u32], &[u32]),
+    water: &WaterBrightness<'_>,
+    kernel: &Kernel,
+    recorded: usize,
+) {
+    let window = kernel.window;
+    let last = recorded.saturating_sub(window);
+    let full = (kernel.first + window).min(last);
+    let per = 1.0 / window as f32;
+    // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of it.
+    let short = kernel.first + window / 4;
+    for (cell, out) in out.iter_mut().enumerate().take(full).skip(short) {
+        let near = 1.0 / (cell - kernel.first) as f32;
+        let near = Moments::between(sums, squares, kernel.first, cell, near);
+        let far = Moments::between(sums, squares, cell, cell + window, per);
+        *out = far.step_from(near, water.before[cell], water.quiet[cell]);
+    }
+    if full < kernel.first + window {
+        return;
+    }
+    let count = last - full;
+    let starts = [full - window, full, full + window];
+    let [s0, s1, s2] = starts.map(|start| &sums[start..][..count]);
+    let [q0, q1, q2] = starts.map(|start| &squares[start..][..count]);
+    let before = &water.before[full..][..count];
+    let quiet = &water.quiet[full..][..count];
+    for (cell, out) in out[full..last].iter_mut().enumerate() {
+        let near = Moments::of(s0[cell], s1[cell], q0[cell], q1[cell], per);
+        let far = Moments::of(s1[cell], s2[cell], q1[cell], q2[cell], per);
+        *out = far.step_from(near, before[cell], quiet[cell]);
+    }
+}
+
+/// Mean and variance of a window of fine values.
+struct Moments {
+    mean: f32,
+    variance: f32,
+}
+
+impl Moments {
+    /// From the running sums at both ends; `per` is one by the number of cells.
+    #[inline(always)]
+    fn of(sum: u32, sum_end: u32, square: u32, square_end: u32, per: f32) -> Self {
+        // A window of 255 cells stays below 2^31, and signed numbers convert faster.
+        let mean = sum_end.wrapping_sub(sum) as i32 as f32 * per;
+        let square = square_end.wrapping_sub(square) as i32 as f32 * per;
+        Self {
+            mean,
+            variance: square - mean * mean,
+        }
+    }
+
+    #[inline(always)]
+    fn between(sums: &[u32], squares: &[u32], start: usize, end: usize, per: f32) -> Self {
+        Self::of(sums[start], sums[end], squares[start], squares[end], per)
+    }
+
+    #[inline(always)]
+    fn step_from(&self, near: Self, before: f32, quiet: f32) -> f32 {
+        let noise = (near.variance + self.variance + FLOOR * FINE * FINE).sqrt();
+        let dark = if before > near.mean {
+            before
+        } else {
+            near.mean
+        };
+        let score = (self.mean - dark) / noise;
+        let score = if score < MOST { score } else { MOST };
+        let level = (near.mean - quiet) / noise - TUNING.quiet;
+        let cost = if level > 0.0 {
+            TUNING.loud_cost * level
+        } else {
+            0.0
+        };
+        score - cost
+    }
+}
+
+/// Closes the cells behind which nothing reaches the threshold.
+#[inline(always)]
+fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
+    for (score, &loudest) in out.iter_mut().zip(loudest) {
+        *score = if u16::from(loudest) >= level {
+            *score
+        } else {
+            Scores::CLOSED
+        };
+    }
+}
+
+/// Replaces every value by the maximum of the `window` values that start there.
+#[inline(always)]
+fn window_maximum(values: &mut Vec<u8>, spare: &mut Vec<u8>, window: usize) {
+    let mut covered = 1;
+    while covered < window.min(values.len()) {
+        let step = covered.min(window - covered);
+        spare.clear();
+        spare.extend_from_slice(values);
+        for (larger, &other) in spare.iter_mut().zip(&values[step..]) {
+            *larger = other.max(*larger);
+        }
+        std::mem::swap(values, spare);
+        covered += step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn window_maximum_is_that_of_every_window() {
+        let values: Vec<u8> = (0..97).map(|i: u32| (i * 7919 % 101) as u8).collect();
+        for window in [1, 2, 3, 8, 24, 97, 200] {
+            let mut found = values.clone();
+            window_maximum(&mut found, &mut Vec::new(), window);
+            let expected = (0..values.len()).map(|at| {
+                values[at..values.len().min(at + window)]
+                    .iter()
+                    .copied()
+                    .max()
+                    .unwrap()
+            });
+            assert!(found.iter().copied().eq(expected), "window {window}");
+        }
+    }
+}

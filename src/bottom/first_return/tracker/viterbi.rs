@@ -1,0 +1,248 @@
+//! The best path through the scores: for every cell, the most that a path through it can gather.
+
+use super::TUNING;
+use super::grid::{TrackerGrid, highest, larger, maximum};
+use crate::vectors::{VectorLoop, vectorised};
+
+/// What moving the line from one ping to the next costs.
+pub(super) struct MotionCost {
+    /// Cells that it may move without a leap.
+    pub limit: usize,
+    /// Cost of each.
+    pub cost: f32,
+    /// Cost of going anywhere.
+    pub leap: f32,
+}
+
+impl MotionCost {
+    /// The motion on a grid of cells of this length.
+    pub(super) fn at(cell_m: f64) -> Self {
+        Self {
+            limit: ((TUNING.move_m / cell_m).ceil() as usize).clamp(6, 64),
+            cost: (TUNING.move_cost_per_m * cell_m).min(TUNING.move_cost_per_cell) as f32,
+            leap: TUNING.leap_cost,
+        }
+    }
+}
+
+/// For every cell, the score of the best path through it.
+#[derive(Default)]
+pub(super) struct Paths {
+    through: TrackerGrid,
+    reach: Reach,
+}
+
+impl Paths {
+    /// The cell in each row that the best path goes through.
+    ///
+    /// Solved forward, then backward: the best path through a cell gathers `forward + backward - score`, and the highest
+    /// of a row lies on the best path of all.
+    pub(super) fn line(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
+        vectorised(BestLine {
+            paths: self,
+            scores,
+            motion,
+        })
+    }
+
+    /// The same, not vectorised.
+    #[inline(always)]
+    fn line_inlined(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
+        let (width, rows) = (scores.width(), scores.len());
+        self.through.reset(rows, width, 0.0);
+        for row in 0..rows {
+            let (before, out) = self.through.row_after(row);
+            out.copy_from_slice(scores.row(row));
+            if !before.is_empty() {
+                for (out, best) in out.iter_mut().zip(self.reach.of(before, motion)) {
+                    *out += best;
+                }
+            }
+        }
+        let mut line = vec![0; rows];
+        // What a path gathers after this row, by the best way on from each cell.
+        let mut onward = vec![0.0; width];
+        for row in (0..rows).rev() {
+            let through = self.through.row_mut(row);
+            for (through, onward) in through.iter_mut().zip(&onward) {
+                *through += onward;
+            }
+            line[row] = highest(through);
+            for (onward, score) in onward.iter_mut().zip(scores.row(row)) {
+                *onward += score;
+            }
+            let best = self.reach.of(&onward, motion);
+            onward.copy_from_slice(best);
+        }
+        line
+    }
+
+    /// How much less the best path gathers that goes more than `apart` cells nearer, or farther, than the line on a row; at
+    /// most [`MOST_MARGIN`]. Of the line that was found last.
+    pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
+        vectorised(Margins {
+            paths: self,
+            line,
+            apart,
+        })
+    }
+
+    /// The same, not vectorised.
+    #[inline(always)]
+    fn margins_inlined(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
+        let mut margins = Vec::with_capacity(line.len());
+        for (row, &at) in line.iter().enumerate() {
+            let through = self.through.row(row);
+            let nearer = maximum(&through[..at.saturating_sub(apart)]);
+            let farther = maximum(&through[through.len().min(at + apart + 1)..]);
+            let margin = |others: f32| (through[at] - others).min(MOST_MARGIN);
+            margins.push([margin(nearer), margin(farther)]);
+        }
+        margins
+    }
+}
+
+/// [`Paths::line`].
+struct BestLine<'a> {
+    paths: &'a mut Paths,
+    scores: &'a TrackerGrid,
+    motion: &'a MotionCost,
+}
+
+impl VectorLoop for BestLine<'_> {
+    type Output = Vec<usize>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<usize> {
+        self.paths.line_inlined(self.scores, self.motion)
+    }
+}
+
+/// [`Paths::margins`].
+struct Margins<'a> {
+    paths: &'a Paths,
+    line: &'a [usize],
+    apart: usize,
+}
+
+impl VectorLoop for Margins<'_> {
+    type Output = Vec<[f32; 2]>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<[f32; 2]> {
+        self.paths.margins_inlined(self.line, self.apart)
+    }
+}
+
+/// Beyond this a margin says no more: two leaps and the row's own step.
+const MOST_MARGIN: f32 = 20.0;
+
+/// `max over |k| <= limit of value[j + k] - cost |k|` by doubling, or the best of all less a leap.
+#[derive(Default)]
+struct Reach {
+    right: Vec<f32>,
+    left: Vec<f32>,
+    spare: Vec<f32>,
+}
+
+impl Reach {
+    #[inline(always)]
+    fn of(&mut self, values: &[f32], motion: &MotionCost) -> &[f32] {
+        self.right.clear();
+        self.right.extend_from_slice(values);
+        self.left.clear();
+        self.left.extend_from_slice(values);
+        self.spare.resize(values.len(), 0.0);
+        let mut covered = 1;
+        while covered <= motion.limit {
+            let step = covered.min(motion.limit + 1 - covered);
+            if step >= values.len() {
+                break;
+            }
+            let cost = motion.cost * step as f32;
+            let kept = values.len() - step;
+            // The halves that a shift has nothing for stay as they are.
+            self.spare[kept..].copy_from_slice(&self.right[kept..]);
+            higher(&mut self.spare, &self.right, &self.right[step..], cost);
+            std::mem::swap(&mut self.right, &mut self.spare);
+            self.spare[..step].copy_from_slice(&self.left[..step]);
+            higher(
+                &mut self.spare[step..],
+                &self.left[step..],
+                &self.left,
+                cost,
+            );
+            std::mem::swap(&mut self.left, &mut self.spare);
+            covered += step;
+        }
+        let leap = maximum(values) - motion.leap;
+        for (right, &left) in self.right.iter_mut().zip(&self.left) {
+            *right = larger(larger(*right, left), leap);
+        }
+        &self.right
+    }
+}
+
+/// `out = max(stay, moved - cost)`, for as long as all of them last.
+#[inline(always)]
+fn higher(out: &mut [f32], stay: &[f32], moved: &[f32], cost: f32) {
+    for ((out, &stay), &moved) in out.iter_mut().zip(stay).zip(moved) {
+        *out = larger(stay, moved - cost);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a path gathers.
+    fn gathered(scores: &TrackerGrid, path: &[usize], motion: &MotionCost) -> f32 {
+        let cost = |from: usize, to: usize| {
+            let cells = from.abs_diff(to);
+            let walk = motion.cost * cells as f32;
+            if cells <= motion.limit && walk < motion.leap {
+                walk
+            } else {
+                motion.leap
+            }
+        };
+        let on_rows = path
+            .iter()
+            .enumerate()
+            .map(|(row, &at)| scores.row(row)[at]);
+        let moves = path.windows(2).map(|pair| cost(pair[0], pair[1]));
+        on_rows.sum::<f32>() - moves.sum::<f32>()
+    }
+
+    #[test]
+    fn line_is_the_best_of_all_paths() {
+        let (rows, width) = (5, 7);
+        let mut seed = 1_u32;
+        for round in 0..40 {
+            let mut scores = TrackerGrid::default();
+            scores.reset(rows, width, 0.0);
+            for row in 0..rows {
+                for score in scores.row_mut(row) {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    *score = (seed >> 20) as f32 / 512.0;
+                }
+            }
+            let motion = MotionCost {
+                limit: 1 + round % 4,
+                cost: 0.7,
+                leap: if round % 3 == 0 { f32::INFINITY } else { 2.5 },
+            };
+            let line = Paths::default().line(&scores, &motion);
+            let best = (0..width.pow(rows as u32))
+                .map(|number| {
+                    let path: Vec<usize> = (0..rows)
+                        .map(|row| number / width.pow(row as u32) % width)
+                        .collect();
+                    gathered(&scores, &path, &motion)
+                })
+                .fold(f32::NEG_INFINITY, f32::max);
+            let found = gathered(&scores, &line, &motion);
+            assert!((found - best).abs() < 1e-4, "{found} against {best}");
+        }
+    }
+}

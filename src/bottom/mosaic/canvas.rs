@@ -1,0 +1,298 @@
+//! The cells of a window while strips are painted over each other.
+
+use super::layout::MosaicRay;
+use super::line::MosaicLine;
+use super::overlap::CellSum;
+use super::scan::Scan;
+use super::{MosaicSettings, Overlap};
+use crate::bathymetry::Grid;
+use crate::vectors::{VectorLoop, vectorised};
+
+/// Cells that are placed between rays at a time.
+const RUN: usize = 8;
+
+/// A window of cells.
+pub(super) struct Canvas {
+    overlap: Overlap,
+    /// Tangent of the angle from straight down within which nothing is shown.
+    nadir_gap: f64,
+    window: Grid,
+    /// Cells from a row to the next.
+    stride: usize,
+    sums: Vec<CellSum>,
+}
+
+impl Canvas {
+    /// For a window in the north-west of as many columns and rows of cells.
+    pub(super) fn new(
+        window: Grid,
+        [columns, rows]: [usize; 2],
+        settings: &MosaicSettings,
+    ) -> Self {
+        Self {
+            overlap: settings.overlap,
+            nadir_gap: settings.nadir_gap_deg.to_radians().tan(),
+            window,
+            stride: columns,
+            sums: vec![CellSum::default(); columns * rows],
+        }
+    }
+
+    /// Least and greatest distance on the ground, along a ray of a strip, at which the ray is no farther than `apart_m` from a cell of the
+    /// window; `None` where it is nowhere.
+    pub(super) fn distances_m(&self, ray: &MosaicRay, apart_m: f64) -> Option<[f64; 2]> {
+        let window = &self.window;
+        let around_m = apart_m + window.cell_m;
+        let [west_m, south_m, east_m, north_m] = window.bounds_m();
+        let mut distances_m = [0.0, f64::INFINITY];
+        for (axis, bounds_m) in [[west_m, east_m], [south_m, north_m]]
+            .into_iter()
+            .enumerate()
+        {
+            let from_here = bounds_m.map(|bound_m| bound_m - ray.at[axis]);
+            let [least_m, most_m] = [from_here[0] - around_m, from_here[1] + around_m];
+            let out = ray.out[axis];
+            if out.abs() < 1e-9 {
+                if least_m > 0.0 || most_m < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let [one_m, other_m] = [least_m / out, most_m / out];
+            distances_m[0] = distances_m[0].max(one_m.min(other_m));
+            distances_m[1] = distances_m[1].min(one_m.max(other_m));
+        }
+        (distances_m[0] <= distances_m[1]).then_some(distances_m)
+    }
+
+    /// Lays a strip over the cells whose middles lie in it.
+    pub(super) fn paint(
+        &mut self,
+        corners: &[[f64; 2]; 4],
+        strip: &[MosaicRay; 2],
+        lines: [&MosaicLine; 2],
+    ) {
+        vectorised(PaintStrip {
+            canvas: self,
+            corners,
+            strip,
+            lines,
+        });
+    }
+
+    /// As [`Canvas::paint`]; not vectorised.
+    #[inline(always)]
+    fn paint_cells(
+        &mut self,
+        corners: &[[f64; 2]; 4],
+        strip: &[MosaicRay; 2],
+        lines: [&MosaicLine; 2],
+    ) {
+        let window = self.window;
+        // Cells are taken in rows or in columns, whichever run along the rays: few runs, and long ones.
+        let is_along_rows = strip[0].out[0].abs() >= strip[0].out[1].abs();
+        let turned = |[x, y]: [f64; 2]| if is_along_rows { [x, y] } else { [y, x] };
+        // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
+        let mut in_cells = *corners;
+        for corner in &mut in_cells {
+            *corner = turned([
+                (corner[0] - window.west_m) / window.cell_m - 0.5,
+                (window.north_m - corner[1]) / window.cell_m - 0.5,
+            ]);
+        }
+        let (counts, steps) = match is_along_rows {
+            true => ([window.columns, window.rows], [1, self.stride]),
+            false => ([window.rows, window.columns], [self.stride, 1]),
+        };
+        let between = GroundBetween::new(strip);
+        let [from_m, to_m] = [strip[0].altitude_m, strip[1].altitude_m];
+        let reach_m = strip[0].shown_m.max(0.1);
+        let scan = Scan::new(&in_cells, counts[0], counts[1]);
+        for line in scan.rows.clone() {
+            let cells = scan.columns(line);
+            for start in cells.clone().step_by(RUN) {
+                let (mut shares, mut grounds_m) = ([0.0; RUN], [0.0; RUN]);
+                for (index, (share, ground_m)) in shares.iter_mut().zip(&mut grounds_m).enumerate()
+                {
+                    let along = start as f64 + index as f64 + 0.5;
+                    let [column, row] = turned([along, line as f64 + 0.5]);
+                    let x = window.west_m + column * window.cell_m;
+                    let y = window.north_m - row * window.cell_m;
+                    [*share, *ground_m] = between.find([x, y]);
+                }
+                let places = shares.iter().zip(&grounds_m);
+                for ((&share, &ground_m), cell) in places.zip(start..cells.end) {
+                    let altitude_m = from_m + (to_m - from_m) * share;
+                    let is_in_gap = self.nadir_gap > 0.0 && ground_m < altitude_m * self.nadir_gap;
+                    if ground_m.is_nan() || is_in_gap {
+                        continue;
+                    }
+                    let [from, to] = [lines[0].at(ground_m), lines[1].at(ground_m)];
+                    let level = from + (to - from) * share as f32;
+                    if !level.is_nan() {
+                        let echo = CellSum::of(level, self.overlap.weight(ground_m / reach_m));
+                        let cell = &mut self.sums[cell * steps[0] + line * steps[1]];
+                        self.overlap.join(cell, echo);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What is in each cell.
+    pub(super) fn sums(&self) -> &[CellSum] {
+        &self.sums
+    }
+
+    /// 0 where nothing was seen, else 1 to 255.
+    pub(super) fn finish(self) -> Vec<u8> {
+        let mut levels = vec![0; self.sums.len()];
+        vectorised(FinishCells {
+            sums: &self.sums,
+            levels: &mut levels,
+        });
+        levels
+    }
+}
+
+/// A strip that is laid over cells.
+struct PaintStrip<'a> {
+    canvas: &'a mut Canvas,
+    corners: &'a [[f64; 2]; 4],
+    strip: &'a [MosaicRay; 2],
+    lines: [&'a MosaicLine; 2],
+}
+
+impl VectorLoop for PaintStrip<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.canvas
+            .paint_cells(self.corners, self.strip, self.lines);
+    }
+}
+
+/// Cells that become levels.
+struct FinishCells<'a> {
+    sums: &'a [CellSum],
+    levels: &'a mut [u8],
+}
+
+impl VectorLoop for FinishCells<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (level, sum) in self.levels.iter_mut().zip(self.sums) {
+            *level = sum.level();
+        }
+    }
+}
+
+/// The ground between two rays, on which one is turned and moved evenly into the other.
+///
+/// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`) lies on it where
+/// `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`, with `f(0) = q x s` and `f(1) = (q - dp) x (s + ds)`: on which side
+/// of each of both rays the place lies. Where the signs differ it lies between them.
+struct GroundBetween {
+    here: MosaicRay,
+    next: MosaicRay,
+    dp: [f64; 2],
+    ds: [f64; 2],
+    /// Of the square in `f`.
+    bend: f64,
+}
+
+#[inline(always)]
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+#[inline(always)]
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+impl GroundBetween {
+    #[inline(always)]
+    fn new(&[here, next]: &[MosaicRay; 2]) -> Self {
+        let (dp, ds) = (minus(next.at, here.at), minus(next.out, here.out));
+        Self {
+            here,
+            next,
+            dp,
+            ds,
+            bend: -cross(dp, ds),
+        }
+    }
+
+    /// Where a place lies between the rays: the share of the way from the first to the second, and the distance out along the ray
+    /// there, metres on the ground; NaN where it does not.
+    #[inline(always)]
+    fn find(&self, place: [f64; 2]) -> [f64; 2] {
+        let q = minus(place, self.here.at);
+        let first = cross(q, self.here.out);
+        // The next strip computes the same of this ray: no place lies in both strips, or in neither.
+        let second = cross(minus(place, self.next.at), self.next.out);
+        let is_between = (first >= 0.0) != (second >= 0.0);
+        // The chord of `f`, then a step of Newton's method: the bend is small against the chord.
+        let per_share = 1.0 / (first - second);
+        let chord = first * per_share;
+        let share = (chord - self.bend * chord * (1.0 - chord) * per_share).clamp(0.0, 1.0);
+        let out = [
+            self.here.out[0] + share * self.ds[0],
+            self.here.out[1] + share * self.ds[1],
+        ];
+        let from = [q[0] - share * self.dp[0], q[1] - share * self.dp[1]];
+        let ground_m = (from[0] * out[0] + from[1] * out[1]) / (out[0] * out[0] + out[1] * out[1]);
+        let is_there = is_between & (ground_m >= 0.0);
+        [share, if is_there { ground_m } else { f64::NAN }]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::AcrossTrack;
+
+    #[test]
+    fn a_place_between_two_turned_rays_is_found_where_it_was_put() {
+        let ray = |at: [f64; 2], heading_deg: f64| MosaicRay {
+            at,
+            out: [
+                heading_deg.to_radians().cos(),
+                heading_deg.to_radians().sin(),
+            ],
+            altitude_m: 3.0,
+            under_m: 3.0,
+            across: AcrossTrack::LEVEL,
+            start_m: 0.0,
+            step_m: 0.02,
+            count: 1400,
+            shown_m: 28.0,
+        };
+        let strip = [ray([10.0, 20.0], 30.0), ray([10.0, 20.2], 33.0)];
+        let between = GroundBetween::new(&strip);
+        for share in [0.001, 0.25, 0.5, 0.9] {
+            for ground_m in [0.01, 1.0, 7.0, 27.0] {
+                let lerp = |a: f64, b: f64| a + (b - a) * share;
+                let place = [0, 1].map(|axis| {
+                    lerp(strip[0].at[axis], strip[1].at[axis])
+                        + ground_m * lerp(strip[0].out[axis], strip[1].out[axis])
+                });
+                let found = between.find(place);
+                assert!(
+                    (found[0] - share).abs() < 1e-3,
+                    "{share} {ground_m}: {found:?}"
+                );
+                assert!(
+                    (found[1] - ground_m).abs() < 1e-3,
+                    "{share} {ground_m}: {found:?}"
+                );
+            }
+        }
+        assert!(between.find([10.0, 19.9])[1].is_nan());
+        assert!(between.find(strip[0].place(-3.0))[1].is_nan());
+    }
+}

@@ -1,0 +1,568 @@
+//! Where every ping's echoes fall in the plane of the map, and which tiles they touch.
+
+mod thinned;
+
+use super::MosaicSettings;
+use super::altitude::altitudes_m;
+use crate::bathymetry::Grid;
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
+use bathyscope_log::support::outline::{NOWHERE, bounds, box_around, boxes_meet};
+use bathyscope_log::support::statistics::ends;
+use bathyscope_log::survey::{
+    AcrossTrack, Exclusions, Navigation, Relief, Side, Survey, turn_rates_deg_s,
+};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Cells along a tile's side.
+pub const TILE_CELLS: usize = 256;
+
+/// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
+const LONGEST_STEP_M: f64 = 3.0;
+const LONGEST_PAUSE_S: f64 = 2.0;
+/// Slant range in which an echo rises from the first return on, metres: about a pulse and the scatter of first returns.
+const RISE_M: f64 = 0.05;
+/// Length over which the plane's scale and direction are taken, metres.
+const PROBE_M: f64 = 20.0;
+
+/// One side of one ping in the plane of the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MosaicRay {
+    /// The boat.
+    pub at: [f64; 2],
+    /// What a metre on the ground, outward, is in the plane.
+    pub out: [f64; 2],
+    /// Slant range of the first return, metres: height over level ground.
+    pub altitude_m: f64,
+    /// Height over the ground under the boat, metres.
+    pub under_m: f64,
+    /// The ground outward.
+    pub across: AcrossTrack,
+    /// Calibrated slant range of the near edge of the first sample, and what each sample adds, metres.
+    pub start_m: f64,
+    /// See `start_m`.
+    pub step_m: f64,
+    /// Samples.
+    pub count: usize,
+    /// [`MosaicRay::reach_m`] of what the layout shows.
+    pub shown_m: f64,
+}
+
+impl MosaicRay {
+    /// Slant range at a distance of `sample` samples, metres.
+    #[inline(always)]
+    pub fn range_m(&self, sample: f64) -> f64 {
+        self.start_m + self.step_m * sample
+    }
+
+    /// Inverse of [`MosaicRay::range_m`].
+    #[inline(always)]
+    pub fn sample_at(&self, range_m: f64) -> f64 {
+        (range_m - self.start_m) / self.step_m
+    }
+
+    /// Farthest distance on the ground, metres; the slant range itself with the water column.
+    pub fn reach_m(&self, water_column: bool) -> f64 {
+        let far_m = self.range_m(self.count as f64);
+        match water_column {
+            true => far_m.max(0.0),
+            false => self.across.ground_m(self.under_m, far_m),
+        }
+    }
+
+    /// The place on the ray, counted in samples, of the ground at a distance; the slant range itself with the water column.
+    pub fn sample_of(&self, ground_m: f64, water_column: bool) -> f64 {
+        if water_column {
+            return self.sample_at(ground_m);
+        }
+        let range_m = self.across.range_m(self.under_m, ground_m);
+        self.sample_at(range_m.max(self.least_m()))
+    }
+
+    /// Replaces growing distances by [`MosaicRay::sample_of`] them.
+    #[inline(always)]
+    pub(super) fn replace_by_samples(&self, grounds_m: &mut [f64], water_column: bool) {
+        let mut least_m = f64::NEG_INFINITY;
+        if !water_column {
+            least_m = self.least_m();
+            self.across.replace_by_ranges_m(self.under_m, grounds_m);
+        }
+        for range_m in grounds_m {
+            *range_m = self.sample_at(range_m.max(least_m));
+        }
+    }
+
+    /// Least slant range that is shown: where the bottom rises from under the boat, its foot is broad and the water above it dark.
+    #[inline(always)]
+    fn least_m(&self) -> f64 {
+        match self.under_m > self.altitude_m {
+            true => self.altitude_m + RISE_M,
+            false => 0.0,
+        }
+    }
+
+    /// The place at a distance on the ground.
+    pub fn place(&self, ground_m: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.at[axis] + self.out[axis] * ground_m)
+    }
+}
+
+/// What the layout keeps of a ping.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    at: [f64; 2],
+    starboard: [f64; 2],
+}
+
+/// Slant ranges of one side of a ping.
+#[derive(Clone, Copy, Debug)]
+struct Ranges {
+    start_m: f32,
+    step_m: f32,
+    count: u32,
+}
+
+/// Strips in a box that shows whether they need to be looked at.
+const BOXED: usize = 64;
+
+/// West, south, east and north, metres in the plane of the map.
+pub type Bounds = [f64; 4];
+
+/// Pings in the plane of the map: all of a survey, or as many as a coarse picture shows.
+#[derive(Clone, Debug)]
+pub struct MosaicLayout {
+    /// Which pings of the survey these are.
+    pings: Vec<u32>,
+    /// Which pings of the survey each of these stands for: first, and one after the last.
+    stands_for: Vec<[u32; 2]>,
+    placed: Vec<Option<Placed>>,
+    /// By side, port first.
+    ranges: [Vec<Option<Ranges>>; 2],
+    altitudes_m: [Vec<f32>; 2],
+    /// How far rays reach, metres: asked for again and again, and on ground that is not level slow to say. Empty until all else is known.
+    shown_m: [Vec<f64>; 2],
+    /// The ground across the track, and heights over it under the boat where it is not level.
+    relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
+    /// Whether the ground between a ping and the next is shown.
+    joined: Vec<bool>,
+    water_column: bool,
+    far_m: f64,
+    /// Around the strips that begin at each run of [`BOXED`] pings.
+    boxes: Vec<Bounds>,
+}
+
+impl MosaicLayout {
+    /// Lays a survey out. `plane` takes metres east and north of the survey's origin to the plane of the map (metres too: the
+    /// survey's own plane, or a projection such as UTM).
+    pub fn new(
+        survey: &Survey,
+        navigation: &Navigation,
+        returns: &FirstReturns,
+        calibration: &Calibration,
+        settings: &MosaicSettings,
+        plane: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> Self {
+        let times_s: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
+        let turns = turn_rates_deg_s(&times_s, &navigation.pings);
+        let placed: Vec<Option<Placed>> = navigation
+            .pings
+            .iter()
+            .zip(&turns)
+            .map(|(place, &turn_deg_s)| {
+                let [x, y] = place.starboard()?;
+                let straight = f64::from(turn_deg_s) <= settings.most_turn_deg_s;
+                let at = plane(place.place());
+                let probe = plane([place.east_m + PROBE_M * x, place.north_m + PROBE_M * y]);
+                let starboard = [0, 1].map(|axis| (probe[axis] - at[axis]) / PROBE_M);
+                let known = at.iter().chain(&starboard).all(|value| value.is_finite());
+                (known && straight).then_some(Placed { at, starboard })
+            })
+            .collect();
+        let joined = joined(survey, navigation, &placed);
+        Self {
+            joined,
+            ..Self::of_placed(survey, placed, returns, calibration, settings)
+        }
+        .boxed()
+    }
+
+    /// Pings at their places, none joined to the next.
+    fn of_placed(
+        survey: &Survey,
+        placed: Vec<Option<Placed>>,
+        returns: &FirstReturns,
+        calibration: &Calibration,
+        settings: &MosaicSettings,
+    ) -> Self {
+        let ranges = Side::BOTH.map(|side| side_ranges(survey, calibration, side));
+        let far = |ranges: &Ranges| {
+            f64::from(ranges.start_m) + f64::from(ranges.step_m) * f64::from(ranges.count)
+        };
+        Self {
+            pings: (0..placed.len() as u32).collect(),
+            stands_for: (0..placed.len() as u32)
+                .map(|ping| [ping, ping + 1])
+                .collect(),
+            joined: vec![false; placed.len()],
+            altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
+            shown_m: Default::default(),
+            water_column: settings.water_column,
+            far_m: ranges
+                .iter()
+                .flatten()
+                .flatten()
+                .map(far)
+                .fold(0.1, f64::max),
+            placed,
+            ranges,
+            relief: None,
+            boxes: Vec::new(),
+        }
+    }
+
+    /// All pings at one place: for what depends on ranges and altitudes alone, where the boat's place is not known.
+    pub fn placeless(survey: &Survey, returns: &FirstReturns, calibration: &Calibration) -> Self {
+        let here = Placed {
+            at: [0.0; 2],
+            starboard: [1.0, 0.0],
+        };
+        let placed = vec![Some(here); survey.side_scan.len()];
+        Self::of_placed(
+            survey,
+            placed,
+            returns,
+            calibration,
+            &MosaicSettings::default(),
+        )
+    }
+
+    /// Whether any side of any ping has a ray.
+    pub fn has_rays(&self) -> bool {
+        let rays = |side| (0..self.placed.len()).any(|ping| self.ray(ping, side).is_some());
+        Side::BOTH.into_iter().any(rays)
+    }
+
+    /// The same with all ranges times a factor: where sound runs at another speed than the recorder took.
+    pub fn with_range_factor(mut self, factor: f64) -> Self {
+        for ranges in self.ranges.iter_mut().flatten().flatten() {
+            ranges.start_m = (f64::from(ranges.start_m) * factor) as f32;
+            ranges.step_m = (f64::from(ranges.step_m) * factor) as f32;
+        }
+        for altitude_m in self.altitudes_m.iter_mut().flatten() {
+            *altitude_m = (f64::from(*altitude_m) * factor) as f32;
+        }
+        self.far_m *= factor;
+        self.boxed()
+    }
+
+    /// The same on ground that is not level; its depths are those of ranges with their factor.
+    #[must_use]
+    pub fn with_relief(mut self, relief: &Arc<Relief>) -> Self {
+        if relief.is_level() {
+            return self;
+        }
+        let under = |side: Side| {
+            let altitudes = self.pings.par_iter().zip(&self.altitudes_m[side as usize]);
+            let under = altitudes.map(|(ping, altitude_m)| {
+                let across = relief.across(side, *ping as usize);
+                across.altitude_m(f64::from(*altitude_m)) as f32
+            });
+            under.collect()
+        };
+        self.relief = Some((relief.clone(), Side::BOTH.map(under)));
+        self.boxed()
+    }
+
+    /// The same without the pings that are excluded, and without the ground between them and the next.
+    #[must_use]
+    pub fn without(mut self, exclusions: &Exclusions) -> Self {
+        if exclusions.is_empty() {
+            return self;
+        }
+        for (index, ping) in self.pings.iter().enumerate() {
+            if exclusions.ping(*ping as usize).is_some() {
+                self.placed[index] = None;
+                self.joined[index] = false;
+                if let Some(before) = index.checked_sub(1) {
+                    self.joined[before] = false;
+                }
+            }
+        }
+        self.boxed()
+    }
+
+    fn boxed(mut self) -> Self {
+        self.shown_m = Default::default();
+        self.shown_m = Side::BOTH.map(|side| {
+            let rays = (0..self.placed.len()).into_par_iter();
+            let shown = rays.map(|ping| self.ray(ping, side).map_or(0.0, |ray| ray.shown_m));
+            shown.collect()
+        });
+        let around = |index: usize| {
+            let pings = index * BOXED..(index + 1) * BOXED;
+            let strips = pings.flat_map(|ping| Side::BOTH.map(|side| self.strip(ping, side)));
+            let bounds = strips.flatten().map(|strip| bounds(self.corners(&strip)));
+            bounds.fold(NOWHERE, box_around)
+        };
+        let boxes = (0..self.placed.len().div_ceil(BOXED)).into_par_iter();
+        self.boxes = boxes.map(around).collect();
+        self
+    }
+
+    /// How many pings are laid out.
+    pub fn len(&self) -> usize {
+        self.pings.len()
+    }
+
+    /// Whether no ping is.
+    pub fn is_empty(&self) -> bool {
+        self.pings.is_empty()
+    }
+
+    /// Which ping of the survey a ping of this layout is.
+    pub fn ping(&self, index: usize) -> Option<usize> {
+        self.pings.get(index).map(|ping| *ping as usize)
+    }
+
+    /// Which pings of the survey a ping of this layout stands for, itself among them.
+    pub fn stands_for(&self, index: usize) -> std::ops::Range<usize> {
+        let [from, to] = self.stands_for.get(index).copied().unwrap_or_default();
+        from as usize..to as usize
+    }
+
+    /// What all strips cover, with the ground between them; `None` when nothing is shown.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let all = self.boxes.iter().copied().fold(NOWHERE, box_around);
+        (all[0] <= all[2]).then_some(all)
+    }
+
+    /// The strips that touch some ground, in the order they were recorded: the ping of this layout they begin at, and the side.
+    pub fn strips_in(&self, ground: Bounds) -> impl Iterator<Item = (usize, Side)> {
+        let boxes = self.boxes.iter().enumerate();
+        let boxes = boxes.filter(move |(_, bounds)| boxes_meet(**bounds, ground));
+        boxes.flat_map(move |(index, _)| {
+            let pings = index * BOXED..(index + 1) * BOXED;
+            pings.flat_map(move |ping| {
+                Side::BOTH.into_iter().filter_map(move |side| {
+                    let strip = self.strip(ping, side)?;
+                    let corners = self.corners(&strip);
+                    let is_near = boxes_meet(bounds(corners), ground);
+                    (is_near && lies_on(&strip, &corners, &ground)).then_some((ping, side))
+                })
+            })
+        })
+    }
+
+    /// Longest slant range, metres.
+    pub fn far_m(&self) -> f64 {
+        self.far_m
+    }
+
+    /// Whether the water column is shown.
+    pub fn water_column(&self) -> bool {
+        self.water_column
+    }
+
+    /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or lies in a turn.
+    pub fn ray(&self, ping: usize, side: Side) -> Option<MosaicRay> {
+        let placed = (*self.placed.get(ping)?)?;
+        let ranges = (*self.ranges[side as usize].get(ping)?)?;
+        let altitude_m = f64::from(*self.altitudes_m[side as usize].get(ping)?);
+        let sign = side.to_starboard(1.0);
+        let (across, under_m) = match &self.relief {
+            Some((relief, under_m)) => (
+                relief.across(side, *self.pings.get(ping)? as usize),
+                f64::from(*under_m[side as usize].get(ping)?),
+            ),
+            None => (AcrossTrack::LEVEL, altitude_m),
+        };
+        let ray = (altitude_m > 0.0).then(|| MosaicRay {
+            under_m,
+            across,
+            at: placed.at,
+            out: placed.starboard.map(|component| sign * component),
+            altitude_m,
+            start_m: f64::from(ranges.start_m),
+            step_m: f64::from(ranges.step_m),
+            count: ranges.count as usize,
+            shown_m: f64::NAN,
+        })?;
+        let known_m = self.shown_m[side as usize].get(ping).copied();
+        Some(MosaicRay {
+            shown_m: known_m.unwrap_or_else(|| ray.reach_m(self.water_column)),
+            ..ray
+        })
+    }
+
+    /// The strip between a ping and the next on one side, where it is shown.
+    pub fn strip(&self, ping: usize, side: Side) -> Option<[MosaicRay; 2]> {
+        if !*self.joined.get(ping)? {
+            return None;
+        }
+        Some([self.ray(ping, side)?, self.ray(ping + 1, side)?])
+    }
+
+    /// Corners of a strip, around it.
+    pub fn corners(&self, strip: &[MosaicRay; 2]) -> [[f64; 2]; 4] {
+        let reach_m = strip.iter().map(|ray| ray.shown_m).fold(0.0, f64::max);
+        let [here, next] = strip;
+        [here.at, here.place(reach_m), next.place(reach_m), next.at]
+    }
+
+    /// All strips: the ping they begin at, and the side, in the order they were recorded.
+    pub(super) fn strips(&self) -> impl Iterator<Item = (usize, Side, [MosaicRay; 2])> {
+        let pings = 0..self.placed.len().saturating_sub(1);
+        pings.flat_map(move |ping| {
+            Side::BOTH
+                .into_iter()
+                .filter_map(move |side| Some((ping, side, self.strip(ping, side)?)))
+        })
+    }
+
+    /// The grid that holds every strip, its edges at whole cells; `None` when nothing is shown.
+    pub fn grid(&self, cell_m: f64) -> Option<Grid> {
+        self.bounds().map(|bounds| grid_over(bounds, cell_m))
+    }
+
+    /// Which strips touch which tile of a grid.
+    pub fn index(&self, grid: &Grid) -> TileIndex {
+        let mut tiles: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
+        let tile_m = grid.cell_m * TILE_CELLS as f64;
+        let last = |cells: usize| (cells.div_ceil(TILE_CELLS) as u32).saturating_sub(1);
+        for (ping, side) in self.strips_in(grid.bounds_m()) {
+            let Some(strip) = self.strip(ping, side) else {
+                continue;
+            };
+            let corners = self.corners(&strip);
+            let span = |axis: usize, from_m: f64, sign: f64, last: u32| {
+                let places =
+                    corners.map(|corner| (sign * (corner[axis] - from_m) / tile_m).max(0.0));
+                let low = places.iter().copied().fold(f64::MAX, f64::min);
+                let high = places.iter().copied().fold(0.0, f64::max);
+                low as u32..=(high as u32).min(last)
+            };
+            for row in span(1, grid.north_m, -1.0, last(grid.rows)) {
+                for column in span(0, grid.west_m, 1.0, last(grid.columns)) {
+                    let north_m = grid.north_m - f64::from(row) * tile_m;
+                    let west_m = grid.west_m + f64::from(column) * tile_m;
+                    let ground = [west_m, north_m - tile_m, west_m + tile_m, north_m];
+                    if !lies_on(&strip, &corners, &ground) {
+                        continue;
+                    }
+                    let strips = tiles.entry((row, column)).or_default();
+                    strips.push(2 * ping as u32 + side as u32);
+                }
+            }
+        }
+        TileIndex { tiles }
+    }
+
+    /// A box around each strip.
+    pub fn strip_bounds(&self) -> impl Iterator<Item = Bounds> {
+        (self.strips()).map(|(_, _, strip)| bounds(self.corners(&strip)))
+    }
+}
+
+/// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew pass most of it by. They do
+/// where all of the ground lies on one side of the strip, seen along its rays.
+fn lies_on(
+    strip: &[MosaicRay; 2],
+    corners: &[[f64; 2]; 4],
+    [west, south, east, north]: &Bounds,
+) -> bool {
+    let ground = [
+        [*west, *south],
+        [*west, *north],
+        [*east, *south],
+        [*east, *north],
+    ];
+    strip.iter().all(|ray| {
+        let reach = |places: &[[f64; 2]; 4]| {
+            let off = |place: &[f64; 2]| {
+                (place[0] - ray.at[0]) * ray.out[1] - (place[1] - ray.at[1]) * ray.out[0]
+            };
+            ends(places.iter().map(off))
+        };
+        let [strip, ground] = [reach(corners), reach(&ground)];
+        strip[0] <= ground[1] && ground[0] <= strip[1]
+    })
+}
+
+/// Slant range of the first sample and of each further one, for every ping of a side.
+fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Option<Ranges>> {
+    let ranges = |ping: usize| {
+        let span = survey.span(ping, side)?;
+        let start_m = calibration.range_m(span, 0.0);
+        let step_m = calibration.range_m(span, 1.0) - start_m;
+        let count = survey.samples(ping, side)?.len() as u32;
+        (step_m > 0.0 && count > 1).then_some(Ranges {
+            start_m: start_m as f32,
+            step_m: step_m as f32,
+            count,
+        })
+    };
+    (0..survey.side_scan.len()).map(ranges).collect()
+}
+
+/// Whether each ping and the next are near enough to each other to show the ground between them.
+fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -> Vec<bool> {
+    (0..placed.len())
+        .map(|ping| {
+            placed[ping].is_some()
+                && placed.get(ping + 1).is_some_and(Option::is_some)
+                && joined_way_m(survey, navigation, ping).is_some()
+        })
+        .collect()
+}
+
+/// The way from a ping to the next, metres, where they are near enough to each other to show the ground between them.
+pub fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Option<f64> {
+    let (here, next) = (navigation.pings.get(ping)?, navigation.pings.get(ping + 1)?);
+    let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
+    let pause_s = survey.side_scan.get(ping + 1)?.time_s - survey.side_scan.get(ping)?.time_s;
+    (way_m <= LONGEST_STEP_M && pause_s <= LONGEST_PAUSE_S).then_some(way_m)
+}
+
+/// What all of some layouts cover; `None` when nothing is shown.
+pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a MosaicLayout>) -> Option<Bounds> {
+    layouts.filter_map(MosaicLayout::bounds).reduce(box_around)
+}
+
+/// The grid over some ground, its edges at whole cells.
+pub(super) fn grid_over([west, south, east, north]: Bounds, cell_m: f64) -> Grid {
+    let west_m = (west / cell_m).floor() * cell_m;
+    let north_m = (north / cell_m).ceil() * cell_m;
+    let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
+    Grid {
+        west_m,
+        north_m,
+        cell_m,
+        columns: cells(east - west_m),
+        rows: cells(north_m - south),
+    }
+}
+
+/// The strips that touch each tile; tiles without any are not in it.
+#[derive(Clone, Debug, Default)]
+pub struct TileIndex {
+    tiles: BTreeMap<(u32, u32), Vec<u32>>,
+}
+
+impl TileIndex {
+    /// Tiles that show something, as row and column, from the north-west by rows.
+    pub fn tiles(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.tiles
+            .keys()
+            .map(|&(row, column)| (row as usize, column as usize))
+    }
+
+    /// The strips of a tile, in the order they were recorded: the ping they begin at, and the side.
+    pub fn strips(&self, row: usize, column: usize) -> impl Iterator<Item = (usize, Side)> {
+        let key = u32::try_from(row).ok().zip(u32::try_from(column).ok());
+        let strips = key.and_then(|key| self.tiles.get(&key));
+        let strips = strips.into_iter().flatten().map(|strip| *strip as usize);
+        strips.map(|strip| (strip / 2, Side::BOTH[strip % 2]))
+    }
+}

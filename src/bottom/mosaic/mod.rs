@@ -1,0 +1,129 @@
+//! The side-scan mosaic: every echo at its place on the ground, tile by tile.
+//!
+//! In: a survey with its navigation, first returns, calibration and relief. Out: gain tables, layouts, and tiles of the mosaic.
+//! It uses `bottom`, `sonar`, `survey` and `support`.
+//!
+//! ```text
+//! FirstReturns --altitude--> height over the ground of every ping and side
+//! Navigation --layout--> MosaicLayout: rays in the plane of the map, which tiles they cross
+//! Survey --gain--> GainTable: what level the ground has by range and angle
+//! MosaicLayout + GainTable --line--> levels of each ping at even steps on the ground
+//! lines --paint, canvas, overlap--> Tile of 256 x 256 cells
+//!                            '--part--> what one log shows of a tile, to be joined with those of others later
+//! ```
+//!
+//! The ground to the side of the boat is that of the log's own depths ([`bathyscope_log::survey::Relief`]), held to the first return, which comes from
+//! what is nearest; where no depth is known, level at the altitude `h` of the first return, so an echo at slant range `r` comes from
+//! `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is turned and moved evenly, so that the strips
+//! close without gaps on the outer side of a bend. A tile costs time and memory in proportion to what it shows; nothing grows
+//! with the area of the mosaic.
+
+mod altitude;
+mod canvas;
+mod footprint;
+mod gain;
+mod joint;
+mod layout;
+mod line;
+mod overlap;
+mod paint;
+mod part;
+mod scan;
+
+pub use altitude::altitudes_m;
+pub use footprint::footprint;
+pub use gain::{GainTable, gain_table};
+pub use joint::{
+    LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
+};
+pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
+pub use overlap::Overlap;
+pub use paint::tile;
+pub use paint::{MosaicLog, joint_tile, joint_window, window};
+pub use part::{MosaicPart, join_parts, part};
+
+use crate::presentation::colours;
+use serde::{Deserialize, Serialize};
+
+/// How levels are made even across the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gain {
+    /// As recorded.
+    Recorded,
+    /// Divided by the survey's own mean level of each side, a curve by range times a curve by angle (empirical gain normalisation), and
+    /// brought to one brightness. Shadows stay dark.
+    #[default]
+    Empirical,
+}
+
+/// Colours of the exported picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Colours {
+    /// Black to white.
+    #[default]
+    Grey,
+    /// Black to copper, as fish-finders show it: red saturates at 81 %.
+    Copper,
+}
+
+impl Colours {
+    /// Colour of a level, transparent where nothing was seen (level 0).
+    pub fn rgba(self, level: u8) -> [u8; 4] {
+        let [r, g, b] = match (level, self) {
+            (0, _) => return [0; 4],
+            (_, Colours::Grey) => colours::grey(level),
+            (_, Colours::Copper) => colours::copper(level),
+        };
+        [r, g, b, 255]
+    }
+}
+
+/// `mosaic.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MosaicSettings {
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// Colours of the exported picture.
+    pub colours: Colours,
+    /// What a cell shows that was seen more than once.
+    pub overlap: Overlap,
+    /// How levels are made even across the track.
+    pub gain: Gain,
+    /// Whether the water column stays in: slant ranges are then taken for distances on the ground.
+    pub water_column: bool,
+    /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under the boat with what little
+    /// was insonified there.
+    pub nadir_gap_deg: f64,
+    /// Pings where the boat turns faster are left out, degrees a second: their far ends sweep over the ground.
+    pub most_turn_deg_s: f64,
+}
+
+impl Default for MosaicSettings {
+    fn default() -> Self {
+        Self {
+            cell_m: 0.1,
+            colours: Colours::Grey,
+            overlap: Overlap::Later,
+            gain: Gain::Empirical,
+            water_column: false,
+            nadir_gap_deg: 0.0,
+            most_turn_deg_s: 6.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Colours;
+
+    #[test]
+    fn the_mosaic_is_coloured_as_the_waterfall_is() {
+        // matplotlib.colormaps["copper"](206): red is all but full, and is full from the next on.
+        assert_eq!(Colours::Copper.rgba(206), [254, 161, 102, 255]);
+        assert_eq!(Colours::Grey.rgba(206), [206, 206, 206, 255]);
+        assert_eq!(Colours::Copper.rgba(0), [0; 4]);
+    }
+}

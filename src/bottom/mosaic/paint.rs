@@ -1,0 +1,218 @@
+//! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
+
+use super::canvas::Canvas;
+use super::layout::{MosaicLayout, MosaicRay, TILE_CELLS, TileIndex};
+use super::line::{LineContext, MosaicLine};
+use super::{GainTable, MosaicSettings};
+use crate::bathymetry::Grid;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, Survey};
+use std::convert::Infallible;
+use std::sync::Arc;
+
+/// A piece of the mosaic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MosaicTile {
+    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
+    pub levels: Vec<u8>,
+}
+
+impl MosaicTile {}
+
+/// A log of a mosaic.
+#[derive(Clone, Debug)]
+pub struct MosaicLog {
+    /// The recording.
+    pub survey: Arc<Survey>,
+    /// Where its echoes lie, in the plane that all logs share.
+    pub layout: Arc<MosaicLayout>,
+    /// What its levels are normalised by.
+    pub gain: GainTable,
+}
+
+/// One log in a tile.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    survey: &'a Survey,
+    layout: &'a MosaicLayout,
+    gain: &'a GainTable,
+    index: &'a TileIndex,
+}
+
+impl<'a> Part<'a> {
+    fn of(log: &'a MosaicLog, index: &'a TileIndex) -> Self {
+        Self {
+            survey: &log.survey,
+            layout: &log.layout,
+            gain: &log.gain,
+            index,
+        }
+    }
+}
+
+/// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
+pub fn tile(
+    survey: &Survey,
+    layout: &MosaicLayout,
+    grid: &Grid,
+    index: &TileIndex,
+    gain: &GainTable,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> MosaicTile {
+    let part = Part {
+        survey,
+        layout,
+        gain,
+        index,
+    };
+    tile_of(std::iter::once(part), grid, settings, place)
+}
+
+/// The same of several logs, each with its index: one after the other by the rule of `mosaic.overlap`, so the last of them counts
+/// for the latest.
+pub fn joint_tile(
+    logs: &[(&MosaicLog, &TileIndex)],
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> MosaicTile {
+    let parts = logs.iter().map(|(log, index)| Part::of(log, index));
+    tile_of(parts, grid, settings, place)
+}
+
+fn tile_of<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> MosaicTile {
+    MosaicTile {
+        levels: painted(parts, grid, settings, place).finish(),
+    }
+}
+
+/// A tile of one log before it is finished.
+pub(super) fn painted_log(
+    log: &MosaicLog,
+    index: &TileIndex,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Canvas {
+    painted(std::iter::once(Part::of(log, index)), grid, settings, place)
+}
+
+fn painted<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    [row, column]: [usize; 2],
+) -> Canvas {
+    let (first_row, first_column) = (row * TILE_CELLS, column * TILE_CELLS);
+    let window = Grid {
+        west_m: grid.west_m + first_column as f64 * grid.cell_m,
+        north_m: grid.north_m - first_row as f64 * grid.cell_m,
+        cell_m: grid.cell_m,
+        // Cells of the grid inside this tile.
+        columns: grid.columns.saturating_sub(first_column).min(TILE_CELLS),
+        rows: grid.rows.saturating_sub(first_row).min(TILE_CELLS),
+    };
+    let mut canvas = Canvas::new(window, [TILE_CELLS; 2], settings);
+    let go_on = || Ok::<(), Infallible>(());
+    for part in parts {
+        let strips = part.index.strips(row, column);
+        let lines = LineContext::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
+        let Ok(()) = draw(&mut canvas, part.layout, &lines, strips, go_on);
+    }
+    canvas
+}
+
+/// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
+/// what it shows.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn window(
+    survey: &Survey,
+    layout: &MosaicLayout,
+    grid: &Grid,
+    gain: &GainTable,
+    settings: &MosaicSettings,
+    progress: &Progress,
+) -> Result<Vec<u8>, Cancelled> {
+    joint_window(
+        std::iter::once((survey, layout, gain)),
+        grid,
+        settings,
+        progress,
+    )
+}
+
+/// The same of several logs, one after the other by the rule of `mosaic.overlap`.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_window<'a>(
+    logs: impl Iterator<Item = (&'a Survey, &'a MosaicLayout, &'a GainTable)>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    progress: &Progress,
+) -> Result<Vec<u8>, Cancelled> {
+    let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
+    let ground = grid.bounds_m();
+    for (survey, layout, gain) in logs {
+        let strips = layout.strips_in(ground);
+        let lines = LineContext::new(survey, layout, gain, settings, grid.cell_m);
+        draw(&mut canvas, layout, &lines, strips, || progress.check())?;
+    }
+    Ok(canvas.finish())
+}
+
+/// Lays strips over each other. `check` is asked before each whether to go on.
+fn draw<E>(
+    canvas: &mut Canvas,
+    layout: &MosaicLayout,
+    lines: &LineContext<'_>,
+    strips: impl Iterator<Item = (usize, Side)>,
+    check: impl Fn() -> Result<(), E>,
+) -> Result<(), E> {
+    // The last two pings of each side.
+    let none = |side| [MosaicLine::none(side), MosaicLine::none(side)];
+    let mut kept = Side::BOTH.map(none);
+    for (ping, side) in strips {
+        check()?;
+        let Some(strip) = layout.strip(ping, side) else {
+            continue;
+        };
+        let kept = &mut kept[side as usize];
+        let apart_m = farthest_apart_m(&strip);
+        let mut is_there = true;
+        for (place, ray) in [ping, ping + 1].into_iter().zip(&strip) {
+            // A little more saves reading the ray again for the next strip.
+            let parts = [1.0, 2.0].map(|times| canvas.distances_m(ray, times * apart_m));
+            is_there &= match parts {
+                [Some(part), Some(with_margin)] => {
+                    kept[place % 2].read(lines, place, ray, part, with_margin)
+                }
+                _ => false,
+            };
+        }
+        if is_there {
+            let both = [ping, ping + 1].map(|place| &kept[place % 2]);
+            canvas.paint(&layout.corners(&strip), &strip, both);
+        }
+    }
+    Ok(())
+}
+
+/// How far places at equal distances along both rays of a strip are apart at most, in the plane of the map.
+fn farthest_apart_m(strip: &[MosaicRay; 2]) -> f64 {
+    let [near, far] = [
+        |ray: &MosaicRay| ray.at,
+        |ray: &MosaicRay| ray.place(ray.range_m(ray.count as f64)),
+    ]
+    .map(|place| strip.each_ref().map(place));
+    let apart = |[[x0, y0], [x1, y1]]: [[f64; 2]; 2]| (x1 - x0).hypot(y1 - y0);
+    apart(near).max(apart(far))
+}

@@ -1,0 +1,195 @@
+//! What the picture of one log is shown with, made once for its results.
+
+use super::{Extremes, PingScales, Tone};
+use crate::mosaic::GainTable;
+use crate::waterfall::{MOST_SAMPLED_PINGS, beyond_pulse};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Side, SideScanState, Survey};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted anew while a slider is dragged.
+const MOST_ECHOES: usize = 1 << 17;
+/// Pings that the mean of a row of a tile is taken over, evenly spread: few enough to be read while it is drawn, however long the log.
+const MOST_PINGS_OF_ROW: usize = 64;
+
+/// An echo with all that its level depends on.
+#[derive(Clone, Copy, Debug)]
+struct PictureEcho {
+    level: f32,
+    side: Side,
+    /// Slant range that gain is taken at, metres.
+    range_m: f32,
+    /// Factor of the gain table.
+    gain: f32,
+    /// Factor of the stripe filter.
+    even: f32,
+}
+
+/// Scales, gain and sampled echoes of a log.
+#[derive(Debug)]
+pub struct LogPicture {
+    /// What recorded ranges are worth.
+    pub scales: Arc<PingScales>,
+    /// Least and greatest of the scales.
+    pub extremes: Extremes,
+    /// Gain normalisation; `None` where it was not asked for, or nothing is known of the ground.
+    pub gain: Option<Arc<GainTable>>,
+    /// Calibrated slant range where time-varied gain is 0 dB, metres: half of the farthest.
+    pub middle_m: f32,
+    /// Factors of the stripe filter, by side, port first, if it was asked for.
+    factors: Option<[Vec<f32>; 2]>,
+    echoes: Vec<PictureEcho>,
+    has_bottom: bool,
+}
+
+impl LogPicture {
+    /// Of a log; `factors` are those of the stripe filter, if it was asked for.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        survey: &Survey,
+        scales: Arc<PingScales>,
+        gain: Option<Arc<GainTable>>,
+        factors: Option<[Vec<f32>; 2]>,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let echoes = echoes(survey, &scales, gain.as_deref(), factors.as_ref(), progress)?;
+        let spans = survey.side_scan.iter().enumerate();
+        let far_m = spans
+            .flat_map(|(ping, recorded)| {
+                Side::BOTH.map(|side| {
+                    let far_m = recorded.side(side).map(|span| f64::from(span.far_m));
+                    far_m.map_or(0.0, |far_m| scales.at(side, ping).slant_m(far_m))
+                })
+            })
+            .filter(|far_m| far_m.is_finite())
+            .fold(1.0, f64::max);
+        Ok(Self {
+            extremes: scales.extremes(),
+            scales,
+            gain,
+            middle_m: (0.5 * far_m) as f32,
+            factors,
+            echoes,
+            has_bottom: survey.side_scan_state == SideScanState::Usable,
+        })
+    }
+
+    /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]` of a side, the mean over
+    /// some pings, or [`MOST_PINGS_OF_ROW`] of them. Of the last ping beyond the end; without the filter the factor is 1.
+    pub fn row(&self, side: Side, pings: Range<usize>) -> [f32; 4] {
+        let scales = self.scales.side(side);
+        let factors = self.factors.as_ref().map(|sides| &sides[side as usize]);
+        let first = pings.start.min(scales.len().saturating_sub(1));
+        let pings = first..pings.end.clamp(first + 1, scales.len().max(first + 1));
+        let step = pings.len().div_ceil(MOST_PINGS_OF_ROW);
+        let pings = pings.step_by(step);
+        let count = pings.len() as f64;
+        let sum = pings.fold([0.0; 4], |sum: [f64; 4], ping| {
+            let scale = self.scales.at(side, ping);
+            let factor = factors.and_then(|factors| factors.get(ping).copied());
+            let of_ping = [
+                scale.altitude_m,
+                scale.scale,
+                scale.offset_m,
+                factor.unwrap_or(1.0),
+            ];
+            std::array::from_fn(|part| sum[part] + f64::from(of_ping[part]))
+        });
+        sum.map(|part| (part / count) as f32)
+    }
+
+    /// Levels of the sampled echoes with some tone, 255 for the largest byte as recorded.
+    pub fn levels(&self, tone: &Tone) -> impl Iterator<Item = f32> {
+        self.echoes.iter().map(move |echo| {
+            let gain = if tone.is_normalised { echo.gain } else { 1.0 };
+            let even = if tone.is_even { echo.even } else { 1.0 };
+            echo.level * gain * even * tone.factor(echo.side, echo.range_m, self.middle_m)
+        })
+    }
+
+    /// Whether the side-scan shows the bottom and is no noise.
+    pub fn has_bottom(&self) -> bool {
+        self.has_bottom
+    }
+}
+
+/// Every so many echoes of pings spread evenly over the log, beyond the transmit pulse.
+fn echoes(
+    survey: &Survey,
+    scales: &PingScales,
+    gain: Option<&GainTable>,
+    factors: Option<&[Vec<f32>; 2]>,
+    progress: &Progress,
+) -> Result<Vec<PictureEcho>, Cancelled> {
+    let pings = survey.side_scan.len();
+    let step = pings.div_ceil(MOST_SAMPLED_PINGS).max(1);
+    let spans = (0..pings)
+        .step_by(step)
+        .flat_map(|ping| Side::BOTH.map(|side| survey.span(ping, side)));
+    let all: usize = spans.flatten().map(|span| span.count as usize).sum();
+    let every = all.div_ceil(MOST_ECHOES).max(1);
+    let mut echoes = Vec::new();
+    let mut outward = Vec::new();
+    for ping in (0..pings).step_by(step) {
+        progress.check()?;
+        for side in Side::BOTH {
+            let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side))
+            else {
+                continue;
+            };
+            let Some(first) = beyond_pulse(span) else {
+                continue;
+            };
+            let scale = scales.at(side, ping);
+            let even = factors.and_then(|factors| factors[side as usize].get(ping).copied());
+            samples.copy_outward(&mut outward);
+            let sampled = outward.iter().enumerate().skip(first).step_by(every);
+            echoes.extend(sampled.map(|(sample, &level)| {
+                let range_m = scale.slant_m(span.range_m(sample as f64 + 0.5));
+                let range_m = (range_m as f32).max(scale.altitude_m);
+                PictureEcho {
+                    level: f32::from(level),
+                    side,
+                    range_m,
+                    gain: gain.map_or(1.0, |gain| gain.factor(side, range_m, scale.altitude_m)),
+                    even: even.unwrap_or(1.0),
+                }
+            }));
+        }
+    }
+    Ok(echoes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::SidePing;
+
+    #[test]
+    fn a_row_holds_the_mean_of_its_pings() {
+        let ping = SidePing::with_depth(0.0, f32::NAN);
+        let survey = Survey::of_pings(vec![ping; 5]);
+        // Factors to port count up.
+        let factors = [vec![0.0, 1.0, 2.0, 3.0, 4.0], vec![1.0; 5]];
+        let of = |scales, factors| {
+            LogPicture::new(&survey, Arc::new(scales), None, factors, &Progress::new())
+                .expect("a picture")
+        };
+        let picture = of(PingScales::level(5, 7.0), Some(factors));
+        let factor = |pings| picture.row(Side::Port, pings)[3];
+        assert_eq!([factor(3..4), factor(0..2), factor(0..4)], [3.0, 0.5, 1.5]);
+        // Of those that there are, and of the last one beyond the end.
+        assert_eq!([factor(4..6), factor(4..8), factor(9..10)], [4.0; 3]);
+        assert_eq!(picture.row(Side::Starboard, 0..4), [7.0, 1.0, 0.0, 1.0]);
+        let plain = of(PingScales::level(5, 7.0), None);
+        assert_eq!(plain.row(Side::Port, 1..3), [7.0, 1.0, 0.0, 1.0]);
+        let long = Some([(0..1000).map(|ping| ping as f32).collect(), Vec::new()]);
+        let mean = of(PingScales::level(1000, 7.0), long).row(Side::Port, 0..1000)[3];
+        assert!((mean / 499.5 - 1.0).abs() < 0.02, "{mean}");
+        let none = of(PingScales::default(), None);
+        assert_eq!(none.row(Side::Port, 3..5), [0.0, 1.0, 0.0, 1.0]);
+    }
+}

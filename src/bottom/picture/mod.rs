@@ -1,0 +1,26 @@
+//! How the side-scan of one log is shown: gain, stripes, levels, and where an echo lies across the track.
+//!
+//! In: a survey with its first returns and calibration. Out: tables of gain and scale for each ping, and levels.
+//! It uses `sonar`, `survey` and `support`.
+//!
+//! ```text
+//! FirstReturns + Calibration --PingScales--> altitude and scale of every ping and side
+//! Survey --stripe_factors--> a factor for every ping and side
+//! PingScales + GainTable + factors --LogPicture--> what a row of a tile is levelled by, and sampled echoes
+//! echoes + PictureSettings --LevelHistogram--> Levels
+//! ```
+//!
+//! Nothing here is computed per texel of a tile: a change of gain costs a few numbers, not new tiles.
+
+mod histogram;
+mod log_picture;
+mod scales;
+mod settings;
+mod stripes;
+
+pub use histogram::LevelHistogram;
+pub use log_picture::LogPicture;
+pub use scales::{Extremes, PictureGeometry, PingScale, PingScales};
+pub use settings::LEAST_RANGE_M;
+pub use settings::{PictureSettings, Tone};
+pub use stripes::stripe_factors;

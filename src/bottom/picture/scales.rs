@@ -1,0 +1,286 @@
+//! What a recorded range is worth at every ping: its calibrated slant range, and its distance on the ground.
+
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
+use crate::mosaic::altitudes_m;
+use bathyscope_log::survey::{Side, Survey};
+
+/// What is measured across the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PictureGeometry {
+    /// Slant range as recorded, the water column among it.
+    #[default]
+    Slant,
+    /// Slant range beyond the altitude: both sides meet at the first return.
+    SlantBeyondWater,
+    /// Distance on level ground.
+    Ground,
+}
+
+/// The scale of one side of a ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PingScale {
+    /// Height over the ground, metres; 0 where it is not known.
+    pub altitude_m: f32,
+    /// Calibrated metres for each recorded metre.
+    pub scale: f32,
+    /// Calibrated metres where the recorded range is 0.
+    pub offset_m: f32,
+}
+
+impl Default for PingScale {
+    /// Ranges as recorded over a bottom that is not known.
+    fn default() -> Self {
+        Self {
+            altitude_m: 0.0,
+            scale: 1.0,
+            offset_m: 0.0,
+        }
+    }
+}
+
+impl PingScale {
+    /// Calibrated slant range of a recorded one, metres.
+    pub fn slant_m(&self, recorded_m: f64) -> f64 {
+        f64::from(self.scale) * recorded_m + f64::from(self.offset_m)
+    }
+
+    /// Inverse of [`PingScale::slant_m`].
+    pub fn recorded_m(&self, slant_m: f64) -> f64 {
+        (slant_m - f64::from(self.offset_m)) / f64::from(self.scale)
+    }
+
+    /// Where a recorded range lies across the track, metres from the middle; what lies before the ground lies in the middle.
+    pub fn across_m(&self, geometry: PictureGeometry, recorded_m: f64) -> f64 {
+        let altitude_m = f64::from(self.altitude_m);
+        match geometry {
+            PictureGeometry::Slant => recorded_m,
+            PictureGeometry::SlantBeyondWater => (self.slant_m(recorded_m) - altitude_m).max(0.0),
+            PictureGeometry::Ground => {
+                let slant_m = self.slant_m(recorded_m).max(0.0);
+                (slant_m * slant_m - altitude_m * altitude_m)
+                    .max(0.0)
+                    .sqrt()
+            }
+        }
+    }
+
+    /// Inverse of [`PingScale::across_m`] on the ground: the recorded range that is shown at a distance from the middle.
+    pub fn recorded_at_m(&self, geometry: PictureGeometry, across_m: f64) -> f64 {
+        let altitude_m = f64::from(self.altitude_m);
+        match geometry {
+            PictureGeometry::Slant => across_m,
+            PictureGeometry::SlantBeyondWater => self.recorded_m(across_m + altitude_m),
+            PictureGeometry::Ground => self.recorded_m(across_m.hypot(altitude_m)),
+        }
+    }
+}
+
+/// Least and greatest of the scales of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    least: PingScale,
+    most: PingScale,
+}
+
+impl Extremes {
+    /// Every combination of least and greatest: what is monotonic in each is least and greatest at one of them.
+    fn corners(&self) -> impl Iterator<Item = PingScale> {
+        let Self { least, most } = *self;
+        (0..8).map(move |corner| {
+            let of = |bit: u32| if corner & bit == 0 { least } else { most };
+            PingScale {
+                altitude_m: of(1).altitude_m,
+                scale: of(2).scale,
+                offset_m: of(4).offset_m,
+            }
+        })
+    }
+
+    /// Where recorded ranges from `near_m` to `far_m` can lie across the track, at whichever ping: nearest and farthest.
+    pub fn across_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
+        let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
+        let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
+        [
+            nearest.fold(f64::MAX, f64::min),
+            farthest.fold(0.0, f64::max),
+        ]
+    }
+
+    /// Which recorded ranges can be shown between two distances from the middle, at whichever ping: nearest and farthest.
+    pub fn recorded_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
+        let nearest = self
+            .corners()
+            .map(|one| one.recorded_at_m(geometry, near_m));
+        let farthest = self.corners().map(|one| one.recorded_at_m(geometry, far_m));
+        [
+            nearest.fold(f64::MAX, f64::min),
+            farthest.fold(f64::MIN, f64::max),
+        ]
+    }
+}
+
+/// The scales of all pings of a log, by side, port first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PingScales {
+    sides: [Vec<PingScale>; 2],
+}
+
+impl PingScales {
+    /// Of a log by its first returns and its calibration, with all ranges times `range_factor`: where sound runs at another speed than
+    /// the recorder took.
+    pub fn new(
+        survey: &Survey,
+        returns: &FirstReturns,
+        calibration: &Calibration,
+        range_factor: f64,
+    ) -> Self {
+        let side = |side: Side| {
+            let altitudes_m = altitudes_m(survey, returns, calibration, side);
+            let pings = altitudes_m.iter().enumerate();
+            let scale = |(ping, &altitude_m): (usize, &f32)| {
+                let altitude_m = (f64::from(altitude_m) * range_factor) as f32;
+                let known = PingScale {
+                    altitude_m: if altitude_m > 0.0 { altitude_m } else { 0.0 },
+                    ..PingScale::default()
+                };
+                let Some(span) = survey.span(ping, side) else {
+                    return known;
+                };
+                let count = f64::from(span.count.max(1));
+                let [near_m, far_m] =
+                    [0.0, count].map(|sample| range_factor * calibration.range_m(span, sample));
+                let recorded_m = f64::from(span.far_m) - f64::from(span.near_m);
+                let scale = (far_m - near_m) / recorded_m;
+                if !(scale.is_finite() && scale > 0.0) {
+                    return known;
+                }
+                PingScale {
+                    scale: scale as f32,
+                    offset_m: (near_m - scale * f64::from(span.near_m)) as f32,
+                    ..known
+                }
+            };
+            pings.map(scale).collect()
+        };
+        Self {
+            sides: Side::BOTH.map(side),
+        }
+    }
+
+    /// Of a log of which nothing but its recording is known.
+    pub fn unknown(survey: &Survey) -> Self {
+        let pings = survey.side_scan.len();
+        Self {
+            sides: [
+                vec![PingScale::default(); pings],
+                vec![PingScale::default(); pings],
+            ],
+        }
+    }
+
+    /// Of so many pings over level ground, with ranges as recorded.
+    pub fn level(pings: usize, altitude_m: f32) -> Self {
+        let scale = PingScale {
+            altitude_m,
+            ..PingScale::default()
+        };
+        Self {
+            sides: [vec![scale; pings], vec![scale; pings]],
+        }
+    }
+
+    /// Of a side, ping by ping.
+    pub fn side(&self, side: Side) -> &[PingScale] {
+        &self.sides[side as usize]
+    }
+
+    /// Of a side at a ping; that of the nearest ping beyond the ends.
+    pub fn at(&self, side: Side, ping: usize) -> PingScale {
+        let scales = self.side(side);
+        let known = scales.get(ping).or(scales.last());
+        known.copied().unwrap_or_default()
+    }
+
+    /// Least and greatest altitude and scale over both sides.
+    pub fn extremes(&self) -> Extremes {
+        let all = self.sides.iter().flatten();
+        let mut found: Option<Extremes> = None;
+        for one in all {
+            let Extremes { least, most } = found.get_or_insert(Extremes {
+                least: *one,
+                most: *one,
+            });
+            least.altitude_m = least.altitude_m.min(one.altitude_m);
+            least.scale = least.scale.min(one.scale);
+            least.offset_m = least.offset_m.min(one.offset_m);
+            most.altitude_m = most.altitude_m.max(one.altitude_m);
+            most.scale = most.scale.max(one.scale);
+            most.offset_m = most.offset_m.max(one.offset_m);
+        }
+        found.unwrap_or(Extremes {
+            least: PingScale::default(),
+            most: PingScale::default(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn any_scale() -> impl Strategy<Value = PingScale> {
+        (0.0_f32..80.0, 0.8_f32..1.2, -1.0_f32..1.0).prop_map(|(altitude_m, scale, offset_m)| {
+            PingScale {
+                altitude_m,
+                scale,
+                offset_m,
+            }
+        })
+    }
+
+    #[test]
+    fn a_triangle_of_three_four_and_five() {
+        let scale = PingScale {
+            altitude_m: 3.0,
+            ..PingScale::default()
+        };
+        assert!((scale.across_m(PictureGeometry::Ground, 5.0) - 4.0).abs() < 1e-9);
+        assert_eq!(scale.across_m(PictureGeometry::Ground, 2.0), 0.0);
+        assert_eq!(scale.across_m(PictureGeometry::SlantBeyondWater, 5.0), 2.0);
+        assert_eq!(scale.across_m(PictureGeometry::Slant, 5.0), 5.0);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_shown_comes_back(scale in any_scale(), across_m in 0.01..100.0_f64) {
+            for geometry in [PictureGeometry::Slant, PictureGeometry::SlantBeyondWater, PictureGeometry::Ground] {
+                let recorded_m = scale.recorded_at_m(geometry, across_m);
+                let back_m = scale.across_m(geometry, recorded_m);
+                prop_assert!((back_m - across_m).abs() < 1e-3, "{geometry:?} {back_m}");
+            }
+        }
+
+        #[test]
+        fn extremes_hold_every_ping(
+            scales in prop::collection::vec(any_scale(), 1..9),
+            near_m in 0.0..50.0_f64,
+            wide_m in 0.0..50.0_f64,
+        ) {
+            let far_m = near_m + wide_m;
+            let all = PingScales { sides: [scales.clone(), Vec::new()] };
+            let extremes = all.extremes();
+            for geometry in [PictureGeometry::Slant, PictureGeometry::SlantBeyondWater, PictureGeometry::Ground] {
+                let [nearest, farthest] = extremes.across_m(geometry, [near_m, far_m]);
+                let [least, most] = extremes.recorded_m(geometry, [near_m, far_m]);
+                for one in &scales {
+                    prop_assert!(one.across_m(geometry, near_m) >= nearest - 1e-4);
+                    prop_assert!(one.across_m(geometry, far_m) <= farthest + 1e-4);
+                    prop_assert!(one.recorded_at_m(geometry, near_m) >= least - 1e-4);
+                    prop_assert!(one.recorded_at_m(geometry, far_m) <= most + 1e-4);
+                }
+            }
+        }
+    }
+}

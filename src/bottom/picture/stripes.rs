@@ -1,0 +1,143 @@
+//! The stripe filter: a factor for every ping that is brighter or darker than those about it.
+//!
+//! Interference of another sonar, a wave that tilts the boat or a hand on the recorder's gain makes a whole ping brighter or darker;
+//! the ground does not change from one ping to the next. The level of a ping is the mean of the middle of its echoes, which an object or
+//! a shadow in it does not move, and it is brought to the median of the pings about it, which keeps the edge between two grounds.
+
+use super::PingScales;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::median;
+use bathyscope_log::survey::{Side, Survey};
+use rayon::prelude::*;
+
+/// Pings before and behind that a ping is brought to the level of.
+const HALF_PINGS: usize = 8;
+/// Shares of a ping's echoes between which those count that make its level.
+const MIDDLE: [f64; 2] = [0.2, 0.8];
+/// Bounds of the factor.
+const FACTORS: [f32; 2] = [0.25, 4.0];
+/// Echoes on the ground below which a ping has no level of its own.
+const LEAST_ECHOES: u32 = 16;
+/// Least level that is divided by.
+const LEAST_LEVEL: f32 = 0.5;
+/// Pings between two looks at whether the work was cancelled.
+const CHUNK: usize = 512;
+
+/// Factors that bring the pings of a log to the levels of those about them, by side, port first; 1 where nothing was recorded.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn stripe_factors(
+    survey: &Survey,
+    scales: &PingScales,
+    progress: &Progress,
+) -> Result<[Vec<f32>; 2], Cancelled> {
+    let pings: Vec<usize> = (0..survey.side_scan.len()).collect();
+    let side = |side: Side| -> Result<Vec<f32>, Cancelled> {
+        let chunks: Result<Vec<Vec<f32>>, Cancelled> = pings
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                progress.check()?;
+                let mut echoes = Vec::new();
+                let level = |&ping: &usize| level(survey, scales, side, ping, &mut echoes);
+                Ok(chunk.iter().map(level).collect())
+            })
+            .collect();
+        Ok(factors(&chunks?.concat()))
+    };
+    Ok([side(Side::Port)?, side(Side::Starboard)?])
+}
+
+/// Mean of the middle of the echoes on the ground; NaN of a ping without enough of them.
+fn level(
+    survey: &Survey,
+    scales: &PingScales,
+    side: Side,
+    ping: usize,
+    echoes: &mut Vec<u8>,
+) -> f32 {
+    let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side)) else {
+        return f32::NAN;
+    };
+    let scale = scales.at(side, ping);
+    let ground_m = scale.recorded_m(f64::from(scale.altitude_m));
+    let first = span.sample_at(ground_m).ceil().max(0.0) as usize;
+    samples.copy_part_outward(first..samples.len(), echoes);
+    middle_mean(echoes)
+}
+
+/// Mean of the echoes between two quantiles, counted by their levels.
+fn middle_mean(echoes: &[u8]) -> f32 {
+    let mut counts = [0_u32; 256];
+    for &echo in echoes {
+        counts[usize::from(echo)] += 1;
+    }
+    let total = echoes.len() as f64;
+    if (echoes.len() as u64) < u64::from(LEAST_ECHOES) {
+        return f32::NAN;
+    }
+    let [from, to] = MIDDLE.map(|share| share * total);
+    let (mut below, mut sum) = (0.0, 0.0);
+    for (level, &count) in counts.iter().enumerate() {
+        let above = below + f64::from(count);
+        let within = (above.min(to) - below.max(from)).max(0.0);
+        sum += within * level as f64;
+        below = above;
+    }
+    (sum / (to - from)) as f32
+}
+
+/// What brings every level to the median of those about it.
+fn factors(levels: &[f32]) -> Vec<f32> {
+    let factor = |(ping, &level): (usize, &f32)| {
+        if level.is_nan() {
+            return 1.0;
+        }
+        let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(levels.len());
+        let mut about: Vec<f64> = levels[near]
+            .iter()
+            .filter(|level| !level.is_nan())
+            .map(|level| f64::from(*level))
+            .collect();
+        let goal = median(&mut about) as f32;
+        (goal.max(LEAST_LEVEL) / level.max(LEAST_LEVEL)).clamp(FACTORS[0], FACTORS[1])
+    };
+    levels.iter().enumerate().map(factor).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bright_ping_is_brought_down_and_the_edge_of_two_grounds_stays() {
+        let levels: Vec<f32> = (0..60)
+            .map(|ping| match ping {
+                10 => 90.0,
+                40 => 20.0,
+                0..30 => 30.0,
+                _ => 60.0,
+            })
+            .collect();
+        let factors = factors(&levels);
+        for (ping, factor) in factors.iter().enumerate() {
+            let expected = match ping {
+                10 => 30.0 / 90.0,
+                40 => 60.0 / 20.0,
+                _ => 1.0,
+            };
+            assert!((factor - expected).abs() < 1e-5, "{ping}: {factor}");
+        }
+    }
+
+    #[test]
+    fn an_object_does_not_move_the_level_of_a_ping() {
+        let ground = vec![40_u8; 1000];
+        let mut with_object = ground.clone();
+        with_object[300..400].fill(250);
+        with_object[400..500].fill(0);
+        assert_eq!(middle_mean(&ground), 40.0);
+        assert_eq!(middle_mean(&with_object), 40.0);
+        assert!(middle_mean(&[9; 3]).is_nan());
+    }
+}

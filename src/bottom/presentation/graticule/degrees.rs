@@ -1,0 +1,205 @@
+//! Lines of a graticule: at round degrees, minutes or seconds, named with no more digits than that takes.
+
+use bathyscope_log::support::geo::CoordinateFormat;
+
+/// Millionths of a second of arc in a degree, a minute, a second: what every step is a whole number of.
+const DEGREE: i64 = 3_600_000_000;
+const MINUTE: i64 = DEGREE / 60;
+const SECOND: i64 = MINUTE / 60;
+
+/// A latitude or a longitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DegreeAxis {
+    /// Named north or south.
+    Latitude,
+    /// Named east or west.
+    Longitude,
+}
+
+/// Lines of one axis at multiples of a round step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Graticule {
+    format: CoordinateFormat,
+    step: i64,
+}
+
+impl Graticule {
+    /// The smallest round step of at least `least_deg`: 1, 2 or 5 times a power of ten of what the format counts in, and 10,
+    /// 15, 20 and 30 of minutes and seconds. UTM takes the degrees of the poles, where it is not defined.
+    pub(super) fn new(format: CoordinateFormat, least_deg: f64) -> Self {
+        let least = (least_deg * DEGREE as f64).min(90.0 * DEGREE as f64);
+        let fitting = steps(format).into_iter().find(|step| *step as f64 >= least);
+        Self {
+            format,
+            step: fitting.unwrap_or(90 * DEGREE),
+        }
+    }
+
+    /// The lines from `low_deg` to `high_deg`, degrees; at most a thousand.
+    pub(super) fn lines(self, low_deg: f64, high_deg: f64) -> impl Iterator<Item = f64> {
+        let step = self.step as f64;
+        let first = (low_deg * DEGREE as f64 / step).ceil();
+        let last = (high_deg * DEGREE as f64 / step).floor();
+        let count = (last - first + 1.0).clamp(0.0, 1000.0) as i64;
+        (0..count).map(move |index| (first + index as f64) * step / DEGREE as f64)
+    }
+
+    /// The name of a line: `36.8775° N`, `36° 52.65' N`, `36° 52' 38" N`.
+    pub(super) fn label(self, degrees: f64, axis: DegreeAxis) -> String {
+        let turned = match axis {
+            DegreeAxis::Longitude if degrees.abs() > 180.0 => {
+                degrees - 360.0 * (degrees / 360.0).round()
+            }
+            _ => degrees,
+        };
+        let units = (turned.abs() * DEGREE as f64 / self.step as f64).round() as i64 * self.step;
+        let letter = match (axis, turned < 0.0 && units != 0) {
+            (DegreeAxis::Latitude, false) => " N",
+            (DegreeAxis::Latitude, true) => " S",
+            // Both sides of the date line, and Greenwich, are neither.
+            (DegreeAxis::Longitude, _) if units == 180 * DEGREE || units == 0 => "",
+            (DegreeAxis::Longitude, false) => " E",
+            (DegreeAxis::Longitude, true) => " W",
+        };
+        format!("{}{letter}", self.angle(units))
+    }
+
+    fn angle(self, units: i64) -> String {
+        let whole = units / DEGREE;
+        let (minutes, rest) = (units % DEGREE / MINUTE, units % MINUTE);
+        match self.format {
+            CoordinateFormat::Degrees | CoordinateFormat::Utm => {
+                format!("{}°", decimal(units, self.step, DEGREE, 1))
+            }
+            _ if self.step % DEGREE == 0 => format!("{whole}°"),
+            CoordinateFormat::Minutes => {
+                let minutes = decimal(units % DEGREE, self.step, MINUTE, 2);
+                format!("{whole}° {minutes}'")
+            }
+            CoordinateFormat::Seconds if self.step % MINUTE == 0 => {
+                format!("{whole}° {minutes:02}'")
+            }
+            CoordinateFormat::Seconds => {
+                let seconds = decimal(rest, self.step, SECOND, 2);
+                format!("{whole}° {minutes:02}' {seconds}\"")
+            }
+        }
+    }
+}
+
+/// `value / unit` with the decimals that multiples of `step` have, and at least `digits` before the point.
+fn decimal(value: i64, step: i64, unit: i64, digits: usize) -> String {
+    let needed = (0..9).find(|places| step * 10i64.pow(*places) % unit == 0);
+    let places = needed.unwrap_or(9) as usize;
+    let width = if places == 0 {
+        digits
+    } else {
+        digits + 1 + places
+    };
+    format!("{:0width$.places$}", value as f64 / unit as f64)
+}
+
+/// The round steps of a format, smallest first.
+fn steps(format: CoordinateFormat) -> Vec<i64> {
+    let sixths = |unit: i64| [1, 2, 5, 10, 15, 20, 30].map(|count| count * unit);
+    let degrees = [1, 2, 5, 10, 15, 30, 45, 90].map(|count| count * DEGREE);
+    match format {
+        CoordinateFormat::Degrees | CoordinateFormat::Utm => {
+            [decimals(DEGREE, 7), degrees.to_vec()].concat()
+        }
+        CoordinateFormat::Minutes => [
+            decimals(MINUTE, 5),
+            sixths(MINUTE).to_vec(),
+            degrees.to_vec(),
+        ]
+        .concat(),
+        CoordinateFormat::Seconds => [
+            decimals(SECOND, 3),
+            sixths(SECOND).to_vec(),
+            sixths(MINUTE).to_vec(),
+            degrees.to_vec(),
+        ]
+        .concat(),
+    }
+}
+
+/// 1, 2 and 5 at each of so many places after the point.
+fn decimals(unit: i64, places: u32) -> Vec<i64> {
+    let at = |place: u32| [1, 2, 5].map(|count| count * unit / 10i64.pow(place));
+    (1..=places).rev().flat_map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use CoordinateFormat::{Degrees, Minutes, Seconds, Utm};
+
+    fn labels(
+        format: CoordinateFormat,
+        least_deg: f64,
+        low: f64,
+        high: f64,
+        axis: DegreeAxis,
+    ) -> Vec<String> {
+        let graticule = Graticule::new(format, least_deg);
+        graticule
+            .lines(low, high)
+            .map(|line| graticule.label(line, axis))
+            .collect()
+    }
+
+    #[test]
+    fn lines_are_round_in_what_the_format_counts_in() {
+        let found = labels(Degrees, 4e-4, 36.8769, 36.8782, DegreeAxis::Latitude);
+        assert_eq!(found, ["36.8770° N", "36.8775° N", "36.8780° N"]);
+        let found = labels(
+            Minutes,
+            0.7 / 60.0,
+            0.0 - 1.5 / 60.0,
+            1.5 / 60.0,
+            DegreeAxis::Longitude,
+        );
+        assert_eq!(found, ["0° 01' W", "0° 00'", "0° 01' E"]);
+        let found = labels(
+            Minutes,
+            0.03 / 60.0,
+            -36.8352,
+            -36.8334,
+            DegreeAxis::Latitude,
+        );
+        assert_eq!(found, ["36° 50.10' S", "36° 50.05' S"]);
+        let found = labels(Seconds, 11.0 / 3600.0, 7.995, 8.005, DegreeAxis::Longitude);
+        assert_eq!(found, ["7° 59' 45\" E", "8° 00' 00\" E", "8° 00' 15\" E"]);
+        let found = labels(Seconds, 0.15 / 3600.0, 7.0, 7.0001, DegreeAxis::Latitude);
+        assert_eq!(found, ["7° 00' 00.0\" N", "7° 00' 00.2\" N"]);
+        assert_eq!(
+            labels(Seconds, 0.4, 7.9, 9.1, DegreeAxis::Latitude).len(),
+            3
+        );
+    }
+
+    #[test]
+    fn the_date_line_has_no_side() {
+        let found = labels(Degrees, 1.0, 178.5, 181.5, DegreeAxis::Longitude);
+        assert_eq!(found, ["179° E", "180°", "179° W"]);
+    }
+
+    #[test]
+    fn steps_grow_and_are_never_smaller_than_asked() {
+        for format in [Degrees, Minutes, Seconds, Utm] {
+            let all = steps(format);
+            assert!(all.is_sorted() && all[0] > 0, "{format:?} {all:?}");
+            for least_deg in [1e-9, 1e-6, 3e-4, 0.02, 0.3, 7.0, 89.0, 1e5, f64::INFINITY] {
+                let step = Graticule::new(format, least_deg).step as f64 / DEGREE as f64;
+                assert!(
+                    step >= least_deg.min(90.0) && step <= (3.1 * least_deg).max(1.1e-6),
+                    "{step} {least_deg}"
+                );
+            }
+        }
+        assert_eq!(
+            Graticule::new(Degrees, 1e-9).lines(f64::NAN, 1.0).count(),
+            0
+        );
+    }
+}

@@ -1,0 +1,214 @@
+//! The graticule of a map, in the window and in the report: lines at round degrees, or metres of the UTM zone, with their names.
+//!
+//! In: bounds of a map, and the form of coordinates. Out: lines with names.
+//! It uses nothing outside `support`.
+
+mod degrees;
+
+use super::ticks;
+use bathyscope_log::support::geo::{CoordinateFormat, LonLat, UtmZone};
+use degrees::{DegreeAxis, Graticule};
+
+/// What the lines of a map are lines of.
+#[derive(Clone, Copy, Debug)]
+pub enum Net {
+    /// Longitude and latitude; longitudes are counted on from that of the middle, so that the date line is no gap.
+    Degrees {
+        /// Longitude in the middle of the map, degrees.
+        middle_deg: f64,
+        /// How a place is written.
+        format: CoordinateFormat,
+    },
+    /// Easting and northing of a zone, metres.
+    Utm(UtmZone),
+}
+
+/// West, south, east and north of a map, in degrees or metres of its net.
+pub type NetBounds = [f64; 4];
+
+/// A family of lines: meridians or lines of easting, parallels or lines of northing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineFamily {
+    /// From south to north, each at an easting or a longitude.
+    Upright,
+    /// From west to east.
+    Level,
+}
+
+/// A line with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GraticuleLine {
+    /// Degrees or metres at which it lies.
+    pub value: f64,
+    /// `36.8775° N`, `462500 E`.
+    pub label: String,
+}
+
+impl Net {
+    /// The net of a map about `middle`; at the poles, where UTM is not defined, that of degrees.
+    pub fn new(format: CoordinateFormat, zone: UtmZone, middle: LonLat) -> Self {
+        match format {
+            CoordinateFormat::Utm if middle.lat_deg.abs() < 80.0 => Self::Utm(zone),
+            _ => Self::Degrees {
+                middle_deg: middle.lon_deg,
+                format,
+            },
+        }
+    }
+
+    fn of_position(&self, at: LonLat) -> [f64; 2] {
+        match self {
+            Self::Degrees { middle_deg, .. } => {
+                let beyond = at.lon_deg - middle_deg;
+                let turns = (beyond / 360.0).round();
+                [middle_deg + beyond - 360.0 * turns, at.lat_deg]
+            }
+            Self::Utm(zone) => zone.to_metres(at),
+        }
+    }
+
+    fn to_position(self, [x, y]: [f64; 2]) -> LonLat {
+        match self {
+            Self::Degrees { .. } => LonLat::new(x, y),
+            Self::Utm(zone) => zone.to_lon_lat([x, y]),
+        }
+    }
+
+    /// The bounds of a map from places along its edge; `None` where one is no place.
+    pub fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<NetBounds> {
+        let nowhere = [
+            f64::INFINITY,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NEG_INFINITY,
+        ];
+        let places = edge.into_iter().map(|at| self.of_position(at));
+        let bounds = places.fold(nowhere, |[w, s, e, n], [x, y]| {
+            [w.min(x), s.min(y), e.max(x), n.max(y)]
+        });
+        bounds.iter().all(|edge| edge.is_finite()).then_some(bounds)
+    }
+
+    /// The lines of a family within bounds, at least `least` degrees or metres apart.
+    pub fn lines(&self, family: LineFamily, bounds: NetBounds, least: f64) -> Vec<GraticuleLine> {
+        let [west, south, east, north] = bounds;
+        let [low, high] = match family {
+            LineFamily::Upright => [west, east],
+            LineFamily::Level => [south, north],
+        };
+        match self {
+            Self::Degrees { format, .. } => {
+                let graticule = Graticule::new(*format, least);
+                let line = |value| GraticuleLine {
+                    value,
+                    label: graticule.label(value, family.axis()),
+                };
+                graticule.lines(low, high).map(line).collect()
+            }
+            Self::Utm(_) => {
+                let step = ticks::round_step(least, 1.0);
+                let letter = match family {
+                    LineFamily::Upright => 'E',
+                    LineFamily::Level => 'N',
+                };
+                let line = |value| GraticuleLine {
+                    value,
+                    label: format!("{} {letter}", ticks::label(value, step)),
+                };
+                ticks::multiples(low, high, step).map(line).collect()
+            }
+        }
+    }
+
+    /// A name as long as those of upright lines so far apart: it tells how much room they take.
+    pub fn typical_label(&self, [west, _, east, _]: NetBounds, least: f64) -> String {
+        match self {
+            Self::Degrees { format, .. } => {
+                Graticule::new(*format, least).label(0.5 * (west + east), DegreeAxis::Longitude)
+            }
+            Self::Utm(_) => "500000.0 E".to_owned(),
+        }
+    }
+
+    /// Places along a line from one bound to the other, `count` of them and two at least.
+    pub fn places(
+        self,
+        family: LineFamily,
+        value: f64,
+        bounds: NetBounds,
+        count: usize,
+    ) -> impl Iterator<Item = LonLat> {
+        let [west, south, east, north] = bounds;
+        let last = count.max(2) - 1;
+        (0..=last).map(move |index| {
+            let share = index as f64 / last as f64;
+            self.to_position(match family {
+                LineFamily::Upright => [value, south + (north - south) * share],
+                LineFamily::Level => [west + (east - west) * share, value],
+            })
+        })
+    }
+}
+
+impl LineFamily {
+    fn axis(self) -> DegreeAxis {
+        match self {
+            Self::Upright => DegreeAxis::Longitude,
+            Self::Level => DegreeAxis::Latitude,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(lon_deg: f64, lat_deg: f64) -> LonLat {
+        LonLat { lon_deg, lat_deg }
+    }
+
+    #[test]
+    fn lines_run_across_the_date_line() {
+        let middle = at(180.0, -17.0);
+        let net = Net::new(CoordinateFormat::Degrees, UtmZone::of(middle), middle);
+        let bounds = net.bounds([at(178.5, -17.5), at(-178.5, -16.4)]).unwrap();
+        assert_eq!(bounds, [178.5, -17.5, 181.5, -16.4]);
+        let names = |family| -> Vec<String> {
+            let lines = net.lines(family, bounds, 0.7).into_iter();
+            lines.map(|line| line.label).collect()
+        };
+        assert_eq!(names(LineFamily::Upright), ["179° E", "180°", "179° W"]);
+        assert_eq!(names(LineFamily::Level), ["17° S"]);
+    }
+
+    #[test]
+    fn utm_lines_lie_at_their_metres() {
+        let middle = at(-111.49, 36.93);
+        let net = Net::new(CoordinateFormat::Utm, UtmZone::of(middle), middle);
+        let edge = [at(-111.492, 36.929), at(-111.488, 36.931)];
+        let bounds = net.bounds(edge).unwrap();
+        let lines = net.lines(LineFamily::Upright, bounds, 60.0);
+        assert!(!lines.is_empty());
+        for line in lines {
+            assert_eq!(line.value % 100.0, 0.0);
+            assert_eq!(line.label, format!("{} E", line.value));
+            for place in net.places(LineFamily::Upright, line.value, bounds, 3) {
+                let [easting_m, _] = net.of_position(place);
+                assert!((easting_m - line.value).abs() < 1e-3);
+            }
+        }
+        // UTM ends before the poles.
+        let pole = Net::new(CoordinateFormat::Utm, UtmZone::of(middle), at(0.0, 85.0));
+        assert!(matches!(pole, Net::Degrees { .. }));
+    }
+
+    #[test]
+    fn what_is_no_place_has_no_bounds() {
+        let net = Net::Degrees {
+            middle_deg: 0.0,
+            format: CoordinateFormat::Degrees,
+        };
+        assert_eq!(net.bounds([at(f64::NAN, 1.0)]), None);
+        assert_eq!(net.bounds([]), None);
+    }
+}

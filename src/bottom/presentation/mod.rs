@@ -1,0 +1,12 @@
+//! How results are shown, the same in the window, in the report, in files and in the evaluation: colours, numbers in words,
+//! round steps, the graticule and plots. Nothing here depends on a widget, the GPU or a survey.
+//!
+//! In: plain numbers. Out: colours, texts, ticks and SVG.
+//! It uses nothing outside `support`.
+
+pub mod colours;
+pub mod graticule;
+pub mod plot;
+pub mod text;
+pub mod ticks;
+pub mod units;

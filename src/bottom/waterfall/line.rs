@@ -1,0 +1,239 @@
+//! Lines over the picture: first return and recorded depth, with the extremes of every stretch of pings at hand, so that
+//! a line over a whole log costs no more to draw than one over a screenful.
+
+use crate::first_return::FirstReturns;
+use bathyscope_log::survey::{Side, Survey};
+use std::sync::Arc;
+
+/// Halvings of the finest stored stretch (16 pings); below it, values are read one by one.
+const STORED: u8 = 4;
+
+/// Smallest and largest slant range of a stretch of pings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineSpan {
+    /// Metres; infinite when the stretch has no value.
+    pub min_m: f32,
+    /// Metres; minus infinity when the stretch has no value.
+    pub max_m: f32,
+    /// All values of the stretch are doubtful: above-bottom returns, depths without bottom lock.
+    pub doubtful: bool,
+}
+
+impl LineSpan {
+    /// No value: a gap in the line.
+    pub const GAP: LineSpan = LineSpan {
+        min_m: f32::INFINITY,
+        max_m: f32::NEG_INFINITY,
+        doubtful: true,
+    };
+
+    /// One value, a gap when it is not finite.
+    fn value(range_m: f32, doubtful: bool) -> Self {
+        if !range_m.is_finite() {
+            return Self::GAP;
+        }
+        Self {
+            min_m: range_m,
+            max_m: range_m,
+            doubtful,
+        }
+    }
+
+    /// Whether there is no value.
+    pub fn is_gap(&self) -> bool {
+        self.min_m > self.max_m
+    }
+
+    /// Both ends, drawn out until they touch those of the stretch before, metres.
+    pub fn reaching(&self, before: &Self) -> [f32; 2] {
+        if before.is_gap() {
+            return [self.min_m, self.max_m];
+        }
+        [self.min_m.min(before.max_m), self.max_m.max(before.min_m)]
+    }
+
+    /// With both ends moved; a gap stays one.
+    pub fn moved(&self, to: impl Fn(f32) -> f32) -> Self {
+        if self.is_gap() {
+            return *self;
+        }
+        Self {
+            min_m: to(self.min_m),
+            max_m: to(self.max_m),
+            ..*self
+        }
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self {
+            min_m: self.min_m.min(other.min_m),
+            max_m: self.max_m.max(other.max_m),
+            doubtful: self.doubtful && other.doubtful,
+        }
+    }
+}
+
+/// Extremes of a line over every aligned stretch of 16, 32, 64 ... pings. Takes about 1.5 bytes a ping.
+#[derive(Debug)]
+pub struct RangeLine {
+    levels: Vec<Vec<LineSpan>>,
+}
+
+impl RangeLine {
+    fn new(pings: usize, at: impl Fn(usize) -> LineSpan) -> Self {
+        let block = 1 << STORED;
+        let mut levels: Vec<Vec<LineSpan>> = vec![
+            (0..pings.div_ceil(block))
+                .map(|index| {
+                    let first = index * block;
+                    join((first..(first + block).min(pings)).map(&at))
+                })
+                .collect(),
+        ];
+        while let Some(finer) = levels.last().filter(|level| level.len() > 1) {
+            let coarser = finer.chunks(2).map(|two| join(two.iter().copied()));
+            levels.push(coarser.collect());
+        }
+        Self { levels }
+    }
+
+    /// The recorded depth of every ping.
+    pub fn depth(survey: &Survey) -> Self {
+        Self::new(survey.side_scan.len(), |ping| depth_at(survey, ping))
+    }
+
+    fn stored(&self, halvings: u8, index: usize) -> LineSpan {
+        let level = usize::from(halvings.saturating_sub(STORED)).min(self.levels.len() - 1);
+        let blocks = &self.levels[level];
+        blocks.get(index).copied().unwrap_or(LineSpan::GAP)
+    }
+}
+
+fn join(spans: impl Iterator<Item = LineSpan>) -> LineSpan {
+    spans.fold(LineSpan::GAP, LineSpan::join)
+}
+
+/// The first returns of both sides, ready to draw at any zoom.
+#[derive(Debug)]
+pub struct PickLines {
+    /// What they were made from.
+    pub returns: Arc<FirstReturns>,
+    sides: [RangeLine; 2],
+}
+
+impl PickLines {
+    /// Makes the lines: one pass over the picks.
+    pub fn new(survey: &Survey, returns: Arc<FirstReturns>) -> Self {
+        let line = |side| {
+            RangeLine::new(survey.side_scan.len(), |ping| {
+                pick_at(survey, &returns, side, ping)
+            })
+        };
+        let sides = Side::BOTH.map(line);
+        Self { returns, sides }
+    }
+}
+
+/// What a line is drawn from: the values themselves where few pings share a column, else the stored extremes.
+#[derive(Clone, Copy)]
+pub enum LineStep<'a> {
+    /// First returns of a side. The stored extremes may be those of older picks while the threshold is dragged.
+    Picks {
+        /// The picks to draw.
+        returns: &'a FirstReturns,
+        /// Their extremes, once they are made.
+        lines: Option<&'a PickLines>,
+        /// Which side.
+        side: Side,
+    },
+    /// Recorded depths, with their extremes, once they are made.
+    Depth(Option<&'a RangeLine>),
+}
+
+impl LineStep<'_> {
+    /// Extremes over the aligned stretch number `index` of `2^halvings` pings. Reads 8 pings at most.
+    pub fn span(&self, survey: &Survey, halvings: u8, index: usize) -> LineSpan {
+        if halvings >= STORED {
+            return match self {
+                LineStep::Picks { lines, side, .. } => lines.map_or(LineSpan::GAP, |lines| {
+                    lines.sides[*side as usize].stored(halvings, index)
+                }),
+                LineStep::Depth(line) => {
+                    line.map_or(LineSpan::GAP, |line| line.stored(halvings, index))
+                }
+            };
+        }
+        let first = index << halvings;
+        join((first..first + (1 << halvings)).map(|ping| match self {
+            LineStep::Picks { returns, side, .. } => pick_at(survey, returns, *side, ping),
+            LineStep::Depth(_) => depth_at(survey, ping),
+        }))
+    }
+}
+
+fn pick_at(survey: &Survey, returns: &FirstReturns, side: Side, ping: usize) -> LineSpan {
+    let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
+    match (pick, survey.span(ping, side)) {
+        (Some(pick), Some(span)) => LineSpan::value(
+            span.range_m(f64::from(pick.sample)) as f32,
+            pick.above_bottom,
+        ),
+        _ => LineSpan::GAP,
+    }
+}
+
+fn depth_at(survey: &Survey, ping: usize) -> LineSpan {
+    survey.side_scan.get(ping).map_or(LineSpan::GAP, |ping| {
+        LineSpan::value(ping.depth_m, !ping.depth_locked)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stored_extremes_equal_those_of_the_values() {
+        let values: Vec<f32> = (0..1000)
+            .map(|n| {
+                if n % 7 == 0 {
+                    f32::NAN
+                } else {
+                    ((n * 37) % 101) as f32
+                }
+            })
+            .collect();
+        let line = RangeLine::new(values.len(), |n| LineSpan::value(values[n], false));
+        for halvings in 4..11_u8 {
+            for (index, chunk) in values.chunks(1 << halvings).enumerate() {
+                let span = line.stored(halvings, index);
+                let finite = chunk.iter().copied().filter(|value| value.is_finite());
+                assert_eq!(span.min_m, finite.clone().fold(f32::INFINITY, f32::min));
+                assert_eq!(span.max_m, finite.fold(f32::NEG_INFINITY, f32::max));
+            }
+        }
+    }
+
+    #[test]
+    fn stretches_reach_to_the_one_before_and_not_over_a_gap() {
+        let span = |min_m, max_m| LineSpan {
+            min_m,
+            max_m,
+            doubtful: false,
+        };
+        assert_eq!(span(5.0, 6.0).reaching(&span(1.0, 2.0)), [2.0, 6.0]);
+        assert_eq!(span(1.0, 2.0).reaching(&span(5.0, 6.0)), [1.0, 5.0]);
+        assert_eq!(span(1.0, 4.0).reaching(&span(2.0, 3.0)), [1.0, 4.0]);
+        assert_eq!(span(1.0, 2.0).reaching(&LineSpan::GAP), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_stretch_without_a_value_is_a_gap() {
+        let line = RangeLine::new(40, |n| {
+            LineSpan::value(if n < 16 { f32::NAN } else { 1.0 }, true)
+        });
+        assert!(line.stored(4, 0).is_gap());
+        assert!(!line.stored(4, 1).is_gap());
+        assert!(line.stored(4, 99).is_gap());
+    }
+}

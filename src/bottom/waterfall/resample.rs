@@ -1,0 +1,249 @@
+//! From samples to texels: every ping placed by its metres, then pings and bins reduced to mean and maximum.
+
+use super::axis::is_usable;
+use super::{Level, RangeAxis};
+use bathyscope_log::survey::{Side, SideSpan, Survey};
+use std::ops::Range;
+
+/// Which samples fall into each bin, for spans of one scale.
+struct Bins {
+    /// `(near_m, far_m, count)` that the table is for.
+    scale: Option<(f32, f32, u32)>,
+    /// Sample range of each bin; empty where the span does not reach.
+    samples: Vec<Range<u32>>,
+    /// First sample, and samples in every bin, when the bins follow each other in even steps (all but the last).
+    even: Option<(usize, usize)>,
+}
+
+impl Bins {
+    /// Refills the table for a span of another scale; spans of a log mostly share theirs.
+    fn fit(&mut self, span: &SideSpan, first_bin_m: f64, bin_m: f64) {
+        let scale = (span.near_m, span.far_m, span.count);
+        if self.scale == Some(scale) {
+            return;
+        }
+        self.scale = Some(scale);
+        for (index, samples) in self.samples.iter_mut().enumerate() {
+            let near_m = first_bin_m + index as f64 * bin_m;
+            *samples = samples_between(span, near_m, near_m + bin_m);
+        }
+        self.even = even_steps(&self.samples);
+    }
+
+    /// Adds the samples of a ping to the texels that they fall into.
+    fn add(&self, outward: &[u8], row: &mut [Sum]) {
+        // Steps of a known size are summed several times faster than ranges; they are what nearly every log has.
+        match self.even {
+            Some((first, 1)) => add_even::<1>(outward, first, row),
+            Some((first, 2)) => add_even::<2>(outward, first, row),
+            Some((first, 4)) => add_even::<4>(outward, first, row),
+            Some((first, 8)) => add_even::<8>(outward, first, row),
+            _ => {
+                for (sum, samples) in row.iter_mut().zip(&self.samples) {
+                    sum.add(&outward[samples.start as usize..samples.end as usize]);
+                }
+            }
+        }
+    }
+}
+
+/// First sample and step of bins that follow each other without gap, all of one size but the last that has samples.
+fn even_steps(bins: &[Range<u32>]) -> Option<(usize, usize)> {
+    let first = bins.first()?;
+    let (step, mut next) = (first.len(), first.start);
+    for bin in bins.iter().filter(|bin| !bin.is_empty()) {
+        let is_in_step = bin.start == next && bin.len() <= step;
+        if !is_in_step || !((next - first.start) as usize).is_multiple_of(step) {
+            return None;
+        }
+        next = bin.end;
+    }
+    Some((first.start as usize, step))
+}
+
+fn add_even<const STEP: usize>(outward: &[u8], first: usize, row: &mut [Sum]) {
+    let (whole, rest) = outward.get(first..).unwrap_or_default().as_chunks::<STEP>();
+    for (sum, samples) in row.iter_mut().zip(whole) {
+        sum.add(samples);
+    }
+    if let Some(sum) = row.get_mut(whole.len()).filter(|_| !rest.is_empty()) {
+        sum.add(rest);
+    }
+}
+
+/// The samples whose centres lie between two ranges; the one under the middle where bins are finer than samples.
+fn samples_between(span: &SideSpan, near_m: f64, far_m: f64) -> Range<u32> {
+    let count = f64::from(span.count);
+    let edge = |range_m: f64| (span.sample_at(range_m) + 0.5).floor().clamp(0.0, count) as u32;
+    let (first, last) = (edge(near_m), edge(far_m));
+    if first < last {
+        return first..last;
+    }
+    let middle = span.sample_at((near_m + far_m) / 2.0).floor();
+    if middle < 0.0 || middle >= count {
+        return 0..0;
+    }
+    middle as u32..middle as u32 + 1
+}
+
+/// Sum, count and maximum of the samples of one texel.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    total: u64,
+    count: u64,
+    max: u8,
+}
+
+impl Sum {
+    #[inline]
+    fn add(&mut self, samples: &[u8]) {
+        self.total += u64::from(samples.iter().map(|&sample| u32::from(sample)).sum::<u32>());
+        self.count += samples.len() as u64;
+        self.max = samples.iter().copied().fold(self.max, u8::max);
+    }
+
+    fn texel(&self) -> [u8; 2] {
+        match (self.total + self.count / 2).checked_div(self.count) {
+            Some(mean) => [(mean as u8).max(1), self.max.max(1)],
+            None => [0, 0],
+        }
+    }
+}
+
+/// The texels of one side over `pings` and `width` texels of range from `first_bin` outward, row by row.
+/// The last row covers fewer pings when `pings` is no multiple of the level's.
+pub(super) fn resample(
+    survey: &Survey,
+    axis: &RangeAxis,
+    side: Side,
+    level: Level,
+    pings: Range<usize>,
+    first_bin: usize,
+    width: usize,
+) -> Vec<[u8; 2]> {
+    let bin_m = axis.bin_m * level.bins() as f64;
+    let first_bin_m = axis.bin_m * first_bin as f64;
+    let mut bins = Bins {
+        scale: None,
+        samples: vec![0..0; width],
+        even: None,
+    };
+    let mut outward = Vec::new();
+    let mut texels = Vec::with_capacity(width * pings.len().div_ceil(level.pings()));
+    let mut row = vec![Sum::default(); width];
+    for first in pings.clone().step_by(level.pings()) {
+        row.fill(Sum::default());
+        for ping in first..(first + level.pings()).min(pings.end) {
+            let span = survey.span(ping, side);
+            let (Some(span), Some(samples)) = (span, survey.samples(ping, side)) else {
+                continue;
+            };
+            if !is_usable(span) {
+                continue;
+            }
+            bins.fit(span, first_bin_m, bin_m);
+            samples.copy_outward(&mut outward);
+            bins.add(&outward, &mut row);
+        }
+        texels.extend(row.iter().map(Sum::texel));
+    }
+    texels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::waterfall::testing::{even, span, survey};
+
+    fn level(along: u8, across: u8) -> Level {
+        Level { along, across }
+    }
+
+    /// Mean and maximum of a block of samples, counted one by one.
+    fn block(survey: &Survey, side: Side, pings: Range<usize>, samples: Range<usize>) -> [u8; 2] {
+        let (mut total, mut count, mut max) = (0.0, 0.0, 0);
+        for ping in pings {
+            let echoes = survey.samples(ping, side).expect("a recorded side");
+            for sample in samples.start..samples.end.min(echoes.len()) {
+                total += f64::from(echoes.get(sample));
+                count += 1.0;
+                max = max.max(echoes.get(sample));
+            }
+        }
+        [((total / count) + 0.5).floor().max(1.0) as u8, max.max(1)]
+    }
+
+    #[test]
+    fn texels_are_mean_and_maximum_of_their_samples() {
+        let survey = even(37, 50);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        assert_eq!((axis.bins, axis.pings), (50, 37));
+        for (level, width) in [(level(0, 0), 50), (level(2, 1), 25), (level(1, 3), 7)] {
+            for side in Side::BOTH {
+                let texels = resample(&survey, &axis, side, level, 0..37, 0, width);
+                for (index, texel) in texels.iter().enumerate() {
+                    let (row, column) = (index / width, index % width);
+                    let pings = row * level.pings()..((row + 1) * level.pings()).min(37);
+                    let samples = column * level.bins()..(column + 1) * level.bins();
+                    assert_eq!(
+                        *texel,
+                        block(&survey, side, pings, samples),
+                        "{row} {column}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_target_stays_at_its_metres_where_range_and_sample_count_change() {
+        // A bright sample at 5 m in pings of 0-10 m by 100, 0-40 m by 100 and 0-20 m by 640 samples.
+        let scales = [(100_u32, 10.0_f32), (100, 40.0), (640, 20.0)];
+        let (mut bytes, mut spans) = (Vec::new(), Vec::new());
+        for (count, far_m) in scales {
+            let samples = span(bytes.len(), count, far_m);
+            let target = samples.sample_at(5.01) as usize;
+            bytes.extend((0..count as usize).map(|index| if index == target { 200 } else { 10 }));
+            spans.push([Some(samples), None]);
+        }
+        let survey = survey(bytes, spans);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        assert_eq!(axis.bins, 1280);
+        let width = axis.bins as usize;
+        let texels = resample(&survey, &axis, Side::Port, level(0, 0), 0..3, 0, width);
+        let bright = (5.01 / axis.bin_m) as usize;
+        for (row, (_, far_m)) in texels.chunks(width).zip(scales) {
+            assert_eq!(row[bright], [200, 200], "target at 5.01 m of {far_m} m");
+            let covered = (f64::from(far_m) / axis.bin_m).round() as usize;
+            assert!(row[..covered].iter().all(|texel| texel[1] > 0), "{far_m} m");
+            assert!(
+                row[covered..].iter().all(|texel| *texel == [0, 0]),
+                "{far_m} m"
+            );
+        }
+        let starboard = resample(&survey, &axis, Side::Starboard, level(0, 0), 0..3, 0, width);
+        assert!(
+            starboard.iter().all(|texel| *texel == [0, 0]),
+            "nothing was recorded there"
+        );
+    }
+
+    #[test]
+    fn damaged_spans_are_left_out() {
+        let mut spans = vec![[Some(span(0, 50, 10.0)), None]];
+        for (far_m, near_m) in [(f32::NAN, 0.0), (1e9, 0.0), (2.0, 3.0), (5.0, f32::NAN)] {
+            let damaged = SideSpan {
+                near_m,
+                ..span(0, 50, far_m)
+            };
+            spans.push([Some(damaged), None]);
+        }
+        spans.push([Some(span(40, 50, 10.0)), None]); // beyond the bytes
+        let survey = survey(vec![9; 50], spans);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        assert_eq!((axis.bins, axis.far_m), (50, 10.0));
+        let texels = resample(&survey, &axis, Side::Port, level(0, 0), 0..6, 0, 50);
+        assert!(texels[..50].iter().all(|texel| *texel == [9, 9]));
+        assert!(texels[50..].iter().all(|texel| *texel == [0, 0]));
+    }
+}

@@ -1,0 +1,460 @@
+//! A picture of the analyst's own under the map: a GeoTIFF, read block by block as it is looked at.
+//!
+//! In: a GeoTIFF, and the part of it that is looked at. Out: the colours of that part.
+//! It uses `support`.
+//!
+//! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder does not know), `masks` which of
+//! them are seen, `blocks` keeps those that were read last. Files are untrusted: a
+//! block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes is bounded by [`MOST_PIXELS`].
+
+mod blocks;
+mod colours;
+mod error;
+mod georeference;
+mod masks;
+mod palettes;
+
+pub use colours::RgbaPixel;
+pub use error::{BaseMapError, BaseMapFault};
+pub use georeference::Georeference;
+
+use crate::formats::geotiff::JpegBlocks;
+use crate::support::catch_panic::catch_panic;
+use crate::support::file_error::FileError;
+use crate::support::geo::LonLat;
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::regular_file;
+use blocks::BlockCache;
+use colours::Coding;
+use palettes::AsGrey;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use tiff::decoder::{Decoder, Limits};
+use tiff::tags::Tag;
+
+/// Bytes of a block that is still read.
+const MOST_BLOCK_BYTES: u64 = 64 << 20;
+/// Pixels that one look reads at most.
+const MOST_PIXELS: u64 = 16 << 20;
+/// Pixels of a picture without overviews that are read to make one.
+const MOST_WITHOUT_OVERVIEWS: u64 = 1 << 30;
+/// Pixels along the longer side of the coarsest level, so that all of it can be looked at.
+const COARSE_SIDE: u32 = 2048;
+/// Overviews that a file may have.
+const MOST_LEVELS: usize = 32;
+
+/// A decoder of the file.
+type Tiff = Decoder<AsGrey>;
+
+/// A base map.
+pub struct BaseMap {
+    /// The file.
+    pub path: PathBuf,
+    /// Where its pixels lie.
+    pub place: Georeference,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    levels: Vec<PictureLevel>,
+    coding: Coding,
+    reader: Mutex<Reader>,
+}
+
+/// The picture at full size, or an overview of it.
+struct PictureLevel {
+    size: [u32; 2],
+    /// Columns and rows of a block.
+    block: [u32; 2],
+    kept: Kept,
+    /// The directory of its mask.
+    mask: Option<usize>,
+}
+
+/// Where the pixels of a level are.
+enum Kept {
+    /// In a directory of the file.
+    Directory(usize),
+    /// In memory.
+    Memory(Vec<RgbaPixel>),
+}
+
+struct Reader {
+    tiff: Tiff,
+    /// The directory that the decoder is at, once it is known.
+    directory: Option<usize>,
+    /// The blocks of that directory where they are JPEG streams.
+    jpegs: Option<JpegBlocks>,
+    blocks: BlockCache,
+}
+
+/// Part of a level.
+pub struct Window {
+    /// Pixels of the full picture along a pixel of the window.
+    pub scale: [f64; 2],
+    /// First column and row of the level.
+    pub first: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Row by row.
+    pub pixels: Vec<RgbaPixel>,
+}
+
+impl Window {
+    /// The colour at a column and row of the full picture; transparent outside.
+    pub fn at(&self, full: [f64; 2]) -> RgbaPixel {
+        let cell = |axis: usize| {
+            let here = (full[axis] / self.scale[axis]).floor() - f64::from(self.first[axis]);
+            (here >= 0.0 && here < f64::from(self.size[axis])).then_some(here as usize)
+        };
+        let index = cell(1)
+            .zip(cell(0))
+            .map(|(row, column)| row * self.size[0] as usize + column);
+        index
+            .and_then(|index| self.pixels.get(index).copied())
+            .unwrap_or_default()
+    }
+}
+
+/// Opens a GeoTIFF: 8 bits a colour, north up, in degrees or metres of a system that [`crate::support::geo::Crs`] knows. Reads all of it once where it has no
+/// overviews and is large.
+///
+/// # Errors
+/// When the file cannot be read or shown, or the work was cancelled.
+pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
+    let damaged = || Err(BaseMapFault::Damaged("it is damaged").into());
+    let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
+    opened.map_err(|fault| match fault {
+        Fault::Unusable(what) => FileError::new(what, path).into(),
+        Fault::Cancelled(cancelled) => cancelled.into(),
+    })
+}
+
+/// The same before anybody has said which file it is.
+enum Fault {
+    Unusable(BaseMapFault),
+    Cancelled(Cancelled),
+}
+
+impl<E: Into<BaseMapFault>> From<E> for Fault {
+    fn from(what: E) -> Self {
+        Self::Unusable(what.into())
+    }
+}
+
+impl From<Cancelled> for Fault {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Cancelled(cancelled)
+    }
+}
+
+fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
+    let file = regular_file::open(path)?;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = MOST_BLOCK_BYTES as usize;
+    // Places and lengths of a million blocks.
+    limits.ifd_value_size = 16 << 20;
+    let mut tiff = Decoder::new(AsGrey::new(file)?)?.with_limits(limits);
+    let place = Georeference::read(&mut tiff)?;
+    let coding = Coding::read(&mut tiff)?;
+    let levels = levels(&mut tiff, &coding)?;
+    let full = &levels[0];
+    let mut map = BaseMap {
+        path: path.to_path_buf(),
+        place,
+        size: full.size,
+        coding,
+        reader: Mutex::new(Reader {
+            directory: None,
+            tiff,
+            jpegs: None,
+            blocks: BlockCache::default(),
+        }),
+        levels,
+    };
+    map.add_coarse_level(progress)?;
+    Ok(map)
+}
+
+/// The full picture and its overviews, finest first.
+fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<PictureLevel>, BaseMapFault> {
+    let mut found: Vec<PictureLevel> = Vec::new();
+    for directory in 0..MOST_LEVELS {
+        // Masks and pages of another kind are no overviews.
+        let subfile = tiff
+            .find_tag_unsigned::<u32>(Tag::NewSubfileType)
+            .ok()
+            .flatten();
+        let is_overview =
+            subfile == Some(1) && Coding::read(tiff).is_ok_and(|other| other.bytes == coding.bytes);
+        if directory == 0 || is_overview {
+            let level = level(tiff, coding, directory)?;
+            if found.iter().all(|finer| finer.size[0] > level.size[0]) {
+                found.push(level);
+            }
+        }
+        if let Some(of) = masks::masked_size(tiff, subfile) {
+            let is_like = |level: &&mut PictureLevel| (level.size, level.block) == of;
+            if let Some(level) = found.iter_mut().find(is_like) {
+                level.mask = Some(directory);
+            }
+        }
+        if !tiff.more_images() || tiff.next_image().is_err() {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<PictureLevel, BaseMapFault> {
+    let (columns, rows) = tiff.dimensions()?;
+    let (across, down) = tiff.chunk_dimensions();
+    let bytes = u64::from(across) * u64::from(down.min(rows)) * coding.bytes as u64;
+    if columns == 0 || rows == 0 || across == 0 || down == 0 {
+        return Err(BaseMapFault::Damaged("it is empty"));
+    }
+    if bytes > MOST_BLOCK_BYTES {
+        return Err(BaseMapFault::LargeBlocks(bytes));
+    }
+    Ok(PictureLevel {
+        size: [columns, rows],
+        block: [across, down.min(rows)],
+        kept: Kept::Directory(directory),
+        mask: None,
+    })
+}
+
+impl BaseMap {
+    /// Width of a pixel on the ground at its middle, metres.
+    pub fn pixel_m(&self) -> f64 {
+        let middle = self.size.map(|cells| 0.5 * f64::from(cells));
+        let from = self.place.to_position(middle);
+        let to = self.place.to_position([middle[0] + 1.0, middle[1]]);
+        crate::support::geo::distance_m(from, to)
+    }
+
+    /// Whether a position lies on the picture.
+    pub fn covers(&self, at: LonLat) -> bool {
+        let pixel = self.place.to_pixels(at);
+        (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&pixel[axis]))
+    }
+
+    /// The part of the picture between two corners, columns and rows of the full picture, from the level whose pixels are as
+    /// large as `pixels` of the full one or a little smaller. `None` where the picture is not there, or cannot be read.
+    pub fn window(
+        &self,
+        low: [f64; 2],
+        high: [f64; 2],
+        pixels: f64,
+        progress: &Progress,
+    ) -> Option<Window> {
+        let scale = |level: &PictureLevel| {
+            [0, 1].map(|axis| f64::from(self.size[axis]) / f64::from(level.size[axis]))
+        };
+        let span = |level: &PictureLevel| {
+            let scale = scale(level);
+            [0, 1].map(|axis| {
+                let cells = f64::from(level.size[axis]);
+                // One more on either side, for what is between pixels.
+                let first = (low[axis] / scale[axis] - 1.0).floor().clamp(0.0, cells);
+                let end = (high[axis] / scale[axis] + 1.0).ceil().clamp(0.0, cells);
+                [first as u32, end as u32]
+            })
+        };
+        let count = |level: &PictureLevel| {
+            let [across, down] =
+                span(level).map(|[first, end]| u64::from(end.saturating_sub(first)));
+            across * down
+        };
+        let fine_enough = |level: &&PictureLevel| scale(level)[0] <= pixels.max(1.0) * 1.001;
+        let small_enough = |level: &&PictureLevel| count(level) <= MOST_PIXELS;
+        let (index, level) = {
+            let coarse_first = || self.levels.iter().enumerate().rev();
+            let requested =
+                coarse_first().find(|(_, level)| fine_enough(level) && small_enough(level));
+            let possible = || {
+                self.levels
+                    .iter()
+                    .enumerate()
+                    .find(|(_, level)| small_enough(level))
+            };
+            requested.or_else(possible)?
+        };
+        if count(level) == 0 {
+            return None;
+        }
+        let [[left, right], [top, bottom]] = span(level);
+        let mut window = Window {
+            scale: scale(level),
+            first: [left, top],
+            size: [right - left, bottom - top],
+            pixels: vec![
+                RgbaPixel::default();
+                ((right - left) as usize) * ((bottom - top) as usize)
+            ],
+        };
+        self.fill(index, &mut window, progress)?;
+        Some(window)
+    }
+
+    /// Copies the blocks of a level that touch the window into it; `None` when cancelled or where one cannot be read.
+    fn fill(&self, index: usize, window: &mut Window, progress: &Progress) -> Option<()> {
+        let level = &self.levels[index];
+        if let Kept::Memory(pixels) = &level.kept {
+            copy([0, 0], level.size, pixels, window);
+            return Some(());
+        }
+        let [across, down] = level.block;
+        let end = [0, 1].map(|axis| window.first[axis] + window.size[axis]);
+        for row in window.first[1] / down..end[1].div_ceil(down) {
+            for column in window.first[0] / across..end[0].div_ceil(across) {
+                progress.check().ok()?;
+                let block = self.block(index, [column, row])?;
+                let first = [column * across, row * down];
+                let size = [0, 1].map(|axis| level.block[axis].min(level.size[axis] - first[axis]));
+                copy(first, size, &block, window);
+            }
+        }
+        Some(())
+    }
+
+    /// The colours of a block.
+    fn block(
+        &self,
+        index: usize,
+        [column, row]: [u32; 2],
+    ) -> Option<std::sync::Arc<Vec<RgbaPixel>>> {
+        let level = &self.levels[index];
+        let Kept::Directory(directory) = level.kept else {
+            return None;
+        };
+        let across = level.size[0].div_ceil(level.block[0]);
+        let number = row.checked_mul(across)?.checked_add(column)?;
+        // A reader that failed half way is as good as before: every read seeks first.
+        let mut reader = self
+            .reader
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(block) = reader.blocks.get((directory, number)) {
+            return Some(block);
+        }
+        let bytes = catch_panic(|| reader.read(directory, number)).flatten()?;
+        let mut colours = self.coding.colours(&bytes);
+        if let Some(mask) = level.mask {
+            let mask = catch_panic(|| reader.read(mask, number)).flatten()?;
+            let wide = level.block[0].min(level.size[0].saturating_sub(column * level.block[0]));
+            masks::hide(&mut colours, &mask, wide as usize);
+        }
+        Some(reader.blocks.keep((directory, number), colours))
+    }
+
+    /// Where the coarsest level is too large to be looked at as a whole, makes one that is not, in one pass.
+    fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), Fault> {
+        let index = self.levels.len() - 1;
+        let level = &self.levels[index];
+        let [columns, rows] = level.size;
+        let factor = columns.max(rows).div_ceil(COARSE_SIDE);
+        if factor <= 1 {
+            return Ok(());
+        }
+        if u64::from(columns) * u64::from(rows) > MOST_WITHOUT_OVERVIEWS {
+            return Err(BaseMapFault::NoOverviews { columns, rows }.into());
+        }
+        let size = level.size.map(|cells| cells.div_ceil(factor));
+        let mut sums = vec![[0u32; 4]; size[0] as usize * size[1] as usize];
+        let [across, down] = level.block;
+        progress.start(u64::from(rows.div_ceil(down)));
+        for row in 0..rows.div_ceil(down) {
+            for column in 0..columns.div_ceil(across) {
+                progress.check()?;
+                let block = self.block(index, [column, row]);
+                let block = block.ok_or(BaseMapFault::Damaged("a block of it is damaged"))?;
+                let first = [column * across, row * down];
+                let wide = across.min(columns - first[0]) as usize;
+                for (at, colour) in block.iter().enumerate() {
+                    let x = first[0] + (at % wide) as u32;
+                    let y = first[1] + (at / wide) as u32;
+                    let sum = &mut sums[(y / factor * size[0] + x / factor) as usize];
+                    for (sum, value) in sum.iter_mut().zip(weighted(*colour)) {
+                        *sum += value;
+                    }
+                }
+            }
+            progress.advance(1);
+        }
+        // The last cells of a row and of a column may hold fewer pixels.
+        let wide = |cell: u32, all: u32| u64::from(factor.min(all - cell * factor));
+        let means = sums.into_iter().enumerate().map(|(at, sum)| {
+            let (x, y) = (at as u32 % size[0], at as u32 / size[0]);
+            mean(sum, wide(x, columns) * wide(y, rows))
+        });
+        let pixels = means.collect();
+        self.levels.push(PictureLevel {
+            size,
+            block: size,
+            kept: Kept::Memory(pixels),
+            mask: None,
+        });
+        Ok(())
+    }
+}
+
+/// Colours count as much as they are opaque.
+fn weighted([r, g, b, a]: RgbaPixel) -> [u32; 4] {
+    let share = |value: u8| u32::from(value) * u32::from(a) / 255;
+    [share(r), share(g), share(b), u32::from(a)]
+}
+
+fn mean([r, g, b, a]: [u32; 4], cells: u64) -> RgbaPixel {
+    let opaque = a.max(1);
+    let colour = |sum: u32| (u64::from(sum) * 255 / u64::from(opaque)).min(255) as u8;
+    match a {
+        0 => RgbaPixel::default(),
+        _ => [
+            colour(r),
+            colour(g),
+            colour(b),
+            (u64::from(a) / cells.max(1)).clamp(1, 255) as u8,
+        ],
+    }
+}
+
+/// Copies what a block and a window have in common.
+fn copy(first: [u32; 2], size: [u32; 2], pixels: &[RgbaPixel], window: &mut Window) {
+    let low = [0, 1].map(|axis| first[axis].max(window.first[axis]));
+    let high =
+        [0, 1].map(|axis| (first[axis] + size[axis]).min(window.first[axis] + window.size[axis]));
+    if low[0] >= high[0] {
+        return;
+    }
+    for row in low[1]..high[1] {
+        let from = (row - first[1]) as usize * size[0] as usize + (low[0] - first[0]) as usize;
+        let into = (row - window.first[1]) as usize * window.size[0] as usize
+            + (low[0] - window.first[0]) as usize;
+        let wide = (high[0] - low[0]) as usize;
+        if let (Some(from), Some(into)) = (
+            pixels.get(from..from + wide),
+            window.pixels.get_mut(into..into + wide),
+        ) {
+            into.copy_from_slice(from);
+        }
+    }
+}
+
+impl Reader {
+    fn read(&mut self, directory: usize, number: u32) -> Option<Vec<u8>> {
+        if self.directory != Some(directory) {
+            self.directory = None;
+            self.tiff.seek_to_image(directory).ok()?;
+            self.jpegs = JpegBlocks::read(&mut self.tiff);
+            self.directory = Some(directory);
+        }
+        if let Some(jpegs) = &self.jpegs
+            && !jpegs.is_sound(number, self.tiff.inner())
+        {
+            return None;
+        }
+        match self.tiff.read_chunk(number).ok()? {
+            tiff::decoder::DecodingResult::U8(bytes) => Some(bytes),
+            _ => None,
+        }
+    }
+}

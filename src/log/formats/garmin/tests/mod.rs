@@ -1,0 +1,380 @@
+//! Generated RSD files, read whole, as they grow, and harmed.
+
+mod growing;
+mod hostile;
+
+use crate::formats::{OpenError, open_bytes};
+use crate::support::progress::Progress;
+use crate::survey::{ChannelKind, Side, Survey};
+use bathyscope_test_support::garmin::{
+    self, Band, GARMIN_S, HEADER, Ping, START_UNIX_S, TILT_DEG, header,
+};
+
+/// Traditional sonar, down-scan and a pair of sides, under numbers that units use.
+const BANDS: [Band; 4] = [
+    (2, 150_000, 240_000),
+    (4, 425_000, 485_000),
+    (5, 425_000, 485_000),
+    (6, 795_000, 805_000),
+];
+/// Milliseconds between two pings of a channel.
+const STEP_MS: u32 = 100;
+
+/// What each channel pings, the port side first: number, beam, tilt.
+const CHANNELS: [(u32, u32, Option<f32>); 4] = [
+    (4, 2, Some(-TILT_DEG)),
+    (5, 3, Some(TILT_DEG)),
+    (2, 1, None),
+    (6, 4, None),
+];
+
+/// A sample that tells its channel, its ping and its place.
+fn sample(channel: u32, ping: usize, place: usize) -> u16 {
+    (channel as usize * 100 + ping * 3 + place * 16) as u16 % 4096
+}
+
+/// The pings of the four channels, in the order in which they are written.
+fn pings(count: usize) -> Vec<Ping> {
+    let of = |ping: usize| {
+        CHANNELS
+            .iter()
+            .enumerate()
+            .map(move |(place, &(channel, beam, tilt_deg))| Ping {
+                channel: Some(channel),
+                beam: Some(beam),
+                tilt_deg,
+                sequence: ping as u32,
+                time_ms: 500 + ping as u32 * STEP_MS + place as u32,
+                bottom_mm: Some(8_000 + ping as i32),
+                range_mm: Some(match beam {
+                    2 | 3 => [0, 40_000 + 10 * ping as i32],
+                    _ => [250, 15_000],
+                }),
+                place_deg: Some([43.125 + ping as f64 * 4e-6, -83.434 + ping as f64 * 2e-6]),
+                samples: (0..120 + 2 * beam as usize)
+                    .map(|at| sample(channel, ping, at))
+                    .collect(),
+                ..Ping::default()
+            })
+    };
+    (0..count).flat_map(of).collect()
+}
+
+/// A file of these pings; each channel begins with a record that has no body.
+fn file(pings: &[Ping]) -> Vec<u8> {
+    let mut bytes = header(GARMIN_S, &BANDS);
+    for (channel, ..) in CHANNELS {
+        let begins = Ping {
+            channel: Some(channel),
+            ..Ping::default()
+        };
+        bytes.extend(garmin::record(&begins, &[]));
+    }
+    bytes.extend(pings.iter().flat_map(Ping::record));
+    bytes
+}
+
+fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
+    open_bytes("log.rsd", bytes, &Progress::new())
+}
+
+fn read(bytes: Vec<u8>) -> Survey {
+    open(bytes).expect("a log")
+}
+
+fn kinds(survey: &Survey) -> Vec<(String, ChannelKind, usize)> {
+    let of = |channel: &crate::survey::Channel| {
+        (
+            channel.recorder_name.clone(),
+            channel.kind,
+            channel.ping_count,
+        )
+    };
+    survey.channels.iter().map(of).collect()
+}
+
+fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
+    let mut levels = Vec::new();
+    let samples = survey.samples(ping, side).expect("samples");
+    samples.copy_outward(&mut levels);
+    levels
+}
+
+fn says(survey: &Survey, words: &str) -> bool {
+    survey
+        .warnings
+        .iter()
+        .any(|warning| warning.text.contains(words))
+}
+
+#[test]
+fn all_channels_are_read_with_depths_ranges_positions_and_times() {
+    let survey = read(file(&pings(40)));
+    assert_eq!(survey.warnings, [], "{:?}", survey.warnings);
+    assert_eq!(survey.source.format, "Garmin RSD");
+    assert_eq!(survey.source.device, "Garmin product 4040");
+    assert_eq!(survey.start_unix_s, Some(START_UNIX_S));
+    let expected = [
+        ("2", ChannelKind::Primary),
+        ("6", ChannelKind::DownScan),
+        ("4", ChannelKind::Port),
+        ("5", ChannelKind::Starboard),
+    ];
+    let expected = expected.map(|(name, kind)| (name.to_owned(), kind, 40));
+    assert_eq!(kinds(&survey), expected);
+    let khz: Vec<_> = survey
+        .channels
+        .iter()
+        .map(|one| one.frequency_khz)
+        .collect();
+    assert_eq!(khz, [Some(195.0), Some(800.0), Some(455.0), Some(455.0)]);
+    assert_eq!(survey.side_scan.len(), 40);
+    let ping = &survey.side_scan[7];
+    assert_eq!(ping.time_s, 1.2);
+    // The sounding of the traditional sonar two milliseconds later.
+    assert_eq!(ping.depth_m, 8.007);
+    for side in Side::BOTH {
+        let span = ping.side(side).expect("a side");
+        assert_eq!((span.near_m, span.far_m), (0.0, 40.07));
+    }
+    assert_eq!(survey.soundings.len(), 40);
+    assert_eq!(survey.sounding_channel, Some(ChannelKind::Primary));
+    let fix = survey
+        .track
+        .fixes
+        .iter()
+        .find(|fix| fix.time_s == 1.2)
+        .expect("a fix");
+    assert!((fix.position.lat_deg - 43.125_028).abs() < 1e-7);
+    assert!((fix.position.lon_deg + 83.433_986).abs() < 1e-7);
+    let downward: Vec<_> = survey
+        .echograms
+        .iter()
+        .map(|one| (one.kind, one.pings.len()))
+        .collect();
+    assert_eq!(
+        downward,
+        [(ChannelKind::DownScan, 40), (ChannelKind::Primary, 40)]
+    );
+    let span = survey.echograms[1].pings[3].span;
+    assert_eq!((span.near_m, span.far_m, span.count), (0.25, 15.0, 122));
+}
+
+#[test]
+fn samples_run_outward_on_both_sides_at_both_widths() {
+    let wide = read(file(&pings(40)));
+    // Twelve bits are in use: four are dropped.
+    for (side, channel, count) in [(Side::Port, 4, 124), (Side::Starboard, 5, 126)] {
+        let expected: Vec<u8> = (0..count)
+            .map(|place| (sample(channel, 9, place) >> 4) as u8)
+            .collect();
+        assert_eq!(outward(&wide, 9, side), expected);
+    }
+    let narrow = |ping: Ping| Ping {
+        width: 1,
+        samples: ping.samples.iter().map(|sample| sample >> 4).collect(),
+        ..ping
+    };
+    let checked = |ping: Ping| Ping {
+        has_checksum: true,
+        ..ping
+    };
+    let shaded = |ping: Ping| Ping {
+        has_shade: true,
+        ..ping
+    };
+    let untrailed = |ping: Ping| Ping {
+        has_trailer: false,
+        ..ping
+    };
+    for change in [
+        &narrow as &dyn Fn(Ping) -> Ping,
+        &checked,
+        &shaded,
+        &untrailed,
+    ] {
+        let changed: Vec<Ping> = pings(40).into_iter().map(change).collect();
+        let other = read(file(&changed));
+        assert_eq!(other.warnings, []);
+        for ping in 0..40 {
+            for side in Side::BOTH {
+                assert_eq!(outward(&other, ping, side), outward(&wide, ping, side));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
+    let without = |change: fn(&mut Ping)| {
+        let mut pings = pings(20);
+        pings.iter_mut().for_each(change);
+        read(file(&pings))
+    };
+    let usual = kinds(&read(file(&pings(20))));
+    let tilted = without(|ping| ping.beam = ping.beam.filter(|beam| *beam == 1 || *beam == 4));
+    assert_eq!(kinds(&tilted), usual);
+    assert_eq!(tilted.warnings, []);
+    let bare = without(|ping| (ping.beam, ping.tilt_deg) = (None, None));
+    assert_eq!(kinds(&bare), usual);
+    assert!(says(
+        &bare,
+        "channel 4, of 455 kHz, states neither its beam nor its side; it was taken for side-scan port"
+    ));
+    // Nothing at all: no number in the body nor in the header, so that the beam is the number.
+    let unnumbered = without(|ping| ping.channel = None);
+    let named = ["beam 1", "beam 4", "beam 2", "beam 3"];
+    let names: Vec<_> = unnumbered
+        .channels
+        .iter()
+        .map(|one| one.recorder_name.as_str())
+        .collect();
+    assert_eq!(names, named);
+    assert_eq!(unnumbered.side_scan.len(), 20);
+    // A file without the header's list of channels: the sound is shown as far as it goes.
+    let mut bytes = file(&[]);
+    let unlisted = header(GARMIN_S, &[]);
+    bytes[..HEADER].copy_from_slice(&unlisted);
+    let mut plain = pings(20);
+    plain.retain(|ping| matches!(ping.beam, Some(1 | 4)));
+    plain.iter_mut().for_each(|ping| ping.beam = None);
+    bytes.extend(plain.iter().flat_map(Ping::record));
+    let survey = read(bytes);
+    let shown: Vec<_> = survey
+        .echograms
+        .iter()
+        .map(|one| (one.kind, one.pings.len()))
+        .collect();
+    assert_eq!(
+        shown,
+        [(ChannelKind::Secondary, 20), (ChannelKind::Primary, 20)]
+    );
+}
+
+/// The same pings once more as channels with numbers that are higher by ten, `later_ms` later.
+fn with_second_pair(count: usize, later_ms: u32) -> Vec<Ping> {
+    let first = pings(count);
+    let second = first
+        .iter()
+        .filter(|ping| matches!(ping.beam, Some(2 | 3)))
+        .cloned();
+    let second = second.map(|ping| Ping {
+        channel: ping.channel.map(|channel| channel + 10),
+        time_ms: ping.time_ms + later_ms,
+        ..ping
+    });
+    let mut all: Vec<Ping> = first.iter().cloned().chain(second).collect();
+    all.sort_by_key(|ping| ping.time_ms);
+    all
+}
+
+#[test]
+fn of_two_pairs_at_once_one_is_shown_and_of_two_in_turn_both() {
+    let at_once = read(file(&with_second_pair(60, 4)));
+    assert_eq!(at_once.side_scan.len(), 60);
+    assert!(says(
+        &at_once,
+        "channel 14 (side-scan port) was recorded at the same time"
+    ));
+    assert!(kinds(&at_once).contains(&("15".to_owned(), ChannelKind::Other(15), 60)));
+    let in_turn = read(file(&with_second_pair(60, 60 * STEP_MS)));
+    assert_eq!(in_turn.side_scan.len(), 120);
+    assert_eq!(in_turn.warnings, []);
+    // Switched over after a moment: the pair with nearly all of the pings is shown.
+    let mut switched = with_second_pair(300, 4);
+    switched.retain(|ping| ping.channel > Some(10) || ping.time_ms < 3_500);
+    let switched = read(file(&switched));
+    assert!(kinds(&switched).contains(&("14".to_owned(), ChannelKind::Port, 300)));
+    assert_eq!(switched.side_scan.len(), 300);
+}
+
+#[test]
+fn depths_that_are_unsigned_are_told_from_signed_ones() {
+    let mut some = pings(30);
+    for ping in &mut some {
+        ping.unsigned = true;
+        ping.range_mm = ping.range_mm.map(|[near, far]| [near, far + 1]);
+    }
+    let survey = read(file(&some));
+    assert_eq!(survey.side_scan[0].port.expect("a side").far_m, 40.001);
+    assert_eq!(survey.soundings[0].depth_m, 8.0);
+    assert!(says(&survey, "stored as unsigned integers"));
+}
+
+#[test]
+fn what_is_missing_is_missing_and_the_sound_is_read() {
+    let mut some = pings(10);
+    for ping in &mut some {
+        (ping.place_deg, ping.bottom_mm) = (Some([0.0, 0.0]), None);
+    }
+    some[4].range_mm = None;
+    some[9].stated_samples = Some(u32::MAX);
+    let mut bytes = file(&some);
+    bytes[..HEADER].copy_from_slice(&header(0, &BANDS));
+    let survey = read(bytes);
+    assert_eq!((survey.start_unix_s, survey.track.fixes.len()), (None, 0));
+    assert_eq!((survey.side_scan.len(), survey.soundings.len()), (10, 0));
+    assert!(survey.side_scan[1].port.is_none() && survey.side_scan[2].starboard.is_none());
+    assert!(says(&survey, "has 124 samples over no range that can be"));
+    assert!(says(
+        &survey,
+        "says that it has 4294967295 samples, which do not lie in its record"
+    ));
+    let lost = [i32::MIN as f64 * 360.0 / 4_294_967_296.0; 2];
+    let mut some = pings(10);
+    some.iter_mut().for_each(|ping| ping.place_deg = Some(lost));
+    assert_eq!(read(file(&some)).track.fixes.len(), 0);
+}
+
+#[test]
+fn damage_is_named_with_its_place_and_the_rest_is_read() {
+    let some = pings(20);
+    let whole = file(&some);
+    let records: Vec<Vec<u8>> = some.iter().map(Ping::record).collect();
+    let start = whole.len() - records.iter().map(Vec::len).sum::<usize>();
+    let at = |record: usize| start + records[..record].iter().map(Vec::len).sum::<usize>();
+    let places = |survey: &Survey| -> Vec<_> {
+        survey.warnings.iter().filter_map(|one| one.place).collect()
+    };
+
+    let mut torn = whole.clone();
+    torn.splice(at(8)..at(8), [0x55; 33]);
+    let torn = read(torn);
+    assert_eq!(places(&torn), [(0, at(8) as u64)]);
+    assert!(says(&torn, "33 bytes belong to no record"));
+    assert_eq!(torn.side_scan.len(), 20);
+
+    // The size of the body: field 4 with its two bytes, and the header's field 5 and checksum before the body.
+    let mut grown = whole.clone();
+    let size_at = at(9) + records[9].len() - 12 - some[9].body().len() - 4 - 5 - 2;
+    assert_eq!(grown[size_at - 1], 4 << 3 | 2);
+    grown[size_at + 1] = 0xFF;
+    let grown = read(grown);
+    assert_eq!(places(&grown), [(0, at(9) as u64)]);
+    assert!(says(&grown, "but the next begins after"));
+    let sides = grown
+        .side_scan
+        .iter()
+        .map(|ping| [ping.port, ping.starboard]);
+    assert_eq!(sides.flatten().flatten().count(), 39);
+
+    let cut = read(whole[..whole.len() - 30].to_vec());
+    assert_eq!(places(&cut), [(0, at(79) as u64)]);
+    assert!(says(&cut, "cut inside its last record"));
+    assert_eq!(cut.side_scan.len(), 20);
+
+    let mut damaged_header = whole.clone();
+    damaged_header[..8].fill(0xEE);
+    let found = read(damaged_header);
+    assert!(says(&found, "the file header is damaged"));
+    assert_eq!((found.side_scan.len(), found.start_unix_s), (20, None));
+}
+
+#[test]
+fn a_file_without_a_ping_is_broken() {
+    for bytes in [file(&[]), header(GARMIN_S, &BANDS)] {
+        let error = open(bytes).expect_err("no ping");
+        assert!(matches!(error, OpenError::Broken { .. }), "{error}");
+        assert!(error.to_string().contains("no ping in its"), "{error}");
+    }
+}

@@ -1,0 +1,160 @@
+//! Tables of water levels: CSV with the columns `time` and `level_m`.
+
+use crate::support::calendar::unix_from_text;
+use crate::support::file_error::FileError;
+use crate::support::regular_file;
+use crate::survey::{Gauge, WATER_LEVELS_M};
+use sha2::{Digest as _, Sha256};
+use std::io;
+use std::path::Path;
+
+/// Longer than the readings of a survey: one a second of a year take as much.
+const LONGEST: u64 = 1 << 30;
+
+/// A table of water levels that cannot be used.
+pub type GaugeError = FileError<GaugeFault>;
+
+/// What is wrong with a table of water levels, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum GaugeFault {
+    /// The system does not give it.
+    #[error("cannot read the water levels: {0}")]
+    Io(#[from] io::Error),
+    /// It is no CSV.
+    #[error("the water levels are no table: {0}")]
+    NotATable(#[from] csv::Error),
+    /// It has no column of this name.
+    #[error("the water levels have no column `{0}`; name the columns time and level_m")]
+    NoColumn(&'static str),
+    /// A time is none.
+    #[error(
+        "line {line} of the water levels: `{text}` is no time; write 2021-10-12T00:53:20Z or Unix seconds"
+    )]
+    NoTime {
+        /// Counted from 1.
+        line: u64,
+        /// What stands there.
+        text: String,
+    },
+    /// A level is none.
+    #[error(
+        "line {line} of the water levels: `{text}` is no level in metres between -1000 and 10000"
+    )]
+    NoLevel {
+        /// Counted from 1.
+        line: u64,
+        /// What stands there.
+        text: String,
+    },
+    /// The readings of this line and the one before are not in the order of time.
+    #[error(
+        "line {0} of the water levels: its time is not after the one before; sort the readings"
+    )]
+    Unsorted(u64),
+    /// It has a header only.
+    #[error("the water levels hold no reading")]
+    Empty,
+}
+
+/// Reads a table with the columns `time` (ISO 8601, UTC unless it says otherwise, or Unix seconds) and `level_m`, separated
+/// by commas or semicolons; other columns are left alone.
+///
+/// # Errors
+/// When the file cannot be read, or holds anything else.
+pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
+    let fail = GaugeError::at(path);
+    let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
+    let readings = parse(&bytes).map_err(fail)?;
+    let hash = Sha256::digest(&bytes);
+    Ok(Gauge {
+        path: path.to_owned(),
+        bytes: bytes.len(),
+        sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+        readings,
+    })
+}
+
+/// Unix seconds and metres of every line.
+fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    let header = lines.find(|line| !line.starts_with(b"#"));
+    let semicolons = header.is_some_and(|line| line.contains(&b';'));
+    let mut table = csv::ReaderBuilder::new()
+        .delimiter(if semicolons { b';' } else { b',' })
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(bytes);
+    let header = table.headers()?.clone();
+    let column = |name: &'static str| {
+        let is = |field: &str| {
+            field
+                .trim_start_matches('\u{feff}')
+                .eq_ignore_ascii_case(name)
+        };
+        let found = header.iter().position(is);
+        found.ok_or(GaugeFault::NoColumn(name))
+    };
+    let [time, level] = [column("time")?, column("level_m")?];
+    let mut readings: Vec<(f64, f64)> = Vec::new();
+    for (index, row) in table.records().enumerate() {
+        let row = row?;
+        let line = row.position().map_or(index as u64 + 2, |at| at.line());
+        let field = |column| row.get(column).unwrap_or_default();
+        let time_s = unix_from_text(field(time)).ok_or_else(|| GaugeFault::NoTime {
+            line,
+            text: field(time).to_owned(),
+        })?;
+        let level_m: Option<f64> = field(level).parse().ok();
+        let level_m = level_m
+            .filter(|level_m| WATER_LEVELS_M.contains(level_m))
+            .ok_or_else(|| GaugeFault::NoLevel {
+                line,
+                text: field(level).to_owned(),
+            })?;
+        if readings.last().is_some_and(|(last_s, _)| *last_s >= time_s) {
+            return Err(GaugeFault::Unsorted(line));
+        }
+        readings.push((time_s, level_m));
+    }
+    if readings.is_empty() {
+        return Err(GaugeFault::Empty);
+    }
+    Ok(readings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Gauge, GaugeError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("levels.csv");
+        std::fs::write(&path, text).unwrap();
+        read_gauge(&path)
+    }
+
+    #[test]
+    fn either_separator_and_either_time_are_read() {
+        let text = "# gauge at the dam\nstation;time;level_m\nA;2021-10-12T00:53:20Z;1.5\nA;1634003600;2.5\n";
+        let found = read(text).unwrap();
+        let expected = [(1_634_000_000.0, 1.5), (1_634_003_600.0, 2.5)];
+        assert_eq!(found.readings, expected);
+        assert_eq!(found.bytes, text.len());
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (text, words) in [
+            ("time,level\n1,2\n", "no column `level_m`"),
+            ("time,level_m\n", "no reading"),
+            ("time,level_m\n1,2\nnoon,3\n", "line 3"),
+            ("time,level_m\n1,2\n2,high\n", "line 3"),
+            ("time,level_m\n1,2\n1,3\n", "sort"),
+            ("time,level_m\n1,nan\n", "line 2"),
+            ("time,level_m\n1,2\n2,1e9\n", "line 3"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

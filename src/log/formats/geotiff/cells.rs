@@ -1,0 +1,295 @@
+//! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with deflate or LZW.
+
+use super::directory_walk::check_claims;
+use super::geotransform::{GeoKeys, GeoTransform};
+use super::jpeg_blocks::is_jpeg;
+use super::metadata::counts_downwards;
+use crate::support::catch_panic::catch_panic;
+use crate::support::regular_file;
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::ops::Range;
+use std::path::Path;
+use tiff::TiffError;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+
+/// What a raster holds.
+pub struct RasterPoints {
+    /// x and y of the middle of each cell that has a value, and the value as stored.
+    pub points: Vec<[f64; 3]>,
+    /// Whether x and y are degrees.
+    pub is_degrees: bool,
+    /// EPSG number of the projection, where the raster names one.
+    pub projected: Option<u16>,
+    /// Whether the raster says of itself that its values count downwards, as the depths of `bathyscope process` do.
+    pub downwards: bool,
+}
+
+/// More cells than this are refused, known or not.
+const MOST_CELLS: u64 = 50_000_000;
+/// More known cells than this are refused: as points, and triangles between them, they would fill the memory. A few hundred bytes of
+/// a packed file are enough to ask for as many.
+const MOST_POINTS: usize = 4_000_000;
+/// Bytes of a strip or tile, unpacked.
+const LARGEST_BLOCK: usize = 256 << 20;
+/// Bytes of a block that any file may have.
+const SMALL_BLOCK: usize = 64 << 20;
+/// Tag in which GDAL keeps what it adds to a band.
+const GDAL_METADATA: u16 = 42_112;
+
+/// The cells of a raster as they lie, row by row.
+pub struct RasterValues {
+    /// Cells from west to east.
+    pub columns: usize,
+    /// Cells from north to south.
+    pub rows: usize,
+    /// From columns and rows to the coordinates of the system, whole numbers being the middles of cells.
+    pub transform: GeoTransform,
+    /// What is stored, NaN where that is nothing.
+    pub values: Vec<f32>,
+    /// EPSG number of the system, where the raster names one.
+    pub epsg: Option<u16>,
+    /// As [`RasterPoints::downwards`].
+    pub downwards: bool,
+}
+
+/// Reads the first image of a file.
+///
+/// # Errors
+/// When the file cannot be read, or holds no heights with a place.
+pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
+    CellsError::guard(|| points(Open::new(path)?))
+}
+
+/// The same as a raster, where its rows run from west to east and the first lies in the north.
+///
+/// # Errors
+/// As [`read_cells`], and where the raster is turned.
+pub fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
+    CellsError::guard(|| values(Open::new(path)?))
+}
+
+/// Why a raster gives no points, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum CellsError {
+    /// The system does not give it.
+    #[error("the GeoTIFF cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// It is no TIFF, or one of a kind that is not known.
+    #[error("the GeoTIFF cannot be read: {0}")]
+    Tiff(#[from] TiffError),
+    /// It contradicts itself.
+    #[error("the GeoTIFF cannot be read: {0}")]
+    Damaged(&'static str),
+    /// It has more cells than are looked at.
+    #[error(
+        "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
+    )]
+    TooManyCells {
+        /// Cells from west to east.
+        columns: u32,
+        /// Cells from north to south.
+        rows: u32,
+    },
+    /// It has more cells with a value than fit into memory as points.
+    #[error(
+        "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
+    )]
+    TooManyPoints,
+    /// It has several bands.
+    #[error("the GeoTIFF is a picture, not one band of heights or depths")]
+    Picture,
+    /// It has no transform.
+    #[error("the TIFF does not say where it lies; write a GeoTIFF")]
+    Nowhere,
+    /// Its rows do not run from west to east.
+    #[error(
+        "the GeoTIFF is turned or upside down; bring it into rows from west to east, north first"
+    )]
+    Turned,
+    /// Its cells hold no number that a height could be.
+    #[error("the GeoTIFF holds no heights: its numbers have one or more than four bytes")]
+    NoHeights,
+}
+
+impl CellsError {
+    /// A damaged file makes the decoder panic, which is no more than damage.
+    pub(super) fn guard<T>(read: impl FnOnce() -> Result<T, Self>) -> Result<T, Self> {
+        catch_panic(read).unwrap_or(Err(Self::Damaged("it is damaged")))
+    }
+}
+
+/// What may be set aside for a file: a block of [`LARGEST_BLOCK`] at most, and of a small file no more than it can hold as it is packed by
+/// the usual programs.
+fn limits(file: &File) -> io::Result<Limits> {
+    let packed = usize::try_from(file.metadata()?.len()).unwrap_or(LARGEST_BLOCK);
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = packed
+        .saturating_mul(4)
+        .saturating_add(SMALL_BLOCK)
+        .min(LARGEST_BLOCK);
+    Ok(limits)
+}
+
+/// A raster whose cells are about to be read.
+struct Open {
+    decoder: Decoder<BufReader<File>>,
+    size: [u32; 2],
+    keys: GeoKeys,
+    place: GeoTransform,
+    nodata: Option<f64>,
+    downwards: bool,
+}
+
+impl Open {
+    fn new(path: &Path) -> Result<Self, CellsError> {
+        let file = regular_file::open(path)?;
+        let limits = limits(&file)?;
+        let mut file = BufReader::new(file);
+        check_claims(&mut file)?;
+        let decoder = Decoder::new(file)?;
+        let mut decoder = decoder.with_limits(limits);
+        let (columns, rows) = decoder.dimensions()?;
+        if u64::from(columns) * u64::from(rows) > MOST_CELLS {
+            return Err(CellsError::TooManyCells { columns, rows });
+        }
+        let colours = decoder.colortype()?;
+        if !matches!(colours, tiff::ColorType::Gray(_)) {
+            return Err(CellsError::Picture);
+        }
+        if is_jpeg(&mut decoder) {
+            return Err(CellsError::NoHeights);
+        }
+        let keys = GeoKeys::read(&mut decoder);
+        let place = GeoTransform::read(&mut decoder, &keys)
+            .ok_or(CellsError::Nowhere)?
+            .of_middles();
+        let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
+        let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+        let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
+        Ok(Self {
+            decoder,
+            size: [columns, rows],
+            keys,
+            place,
+            nodata,
+            downwards: metadata.is_ok_and(|text| counts_downwards(&text)),
+        })
+    }
+
+    /// Hands over column, row and value of every cell that has one.
+    fn each_known(
+        &mut self,
+        mut take: impl FnMut([usize; 2], f64) -> Result<(), CellsError>,
+    ) -> Result<(), CellsError> {
+        let nodata = self.nodata;
+        let known = |value: f64| value.is_finite() && nodata != Some(value);
+        each_block(
+            &mut self.decoder,
+            self.size,
+            |[column, row], width, values| {
+                let cells = values.iter().enumerate();
+                let mut cells = cells.filter(|(_, value)| known(**value));
+                cells.try_for_each(|(index, value)| {
+                    take([column + index % width, row + index / width], *value)
+                })
+            },
+        )
+    }
+}
+
+fn points(mut raster: Open) -> Result<RasterPoints, CellsError> {
+    let mut points = Vec::new();
+    let place = raster.place;
+    raster.each_known(|at, value| {
+        let [x, y] = place.at(at.map(|index| index as f64));
+        points.push([x, y, value]);
+        match points.len() > MOST_POINTS {
+            true => Err(CellsError::TooManyPoints),
+            false => Ok(()),
+        }
+    })?;
+    Ok(RasterPoints {
+        points,
+        is_degrees: raster.keys.is_geographic(),
+        projected: raster.keys.projected(),
+        downwards: raster.downwards,
+    })
+}
+
+fn values(mut raster: Open) -> Result<RasterValues, CellsError> {
+    let [columns, rows] = raster.size.map(|count| count as usize);
+    let is_upright = raster.place.per_column[0] > 0.0 && raster.place.per_row[1] < 0.0;
+    if !is_upright || raster.place.per_column[1] != 0.0 || raster.place.per_row[0] != 0.0 {
+        return Err(CellsError::Turned);
+    }
+    let mut values = vec![f32::NAN; columns * rows];
+    raster.each_known(|[column, row], value| {
+        let cell = values.get_mut(row * columns + column);
+        *cell.ok_or(CellsError::Damaged("it has cells beyond its edge"))? = value as f32;
+        Ok(())
+    })?;
+    let keys = &raster.keys;
+    Ok(RasterValues {
+        columns,
+        rows,
+        transform: raster.place,
+        values,
+        epsg: keys.projected().or_else(|| keys.geographic()),
+        downwards: raster.downwards,
+    })
+}
+
+/// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole: column and row of its first cell,
+/// its width, and pieces of whole rows of it.
+fn each_block(
+    decoder: &mut Decoder<BufReader<File>>,
+    [columns, rows]: [u32; 2],
+    mut take: impl FnMut([usize; 2], usize, &[f64]) -> Result<(), CellsError>,
+) -> Result<(), CellsError> {
+    let (width, height) = decoder.chunk_dimensions();
+    if width == 0 || height == 0 {
+        return Err(CellsError::Damaged("it is cut into pieces without a cell"));
+    }
+    for row in 0..rows.div_ceil(height) {
+        let across = columns.div_ceil(width);
+        for column in 0..across {
+            let block = row * across + column;
+            let (shown, _) = decoder.chunk_data_dimensions(block);
+            let shown = shown.max(1) as usize;
+            let values = decoder.read_chunk(block)?;
+            let first = [(column * width) as usize, (row * height) as usize];
+            // Few rows at a time: as f64 a block may be twice its size.
+            let step = (PIECE / shown).max(1) * shown;
+            let mut start = 0;
+            while let Some(piece) = numbers(&values, start..start + step)? {
+                let below = start / shown;
+                take([first[0], first[1] + below], shown, &piece)?;
+                start += step;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Cells that become f64 at a time.
+const PIECE: usize = 1 << 20;
+
+/// Some of a block's numbers; `None` beyond its end.
+fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64>>, CellsError> {
+    fn wide<T: Copy + Into<f64>>(values: &[T], range: Range<usize>) -> Option<Vec<f64>> {
+        let values = values.get(range.start..range.end.min(values.len()))?;
+        let wide = values.iter().map(|value| (*value).into()).collect();
+        (!values.is_empty()).then_some(wide)
+    }
+    Ok(match block {
+        DecodingResult::F32(values) => wide(values, range),
+        DecodingResult::F64(values) => wide(values, range),
+        DecodingResult::I16(values) => wide(values, range),
+        DecodingResult::I32(values) => wide(values, range),
+        DecodingResult::U16(values) => wide(values, range),
+        DecodingResult::U32(values) => wide(values, range),
+        _ => return Err(CellsError::NoHeights),
+    })
+}

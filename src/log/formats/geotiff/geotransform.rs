@@ -1,0 +1,110 @@
+//! Where the cells of a GeoTIFF lie: its geo keys and its transform, as OGC 19-008 defines them.
+
+use std::io::{Read, Seek};
+use tiff::decoder::Decoder;
+use tiff::tags::Tag;
+
+const MODEL_TYPE: u16 = 1024;
+const RASTER_TYPE: u16 = 1025;
+const GEOGRAPHIC: u16 = 2048;
+const PROJECTED: u16 = 3072;
+/// Values of the two types.
+const IS_GEOGRAPHIC: u16 = 2;
+const IS_POINT: u16 = 2;
+
+/// The keys that have short values.
+#[derive(Clone, Debug, Default)]
+pub struct GeoKeys(Vec<u16>);
+
+impl GeoKeys {
+    /// Those of the picture that the decoder is at; none where it has none.
+    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
+        let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
+        Self(keys.unwrap_or_default())
+    }
+
+    /// Entries are a key, where its value lies (0: here), how many, and the value; the first is a header.
+    fn value(&self, key: u16) -> Option<u16> {
+        let mut entries = self.0.chunks_exact(4).skip(1);
+        let found = entries.find(|entry| entry[0] == key && entry[1] == 0);
+        found.map(|entry| entry[3])
+    }
+
+    /// Whether the numbers are said to be degrees, or can be nothing else.
+    pub fn is_geographic(&self) -> bool {
+        self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
+            || self.projected().is_none() && self.geographic().is_some()
+    }
+
+    /// EPSG number of the system of degrees.
+    pub fn geographic(&self) -> Option<u16> {
+        self.value(GEOGRAPHIC)
+    }
+
+    /// EPSG number of the projection.
+    pub fn projected(&self) -> Option<u16> {
+        self.value(PROJECTED)
+    }
+}
+
+/// From columns and rows to the coordinates of a system: `ModelPixelScale` with `ModelTiepoint`, or `ModelTransformation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeoTransform {
+    /// Of column and row 0.
+    pub origin: [f64; 2],
+    /// From one column to the next.
+    pub per_column: [f64; 2],
+    /// From one row to the next.
+    pub per_row: [f64; 2],
+    /// Whether the numbers place the middles of cells, not their corners.
+    is_point: bool,
+}
+
+impl GeoTransform {
+    /// That of the picture that the decoder is at; `None` where it has none.
+    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
+        let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
+        let (scale, tie) = (
+            numbers(Tag::ModelPixelScaleTag),
+            numbers(Tag::ModelTiepointTag),
+        );
+        let matrix = numbers(Tag::ModelTransformationTag);
+        let (origin, per_column, per_row) = match (&scale[..], &tie[..], &matrix[..]) {
+            ([dx, dy, ..], [column, row, _, x, y, ..], _) => {
+                ([x - column * dx, y + row * dy], [*dx, 0.0], [0.0, -dy])
+            }
+            (_, _, [a, b, _, x, c, d, _, y, ..]) => ([*x, *y], [*a, *c], [*b, *d]),
+            _ => return None,
+        };
+        Some(Self {
+            origin,
+            per_column,
+            per_row,
+            is_point: keys.value(RASTER_TYPE) == Some(IS_POINT),
+        })
+    }
+
+    /// The coordinates of a column and a row.
+    pub fn at(&self, [column, row]: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            self.origin[axis] + column * self.per_column[axis] + row * self.per_row[axis]
+        })
+    }
+
+    /// The same with whole numbers for the middles of cells.
+    pub fn of_middles(self) -> Self {
+        self.moved(if self.is_point { 0.0 } else { 0.5 })
+    }
+
+    /// The same with whole numbers for the upper left corners of cells.
+    pub fn of_corners(self) -> Self {
+        self.moved(if self.is_point { -0.5 } else { 0.0 })
+    }
+
+    fn moved(self, cells: f64) -> Self {
+        Self {
+            origin: self.at([cells; 2]),
+            ..self
+        }
+    }
+}

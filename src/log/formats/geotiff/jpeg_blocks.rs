@@ -1,0 +1,166 @@
+//! The sizes that the JPEG blocks of a TIFF state, looked up before the decoder allocates by them. Compression 7 as "TIFF Technical
+//! Note 2" describes it, markers as ITU-T T.81 (annex B) has them.
+
+use std::io::{Read, Seek, SeekFrom};
+use tiff::decoder::Decoder;
+use tiff::tags::{CompressionMethod, Tag};
+
+/// Bytes of a block as it is packed, and as it is unpacked.
+const MOST_BYTES: u64 = 16 << 20;
+/// The marker that begins a stream, and the one that begins the coded samples.
+const START: u8 = 0xD8;
+const SCAN: u8 = 0xDA;
+/// Markers of frames (SOF0 to SOF15), and the three numbers among them that mean something else.
+const FRAMES: std::ops::RangeInclusive<u8> = 0xC0..=0xCF;
+const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
+
+/// Whether the blocks of a directory are JPEG streams.
+pub fn is_jpeg<R: Read + Seek>(tiff: &mut Decoder<R>) -> bool {
+    let method = tiff.find_tag_unsigned::<u16>(Tag::Compression);
+    method.is_ok_and(|method| method == Some(CompressionMethod::ModernJPEG.to_u16()))
+}
+
+/// The blocks of a directory that are JPEG streams.
+pub struct JpegBlocks {
+    /// What stands before each stream: tables that they share, without the marker of an end.
+    tables: Vec<u8>,
+    /// Offset and length of each.
+    places: Vec<[u64; 2]>,
+    /// Columns and rows of a block.
+    size: [u32; 2],
+}
+
+impl JpegBlocks {
+    /// Those of the directory that the decoder is at; `None` where it has none, or does not say where they lie.
+    pub fn read<R: Read + Seek>(tiff: &mut Decoder<R>) -> Option<Self> {
+        let either = |tiff: &mut Decoder<R>, tiles: Tag, strips: Tag| {
+            let tiles = tiff.find_tag_unsigned_vec::<u64>(tiles).ok().flatten();
+            tiles.or_else(|| tiff.find_tag_unsigned_vec(strips).ok().flatten())
+        };
+        if !is_jpeg(tiff) {
+            return None;
+        }
+        let offsets = either(tiff, Tag::TileOffsets, Tag::StripOffsets)?;
+        let lengths = either(tiff, Tag::TileByteCounts, Tag::StripByteCounts)?;
+        let tables = tiff.find_tag(Tag::JPEGTables).ok().flatten();
+        let mut tables = tables.map_or_else(Vec::new, |tag| tag.into_u8_vec().unwrap_or_default());
+        tables.truncate(tables.len().saturating_sub(2));
+        let places = offsets.into_iter().zip(lengths);
+        Some(Self {
+            tables,
+            places: places.map(<[u64; 2]>::from).collect(),
+            size: tiff.chunk_dimensions().into(),
+        })
+    }
+
+    /// Whether a block states no more columns and rows than the directory gives it.
+    pub fn is_sound<R: Read + Seek>(&self, number: u32, file: &mut R) -> bool {
+        self.stream(number, file).is_some_and(|stream| {
+            frame_size(&stream).is_some_and(|[columns, rows, bytes]| {
+                let unpacked = [columns, rows, bytes]
+                    .map(u64::from)
+                    .iter()
+                    .product::<u64>();
+                columns <= self.size[0] && rows <= self.size[1] && unpacked <= MOST_BYTES
+            })
+        })
+    }
+
+    /// What the decoder makes of a block: the tables, and the stream without the marker of its start.
+    fn stream<R: Read + Seek>(&self, number: u32, file: &mut R) -> Option<Vec<u8>> {
+        let [offset, length] = *self.places.get(number as usize)?;
+        if length > MOST_BYTES {
+            return None;
+        }
+        let mut own = Vec::new();
+        file.seek(SeekFrom::Start(offset)).ok()?;
+        file.take(length).read_to_end(&mut own).ok()?;
+        let start = if self.tables.is_empty() { 0 } else { 2 };
+        Some([&self.tables, own.get(start..)?].concat())
+    }
+}
+
+/// Columns, rows and bytes a pixel that the only frame of a stream states; `None` where what lies before its samples is no row of segments.
+fn frame_size(stream: &[u8]) -> Option<[u32; 3]> {
+    let mut rest = stream.strip_prefix(&[0xFF, START])?;
+    let mut found = None;
+    loop {
+        let [0xFF, marker, ..] = *rest else {
+            return None;
+        };
+        rest = &rest[1..];
+        if marker == 0xFF {
+            continue;
+        }
+        if marker == SCAN {
+            return found;
+        }
+        let segment = rest.get(1..)?;
+        let length = usize::from(u16::from_be_bytes([*segment.first()?, *segment.get(1)?]));
+        if FRAMES.contains(&marker) && !NO_FRAMES.contains(&marker) {
+            let [
+                _,
+                rows_high,
+                rows_low,
+                columns_high,
+                columns_low,
+                components,
+            ] = *segment.get(2..8)?.first_chunk()?;
+            let number = |high, low| u32::from(u16::from_be_bytes([high, low]));
+            let frame = [
+                number(columns_high, columns_low),
+                number(rows_high, rows_low),
+                u32::from(components),
+            ];
+            if found.replace(frame).is_some() {
+                return None;
+            }
+        }
+        rest = segment.get(length.max(2)..)?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stream with a comment, a frame of these columns and rows, and samples that are none.
+    fn stream(columns: u16, rows: u16) -> Vec<u8> {
+        let mut bytes = vec![0xFF, START, 0xFF, 0xFE, 0, 4, 0xFF, 0xC0];
+        bytes.extend([0xFF, 0xFF, 0xC0, 0, 17, 8]);
+        bytes.extend(rows.to_be_bytes());
+        bytes.extend(columns.to_be_bytes());
+        bytes.extend([3, 1, 0x22, 0, 2, 0x11, 1, 3, 0x11, 1, 0xFF, SCAN, 0, 2]);
+        bytes
+    }
+
+    #[test]
+    fn a_frame_states_its_size() {
+        assert_eq!(frame_size(&stream(300, 20)), Some([300, 20, 3]));
+        let twice = [&stream(300, 20)[..29], &stream(300, 20)[8..]].concat();
+        assert_eq!(frame_size(&twice), None);
+        for length in 0..stream(300, 20).len() - 2 {
+            assert_eq!(frame_size(&stream(300, 20)[..length]), None, "{length}");
+        }
+    }
+
+    #[test]
+    fn a_block_that_states_more_than_its_directory_is_refused() {
+        let blocks = |tables: Vec<u8>| JpegBlocks {
+            tables,
+            places: vec![[3, 100], [3, u64::MAX]],
+            size: [256, 256],
+        };
+        let file =
+            |columns, rows| std::io::Cursor::new([&[9, 9, 9], &stream(columns, rows)[..]].concat());
+        for tables in [vec![], vec![0xFF, START, 0xFF, 0xDB, 0, 3, 1]] {
+            let blocks = blocks(tables);
+            assert!(blocks.is_sound(0, &mut file(256, 256)));
+            assert!(blocks.is_sound(0, &mut file(40, 256)));
+            assert!(!blocks.is_sound(0, &mut file(257, 256)));
+            assert!(!blocks.is_sound(0, &mut file(16_384, 16_384)));
+            assert!(!blocks.is_sound(1, &mut file(256, 256)));
+            assert!(!blocks.is_sound(2, &mut file(256, 256)));
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Klein SDF: what SonarPro and the vehicles that carry Klein's side-scan sonars record.
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
+//!
+//! A file is a row of pages, all numbers little-endian: a marker FF FF FF FF, then the page (`page`): u32 bytes that the page has without the
+//! marker, u32 version, and a header of 256 bytes, of 512 in versions that end with 1 or 2. Versions 3000 and 3001 are the System 3000, 3501 and 3502 the
+//! low and the high frequency of the 3500 series, 5000 to 5004 the System 5000, 7000 and 7001 the System 7000. After the header the System 3000 has u16 samples
+//! of port and starboard of the low frequency, then of the high one, each after a u16 that counts them; the 3500 series u32 samples of port and of
+//! starboard, each after a u32. Both are taken as stored from near to far.
+//!
+//! The ten beams of the System 5000 are not read: no public source says which of them look to port. Of the System 7000 only the header is
+//! described. An error says so, and what to do.
+//!
+//! Sources: Klein's "SDF Data Page Definitions Specification" (15300018, Rev 2.05) as the public reader `hydroformats` cites it with the offset of
+//! each field, and the readers of OceanScan (`sdf_reader.m`, for Rev 4.8) and of Neptus for the 3500 series. No real file was at hand.
+
+mod decode;
+mod page;
+#[cfg(test)]
+mod tests;
+
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
+use super::messages::MessageWalk;
+use super::reading::Reading;
+use super::{OpenError, Opened, assemble, collected::Collected};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
+use page::{FORMAT, Page};
+
+const NAME: &str = "Klein SDF";
+/// Bytes searched for pages where the beginning is damaged.
+const SEARCHED_FOR_PAGES: usize = 1 << 20;
+
+/// The reader of the format.
+pub(super) struct Klein;
+
+impl LogFormat for Klein {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, reading, progress)
+        }))
+    }
+}
+
+/// Recognises a file by its first page, or by two in a row where the first is damaged; returns where the first whole one begins.
+fn sniff(bytes: &[u8]) -> Option<usize> {
+    match Page::at(bytes, 0) {
+        Some(_) => Some(0),
+        None => FORMAT.next(bytes, 0, SEARCHED_FOR_PAGES),
+    }
+}
+
+/// Reads a file that [`sniff`] recognised.
+///
+/// # Errors
+/// When there is no side-scan in it, or it was cancelled.
+fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
+    let path = opened.path.clone();
+    let bytes = opened.bytes.clone();
+    let source = opened.source(NAME.to_owned());
+    let mut log = Collected::new(source, vec![opened.bytes], reading);
+    let mut reader = decode::Reader::new(&bytes, reading);
+    let start = match reading.from(0).filter(|_| reader.knows_zero()) {
+        Some(from) => FORMAT.next(&bytes, from, bytes.len()),
+        None => Some(0),
+    };
+    let start = start.unwrap_or(bytes.len());
+    progress.start(bytes.len().saturating_sub(start) as u64);
+    let report = log.report.clone();
+    let walk = MessageWalk {
+        format: FORMAT,
+        bytes: &bytes,
+        report: &report,
+        is_growing: reading.is_growing,
+        progress,
+    };
+    walk.run(start, |page| reader.take(&mut log, page.start))?;
+    reader.finish(&mut log, reading.known());
+    if !log.channels.is_empty() {
+        return Ok(assemble::assemble(log, reading));
+    }
+    Err(match reader.others() {
+        Some(others) => OpenError::Unsupported {
+            path,
+            what: format!(
+                "this SDF file holds only {others}, and no public source says which of their channels look to port; export XTF from SonarPro and open that"
+            ),
+        },
+        None => OpenError::Broken {
+            path,
+            format: NAME.to_owned(),
+            what: format!(
+                "no whole page with side-scan in its {} bytes; copy the file again",
+                bytes.len()
+            ),
+        },
+    })
+}

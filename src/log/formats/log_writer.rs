@@ -1,0 +1,116 @@
+//! What the writer of each format offers, and what all writers ask of a log: its records in the order of time, and the fix of each.
+
+use crate::support::progress::Progress;
+use crate::survey::{
+    ChannelKind, Fix, Navigation, PingNav, SidePing, SideSpan, Survey, nearest_in_time,
+};
+use std::io::{self, Write};
+
+/// A fix counts for this long after it, seconds. Recorders repeat the last one until the next comes; a longer pause is a loss.
+const LONGEST_VALID_S: f64 = 10.0;
+
+/// A format of recorders' logs that is written too. Its row in [`super::table::FORMATS`] names it.
+pub trait LogWriter: Sync {
+    /// Writes a log. Returns a sentence for each thing in the log that has no place in the format.
+    ///
+    /// # Errors
+    /// When writing fails, the work is cancelled, or the log cannot be in the format at all.
+    fn write(
+        &self,
+        log: &LogToWrite<'_>,
+        out: &mut dyn Write,
+        progress: &Progress,
+    ) -> io::Result<Vec<String>>;
+}
+
+/// A log, or a part of one, to be written.
+#[derive(Clone, Copy, Debug)]
+pub struct LogToWrite<'a> {
+    /// What was recorded.
+    pub survey: &'a Survey,
+    /// Where the boat was by the fitted track, in the survey's east-north plane.
+    pub navigation: &'a Navigation,
+}
+
+/// A record of a log.
+#[derive(Clone, Copy, Debug)]
+pub enum Recorded<'a> {
+    /// A side-scan ping, and its index.
+    Side(usize, &'a SidePing),
+    /// A ping of a channel that looks down.
+    Down {
+        /// The channel.
+        kind: ChannelKind,
+        /// Index in its channel.
+        index: usize,
+        /// Seconds after the log's time zero.
+        time_s: f64,
+        /// Its samples.
+        span: &'a SideSpan,
+    },
+    /// A depth, and its index.
+    Sounding(usize, f64),
+}
+
+impl Recorded<'_> {
+    /// Seconds after the log's time zero.
+    pub fn time_s(&self) -> f64 {
+        match self {
+            Recorded::Side(_, ping) => ping.time_s,
+            Recorded::Down { time_s, .. } | Recorded::Sounding(_, time_s) => *time_s,
+        }
+    }
+}
+
+impl<'a> LogToWrite<'a> {
+    /// All records in the order of time; of one moment depths come first, then channels that look down, as recorders write them.
+    pub fn records(&self) -> Vec<Recorded<'a>> {
+        let survey = self.survey;
+        let soundings = survey.soundings.iter().enumerate();
+        let soundings = soundings.map(|(index, one)| Recorded::Sounding(index, one.time_s));
+        let down = survey.echograms.iter().flat_map(|echogram| {
+            let pings = echogram.pings.iter().enumerate();
+            pings.map(|(index, ping)| Recorded::Down {
+                kind: echogram.kind,
+                index,
+                time_s: ping.time_s,
+                span: &ping.span,
+            })
+        });
+        let sides = survey.side_scan.iter().enumerate();
+        let sides = sides.map(|(index, ping)| Recorded::Side(index, ping));
+        let mut records: Vec<Recorded<'a>> = soundings.chain(down).chain(sides).collect();
+        records.sort_by(|a, b| a.time_s().total_cmp(&b.time_s()));
+        records
+    }
+
+    /// The fix that is valid at a time: the last one, unless it is long ago.
+    pub fn fix(&self, time_s: f64) -> Option<&'a Fix> {
+        let fixes = &self.survey.track.fixes;
+        let after = fixes.partition_point(|fix| fix.time_s <= time_s);
+        let last = fixes.get(after.checked_sub(1)?)?;
+        (time_s - last.time_s <= LONGEST_VALID_S).then_some(last)
+    }
+
+    /// Where the boat was by the fitted track at the record nearest to a time; `None` without a record.
+    pub fn place(&self, time_s: f64) -> Option<&'a PingNav> {
+        let (survey, navigation) = (self.survey, self.navigation);
+        let sides = &survey.side_scan;
+        match sides.is_empty() {
+            false => nearest_in_time(sides, time_s, |ping| ping.time_s)
+                .and_then(|index| navigation.pings.get(index)),
+            true => nearest_in_time(&survey.soundings, time_s, |one| one.time_s)
+                .and_then(|index| navigation.soundings.get(index)),
+        }
+    }
+
+    /// The recorded depth nearest to a time, metres below the transducer; NaN where there is none within two seconds.
+    pub fn depth_m(&self, time_s: f64) -> f32 {
+        const LONGEST_APART_S: f64 = 2.0;
+        let soundings = &self.survey.soundings;
+        let near =
+            nearest_in_time(soundings, time_s, |one| one.time_s).map(|index| soundings[index]);
+        let near = near.filter(|one| (one.time_s - time_s).abs() <= LONGEST_APART_S);
+        near.map_or(f32::NAN, |one| one.depth_m)
+    }
+}

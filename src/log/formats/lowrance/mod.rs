@@ -1,0 +1,221 @@
+//! Lowrance SL2 and SL3, with the depths of StructureScan 3D (`swath`); and SLG, which has depths and a track (`slg`).
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
+
+mod decode;
+pub mod frame;
+mod from_log;
+mod sides;
+pub mod sl2;
+pub mod sl3;
+mod slg;
+mod swath;
+mod walk;
+pub mod write;
+
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
+use super::reading::Reading;
+use super::{OpenError, Opened, assemble, collected::Collected, scalar};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::Survey;
+use frame::{FrameCheck, FrameLayout};
+
+/// The file header's length; the first frame follows.
+pub const FILE_HEADER: usize = 8;
+/// Bytes searched for frames when the file header does not say what the file is.
+const SEARCHED_FOR_FRAMES: usize = 1 << 20;
+/// So many frames in a row are no chance.
+const FRAMES_THAT_PROVE: usize = 4;
+/// So many beginnings of a row are looked at.
+const MOST_TRIES: usize = 16;
+
+/// The reader of the format.
+pub(super) struct Lowrance;
+
+impl LogFormat for Lowrance {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let found = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, found, reading, progress)
+        }))
+    }
+}
+
+/// What the file header, or the frames themselves, say that the file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LowranceKind {
+    /// SLG: no side-scan in it.
+    Slg {
+        /// Bytes of a block.
+        size: usize,
+        /// The file header's version word.
+        version: u16,
+    },
+    /// Frames of a known layout.
+    Frames {
+        /// Which.
+        layout: FrameLayout,
+        /// The file header's version word; `None` when the header is damaged.
+        version: Option<u16>,
+    },
+}
+
+/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and its frames; by its frames alone where the
+/// header is damaged, or names the other layout.
+fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
+    let stated = sniff_header(bytes);
+    match stated {
+        Some(LowranceKind::Frames { layout, .. }) if has_frames(bytes, layout) => stated,
+        _ => sniff_frames(bytes).or(stated),
+    }
+}
+
+fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
+    let format = scalar::u16_le(bytes, 0)?;
+    let version = scalar::u16_le(bytes, 2)?;
+    let block = scalar::u16_le(bytes, 4)?;
+    let usual = matches!(block, 1970 | 3200) && version <= 16;
+    let first_frame = scalar::u32_le(bytes, FILE_HEADER) == Some(FILE_HEADER as u32);
+    match format {
+        1 if usual || (version <= 16 && slg::begins_with_block(bytes, block.into())) => {
+            Some(LowranceKind::Slg {
+                size: block.into(),
+                version,
+            })
+        }
+        2 | 3 if usual || first_frame => Some(LowranceKind::Frames {
+            layout: if format == 2 {
+                FrameLayout::Sl2
+            } else {
+                FrameLayout::Sl3
+            },
+            version: Some(version),
+        }),
+        _ => None,
+    }
+}
+
+fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
+    let mut layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
+    let found = layouts.find(|layout| has_frames(bytes, *layout));
+    found.map(|layout| LowranceKind::Frames {
+        layout,
+        version: None,
+    })
+}
+
+/// Whether there are frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
+fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
+    let mut from = FILE_HEADER;
+    // Of a damaged beginning some frames are whole.
+    for _ in 0..MOST_TRIES {
+        let range = from..SEARCHED_FOR_FRAMES.max(from);
+        let Some(first) = walk::first_frame(bytes, layout, range, 0) else {
+            return false;
+        };
+        if is_row_of_frames(bytes, layout, first) {
+            return true;
+        }
+        from = first.at + 1;
+    }
+    false
+}
+
+/// Whether so many frames follow each other from a place on that they are no chance, or to the end of the bytes.
+fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
+    let mut at = first.at;
+    for found in 0..FRAMES_THAT_PROVE {
+        match layout.look(bytes, at, first.lost) {
+            FrameCheck::Whole(frame) => at += frame.size,
+            _ => return found > 1 && bytes.len() - at < layout.shortest_header(),
+        }
+    }
+    true
+}
+
+/// Reads a file that [`sniff`] recognised.
+fn read(
+    opened: Opened,
+    kind: LowranceKind,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let format = format_name(kind);
+    let source = opened.source(format.clone());
+    let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
+    let bytes = &opened.bytes;
+    match kind {
+        LowranceKind::Slg { size, .. } => {
+            progress.start(bytes.len() as u64);
+            slg::read_blocks(bytes, size, &mut log, reading.is_growing, progress)?;
+        }
+        LowranceKind::Frames { layout, version } => {
+            if version.is_none() {
+                log.report
+                    .log("the file header is damaged; the format was inferred from the frames");
+            }
+            read_frames(bytes, layout, &mut log, reading, progress)?;
+        }
+    }
+    if log.channels.is_empty() {
+        let len = opened.bytes.len();
+        return Err(OpenError::Broken {
+            path: opened.path,
+            format,
+            what: format!(
+                "no whole frame in its {len} bytes; copy the file from the unit's card again"
+            ),
+        });
+    }
+    Ok(assemble::assemble(log, reading))
+}
+
+fn read_frames(
+    bytes: &[u8],
+    layout: FrameLayout,
+    log: &mut Collected,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    progress.start(bytes.len() as u64);
+    let start = match reading.from(0) {
+        Some(from) => walk::first_frame(bytes, layout, from..bytes.len(), 0),
+        None => Some(walk::FrameStart {
+            at: FILE_HEADER.min(bytes.len()),
+            lost: 0,
+        }),
+    };
+    let start = start.unwrap_or(walk::FrameStart {
+        at: bytes.len(),
+        lost: 0,
+    });
+    progress.advance(start.at as u64);
+    let mut reader = decode::Reader::default();
+    let walk = walk::FrameWalk {
+        bytes,
+        layout,
+        report: &log.report.clone(),
+        is_growing: reading.is_growing,
+        progress,
+    };
+    walk.run(start, |frame| reader.take(log, frame))?;
+    reader.finish(log);
+    Ok(())
+}
+
+fn format_name(kind: LowranceKind) -> String {
+    let (name, version) = match kind {
+        LowranceKind::Slg { version, .. } => ("Lowrance SLG", Some(version)),
+        LowranceKind::Frames { layout, version } => match layout {
+            FrameLayout::Sl2 => ("Lowrance SL2", version),
+            FrameLayout::Sl3 => ("Lowrance SL3", version),
+        },
+    };
+    version.map_or_else(
+        || name.to_owned(),
+        |version| format!("{name} (version {version})"),
+    )
+}

@@ -1,0 +1,399 @@
+//! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other instruments and programs.
+//!
+//! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels, areas, points and rasters; and the bytes of the formats that are also written.
+//! It uses `survey` and `support`.
+//!
+//! To add a format of recorders' logs:
+//! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from; add its `mod` line below.
+//! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a `Collected`; the folder of `xtf` is an example.
+//! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else names a format.
+//!    A format that is written too implements [`log_writer::LogWriter`]; the row names its ending.
+//! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
+//! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
+//!
+//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`, `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged and give it
+//! meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
+//! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` brings
+//! the bytes, `log_folders` finds the folders of a card that hold logs, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
+//! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
+
+mod area_file;
+mod assemble;
+pub mod base_map;
+mod cerulean;
+mod clock;
+mod collected;
+mod depths;
+mod edgetech;
+mod file_source;
+mod garmin;
+mod gauge_file;
+pub mod geotiff;
+mod gpx;
+mod growing_log;
+pub mod humminbird;
+mod join;
+mod klein;
+mod log_folders;
+mod log_format;
+pub mod log_writer;
+pub mod lowrance;
+mod messages;
+mod nmea;
+pub mod parquet_table;
+mod picture_table;
+pub mod points;
+mod reading;
+mod reference;
+mod report;
+mod scalar;
+mod sounding_table;
+mod stray;
+mod table;
+mod track_file;
+mod unsupported;
+mod xml;
+pub mod xtf;
+
+pub use area_file::{AreaError, read_area};
+pub use gauge_file::{GaugeError, read_gauge};
+pub use growing_log::{GrowingError, GrowingLog};
+pub use log_folders::{FoundLog, LogFolder, log_folders};
+pub use reference::{
+    ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,
+};
+pub use scalar::ByteOrder;
+pub use table::{
+    FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
+};
+pub use track_file::{TrackError, TrackFile};
+
+use crate::support::file_error::FileError;
+use crate::support::mapped_file::FileFault;
+use crate::support::progress::Progress;
+use crate::survey::{Bytes, Seam, Source, Survey};
+use file_source::FileSource;
+use reading::Reading;
+use std::path::{Path, PathBuf};
+
+#[cfg(target_endian = "big")]
+compile_error!("the raw records of the readers are laid over little-endian bytes");
+
+/// Why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file cannot be read at all.
+    #[error("cannot read `{path}`: {source}")]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// No reader knows these bytes.
+    #[error("not a sonar log that Bathyscope knows ({looked_for}): {path}")]
+    NotRecognised {
+        /// Which file.
+        path: PathBuf,
+        /// The formats that were tried, in words.
+        looked_for: &'static str,
+    },
+    /// A folder with several logs.
+    #[error("this is a folder of {} logs; name one of them: {}: {path}", .logs.len(), some(.logs))]
+    Folder {
+        /// Which folder.
+        path: PathBuf,
+        /// The names of the logs in it.
+        logs: Vec<String>,
+    },
+    /// The format is known, but nothing in the file can be used.
+    #[error("{format} log is damaged: {what}: {path}")]
+    Broken {
+        /// Which file.
+        path: PathBuf,
+        /// The recognised format.
+        format: String,
+        /// What is broken, where, and what to do.
+        what: String,
+    },
+    /// The format is known but cannot hold side-scan.
+    #[error("{what}: {path}")]
+    Unsupported {
+        /// Which file.
+        path: PathBuf,
+        /// What to record or open instead.
+        what: String,
+    },
+    /// A file did not stay what it was while it was read.
+    #[error(transparent)]
+    Changed(#[from] FileError<FileFault>),
+    /// The user stopped it.
+    #[error(transparent)]
+    Cancelled(#[from] crate::support::progress::Cancelled),
+}
+
+/// A file whose bytes are at hand.
+#[derive(Clone, Debug)]
+struct Opened {
+    path: PathBuf,
+    bytes: Bytes,
+}
+
+impl Opened {
+    fn source(&self, format: String) -> Source {
+        Source {
+            files: vec![self.path.clone()],
+            format,
+            device: String::new(),
+            byte_count: self.bytes.len() as u64,
+        }
+    }
+}
+
+/// Opens a log of any format that is read, a file or the folder of a recording of several files: README.md lists them. The files are only
+/// ever read.
+///
+/// # Errors
+/// When the files cannot be read or are no log; the error names the file.
+pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
+    open_on(&FileSource::Disk, path, &Reading::default(), progress)
+}
+
+/// Reads a log that is already in memory (the bundled demo survey, a simulated one, a test).
+/// `name` stands for the file in messages.
+///
+/// # Errors
+/// When the files cannot be read or are no log; the error names the file.
+pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Survey, OpenError> {
+    open_files(vec![(PathBuf::from(name), bytes)], progress)
+}
+
+/// Reads a log of several files in memory, as a Humminbird recording is; the first is the one to open.
+///
+/// # Errors
+/// When the files cannot be read or are no log; the error names the file.
+pub fn open_files(
+    files: Vec<(PathBuf, Vec<u8>)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = first_path(&files);
+    let files = FileSource::held(files);
+    open_on(&files, &path, &Reading::default(), progress)
+}
+
+/// Reads files in memory as the format with an ending, without looking at the others, for the fuzzer; `None` where they are of another.
+pub fn open_as_format(
+    ending: &str,
+    files: Vec<(PathBuf, Vec<u8>)>,
+    progress: &Progress,
+) -> Option<Result<Survey, OpenError>> {
+    let path = first_path(&files);
+    let files = FileSource::held(files);
+    let is_of = |format: &&FormatEntry| format.endings.iter().any(|(one, _)| *one == ending);
+    let format = FORMATS.iter().find(is_of)?;
+    let bytes = files.read(&path).ok()?;
+    let read = format.reader.recognise(&files, &Opened { path, bytes })?;
+    Some(read(&Reading::default(), progress))
+}
+
+/// The path of the first file, which is the one to open; empty where there is none.
+fn first_path<T>(files: &[(PathBuf, T)]) -> PathBuf {
+    files
+        .first()
+        .map_or_else(PathBuf::new, |(path, _)| path.clone())
+}
+
+/// Reads a log that is being written; the first file is the one to open. What is cut at the end of a file is no damage: the rest of it
+/// comes later.
+///
+/// # Errors
+/// When the files are no log; the error names the file.
+pub fn open_growing(
+    files: Vec<(PathBuf, Bytes)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let reading = Reading {
+        is_growing: true,
+        tail: None,
+    };
+    open_as(files, &reading, progress)
+}
+
+/// Reads a log whose bytes are at hand; the first file is the one to open.
+///
+/// # Errors
+/// When the files are no log; the error names the file.
+pub fn open_at_hand(
+    files: Vec<(PathBuf, Bytes)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    open_as(files, &Reading::default(), progress)
+}
+
+/// Reads what was added to the files of a log since it was read, and a little before that, as a log of its own: [`Survey::extended`] adds
+/// it. `files` are those of [`crate::survey::Source::files`], longer than they were.
+///
+/// # Errors
+/// When the files are no log any more; the error names the file.
+pub fn open_tail(
+    known: &Survey,
+    seam: &Seam,
+    files: Vec<(PathBuf, Bytes)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let reading = Reading {
+        is_growing: true,
+        tail: Some((known, seam)),
+    };
+    open_as(files, &reading, progress)
+}
+
+fn open_as(
+    files: Vec<(PathBuf, Bytes)>,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = first_path(&files);
+    open_on(&FileSource::at_hand(files), &path, reading, progress)
+}
+
+fn open_on(
+    files: &FileSource,
+    path: &Path,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    progress.check()?;
+    if files.is_folder(path) {
+        return open_folder(files, path, reading, progress);
+    }
+    let bytes = files.read(path).map_err(|source| OpenError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let opened = Opened {
+        path: path.to_owned(),
+        bytes: bytes.clone(),
+    };
+    let read = read_by_content(files, opened, reading, progress);
+    // What was cut while it was read looks like a damaged log, or one of no format.
+    if let (Err(_), Some(fault)) = (&read, bytes.fault(path)) {
+        return Err(FileError::new(fault, path).into());
+    }
+    let survey = read?;
+    survey.check_files()?;
+    Ok(survey)
+}
+
+fn open_folder(
+    files: &FileSource,
+    folder: &Path,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let mut formats = FORMATS.iter();
+    if let Some(read) = formats.find_map(|format| format.reader.recognise_folder(files, folder)) {
+        return read(reading, progress);
+    }
+    match logs_on(files, folder).as_slice() {
+        [] => Err(not_recognised(folder, table::looked_for_in_folder())),
+        [log] => open_on(files, log, reading, progress),
+        logs => {
+            let name = |log: &PathBuf| {
+                let name = log.file_name().unwrap_or(log.as_os_str());
+                name.to_string_lossy().into_owned()
+            };
+            Err(OpenError::Folder {
+                path: folder.to_owned(),
+                logs: logs.iter().map(name).collect(),
+            })
+        }
+    }
+}
+
+/// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is one recording; nothing for what is
+/// no folder.
+pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
+    match folder.is_dir() {
+        true => logs_on(&FileSource::Disk, folder),
+        false => Vec::new(),
+    }
+}
+
+/// The files in a folder of logs that are named as no other file is, and are no log that can be opened: a card that broke, a recording
+/// that never began.
+pub fn unusable_in(folder: &Path) -> Vec<PathBuf> {
+    let logs = logs_in(folder);
+    if !folder.is_dir() || logs == [folder] {
+        return Vec::new();
+    }
+    let is_named_so = |path: &PathBuf| path.is_file() && role_by_name(path) == Some(FileRole::Log);
+    let mut unusable = FileSource::Disk.children(folder);
+    unusable.retain(|path| is_named_so(path) && !logs.contains(path));
+    unusable
+}
+
+fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
+    let mut formats = FORMATS.iter();
+    if formats.any(|format| format.reader.is_recording(files, folder)) {
+        return vec![folder.to_owned()];
+    }
+    let is_log = |path: &PathBuf| {
+        // A pipe may never begin: it is not opened.
+        let is_file = matches!(files, FileSource::Held(_)) || path.is_file();
+        let bytes = is_file.then(|| files.look_at(path).ok()).flatten();
+        bytes
+            .filter(|bytes| !bytes.is_empty())
+            .is_some_and(|bytes| {
+                let path = path.clone();
+                let opened = Opened { path, bytes };
+                let mut formats = FORMATS.iter().map(|format| format.reader);
+                formats.any(|reader| {
+                    !reader.is_read_by_name_only(&opened.path)
+                        && reader.recognise(files, &opened).is_some()
+                })
+            })
+    };
+    let mut logs = files.children(folder);
+    logs.retain(|path| !files.is_folder(path) && is_log(path));
+    logs
+}
+
+/// Most names that a message lists.
+const MOST_NAMES: usize = 8;
+
+fn some(names: &[String]) -> String {
+    match names.get(..MOST_NAMES) {
+        Some(some) if names.len() > MOST_NAMES => format!("{} ...", some.join(", ")),
+        _ => names.join(", "),
+    }
+}
+
+fn read_by_content(
+    files: &FileSource,
+    opened: Opened,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let mut formats = FORMATS.iter();
+    if let Some(read) = formats.find_map(|format| format.reader.recognise(files, &opened)) {
+        return read(reading, progress);
+    }
+    if opened.bytes.is_empty() {
+        return Err(not_recognised(&opened.path, "the file is empty"));
+    }
+    if let Some(advice) = unsupported::advice(&opened.bytes) {
+        return Err(OpenError::Unsupported {
+            path: opened.path,
+            what: advice.to_owned(),
+        });
+    }
+    Err(not_recognised(&opened.path, table::looked_for()))
+}
+
+fn not_recognised(path: &Path, looked_for: &'static str) -> OpenError {
+    OpenError::NotRecognised {
+        path: path.to_owned(),
+        looked_for,
+    }
+}

@@ -1,0 +1,272 @@
+//! Point files as elevations to compare: which plane they lie in, and which way is up.
+
+use super::text_file::{ColumnRequest, KNOWN_NAMES};
+use super::{
+    PointFault, PointFile, PointFileError, geojson_file, read_columns, split_columns, suffix,
+};
+use crate::formats::geotiff;
+use crate::support::geo::UtmZone;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// Geographic columns come first: the metres of two surveys may count from different origins.
+const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
+    ["lon", "lat", "z_m"],
+    ["lon", "lat", "z"],
+    ["longitude", "latitude", "elevation"],
+    ["longitude", "latitude", "z"],
+];
+
+/// What the first two coordinates of a point are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointPlane {
+    /// Metres (or the file's own units) east and north.
+    Metres,
+    /// Degrees of longitude and latitude.
+    Degrees,
+    /// Metres of a zone that the file names.
+    Utm(UtmZone),
+    /// Those of another system that the file names by EPSG's number.
+    Epsg(u16),
+}
+
+impl PointPlane {
+    /// What a file means that names a system by its number, and what it is where it does not.
+    fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
+        // From here on numbers are private: what they mean stands elsewhere in the file.
+        const PRIVATE: u16 = 32_767;
+        const WGS84: u16 = 4326;
+        match epsg.map(|number| (UtmZone::from_epsg(number), u16::try_from(number))) {
+            Some((Some(zone), _)) => PointPlane::Utm(zone),
+            Some((None, Ok(WGS84))) => PointPlane::Degrees,
+            Some((None, Ok(number @ 1..PRIVATE))) => PointPlane::Epsg(number),
+            _ => otherwise,
+        }
+    }
+}
+
+/// Points with elevations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Elevations {
+    /// Which file.
+    pub path: PathBuf,
+    /// x, y, and z positive up.
+    pub points: Vec<[f64; 3]>,
+    /// What x and y are.
+    pub plane: PointPlane,
+    /// Lines or features left out because a coordinate is missing.
+    pub blank: usize,
+    /// What had to be guessed about the file, in one sentence.
+    pub note: Option<String>,
+}
+
+/// Reads `FILE` or `FILE.csv:x,y,z`; `-z` is a column that counts downwards, a depth. Without names, columns of longitude,
+/// latitude and elevation are taken where there are any. Columns named lon or longitude are degrees. Points that the file sets aside are
+/// passed over.
+///
+/// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is turned unless names are given. Of
+/// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which system they are in.
+///
+/// # Errors
+/// When no such file is named so, this one cannot be read, or it holds no point.
+pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
+    let file = read(argument)?;
+    if !file.points.is_empty() {
+        return Ok(file);
+    }
+    let what = match file.blank {
+        0 => PointFault::Empty,
+        count => PointFault::AllBlank(count),
+    };
+    Err(PointFileError::new(what, &file.path))
+}
+
+fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
+    let (path, mut names) = split_columns(argument);
+    let downwards = names
+        .as_mut()
+        .is_some_and(|[_, _, z]| match z.strip_prefix('-') {
+            Some(name) => {
+                *z = name.to_owned();
+                true
+            }
+            None => false,
+        });
+    let fail = PointFileError::at(&path);
+    match suffix(&path).as_str() {
+        "tif" | "tiff" => return of_raster(&path, names.as_ref(), downwards).map_err(fail),
+        "geojson" | "json" => return of_geojson(&path, names.as_ref(), downwards).map_err(fail),
+        _ => (),
+    }
+    let known = [GEOGRAPHIC_NAMES.as_slice(), KNOWN_NAMES.as_slice()].concat();
+    let requested = ColumnRequest {
+        named: names.as_ref(),
+        known: &known,
+        skip_blank: true,
+    };
+    let mut file = read_columns(&path, requested)?;
+    let passed_over = take_out_set_aside(&mut file);
+    let degrees = file.names.as_ref().is_some_and(|[x, _, _]| {
+        ["lon", "longitude"]
+            .iter()
+            .any(|name| x.eq_ignore_ascii_case(name))
+    });
+    let depths = names.is_none() && counts_depths(&file);
+    let turning = depths
+        .then(|| "the third column is named a depth, so it is turned into elevations".to_owned());
+    let notes = file.note.into_iter().chain(turning).chain(passed_over);
+    let notes: Vec<String> = notes.collect();
+    Ok(Elevations {
+        path,
+        points: turned(file.points, downwards || depths),
+        plane: match degrees {
+            true => PointPlane::Degrees,
+            false => PointPlane::of_epsg(file.epsg, PointPlane::Metres),
+        },
+        blank: file.blank,
+        note: (!notes.is_empty()).then(|| notes.join("; ")),
+    })
+}
+
+/// Takes out the points that the file says are not to be used; how many that are, in words.
+fn take_out_set_aside(file: &mut PointFile) -> Option<String> {
+    let before = file.points.len();
+    let mut set_aside = file.set_aside.iter();
+    file.points
+        .retain(|_| set_aside.next().is_none_or(|is_set_aside| !is_set_aside));
+    match before - file.points.len() {
+        0 => None,
+        1 => Some("1 point that the file sets aside is passed over".to_owned()),
+        count => Some(format!(
+            "{count} points that the file sets aside are passed over"
+        )),
+    }
+}
+
+/// Whether the third column that was taken is named a depth and counts downwards.
+fn counts_depths(file: &PointFile) -> bool {
+    let named = file.names.as_ref();
+    let is_depth = named.is_some_and(|[_, _, z]| z.to_ascii_lowercase().contains("depth"));
+    let below = file.points.iter().filter(|point| point[2] > 0.0).count();
+    is_depth && 2 * below > file.points.len()
+}
+
+fn turned(mut points: Vec<[f64; 3]>, downwards: bool) -> Vec<[f64; 3]> {
+    for point in points.iter_mut().filter(|_| downwards) {
+        point[2] = -point[2];
+    }
+    points
+}
+
+fn of_raster(
+    path: &Path,
+    names: Option<&[String; 3]>,
+    downwards: bool,
+) -> Result<Elevations, PointFault> {
+    if names.is_some_and(|names| names != &["x", "y", "z"]) {
+        return Err(PointFault::FixedColumns("GeoTIFF"));
+    }
+    let raster = geotiff::read_cells(path)?;
+    let depths = raster.downwards && names.is_none();
+    let note =
+        depths.then(|| "the raster holds depths, which are turned into elevations".to_owned());
+    Ok(Elevations {
+        path: path.to_owned(),
+        points: turned(raster.points, downwards || depths),
+        plane: match raster.is_degrees {
+            true => PointPlane::Degrees,
+            false => PointPlane::of_epsg(raster.projected.map(u32::from), PointPlane::Metres),
+        },
+        blank: 0,
+        note,
+    })
+}
+
+fn of_geojson(
+    path: &Path,
+    names: Option<&[String; 3]>,
+    downwards: bool,
+) -> Result<Elevations, PointFault> {
+    let found = geojson_file::read(path, names.map(|[_, _, height]| height.as_str()))?;
+    Ok(Elevations {
+        path: path.to_owned(),
+        points: turned(found.points, downwards),
+        plane: PointPlane::Degrees,
+        blank: found.left_out,
+        note: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, columns: &str) -> Elevations {
+        try_read(text, columns).unwrap()
+    }
+
+    fn try_read(text: &str, columns: &str) -> Result<Elevations, PointFileError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        std::fs::write(&path, text).unwrap();
+        let mut argument = path.into_os_string();
+        argument.push(columns);
+        read_elevations(&argument)
+    }
+
+    #[test]
+    fn a_file_without_points_is_said_to_be_empty() {
+        for (text, words) in [
+            ("", "is empty"),
+            ("lon,lat,z_m\n", "is empty"),
+            ("lon,lat,z_m\n1,,3\n", "none of the 1 lines"),
+        ] {
+            let refused = try_read(text, "").unwrap_err().to_string();
+            assert!(refused.contains(words), "{refused}");
+        }
+    }
+
+    #[test]
+    fn degrees_are_taken_before_metres_of_an_unknown_origin() {
+        let found = read("east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n", "");
+        assert_eq!(
+            (found.plane, found.points[0]),
+            (PointPlane::Degrees, [-82.1, 29.4, -3.0])
+        );
+        let found = read(
+            "east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n",
+            ":east_m,north_m,z_m",
+        );
+        assert_eq!(
+            (found.plane, found.points[0]),
+            (PointPlane::Metres, [1.0, 2.0, -3.0])
+        );
+    }
+
+    #[test]
+    fn a_column_that_is_named_a_depth_is_one_unless_it_counts_upwards() {
+        let found = read("lon,lat,Depth_m\n1,2,3\n1,3,4\n", "");
+        assert_eq!(found.points[0], [1.0, 2.0, -3.0]);
+        let note = found.note.unwrap();
+        assert!(note.contains("depth") && note.contains("`lat`"), "{note}");
+        let upwards = read("lon,lat,Depth_m\n1,2,-3\n1,3,-4\n", "");
+        assert_eq!(upwards.points[0], [1.0, 2.0, -3.0]);
+        let named = read("lon,lat,Depth_m\n1,2,3\n", ":lon,lat,Depth_m");
+        assert_eq!(named.points[0], [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn points_that_are_not_kept_are_passed_over() {
+        let found = read("x,y,z,kept\n1,2,-3,1\n4,5,-6,0\n7,8,-9,1\n", "");
+        assert_eq!(found.points, [[1.0, 2.0, -3.0], [7.0, 8.0, -9.0]]);
+        let note = found.note.unwrap();
+        assert!(note.starts_with("1 point that"), "{note}");
+    }
+
+    #[test]
+    fn a_depth_is_turned_and_blank_lines_are_counted() {
+        let found = read("x,y,d\n1,2,3\n1,,4\n5,6,\n7,8,9\n", ":x,y,-d");
+        assert_eq!(found.points, [[1.0, 2.0, -3.0], [7.0, 8.0, -9.0]]);
+        assert_eq!((found.blank, found.note), (2, None));
+    }
+}

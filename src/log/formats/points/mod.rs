@@ -1,0 +1,236 @@
+//! Point files of other programs: text, PLY, LAS, LAZ and COPC; as elevations also GeoTIFF and GeoJSON.
+//!
+//! In: a file of points, or points. Out: places with elevations, or a file.
+//! It uses `support`.
+//!
+//! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
+//! formats only the coordinates go over.
+
+pub(super) mod columns;
+mod copc;
+mod elevations;
+mod error;
+mod geojson_file;
+mod las_claims;
+mod las_file;
+mod las_writer;
+mod ply_file;
+mod text_file;
+
+pub use copc::write_copc;
+pub use elevations::{Elevations, PointPlane, read_elevations};
+pub use error::{LasFault, PlyFault, PointFault, PointFileError, PointLineFault, TextFault};
+pub use las_writer::{LasWriter, transforms};
+
+use copc::is_named_copc;
+use las_file::LasFile;
+use ply_file::PlyFile;
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use text_file::{ColumnRequest, KNOWN_NAMES, TextFile};
+
+/// A point file in memory.
+#[derive(Debug)]
+pub struct PointFile {
+    /// x, y, z of each point, in the file's own units and order.
+    pub points: Vec<[f64; 3]>,
+    /// What had to be guessed about the file, in one sentence.
+    pub note: Option<String>,
+    /// Names of the columns that the coordinates are from, where they have names.
+    pub names: Option<[String; 3]>,
+    /// Lines left out because a coordinate is blank; none unless that was asked for.
+    pub blank: usize,
+    /// Whether the file says of a point that it is not to be used: "withheld" of LAS, 0 in a column `kept`. Empty where it says so of none.
+    pub set_aside: Vec<bool>,
+    /// EPSG number of the system that the file names, where it does.
+    pub epsg: Option<u32>,
+    rows: FormatFile,
+}
+
+/// What else the file says about its points.
+#[derive(Debug)]
+enum FormatFile {
+    Text(TextFile),
+    Ply(PlyFile),
+    Las(Box<LasFile>),
+}
+
+/// The format that a file name asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointFormat {
+    /// Lines of text, the first of which names the columns.
+    Csv,
+    /// Lines of text.
+    Xyz,
+    /// PLY.
+    Ply,
+    /// LAS.
+    Las,
+    /// LAS, compressed.
+    Laz,
+    /// LAS, compressed, by the nodes of an octree: `.copc.laz`.
+    Copc,
+}
+
+impl PointFormat {
+    /// Of a file, by the end of its name.
+    ///
+    /// # Errors
+    /// When no point file is named so.
+    pub fn of(path: &Path) -> Result<Self, PointFileError> {
+        match suffix(path).as_str() {
+            "csv" => Ok(Self::Csv),
+            "xyz" | "txt" => Ok(Self::Xyz),
+            "ply" => Ok(Self::Ply),
+            "las" => Ok(Self::Las),
+            "laz" if is_named_copc(path) => Ok(Self::Copc),
+            "laz" => Ok(Self::Laz),
+            _ => Err(PointFileError::new(PointFault::Ending, path)),
+        }
+    }
+
+    fn is_text(self) -> bool {
+        matches!(self, Self::Csv | Self::Xyz)
+    }
+}
+
+/// The end of a file's name, in lower case.
+fn suffix(path: &Path) -> String {
+    let suffix = path.extension().unwrap_or_default();
+    suffix.to_string_lossy().to_lowercase()
+}
+
+/// Splits `FILE.csv:x,y,z` into the file and the names of its three columns.
+pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3]>) {
+    let argument = argument.as_ref();
+    if let Some((file, names)) = argument.to_str().and_then(|text| text.rsplit_once(':')) {
+        let names: Vec<String> = names
+            .split(',')
+            .map(|name| name.trim().to_owned())
+            .collect();
+        if let Ok(names) = <[String; 3]>::try_from(names) {
+            return (file.into(), Some(names));
+        }
+    }
+    (argument.into(), None)
+}
+
+/// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps with its columns.
+pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
+    let (path, _) = split_columns(argument);
+    let others = ["tif", "tiff", "geojson", "json"];
+    PointFormat::of(&path).is_ok() || others.contains(&suffix(&path).as_str())
+}
+
+/// Reads a point file; `columns` names the coordinates of a text file with a header line.
+///
+/// # Errors
+/// When no point file is named so, or this one cannot be read.
+pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
+    read_columns(
+        path,
+        ColumnRequest {
+            named: columns,
+            known: &KNOWN_NAMES,
+            skip_blank: false,
+        },
+    )
+}
+
+fn read_columns(path: &Path, requested: ColumnRequest<'_>) -> Result<PointFile, PointFileError> {
+    read_format(PointFormat::of(path)?, path, requested).map_err(PointFileError::at(path))
+}
+
+fn read_format(
+    format: PointFormat,
+    path: &Path,
+    requested: ColumnRequest<'_>,
+) -> Result<PointFile, PointFault> {
+    let named_otherwise = requested
+        .named
+        .is_some_and(|names| names != &["x", "y", "z"]);
+    if !format.is_text() && named_otherwise {
+        return Err(PointFault::FixedColumns("PLY or LAS file"));
+    }
+    let bare = |rows, points| PointFile {
+        points,
+        note: None,
+        names: None,
+        blank: 0,
+        set_aside: Vec::new(),
+        epsg: None,
+        rows,
+    };
+    Ok(match format {
+        PointFormat::Csv | PointFormat::Xyz => {
+            let (file, points) = text_file::read(path, requested)?;
+            PointFile {
+                note: file.note(),
+                names: file.names.clone(),
+                blank: file.blank,
+                set_aside: file.set_aside.clone(),
+                ..bare(FormatFile::Text(file), points)
+            }
+        }
+        PointFormat::Ply => {
+            let (file, points) = ply_file::read(path)?;
+            bare(FormatFile::Ply(file), points)
+        }
+        PointFormat::Las | PointFormat::Laz | PointFormat::Copc => {
+            let (file, points) = las_file::read(path)?;
+            PointFile {
+                epsg: file.epsg(),
+                set_aside: file.withheld(),
+                ..bare(FormatFile::Las(Box::new(file)), points)
+            }
+        }
+    })
+}
+
+impl PointFile {
+    /// Writes the points whose flag is set into a file that is open for it: with all that the input said of them in its own format,
+    /// their coordinates in another.
+    ///
+    /// # Errors
+    /// What the system says, or that the format cannot hold the points.
+    pub fn write_kept(&self, out: File, format: PointFormat, kept: &[bool]) -> io::Result<()> {
+        let kept_points = || {
+            let points = self.points.iter().zip(kept);
+            points.filter(|(_, kept)| **kept).map(|(point, _)| point)
+        };
+        match (&self.rows, format) {
+            (FormatFile::Text(rows), PointFormat::Csv | PointFormat::Xyz) => {
+                rows.write_kept(out, kept)
+            }
+            (FormatFile::Ply(rows), PointFormat::Ply) => rows.write_kept(out, kept),
+            (FormatFile::Las(rows), PointFormat::Las | PointFormat::Laz | PointFormat::Copc) => {
+                rows.write_kept(out, kept, format)
+            }
+            (_, PointFormat::Csv | PointFormat::Xyz) => {
+                write_lines(out, format == PointFormat::Csv, kept_points())
+            }
+            (_, PointFormat::Ply) => ply_file::write(out, kept_points()),
+            (_, PointFormat::Las | PointFormat::Laz | PointFormat::Copc) => {
+                las_file::write(out, kept_points(), format)
+            }
+        }
+    }
+}
+
+fn write_lines<'a>(
+    out: File,
+    is_csv: bool,
+    points: impl Iterator<Item = &'a [f64; 3]>,
+) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    let separator = if is_csv { ',' } else { ' ' };
+    if is_csv {
+        writeln!(out, "x,y,z")?;
+    }
+    for [x, y, z] in points {
+        writeln!(out, "{x}{separator}{y}{separator}{z}")?;
+    }
+    out.flush()
+}

@@ -1,0 +1,316 @@
+//! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
+
+use super::gpx::{GpxError, gpx_points};
+use super::stray::drop_stray;
+use crate::support::calendar::unix_from_text;
+use crate::support::file_error::FileError;
+use crate::support::geo::LonLat;
+use crate::support::regular_file;
+use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
+use std::io;
+use std::path::Path;
+use std::str::Utf8Error;
+use std::sync::Arc;
+
+/// A track from a file.
+#[derive(Clone, Debug)]
+pub struct TrackFile {
+    external: ExternalTrack,
+    bytes: Bytes,
+    /// Unix seconds, or seconds of the log, with their places, at rising times.
+    fixes: Vec<(f64, LonLat, f32)>,
+}
+
+/// Times below this, seconds, count from the beginning of the log: no receiver has recorded in 1973.
+const LEAST_UNIX_S: f64 = 1e8;
+/// Longer than any track: ten fixes a second of a month take as much.
+const LONGEST: u64 = 1 << 31;
+/// Names of the columns, in lower case; the first that is there is taken.
+pub(super) const TIME: &[&str] = &["time", "timestamp", "utc", "unix_s", "time_s"];
+pub(super) const LON: &[&str] = &["lon", "longitude", "lon_deg", "lng"];
+pub(super) const LAT: &[&str] = &["lat", "latitude", "lat_deg"];
+pub(super) const HEADING: &[&str] = &["heading_deg", "yaw_deg", "heading"];
+
+impl TrackFile {
+    /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log), `lon` and `lat`, degrees, and
+    /// perhaps `heading_deg`; GPX its track points.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds no track.
+    pub fn read(path: &Path) -> Result<Self, TrackError> {
+        let fail = TrackError::at(path);
+        let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| fail(error.into()))?;
+        let gpx = text
+            .trim_start_matches('\u{feff}')
+            .trim_start()
+            .starts_with('<');
+        let mut fixes = if gpx { from_gpx(text) } else { from_csv(text) }.map_err(fail)?;
+        if fixes.len() < 2 {
+            return Err(fail(TrackFault::TooShort));
+        }
+        fixes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(Self {
+            external: ExternalTrack {
+                path: path.to_owned(),
+                offset_s: 0.0,
+                span_s: [0.0; 2],
+            },
+            bytes: Bytes::Held(Arc::from(bytes)),
+            fixes,
+        })
+    }
+
+    /// The file that it was read from.
+    pub fn path(&self) -> &Path {
+        &self.external.path
+    }
+
+    /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than the file says. The file joins the
+    /// survey's sources. What the track does not cover has no place from then on, and a warning says so.
+    ///
+    /// # Errors
+    /// When nothing of the log is covered, or nobody knows when it was recorded.
+    pub fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
+        let fail = TrackError::at(self.path());
+        let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
+            (true, _) => 0.0,
+            (false, Some(start_unix_s)) => start_unix_s,
+            (false, None) => return Err(fail(TrackFault::UnknownTime)),
+        };
+        let fix = |&(time_s, position, compass_rad): &(f64, LonLat, f32)| Fix {
+            time_s: time_s - zero_s + offset_s,
+            position,
+            cog_rad: f32::NAN,
+            compass_rad,
+            speed_mps: f32::NAN,
+        };
+        let mut fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
+        let stray = drop_stray(&mut fixes);
+        // Two places far apart, and the one between them is near none.
+        let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else {
+            return Err(fail(TrackFault::TooShort));
+        };
+        let span_s = [first.time_s, last.time_s];
+        let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
+        let pings = survey.side_scan.iter().map(|ping| ping.time_s);
+        let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
+        let outside = times.clone().filter(|time_s| !inside(*time_s)).count();
+        let count = times.count();
+        if outside == count {
+            return Err(fail(TrackFault::Elsewhere(span_s)));
+        }
+        let place = None;
+        let stray = stray.map(|what| format!("Of the external track {what}."));
+        let warnings = stray.map(|text| crate::survey::Warning { place, text });
+        survey.warnings.extend(warnings);
+        if outside > 0 {
+            survey.warnings.push(crate::survey::Warning {
+                place: None,
+                text: format!(
+                    "The external track does not cover {outside} of {count} pings and soundings, which are left without a place."
+                ),
+            });
+        }
+        survey.track = Track {
+            external: Some(ExternalTrack {
+                offset_s,
+                span_s,
+                ..self.external.clone()
+            }),
+            ..Track::new(fixes)
+        };
+        survey.source.files.push(self.external.path.clone());
+        survey.bytes.push(self.bytes.clone());
+        Ok(())
+    }
+}
+
+/// Why a track cannot be used.
+pub type TrackError = FileError<TrackFault>;
+
+/// Why a track cannot be used, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum TrackFault {
+    /// The system does not give it.
+    #[error("cannot read the track: {0}")]
+    Io(#[from] io::Error),
+    /// It is not text.
+    #[error("the track is neither CSV nor GPX")]
+    NotText(#[from] Utf8Error),
+    /// It does not begin as XML does and is no CSV.
+    #[error("the track is no table: {0}")]
+    NotATable(#[from] csv::Error),
+    /// It begins as XML does and is none.
+    #[error(transparent)]
+    Gpx(#[from] GpxError),
+    /// The table has these columns only.
+    #[error(
+        "the track has no columns time, lon and lat, only {}; name them so in the first line",
+        .0.join(", ")
+    )]
+    NoColumns(Vec<String>),
+    /// This line of the table holds something else.
+    #[error("line {0} of the track has no time, longitude and latitude that can be read")]
+    NoFix(u64),
+    /// This point of the GPX, counted from 1, holds something else.
+    #[error("track point {0} has no place that can be read")]
+    NoPlace(usize),
+    /// It has one place or none.
+    #[error("the track has fewer than two places with a time")]
+    TooShort,
+    /// It has dates and the log has none.
+    #[error(
+        "the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log"
+    )]
+    UnknownTime,
+    /// It is of another time: its first and its last fix, seconds of the log.
+    #[error(
+        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was", .0[0], .0[1]
+    )]
+    Elsewhere([f64; 2]),
+}
+
+type Fixes = Result<Vec<(f64, LonLat, f32)>, TrackFault>;
+
+fn from_csv(text: &str) -> Fixes {
+    let header = text.lines().find(|line| !line.starts_with('#'));
+    let semicolons = header.is_some_and(|line| line.contains(';'));
+    let mut table = csv::ReaderBuilder::new()
+        .delimiter(if semicolons { b';' } else { b',' })
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+    let header = table.headers()?.clone();
+    let find = |names: &[&str]| {
+        let position = |name: &&str| {
+            header
+                .iter()
+                .position(|field| field.eq_ignore_ascii_case(name))
+        };
+        names.iter().find_map(position)
+    };
+    let [Some(time), Some(lon), Some(lat)] = [TIME, LON, LAT].map(find) else {
+        let names = header.iter().map(str::to_owned);
+        return Err(TrackFault::NoColumns(names.collect()));
+    };
+    let heading = find(HEADING);
+    let mut fixes = Vec::new();
+    for row in table.records() {
+        let row = row?;
+        let line = row.position().map_or(0, csv::Position::line);
+        let field = |column: usize| row.get(column).unwrap_or_default();
+        let number = |column: usize| field(column).parse::<f64>().ok();
+        let position = position(number(lon), number(lat));
+        let (Some(time_s), Some(position)) = (unix_from_text(field(time)), position) else {
+            return Err(TrackFault::NoFix(line));
+        };
+        let heading_deg = heading.and_then(number).unwrap_or(f64::NAN);
+        fixes.push((time_s, position, heading_deg.to_radians() as f32));
+    }
+    Ok(fixes)
+}
+
+/// Degrees that exist.
+fn position(lon_deg: Option<f64>, lat_deg: Option<f64>) -> Option<LonLat> {
+    let (lon_deg, lat_deg) = (lon_deg?, lat_deg?);
+    let exists = lon_deg.abs() <= 360.0 && lat_deg.abs() < 90.0;
+    exists.then_some(LonLat { lon_deg, lat_deg })
+}
+
+/// The track points of a GPX file; those without a time are left out.
+fn from_gpx(text: &str) -> Fixes {
+    let mut fixes = Vec::new();
+    for (index, point) in gpx_points(text)?.into_iter().enumerate() {
+        let [lon_deg, lat_deg] = point.lon_lat.map_or([None; 2], |at| at.map(Some));
+        let position = position(lon_deg, lat_deg).ok_or(TrackFault::NoPlace(index + 1))?;
+        let time_s = unix_from_text(point.time.trim());
+        fixes.extend(time_s.map(|time_s| (time_s, position, f32::NAN)));
+    }
+    Ok(fixes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Sounding;
+
+    fn survey() -> Survey {
+        let sounding = |time_s| Sounding {
+            time_s,
+            depth_m: 2.0,
+            locked: true,
+        };
+        Survey {
+            start_unix_s: Some(1_634_000_000.0),
+            soundings: Arc::new((0..10).map(f64::from).map(sounding).collect()),
+            ..Survey::default()
+        }
+    }
+
+    fn read(name: &str, text: &str) -> Result<TrackFile, TrackError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        TrackFile::read(&path)
+    }
+
+    #[test]
+    fn csv_and_gpx_give_the_same_track() {
+        let csv = "Latitude,Time,Longitude,Heading_deg\n29.41,2021-10-12T00:53:20Z,-82.11,90\n29.4101,1634000010,-82.1101,\n";
+        let gpx = "<?xml version='1.0'?><gpx><trk><trkseg><trkpt lon='-82.11' lat = \"29.41\"><ele>3</ele><time>2021-10-12T00:53:20Z</time></trkpt>\
+                   <trkpt lat=\"1\" lon=\"1\"/><trkpt lat=\"29.4101\" lon=\"-82.1101\"><time>2021-10-12T00:53:30Z</time></trkpt></trkseg></trk></gpx>";
+        let [csv, gpx] = [read("a.csv", csv), read("a.gpx", gpx)].map(Result::unwrap);
+        let places = |track: &TrackFile| -> Vec<(f64, LonLat)> {
+            track
+                .fixes
+                .iter()
+                .map(|(time_s, place, _)| (*time_s, *place))
+                .collect()
+        };
+        assert_eq!(places(&csv), places(&gpx));
+        assert_eq!(places(&csv).len(), 2);
+        assert!((csv.fixes[0].2 - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+        let mut survey = survey();
+        csv.apply(&mut survey, -2.0).unwrap();
+        assert_eq!(survey.track.fixes[1].time_s, 8.0);
+        assert_eq!(survey.source.files.len(), survey.bytes.len());
+        // The last sounding comes a second after the last fix.
+        assert!(
+            survey.warnings[0].text.contains("1 of 10"),
+            "{:?}",
+            survey.warnings
+        );
+    }
+
+    #[test]
+    fn times_of_the_log_need_no_clock_and_others_are_refused() {
+        let mut unknown = Survey {
+            start_unix_s: None,
+            ..survey()
+        };
+        let own = read("a.csv", "time_s,lon,lat\n0,1,2\n9,1,2.1\n").unwrap();
+        own.apply(&mut unknown, 0.0).unwrap();
+        assert!(unknown.warnings.is_empty());
+        let dated = read("a.csv", "time,lon,lat\n1634000000,1,2\n1634000009,1,2.1\n").unwrap();
+        unknown.start_unix_s = None;
+        assert!(
+            dated
+                .apply(&mut unknown, 0.0)
+                .unwrap_err()
+                .to_string()
+                .contains("does not know the time")
+        );
+        let error = dated.apply(&mut survey(), 3600.0).unwrap_err().to_string();
+        assert!(error.contains("track.offset_s"), "{error}");
+        for (text, words) in [
+            ("time,x,y\n1,2,3\n", "time, lon and lat"),
+            ("time,lon,lat\n1,2,3\n2,2,95\n", "line 3"),
+            ("time,lon,lat\n1,2,3\n", "fewer than two"),
+            ("<gpx><trkpt lat='1'></trkpt></gpx>", "point 1"),
+        ] {
+            let error = read("a.csv", text).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

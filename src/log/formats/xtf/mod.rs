@@ -1,0 +1,204 @@
+//! XTF, the exchange format of the survey world.
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
+//!
+//! A file header of 1024 bytes or a multiple of that lists the channels; a row of packets follows, which `raw` describes. A packet of type 0
+//! is a ping: its header, then for each channel a header and samples. Samples have 1, 2 or 4 bytes and may be floating point; `levels`
+//! finds one scale for all of them. A header says that samples are polar more often than they are, so that the samples themselves decide
+//! whether they have a sign. Formats 1, 2, 3, 5 and 8 of samples came with revision 41; before, only the bytes of a sample are stated. Weights
+//! scale the samples of EdgeTech's sonars and of Kongsberg's synthetic aperture sonar, for which the specification has them as mandatory; gain
+//! codes scale nothing.
+//!
+//! A ping states where the sonar and where the ship is. Isis, the program that the format comes from, writes both alike while it knows a
+//! layback, and moves the position back along the heading of the sonar when it is used; other programs write the sonar's own. `positions`
+//! tells them apart by their distance. Packets 42 and 107 are positions, 23 and 84 headings, 3 attitude with a heading.
+//!
+//! `multibeam` reads the depths of a multibeam sonar in the same file, to compare with.
+//!
+//! Sources: Triton's "eXtended Triton Format" as its revisions 14 to 42, its header file `xtf.h` of 1998 and public readers cite it: `pyxtf`
+//! 1.5, `libxtf`, `stdlibXtf`, MB-System (`mbf_xtfr8101.h`). Not done as `pyxtf` does: it takes all whole numbers as without a sign, and the
+//! time of packet 107 as if its ten thousandths of a second were millionths.
+
+mod channels;
+mod date;
+mod decode;
+mod from_log;
+mod levels;
+mod multibeam;
+mod navigation;
+mod packets;
+mod place;
+mod positions;
+pub mod raw;
+mod sides;
+#[cfg(test)]
+mod tests;
+mod walk;
+
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
+use super::messages::MessageWalk;
+use super::reading::Reading;
+use super::{OpenError, Opened, assemble, collected::Collected};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{Source, Survey};
+pub(super) use levels::shift_to_fit;
+pub(super) use multibeam::read_multibeam;
+use raw::{FileHeader, record};
+use walk::PACKETS;
+
+/// The file header is a multiple of this long: 1024 bytes for up to six channels.
+const HEADER_BLOCK: usize = 1024;
+/// Bytes searched for packets when the file header is damaged.
+const SEARCHED_FOR_PACKETS: usize = 1 << 20;
+/// Bytes of the head that is read before a tail is: more than most files' first pings take.
+const HEAD: usize = 1 << 18;
+const FORMAT: &str = "XTF";
+
+/// The reader of the format.
+pub(super) struct Xtf;
+
+impl LogFormat for Xtf {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let found = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, found, reading, progress)
+        }))
+    }
+}
+
+/// What was recognised.
+#[derive(Clone, Copy, Debug)]
+struct XtfStart {
+    header: Option<FileHeader>,
+    first_packet: usize,
+}
+
+/// Recognises a file by its header, or by its packets when the header is damaged.
+fn sniff(bytes: &[u8]) -> Option<XtfStart> {
+    let header: Option<FileHeader> = record(bytes, 0).filter(is_header);
+    let header_len = header.map_or(0, |header| {
+        let channels = usize::from(header.sonar_channels) + usize::from(header.bathymetry_channels);
+        (256 + 128 * channels).next_multiple_of(HEADER_BLOCK)
+    });
+    let searched = header_len..header_len + SEARCHED_FOR_PACKETS;
+    let first_packet = if header.is_some() && walk::header(bytes, header_len).is_some() {
+        Some(header_len)
+    } else {
+        PACKETS.next(bytes, searched.start, searched.end)
+    };
+    (header.is_some() || first_packet.is_some()).then(|| XtfStart {
+        header,
+        first_packet: first_packet.unwrap_or(header_len.min(bytes.len())),
+    })
+}
+
+/// 0x7B is also an opening brace: text has other bytes where the small numbers of the header are.
+fn is_header(header: &FileHeader) -> bool {
+    header.file_format == 0x7B
+        && header.nav_units <= 3
+        && header.sonar_channels <= 64
+        && header.bathymetry_channels <= 64
+        && header.sonar_channels + header.bathymetry_channels > 0
+}
+
+/// The sonar and the program that recorded it, as the header names them.
+fn device_name(header: FileHeader) -> String {
+    let mut names = Vec::new();
+    for name in [&header.sonar_name[..], &header.program[..]] {
+        names.extend(channels::text(name).filter(|name| !names.contains(name)));
+    }
+    names.join(", ")
+}
+
+/// Reads a file that [`sniff`] recognised.
+fn read(
+    opened: Opened,
+    found: XtfStart,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = opened.path.clone();
+    let bytes = opened.bytes.clone();
+    let mut source = opened.source(FORMAT.to_owned());
+    source.device = found.header.map_or_else(String::new, device_name);
+    let mut log = Collected::new(source, vec![opened.bytes], reading);
+    let report = log.report.clone();
+    if found.header.is_none() {
+        report.log("the file header is damaged; channels and units were inferred from the pings");
+    }
+    let (mut reader, start) = match reading.from(0) {
+        Some(from) => {
+            let start = PACKETS.next(&bytes, from, bytes.len());
+            let reader = knowing_head(&bytes, &found, (from, reading.known()), progress)?;
+            (reader, start.unwrap_or(bytes.len()))
+        }
+        None => (
+            decode::Reader::new(&bytes, found.header, None),
+            found.first_packet,
+        ),
+    };
+    progress.start(bytes.len().saturating_sub(start) as u64);
+    MessageWalk {
+        format: PACKETS,
+        bytes: &bytes,
+        report: &report,
+        is_growing: reading.is_growing,
+        progress,
+    }
+    .run(start, |packet| reader.take(&mut log, packet.start))?;
+    reader.finish(&mut log, reading.known());
+    if log.channels.is_empty() && reader.others().total() > 0 {
+        return Err(OpenError::Unsupported {
+            path,
+            what: format!(
+                "this XTF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into, or export it with the sonar channels",
+                reader.others().summary()
+            ),
+        });
+    }
+    if log.channels.is_empty() {
+        return Err(OpenError::Broken {
+            path,
+            format: FORMAT.to_owned(),
+            what: format!(
+                "no side-scan ping in its {} bytes; export the file again",
+                bytes.len()
+            ),
+        });
+    }
+    Ok(assemble::assemble(log, reading))
+}
+
+/// A reader that has seen the file's first pings: they say from when times count, around which place metres lie and which channels are
+/// shown. Looks at no more than what lies before `from`.
+fn knowing_head<'a>(
+    bytes: &'a [u8],
+    found: &XtfStart,
+    (from, known): (usize, Option<&Survey>),
+    progress: &Progress,
+) -> Result<decode::Reader<'a>, Cancelled> {
+    let mut head = HEAD;
+    loop {
+        let end = from.min(found.first_packet.saturating_add(head));
+        let mut reader = decode::Reader::new(&bytes[..end], found.header, known);
+        let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
+        MessageWalk {
+            format: PACKETS,
+            bytes: &bytes[..end],
+            report: &log.report.clone(),
+            is_growing: true,
+            progress: &Progress::new(),
+        }
+        .run(found.first_packet, |packet| {
+            reader.take(&mut log, packet.start)
+        })?;
+        progress.check()?;
+        if reader.knows_zero(&mut log) || end == from {
+            return Ok(reader.after_head(bytes));
+        }
+        head *= 4;
+    }
+}

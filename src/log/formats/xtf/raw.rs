@@ -1,0 +1,327 @@
+//! The records of an XTF file as they lie in it: little-endian, packed (Triton's "eXtended Triton Format").
+
+use bytemuck::{Pod, Zeroable};
+
+/// The fields used of the first 256 bytes of the file header; one [`ChannelInfo`] a channel follows.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct FileHeader {
+    /// Offset 0: always 0x7B.
+    pub file_format: u8,
+    /// 1: recorder's number for itself.
+    pub system_type: u8,
+    /// 2: name of the recording program.
+    pub program: [u8; 8],
+    /// 10: its version.
+    pub program_version: [u8; 8],
+    /// 18: name of the sonar.
+    pub sonar_name: [u8; 16],
+    /// 34: number of the sonar's type.
+    pub sonar_type: u16,
+    /// 36: notes.
+    pub note: [u8; 64],
+    /// 100: name of the file when it was recorded.
+    pub file_name: [u8; 64],
+    /// 164: 0 projected metres (the zone is not stored), 3 degrees.
+    pub nav_units: u16,
+    /// 166: side-scan and sub-bottom channels.
+    pub sonar_channels: u16,
+    /// 168: bathymetry channels.
+    pub bathymetry_channels: u16,
+    /// 170: not used here.
+    pub rest_170: [u8; 34],
+    /// 204: delay of positions, milliseconds.
+    pub nav_latency_ms: i32,
+    /// 208: not used here.
+    pub rest_208: [u8; 8],
+    /// 216: the antenna forward of the ship's reference point, metres.
+    pub nav_offset_y_m: f32,
+    /// 220: the antenna to starboard of the ship's reference point, metres.
+    pub nav_offset_x_m: f32,
+    /// 224: not used here.
+    pub rest_224: [u8; 32],
+}
+
+/// What a channel is; 128 bytes each from byte 256 of the file header on.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct ChannelInfo {
+    /// Offset 0: 0 sub-bottom, 1 port, 2 starboard, 3 bathymetry.
+    pub kind: u8,
+    /// 1: the channel's number in ping records.
+    pub number: u8,
+    /// 2: 1 slant range, 2 corrected to ground range.
+    pub correction: u16,
+    /// 4: 0 signed samples, 1 unsigned.
+    pub unipolar: u16,
+    /// 6: bytes a sample.
+    pub bytes_per_sample: u16,
+    /// 8: samples of every ping, in files from before pings stated it; 1024 or nothing since.
+    pub reserved: u32,
+    /// 12: name in words.
+    pub name: [u8; 16],
+    /// 28: volts of full scale.
+    pub volt_scale: f32,
+    /// 32: frequency, kHz.
+    pub frequency_khz: f32,
+    /// 36: not used here: beam angles.
+    pub rest_36: [u8; 12],
+    /// 48: the transducer to starboard of the ship's reference point, metres.
+    pub offset_x_m: f32,
+    /// 52: the transducer forward of the ship's reference point, metres.
+    pub offset_y_m: f32,
+    /// 56: not used here.
+    pub rest_56: [u8; 18],
+    /// 74: 0 old, by bytes a sample; 1 IBM float, 2 int32, 3 int16, 5 float, 8 int8.
+    pub sample_format: u8,
+    /// 75: not used here.
+    pub rest_75: [u8; 53],
+}
+
+/// The first 14 bytes of every packet.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct PacketHeader {
+    /// Offset 0: 0xFACE.
+    pub magic: u16,
+    /// 2: 0 side-scan ping, 2 bathymetry, 3 attitude, others by vendor.
+    pub kind: u8,
+    /// 3: not used here.
+    pub sub_channel: u8,
+    /// 4: channels that follow in a ping.
+    pub channels: u16,
+    /// 6: reserved.
+    pub reserved: [u16; 2],
+    /// 10: the whole packet; the step to the next.
+    pub size: u32,
+}
+
+/// The 256 bytes that a side-scan ping begins with, packet header included.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct PingHeader {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time of the ping.
+    pub year: u16,
+    /// 16: 1 to 12.
+    pub month: u8,
+    /// 17: 1 to 31.
+    pub day: u8,
+    /// 18: hour.
+    pub hour: u8,
+    /// 19: minute.
+    pub minute: u8,
+    /// 20: second.
+    pub second: u8,
+    /// 21: hundredths of a second.
+    pub hundredths: u8,
+    /// 22: day of the year.
+    pub julian_day: u16,
+    /// 24: number of the last event.
+    pub event: u32,
+    /// 28: number of the ping.
+    pub ping_number: u32,
+    /// 32: speed of sound, metres a second; about 1500, or about 750 where it is for there and back.
+    pub sound_velocity_mps: f32,
+    /// 36: not used here.
+    pub rest_36: [u8; 36],
+    /// 72: speed of sound by conductivity, temperature and pressure, metres a second.
+    pub computed_sound_velocity_mps: f32,
+    /// 76: not used here.
+    pub rest_76: [u8; 44],
+    /// 120: the ship's speed, knots.
+    pub ship_speed_kn: f32,
+    /// 124: the ship's compass, degrees.
+    pub ship_gyro_deg: f32,
+    /// 128: the ship's latitude, or northing.
+    pub ship_y: f64,
+    /// 136: the ship's longitude, or easting.
+    pub ship_x: f64,
+    /// 144: not used here.
+    pub rest_144: [u8; 8],
+    /// 152: the sonar's speed, knots.
+    pub sensor_speed_kn: f32,
+    /// 156: not used here.
+    pub rest_156: [u8; 4],
+    /// 160: the sonar's latitude, or northing.
+    pub sensor_y: f64,
+    /// 168: the sonar's longitude, or easting.
+    pub sensor_x: f64,
+    /// 176: not used here.
+    pub rest_176: [u8; 6],
+    /// 182: cable paid out, metres.
+    pub cable_out_m: u16,
+    /// 184: distance over ground from the ship to the towed sonar, metres.
+    pub layback_m: f32,
+    /// 188: not used here.
+    pub rest_188: [u8; 4],
+    /// 192: the sonar below the water's surface, metres.
+    pub sensor_depth_m: f32,
+    /// 196: height of the sonar above the bottom, metres; 0 when it is not known.
+    pub sensor_altitude_m: f32,
+    /// 200: the same by another instrument, metres; 0 when it is not known.
+    pub sensor_aux_altitude_m: f32,
+    /// 204: the sonar's pitch, degrees, positive with its nose up.
+    pub sensor_pitch_deg: f32,
+    /// 208: the sonar's roll, degrees, positive to starboard.
+    pub sensor_roll_deg: f32,
+    /// 212: the sonar's compass, degrees.
+    pub sensor_heading_deg: f32,
+    /// 216: not used here.
+    pub rest_216: [u8; 8],
+    /// 224: milliseconds, by which attitude packets are matched: those of the day in most files.
+    pub attitude_time_ms: u32,
+    /// 228: not used here.
+    pub rest_228: [u8; 28],
+}
+
+/// The 64 bytes before the samples of a channel in a ping.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct PingChannel {
+    /// Offset 0: index of the channel.
+    pub channel: u16,
+    /// 2: how samples were thinned.
+    pub downsample: u16,
+    /// 4: slant range of the last sample, metres.
+    pub slant_range_m: f32,
+    /// 8: ground range of the last sample, metres.
+    pub ground_range_m: f32,
+    /// 12: time before the first sample, seconds.
+    pub time_delay_s: f32,
+    /// 16: time recorded, seconds (there and back).
+    pub time_duration_s: f32,
+    /// 20: time from ping to ping, seconds.
+    pub seconds_per_ping: f32,
+    /// 24: how samples were processed.
+    pub processing: u16,
+    /// 26: frequency, kHz.
+    pub frequency_khz: u16,
+    /// 28: not used here.
+    pub rest_28: [u8; 14],
+    /// 42: samples that follow.
+    pub samples: u32,
+    /// 46: not used here.
+    pub rest_46: [u8; 12],
+    /// 58: the samples of EdgeTech's and Kongsberg's sonars count 2^-weight.
+    pub weight: i16,
+    /// 60: not used here.
+    pub rest_60: [u8; 4],
+}
+
+/// Position (packet type 42): the time that its source gave it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct NavigationPacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
+    /// 21: millionths of the second.
+    pub microseconds: u32,
+    /// 25: not used here.
+    pub rest_25: [u8; 8],
+    /// 33: latitude, or northing.
+    pub y: f64,
+    /// 41: longitude, or easting.
+    pub x: f64,
+    /// 49: not used here.
+    pub rest_49: [u8; 15],
+}
+
+/// Position and attitude (packet type 107).
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct RawNavigationPacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
+    /// 21: ten thousandths of the second.
+    pub tenths_ms: u16,
+    /// 23: latitude, or northing.
+    pub y: f64,
+    /// 31: longitude, or easting.
+    pub x: f64,
+    /// 39: not used here.
+    pub rest_39: [u8; 20],
+    /// 59: the ship's compass, degrees.
+    pub heading_deg: f32,
+    /// 63: not used here.
+    pub rest_63: u8,
+}
+
+/// Compass (packet types 23 and 84).
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct GyroPacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
+    /// 21: millionths of the second.
+    pub microseconds: u32,
+    /// 25: not used here.
+    pub rest_25: [u8; 8],
+    /// 33: the ship's compass, degrees.
+    pub heading_deg: f32,
+    /// 37: not used here.
+    pub rest_37: [u8; 27],
+}
+
+/// Attitude (packet type 3).
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct AttitudePacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: not used here.
+    pub rest_14: [u8; 20],
+    /// 34: roll, degrees, positive to starboard.
+    pub roll_deg: f32,
+    /// 38: not used here.
+    pub rest_38: [u8; 12],
+    /// 50: the ship's compass, degrees; 0 when it is not known.
+    pub heading_deg: f32,
+    /// 54: date and time to the second.
+    pub time: PacketTime,
+    /// 61: thousandths of the second.
+    pub milliseconds: u16,
+    /// 63: not used here.
+    pub rest_63: u8,
+}
+
+/// Date and time as the packets that are no pings have them.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub struct PacketTime {
+    /// Year in full, or of two digits.
+    pub year: u16,
+    /// 1 to 12.
+    pub month: u8,
+    /// 1 to 31.
+    pub day: u8,
+    /// Hour.
+    pub hour: u8,
+    /// Minute.
+    pub minute: u8,
+    /// Second.
+    pub second: u8,
+}
+
+const _: () = assert!(size_of::<FileHeader>() == 256);
+const _: () = assert!(size_of::<ChannelInfo>() == 128);
+const _: () = assert!(size_of::<PacketHeader>() == 14);
+const _: () = assert!(size_of::<PingHeader>() == 256);
+const _: () = assert!(size_of::<PingChannel>() == 64);
+const _: () = assert!(size_of::<NavigationPacket>() == 64);
+const _: () = assert!(size_of::<RawNavigationPacket>() == 64);
+const _: () = assert!(size_of::<GyroPacket>() == 64);
+const _: () = assert!(size_of::<AttitudePacket>() == 64);
+
+/// Lays a record over the bytes at `offset`; `None` past the end.
+pub(super) fn record<T: Pod>(bytes: &[u8], offset: usize) -> Option<T> {
+    let end = offset.checked_add(size_of::<T>())?;
+    bytes.get(offset..end).map(bytemuck::pod_read_unaligned)
+}

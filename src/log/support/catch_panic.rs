@@ -1,0 +1,106 @@
+//! Panics turned into errors. It depends on no other module; any may use it.
+//!
+//! A library sets no hook for the whole process: what a panic prints is the program's business, which asks [`is_to_be_printed`] from the hook
+//! that it sets.
+
+use std::any::Any;
+use std::cell::Cell;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::sync::{Mutex, PoisonError};
+
+thread_local! {
+    static CATCHING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The work whose panics become one error.
+#[derive(Debug, Default)]
+enum Reporting {
+    /// None is under way.
+    #[default]
+    Not,
+    /// Under way; the cause and the place of its first panic.
+    Under(Option<String>),
+}
+
+static REPORTING: Mutex<Reporting> = Mutex::new(Reporting::Not);
+
+/// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half way: what it borrowed mutably may be
+/// half changed.
+pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
+    let outer = CATCHING.replace(true);
+    let outcome = panic::catch_unwind(AssertUnwindSafe(work));
+    CATCHING.set(outer);
+    outcome.ok()
+}
+
+/// A panic: its cause, and its place in the source where that is known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Panicked(pub String);
+
+/// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
+/// asked [`is_to_be_printed`].
+///
+/// # Errors
+/// When it panicked.
+pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
+    *reporting() = Reporting::Under(None);
+    let outcome = panic::catch_unwind(AssertUnwindSafe(work));
+    let first = match std::mem::take(&mut *reporting()) {
+        Reporting::Under(first) => first,
+        Reporting::Not => None,
+    };
+    outcome.map_err(|payload| Panicked(first.unwrap_or_else(|| cause(payload.as_ref()).to_owned())))
+}
+
+/// Whether a panic is to be printed, asked by the hook of a program: not where other people's code panicked on damaged bytes, which is an
+/// error like any other, and not where it becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
+pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
+    if is_caught() {
+        return false;
+    }
+    let Reporting::Under(first) = &mut *reporting() else {
+        return true;
+    };
+    let place = fault.location();
+    let place = place.map_or(String::new(), |at| {
+        format!(" at {}:{}", at.file(), at.line())
+    });
+    first.get_or_insert_with(|| format!("{}{place}", cause(fault.payload())));
+    std::env::var_os("RUST_BACKTRACE").is_some()
+}
+
+/// Whether a panic of this thread becomes nothing, or an error about damaged bytes.
+pub fn is_caught() -> bool {
+    CATCHING.get()
+}
+
+fn reporting() -> std::sync::MutexGuard<'static, Reporting> {
+    REPORTING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What a panic says.
+pub fn cause(payload: &(dyn Any + Send)) -> &str {
+    let text = payload.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| payload.downcast_ref::<&str>().copied())
+        .unwrap_or("no reason given")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_nothing() {
+        assert_eq!(catch_panic(|| 7), Some(7));
+        let none: Option<u8> = catch_panic(|| panic!("a fault"));
+        assert_eq!(none, None);
+    }
+
+    #[test]
+    fn a_panic_of_all_the_work_becomes_an_error_with_its_cause() {
+        assert_eq!(panic_as_error(|| 7), Ok(7));
+        let error = panic_as_error::<()>(|| panic!("no more {}", "ink")).unwrap_err();
+        assert!(error.0.starts_with("no more ink"), "{error}");
+    }
+}

@@ -1,0 +1,64 @@
+//! WGS84 to metres and back, and units.
+//!
+//! In: positions in degrees or metres. Out: the same in another system, lengths, areas and directions.
+//! It uses nothing outside `support`.
+//!
+//! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
+//! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position,
+//! `geodesic` the lengths and areas of what is drawn. `crs` has these and the other systems that files are written
+//! in, `wgs84` what all projections start from, `map_plane` makes any of them a plane in metres.
+
+mod coordinates;
+mod crs;
+mod geodesic;
+mod local_frame;
+mod map_plane;
+mod mercator;
+mod utm;
+mod wgs84;
+
+pub use super::outline::boxes_meet;
+pub use coordinates::CoordinateFormat;
+pub use crs::{Crs, CrsChoice, CrsError, SourceCrs};
+pub use geodesic::{area_m2, compass_deg, course_rad, distance_m};
+pub use local_frame::LocalFrame;
+pub use map_plane::MapPlane;
+pub use mercator::{
+    humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse, web_mercator,
+    web_mercator_inverse,
+};
+pub use utm::UtmZone;
+pub use wgs84::metres_per_degree;
+
+use super::outline;
+
+/// A WGS84 position in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LonLat {
+    /// East positive.
+    pub lon_deg: f64,
+    /// North positive.
+    pub lat_deg: f64,
+}
+
+impl LonLat {
+    /// A position by its longitude and latitude, degrees.
+    pub const fn new(lon_deg: f64, lat_deg: f64) -> Self {
+        Self { lon_deg, lat_deg }
+    }
+
+    /// Whether there is such a position: longitude within 180 degrees, latitude within 90.
+    pub fn is_on_earth(&self) -> bool {
+        (-180.0..=180.0).contains(&self.lon_deg) && (-90.0..=90.0).contains(&self.lat_deg)
+    }
+}
+
+/// West, south, east and north of some positions, degrees; without any, a box that meets no other.
+pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
+    outline::bounds(positions.map(|at| [at.lon_deg, at.lat_deg]))
+}
+
+/// Metres in an international foot.
+pub const METRES_PER_FOOT: f64 = 0.3048;
+/// Metres a second in a knot.
+pub const MPS_PER_KNOT: f64 = 1852.0 / 3600.0;

@@ -1,0 +1,69 @@
+//! Outlines and boxes on a plane.
+
+/// Whether a closed outline, whose first corner is its last one too, goes around a place: a ray to the east crosses it an odd number of times.
+pub fn goes_around(outline: &[[f64; 2]], place: [f64; 2]) -> bool {
+    let steps = outline.windows(2);
+    let crossed = steps.filter(|step| is_crossed([step[0], step[1]], place));
+    crossed.count() % 2 == 1
+}
+
+/// Whether a ray from a place to the east crosses an edge.
+pub fn is_crossed([[x0, y0], [x1, y1]]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> bool {
+    (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+}
+
+/// The edges of a ring that names each corner once.
+pub fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().zip(next).map(|(from, to)| [*from, *to])
+}
+
+/// The place at a share of the way from one to another.
+pub fn between(from: [f64; 2], to: [f64; 2], share: f64) -> [f64; 2] {
+    [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+}
+
+/// West, south, east and north of no place: a box that meets no other.
+pub const NOWHERE: [f64; 4] = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+
+/// West, south, east and north of some places in a plane; [`NOWHERE`] without any.
+pub fn bounds(places: impl IntoIterator<Item = [f64; 2]>) -> [f64; 4] {
+    let boxes = places.into_iter().map(|[x, y]| [x, y, x, y]);
+    boxes.fold(NOWHERE, box_around)
+}
+
+/// The smallest box around two (west, south, east, north).
+pub fn box_around(one: [f64; 4], other: [f64; 4]) -> [f64; 4] {
+    [
+        one[0].min(other[0]),
+        one[1].min(other[1]),
+        one[2].max(other[2]),
+        one[3].max(other[3]),
+    ]
+}
+
+/// Whether two boxes (west, south, east, north) share a place.
+pub fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
+    one[0] <= other[2] && one[2] >= other[0] && one[1] <= other[3] && one[3] >= other[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_outline_goes_around_what_is_inside_of_it() {
+        let notched = [
+            [0.0, 0.0],
+            [4.0, 0.0],
+            [4.0, 4.0],
+            [2.0, 1.0],
+            [0.0, 4.0],
+            [0.0, 0.0],
+        ];
+        let inside = [[1.0, 1.0], [3.0, 2.0], [2.0, 2.0], [5.0, 1.0], [-1.0, 1.0]];
+        let found = inside.map(|place| goes_around(&notched, place));
+        assert_eq!(found, [true, true, false, false, false]);
+        assert!(!goes_around(&[], [0.0, 0.0]));
+    }
+}

@@ -1,0 +1,141 @@
+//! Middles and spreads that a few bad values cannot move. It depends on no other module; any may use it.
+
+use std::cmp::Ordering;
+
+/// Ratio of the standard deviation of normal noise to its median absolute deviation.
+pub const SIGMA_PER_MAD: f64 = 1.4826;
+
+/// The 2nd and the 98th percentile of some values, which a few odd ones do not move: the ends of a scale of colours. `None` without any
+/// finite value.
+pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    let mut values: Vec<f32> = finite.collect();
+    let last = values.len().checked_sub(1)?;
+    let mut at = |share: f64| {
+        let rank = (share * last as f64).round() as usize;
+        *values.select_nth_unstable_by(rank, f32::total_cmp).1
+    };
+    Some([at(0.02), at(0.98)])
+}
+
+/// The least and the greatest of some values; the first above the second without any.
+pub fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let values = values.into_iter();
+    values.fold([f64::MAX, f64::MIN], |[least, most], value| {
+        [least.min(value), most.max(value)]
+    })
+}
+
+/// From the least to the greatest of two ranges, where there are any.
+pub fn wider(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]> {
+    match (one, other) {
+        (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+        (one, other) => one.or(other),
+    }
+}
+
+/// Median, the mean of the middle two of an even count; NaN for an empty slice. Reorders `values`.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let (middle, even) = (values.len() / 2, values.len().is_multiple_of(2));
+    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    if !even {
+        return upper;
+    }
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (lower + upper) / 2.0
+}
+
+/// The value at which half of the weight lies on either side: the mean of two neighbours where it falls between them, so that
+/// equal weights give the [`median`]; NaN for an empty slice. Each entry is a value and its weight, above 0. Sorts `values`.
+pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut below = 0.0;
+    for (index, &(value, weight)) in values.iter().enumerate() {
+        below += weight;
+        // A sum of weights is rounded.
+        if (below - half).abs() <= 1e-9 * half {
+            let next = values.get(index + 1).map_or(value, |(next, _)| *next);
+            return 0.5 * (value + next);
+        }
+        if below > half {
+            return value;
+        }
+    }
+    f64::NAN
+}
+
+/// The middle one in the order of `compare`, the upper of the middle two of an even count: always one of the values.
+/// `None` for an empty slice. Reorders `values`.
+pub fn upper_median<T: Copy>(
+    values: &mut [T],
+    compare: impl FnMut(&T, &T) -> Ordering,
+) -> Option<T> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, compare).1)
+}
+
+/// Robust standard deviation about `centre`: 1.4826 times the median absolute deviation. Overwrites `values`.
+pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
+    for value in values.iter_mut() {
+        *value = (*value - centre).abs();
+    }
+    SIGMA_PER_MAD * median(values)
+}
+
+/// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default is; NaN for an empty
+/// slice. `sorted` ascends.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let place = share.clamp(0.0, 1.0) * last as f64;
+    let below = place as usize;
+    let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
+    low + (place - below as f64) * (high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_of_odd_and_even_counts() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), 2.5);
+        assert!(median(&mut []).is_nan());
+        assert_eq!(
+            upper_median(&mut [4.0, 1.0, 3.0, 2.0], f64::total_cmp),
+            Some(3.0)
+        );
+        assert_eq!(upper_median(&mut [], f64::total_cmp), None);
+    }
+
+    #[test]
+    fn weights_move_the_median() {
+        let mut even = [4.0, 1.0, 3.0, 2.0].map(|value| (value, 0.3));
+        assert_eq!(weighted_median(&mut even), 2.5);
+        assert_eq!(
+            weighted_median(&mut [(1.0, 1.0), (2.0, 1.0), (9.0, 5.0)]),
+            9.0
+        );
+        assert_eq!(weighted_median(&mut [(7.0, 0.1)]), 7.0);
+        assert!(weighted_median(&mut []).is_nan());
+    }
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        // numpy.quantile([1, 2, 4, 8], [0.0, 0.4, 0.95, 1.0])
+        let sorted = [1.0, 2.0, 4.0, 8.0];
+        for (share, expected) in [(0.0, 1.0), (0.4, 2.4), (0.95, 7.4), (1.0, 8.0)] {
+            assert!(
+                (quantile(&sorted, share) - expected).abs() < 1e-12,
+                "{share}"
+            );
+        }
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+}

@@ -1,0 +1,275 @@
+//! A smooth track through coarse fixes.
+//!
+//! Recorders round positions to about a metre and repeat them for most pings, so a difference of two recorded positions
+//! points to one of eight directions, or nowhere. A line fitted over a few seconds is good to about a degree.
+
+use super::Track;
+use super::local_fit::{LocalFit, TimedPosition};
+use std::ops::Range;
+
+/// Fixes farther apart than this are not joined by a fit, seconds (or three fix intervals, where those are longer).
+const MAX_GAP_S: f64 = 5.0;
+/// A position that stays for longer than this counts as several measurements: the boat is slow or at rest.
+const LONG_STAY_S: f64 = 2.0;
+/// A stay counts as no more measurements than this: a damaged clock makes one that lasts for weeks.
+const MOST_PARTS: f64 = 10_000.0;
+/// A step of this length after a long stay means that the stay was a lost position, metres.
+const STALE_JUMP_M: f64 = 5.0;
+/// A fit is trusted this far beyond the fixes, seconds.
+const REACH_S: f64 = 2.0;
+/// Slower than this the boat is at rest, metres a second.
+const REST_SPEED_MPS: f64 = 0.2;
+/// Shares of the window that are tried one after the other where the track bends.
+const NARROWING: [f64; 2] = [1.0, 0.5];
+/// A curve that the places miss by more than this share of their resolution does not follow the boat.
+const MISFIT: f64 = 0.5;
+/// A boat at rest whose rounded position toggles between neighbours seems to travel up to twice their distance in a
+/// window: only more than this many times the resolution of the fixes is motion.
+const MOVED: f64 = 2.6;
+/// Fix intervals that receivers are known to use, seconds, longest first.
+const KNOWN_INTERVALS_S: [f64; 6] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
+
+/// Where the boat is at a time, and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Motion {
+    pub(super) east_m: f64,
+    pub(super) north_m: f64,
+    /// Metres a second east and north; NaN where nothing can be fitted.
+    pub(super) velocity: [f64; 2],
+    /// Whether the boat moves by more than its fixes can resolve.
+    pub(super) moving: bool,
+}
+
+impl Motion {
+    const UNKNOWN: Self = Self {
+        east_m: f64::NAN,
+        north_m: f64::NAN,
+        velocity: [f64::NAN; 2],
+        moving: false,
+    };
+
+    pub(super) fn speed_mps(&self) -> f64 {
+        self.velocity[0].hypot(self.velocity[1])
+    }
+}
+
+/// The distinct fixes of a track, ready for local fits.
+#[derive(Debug)]
+pub(super) struct FittedTrack {
+    places: Vec<TimedPosition>,
+    /// Stretches of `places` without a gap.
+    segments: Vec<Range<usize>>,
+    half_window_s: f64,
+    reach_s: f64,
+    /// Smallest step between two recorded positions, metres: what the recorder's rounding lets through.
+    resolution_m: f64,
+}
+
+impl FittedTrack {
+    /// `window_s` is widened where the fixes come too rarely for it.
+    pub(super) fn new(track: &Track, window_s: f64) -> Self {
+        let stays = stays(track);
+        let interval_s = fix_interval_s(&stays);
+        let places = places(&stays, interval_s);
+        Self {
+            segments: segments(&places, MAX_GAP_S.max(3.0 * interval_s)),
+            places,
+            half_window_s: window_s.max(4.0 * interval_s) / 2.0,
+            reach_s: REACH_S + interval_s,
+            resolution_m: resolution_m(&stays),
+        }
+    }
+
+    /// Position and velocity at a time. In gaps of the fixes the position is interpolated and there is no velocity.
+    pub(super) fn at(&self, time_s: f64) -> Motion {
+        match self.fit(time_s) {
+            Some((fit, half_window_s)) => {
+                let speed = fit.velocity[0].hypot(fit.velocity[1]);
+                let travelled_m = speed * 2.0 * half_window_s;
+                Motion {
+                    east_m: fit.position[0],
+                    north_m: fit.position[1],
+                    velocity: fit.velocity,
+                    moving: speed >= REST_SPEED_MPS && travelled_m >= MOVED * self.resolution_m,
+                }
+            }
+            None => self.between(time_s),
+        }
+    }
+
+    /// The fit over the whole window, or over a narrower one where the boat turns, and half the width of its window.
+    fn fit(&self, time_s: f64) -> Option<(LocalFit, f64)> {
+        let mut best = None;
+        for half_window_s in NARROWING.map(|share| share * self.half_window_s) {
+            let Some(fit) =
+                LocalFit::over(self.window(time_s, half_window_s), time_s, half_window_s)
+            else {
+                break;
+            };
+            let follows = fit.misfit_m < MISFIT * self.resolution_m;
+            best = Some((fit, half_window_s));
+            if follows {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The places within the window around a time, none across a gap; empty in a gap.
+    fn window(&self, time_s: f64, half_window_s: f64) -> &[TimedPosition] {
+        let index = self
+            .segments
+            .partition_point(|segment| self.places[segment.end - 1].time_s + self.reach_s < time_s);
+        let Some(segment) = self.segments.get(index) else {
+            return &[];
+        };
+        let places = &self.places[segment.clone()];
+        if time_s < places[0].time_s - self.reach_s {
+            return &[];
+        }
+        let start = places.partition_point(|place| place.time_s <= time_s - half_window_s);
+        let end = places.partition_point(|place| place.time_s < time_s + half_window_s);
+        &places[start..end]
+    }
+
+    /// Straight between the places around a time, held before the first and after the last.
+    fn between(&self, time_s: f64) -> Motion {
+        let next = self.places.partition_point(|place| place.time_s < time_s);
+        let Some(after) = self.places.get(next).or(self.places.last()) else {
+            return Motion::UNKNOWN;
+        };
+        let before = &self.places[next.saturating_sub(1).min(self.places.len() - 1)];
+        let span_s = after.time_s - before.time_s;
+        let share = if span_s > 0.0 {
+            ((time_s - before.time_s) / span_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        Motion {
+            east_m: before.east_m + share * (after.east_m - before.east_m),
+            north_m: before.north_m + share * (after.north_m - before.north_m),
+            ..Motion::UNKNOWN
+        }
+    }
+}
+
+/// One recorded position and the records that repeat it.
+#[derive(Clone, Copy, Debug)]
+struct Stay {
+    first_s: f64,
+    last_s: f64,
+    east_m: f64,
+    north_m: f64,
+}
+
+fn stays(track: &Track) -> Vec<Stay> {
+    let mut stays: Vec<Stay> = Vec::new();
+    let mut shown = None;
+    for fix in track.fixes.iter() {
+        if !(fix.position.lon_deg.is_finite() && fix.position.lat_deg.is_finite()) {
+            continue;
+        }
+        match stays.last_mut() {
+            Some(stay) if shown == Some(fix.position) => stay.last_s = fix.time_s,
+            _ => {
+                let [east_m, north_m] = track.frame.to_enu(fix.position);
+                stays.push(Stay {
+                    first_s: fix.time_s,
+                    last_s: fix.time_s,
+                    east_m,
+                    north_m,
+                });
+                shown = Some(fix.position);
+            }
+        }
+    }
+    drop_stale_repeats(&mut stays);
+    stays
+}
+
+/// A position shown for long that ends in a jump was not true all that time: the receiver had lost its satellites.
+fn drop_stale_repeats(stays: &mut [Stay]) {
+    for index in 1..stays.len() {
+        let [before, after] = [stays[index - 1], stays[index]];
+        let jump_m = (after.east_m - before.east_m).hypot(after.north_m - before.north_m);
+        if before.last_s - before.first_s > MAX_GAP_S && jump_m > STALE_JUMP_M {
+            stays[index - 1].last_s = before.first_s;
+        }
+    }
+}
+
+/// Seconds between two fixes of the receiver: the longest known interval whose beat the changes of position keep.
+///
+/// The time between changes does not show it: at 2 m/s and 10 fixes a second a position rounded to a metre changes only
+/// every third or fourth fix.
+fn fix_interval_s(stays: &[Stay]) -> f64 {
+    let beat = |interval_s: f64| {
+        let sampled = &stays[1..stays.len().min(400)];
+        let (sin, cos) = sampled.iter().fold((0.0, 0.0), |(sin, cos), stay| {
+            let (s, c) = (std::f64::consts::TAU * stay.first_s / interval_s).sin_cos();
+            (sin + s, cos + c)
+        });
+        f64::hypot(sin, cos) / sampled.len() as f64
+    };
+    if stays.len() < 8 {
+        return 0.0;
+    }
+    let known = KNOWN_INTERVALS_S
+        .into_iter()
+        .find(|&interval_s| beat(interval_s) > 0.8);
+    known.unwrap_or_else(|| {
+        let mut between: Vec<f64> = stays
+            .windows(2)
+            .map(|pair| pair[1].first_s - pair[0].first_s)
+            .collect();
+        between.sort_unstable_by(f64::total_cmp);
+        between[between.len() / 20].clamp(0.0, 0.1)
+    })
+}
+
+/// Each stay becomes a measurement at its middle: there the rounding error is as likely ahead as behind. The recorder
+/// shows the latest fix, which is half a fix interval old on average.
+fn places(stays: &[Stay], interval_s: f64) -> Vec<TimedPosition> {
+    let mut places = Vec::with_capacity(stays.len());
+    for stay in stays {
+        let length_s = stay.last_s - stay.first_s;
+        let parts = (length_s / LONG_STAY_S).ceil().clamp(1.0, MOST_PARTS);
+        for part in 0..parts as usize {
+            places.push(TimedPosition {
+                time_s: stay.first_s + (part as f64 + 0.5) / parts * length_s - interval_s / 2.0,
+                east_m: stay.east_m,
+                north_m: stay.north_m,
+                weight: (length_s / parts).max(0.02),
+            });
+        }
+    }
+    places
+}
+
+fn segments(places: &[TimedPosition], max_gap_s: f64) -> Vec<Range<usize>> {
+    let mut segments = Vec::new();
+    let mut start = 0;
+    for index in 1..=places.len() {
+        let ends = places
+            .get(index)
+            .is_none_or(|place| place.time_s - places[index - 1].time_s > max_gap_s);
+        if ends {
+            segments.push(start..index);
+            start = index;
+        }
+    }
+    segments
+}
+
+/// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the lines that positions are rounded to is off by
+/// the same all along, however many fixes are averaged.
+pub fn position_resolution_m(track: &Track) -> f64 {
+    resolution_m(&stays(track))
+}
+
+fn resolution_m(stays: &[Stay]) -> f64 {
+    let steps = stays
+        .windows(2)
+        .map(|pair| (pair[1].east_m - pair[0].east_m).hypot(pair[1].north_m - pair[0].north_m));
+    steps.fold(1.0, f64::min)
+}

@@ -1,0 +1,69 @@
+//! Readings of a gauge or tide table over time.
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest lake 6400.
+pub const WATER_LEVELS_M: RangeInclusive<f64> = -1000.0..=10_000.0;
+
+/// Heights of the water's surface over the gauge's zero, at rising times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gauge {
+    /// The file that they were read from.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: usize,
+    /// Its SHA-256, hexadecimal.
+    pub sha256: String,
+    /// Unix seconds and metres, each time after the one before.
+    pub readings: Vec<(f64, f64)>,
+}
+
+impl Gauge {
+    /// Unix seconds of the first and the last reading.
+    pub fn span_s(&self) -> [f64; 2] {
+        let time_s = |reading: Option<&(f64, f64)>| reading.map_or(f64::NAN, |(time_s, _)| *time_s);
+        [time_s(self.readings.first()), time_s(self.readings.last())]
+    }
+
+    /// The level at a time, Unix seconds, straight between the readings; that of the nearest end beyond them.
+    pub fn level_m(&self, unix_s: f64) -> f64 {
+        let after = self
+            .readings
+            .partition_point(|(time_s, _)| *time_s <= unix_s);
+        let before = self.readings.get(after.saturating_sub(1));
+        let (Some(&(from_s, from_m)), next) = (before, self.readings.get(after)) else {
+            return f64::NAN;
+        };
+        match next {
+            Some(&(to_s, to_m)) if after > 0 => {
+                from_m + (to_m - from_m) * (unix_s - from_s) / (to_s - from_s)
+            }
+            _ => from_m,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_are_joined_by_straight_lines() {
+        let made = Gauge {
+            readings: vec![(1_634_000_000.0, 1.5), (1_634_003_600.0, 2.5)],
+            ..Gauge::default()
+        };
+        assert_eq!(made.span_s(), [1_634_000_000.0, 1_634_003_600.0]);
+        for (after_s, expected_m) in [
+            (-9.0, 1.5),
+            (0.0, 1.5),
+            (900.0, 1.75),
+            (3600.0, 2.5),
+            (4000.0, 2.5),
+        ] {
+            let found_m = made.level_m(1_634_000_000.0 + after_s);
+            assert!((found_m - expected_m).abs() < 1e-12, "{after_s}: {found_m}");
+        }
+    }
+}

@@ -1,0 +1,408 @@
+//! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
+//!
+//! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its pings.
+//! It uses `support`.
+//!
+//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
+//! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
+//! `pairs` holds the side-scan of several frequencies, `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `swath` the depths across the track, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+
+mod apart;
+mod area;
+mod bottom_lock;
+mod echogram;
+mod exclusions;
+mod fitted_track;
+mod gauge;
+mod growing;
+mod identity;
+mod local_fit;
+mod mounting;
+mod names;
+mod navigation;
+mod nearest;
+mod pairs;
+mod part;
+mod position_shift;
+mod relief;
+mod samples;
+mod swath;
+mod track;
+mod tracks_apart;
+mod turn_rate;
+
+pub use apart::{Apart, apart};
+pub use area::WaterArea;
+pub use bottom_lock::{give_depths, mark_bottom_lock};
+pub use echogram::{Echogram, EchogramPing};
+pub use exclusions::{
+    ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
+};
+pub use fitted_track::position_resolution_m;
+pub use gauge::{Gauge, WATER_LEVELS_M};
+pub use growing::{Seam, StretchStart, SurveyVersions};
+pub use identity::Identity;
+pub use mounting::{MountingSettings, arm_in_words};
+pub use names::distinct_names;
+pub use navigation::{
+    HeadingSettings, HeadingSource, Navigation, PingNav, PositionSettings, Projection, navigate,
+    navigate_with,
+};
+pub use nearest::nearest_in_time;
+pub use pairs::SidePair;
+pub use position_shift::PositionShift;
+pub use relief::{AcrossTrack, Relief};
+pub use samples::{Bytes, Encoding, LEVEL_BITS, NumberKind, SampleOrder, Samples, SideSpan};
+pub use swath::{SWATH_PAIR, SwathPing, SwathSounding, swath_pair_m};
+pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
+pub use tracks_apart::TracksApart;
+pub use turn_rate::turn_rates_deg_s;
+
+use crate::support::file_error::FileError;
+use crate::support::geo::{LocalFrame, distance_m};
+use crate::support::mapped_file::FileFault;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The side of the boat that a beam looks to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// Left of the boat, looking forward.
+    Port,
+    /// Right of the boat, looking forward.
+    Starboard,
+}
+
+impl Side {
+    /// Both sides, port first: the order of what is kept for each side, by `side as usize`.
+    pub const BOTH: [Side; 2] = [Side::Port, Side::Starboard];
+
+    /// A distance outward on this side as one to starboard, and one to starboard as one outward.
+    pub fn to_starboard<T: std::ops::Neg<Output = T>>(self, outward: T) -> T {
+        match self {
+            Side::Port => -outward,
+            Side::Starboard => outward,
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Side::Port => Side::Starboard,
+            Side::Starboard => Side::Port,
+        }
+    }
+
+    /// `port` or `starboard`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Port => "port",
+            Side::Starboard => "starboard",
+        }
+    }
+}
+
+/// What a channel of the log recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ChannelKind {
+    /// Traditional sonar, first transducer element or frequency.
+    Primary,
+    /// Traditional sonar, second frequency.
+    Secondary,
+    /// Down-imaging sonar.
+    DownScan,
+    /// Side-scan, port side only.
+    Port,
+    /// Side-scan, starboard side only.
+    Starboard,
+    /// Side-scan, both sides in one frame.
+    Composite,
+    /// Depths across the track, measured by the recorder.
+    Swath,
+    /// A channel that Bathyscope counts but does not use, with the recorder's number for it.
+    Other(u16),
+}
+
+impl ChannelKind {
+    /// A word or two for tables and messages.
+    pub fn name(self) -> String {
+        match self {
+            ChannelKind::Primary => "primary".into(),
+            ChannelKind::Secondary => "secondary".into(),
+            ChannelKind::DownScan => "down-scan".into(),
+            ChannelKind::Port => "side-scan port".into(),
+            ChannelKind::Starboard => "side-scan starboard".into(),
+            ChannelKind::Composite => "side-scan".into(),
+            ChannelKind::Swath => "swath".into(),
+            ChannelKind::Other(number) => format!("channel {number}"),
+        }
+    }
+}
+
+/// One channel of the log: a summary for `info` and the open dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// What it recorded.
+    pub kind: ChannelKind,
+    /// The recorder's own number or name of the channel, as text.
+    pub recorder_name: String,
+    /// Frequency in kHz where the recorder states it.
+    pub frequency_khz: Option<f32>,
+    /// Pings read.
+    pub ping_count: usize,
+    /// First and last time, seconds after the log's time zero; may be negative.
+    pub time_span_s: Option<(f64, f64)>,
+    /// Fewest and most samples in a ping (of one side, for side-scan).
+    pub sample_count: (usize, usize),
+    /// Smallest near and largest far limit of the recorded range, metres.
+    pub range_m: Option<(f32, f32)>,
+}
+
+/// One side-scan ping: what was recorded on one or both sides at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SidePing {
+    /// Seconds after the log's time zero; may be negative.
+    pub time_s: f64,
+    /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when there is none.
+    pub depth_m: f32,
+    /// Whether the recorder had the bottom then ([`mark_bottom_lock`]).
+    pub depth_locked: bool,
+    /// The port samples, if that side was recorded for this ping.
+    pub port: Option<SideSpan>,
+    /// The starboard samples, if that side was recorded for this ping.
+    pub starboard: Option<SideSpan>,
+}
+
+impl SidePing {
+    /// A ping without echoes; the recorder had the bottom where there is a depth.
+    pub fn with_depth(time_s: f64, depth_m: f32) -> Self {
+        Self {
+            time_s,
+            depth_m,
+            depth_locked: !depth_m.is_nan(),
+            port: None,
+            starboard: None,
+        }
+    }
+
+    /// The recorded depth where it can be leaned on, metres; NaN without one, or where the recorder had lost the bottom.
+    pub fn locked_depth_m(&self) -> f32 {
+        if self.depth_locked && self.depth_m > 0.0 {
+            self.depth_m
+        } else {
+            f32::NAN
+        }
+    }
+
+    /// The samples of one side.
+    pub fn side(&self, side: Side) -> Option<&SideSpan> {
+        match side {
+            Side::Port => self.port.as_ref(),
+            Side::Starboard => self.starboard.as_ref(),
+        }
+    }
+}
+
+/// One depth that the recorder's own bottom lock gave, per ping of the channel that it runs on (the traditional sonar
+/// where there is one). The copies that other channels carry are left out by the reader.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sounding {
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// Metres below the transducer (keel offset removed where the log states one).
+    pub depth_m: f32,
+    /// Whether the recorder had the bottom ([`mark_bottom_lock`]).
+    pub locked: bool,
+}
+
+/// What can be done with the survey's side-scan.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SideScanState {
+    /// There is a picture.
+    Usable,
+    /// The log holds no side-scan frames.
+    #[default]
+    Absent,
+    /// There are frames but no picture: no transducer was connected, the range is stuck (metres given).
+    Noise {
+        /// The stuck range, metres.
+        range_m: f32,
+    },
+}
+
+/// Where the slant ranges of a log's headers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RangeSource {
+    /// The range that a fish-finder shows. Where in it the first sample begins is not stated, nor what its filters delay.
+    #[default]
+    FishFinder,
+    /// The range that a survey recorder states, from the time since the transmission and the speed of sound (XTF).
+    SurveyRecorder,
+}
+
+/// Where the bytes came from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Source {
+    /// The files read, the one that was opened first.
+    pub files: Vec<PathBuf>,
+    /// Format in words, for example `Lowrance SL2 (version 1)`.
+    pub format: String,
+    /// What the log tells of the unit that recorded it, for example `EdgeTech 4200`; empty where it tells nothing.
+    pub device: String,
+    /// Bytes of the log's own files together, without those of a track that was applied to it.
+    pub byte_count: u64,
+}
+
+impl Source {
+    /// Which recorder it was, as far as the log tells: its format, and the device where it names one. Logs of one recorder have the
+    /// same words.
+    pub fn recorder(&self) -> String {
+        match self.device.is_empty() {
+            true => self.format.clone(),
+            false => format!("{}, {}", self.format, self.device),
+        }
+    }
+}
+
+/// Something that is wrong with the log but did not keep the rest from being read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Index into [`Source::files`] and byte offset, where there is a place.
+    pub place: Option<(usize, u64)>,
+    /// One sentence: what, and what was done about it.
+    pub text: String,
+}
+
+/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is built by filling it. A clone
+/// shares the bytes.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    /// Where it was read from.
+    pub source: Source,
+    /// Unix seconds of the log's time zero, when the recorder knew the time; with the clock offset that is in force.
+    pub start_unix_s: Option<f64>,
+    /// What was added to the recorder's clock, seconds ([`MountingSettings::clock_offset_s`]).
+    pub clock_offset_s: f64,
+    /// Whether port and starboard are exchanged against the recording ([`MountingSettings::swap_sides`]).
+    pub swapped_sides: bool,
+    /// What each channel holds.
+    pub channels: Vec<Channel>,
+    /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change of the track makes one.
+    pub side_scan: Arc<Vec<SidePing>>,
+    /// All pairs of side-scan channels where the sonar has several frequencies, that which is shown first; none where there is one pair.
+    pub pairs: Vec<SidePair>,
+    /// Whether the side-scan is worth drawing.
+    pub side_scan_state: SideScanState,
+    /// Where its slant ranges come from.
+    pub range_source: RangeSource,
+    /// Channels that look down.
+    pub echograms: Vec<Echogram>,
+    /// Depths under the boat; shared likewise.
+    pub soundings: Arc<Vec<Sounding>>,
+    /// The channel that they are of.
+    pub sounding_channel: Option<ChannelKind>,
+    /// Depths across the track, where the recorder measures them; shared likewise.
+    pub swath: Arc<Vec<SwathPing>>,
+    /// Positions, courses and compass headings.
+    pub track: Track,
+    /// What was wrong with the log.
+    pub warnings: Vec<Warning>,
+    /// The bytes of the files and of the samples in them, one entry a file.
+    pub bytes: Vec<Bytes>,
+}
+
+impl Survey {
+    /// Of side-scan pings and nothing else.
+    pub fn of_pings(pings: impl IntoIterator<Item = SidePing>) -> Self {
+        Self {
+            side_scan: Arc::new(pings.into_iter().collect()),
+            ..Self::default()
+        }
+    }
+
+    /// Where the samples of one side of one ping lie; `None` when the ping or the side was not recorded.
+    pub fn span(&self, ping: usize, side: Side) -> Option<&SideSpan> {
+        self.side_scan.get(ping)?.side(side)
+    }
+
+    /// The samples of one side of one ping; `None` when the ping or the side was not recorded, or lies outside the bytes.
+    pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
+        self.samples_of(self.span(ping, side)?)
+    }
+
+    /// The samples of a span of any channel; `None` where it lies outside the bytes.
+    pub fn samples_of(&self, span: &SideSpan) -> Option<Samples<'_>> {
+        Samples::new(self.bytes.get(usize::from(span.file))?.samples(), span)
+    }
+
+    /// Whether the files still hold what was read of them. Asks their disks, so it may wait for one that does not answer.
+    ///
+    /// # Errors
+    /// Names the first that was cut or overwritten since the log was opened, or that could not be read to its end.
+    pub fn check_files(&self) -> Result<(), FileError<FileFault>> {
+        let mut files = self.source.files.iter().zip(&self.bytes);
+        let fault = files.find_map(|(path, bytes)| Some(FileError::new(bytes.fault(path)?, path)));
+        fault.map_or(Ok(()), Err)
+    }
+
+    /// [`SidePing::locked_depth_m`] of a ping; NaN beyond the last.
+    pub fn locked_depth_m(&self, ping: usize) -> f32 {
+        self.side_scan
+            .get(ping)
+            .map_or(f32::NAN, SidePing::locked_depth_m)
+    }
+
+    /// The survey's name for people: the opened file's stem.
+    pub fn name(&self) -> String {
+        let stem = self.source.files.first().and_then(|file| file.file_stem());
+        stem.map_or_else(
+            || "survey".into(),
+            |stem| stem.to_string_lossy().into_owned(),
+        )
+    }
+
+    /// The same log in a frame that it shares with others: all logs of one survey lie in the frame of the first one's track, so
+    /// that places of one are places of all. The samples are shared, not copied.
+    #[must_use]
+    pub fn in_frame(self, frame: &LocalFrame) -> Self {
+        Self {
+            track: self.track.in_frame(frame),
+            ..self
+        }
+    }
+
+    /// As [`Survey::in_frame`], for the frame that a project keeps: where its logs were exchanged for those of other waters, so far away
+    /// that its plane would bend their tracks, the log stays in its own.
+    #[must_use]
+    pub fn in_frame_if_near(self, frame: &LocalFrame) -> Self {
+        // Lengths are short by 0.05 % there, `d^2 / 2 R^2`; a quarter of the Earth away all places lie on one line.
+        const FARTHEST_M: f64 = 200_000.0;
+        let first = self.track.fixes.first();
+        match first.is_some_and(|fix| distance_m(fix.position, frame.origin()) > FARTHEST_M) {
+            true => self,
+            false => self.in_frame(frame),
+        }
+    }
+
+    /// First and last time over all channels, seconds after the log's time zero.
+    pub fn time_span_s(&self) -> Option<(f64, f64)> {
+        let spans = self
+            .channels
+            .iter()
+            .filter_map(|channel| channel.time_span_s);
+        spans.reduce(|(from, to), (other_from, other_to)| (from.min(other_from), to.max(other_to)))
+    }
+
+    /// Whether the recording says anywhere where it was.
+    pub fn has_place(&self) -> bool {
+        !self.track.fixes.is_empty()
+    }
+
+    /// Whether the side-scan can be processed.
+    pub fn has_side_scan(&self) -> bool {
+        self.side_scan_state == SideScanState::Usable
+    }
+}

@@ -1,0 +1,193 @@
+//! How a recorder is mounted on its boat: where the transducer hangs under the antenna, which cable is port, how compass and clock are
+//! off.
+
+use super::{Channel, ChannelKind, SidePing, Survey};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// `mounting.*` settings: of one log each. All zero is a recorder whose antenna is right above its transducer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MountingSettings {
+    /// Whether what was recorded as port is starboard, and the other way round.
+    pub swap_sides: bool,
+    /// From the antenna to the transducer along the boat, metres; positive forward.
+    pub forward_m: f64,
+    /// From the antenna to the transducer across the boat, metres; positive to starboard.
+    pub right_m: f64,
+    /// Added to the recorded compass heading, degrees: how the compass is turned on the boat, and the magnetic variation.
+    pub heading_offset_deg: f64,
+    /// Added to the log's clock, seconds: how far it is behind UTC.
+    pub clock_offset_s: f64,
+    /// How much later the recorded positions are than the echoes recorded with them, seconds.
+    pub latency_s: f64,
+}
+
+impl MountingSettings {
+    /// Whether nothing is to be put right.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// From antenna to transducer, metres forward and to starboard; `None` where they are at one place.
+    pub fn lever_arm_m(&self) -> Option<[f64; 2]> {
+        let arm = [self.forward_m, self.right_m];
+        (arm != [0.0; 2]).then_some(arm)
+    }
+
+    /// What is put right, in sentences; empty where nothing is. `compass` says whether headings come from the compass.
+    pub fn statement(&self, compass: bool) -> String {
+        let mut said = Vec::new();
+        if self.swap_sides {
+            said.push(
+                "Port and starboard are exchanged: the recorder has them the other way round."
+                    .to_owned(),
+            );
+        }
+        if let Some([forward_m, right_m]) = self.lever_arm_m() {
+            said.push(format!(
+                "Positions are those of the transducer, {} of the antenna.",
+                arm_in_words([forward_m, right_m], |metres| format!("{metres} m"))
+            ));
+        }
+        if self.latency_s != 0.0 {
+            said.push(format!(
+                "Positions are those of {} s {}: so much {} they are recorded than echoes.",
+                self.latency_s.abs(),
+                if self.latency_s > 0.0 {
+                    "later"
+                } else {
+                    "before"
+                },
+                if self.latency_s > 0.0 {
+                    "later"
+                } else {
+                    "earlier"
+                },
+            ));
+        }
+        if self.heading_offset_deg != 0.0 {
+            said.push(match compass {
+                true => format!(
+                    "{:+} degrees are added to the compass heading.",
+                    self.heading_offset_deg
+                ),
+                false => {
+                    "The heading offset is not in force: headings do not come from the compass."
+                        .to_owned()
+                }
+            });
+        }
+        if self.clock_offset_s != 0.0 {
+            said.push(format!(
+                "{:+} s are added to the log's clock.",
+                self.clock_offset_s
+            ));
+        }
+        said.join(" ")
+    }
+}
+
+/// A lever arm in words, `1.2 m forward and 0.3 m to port`; the lengths as `length` writes them.
+pub fn arm_in_words([forward_m, right_m]: [f64; 2], length: impl Fn(f64) -> String) -> String {
+    let ways = [["forward", "aft"], ["to starboard", "to port"]];
+    ways_in_words([forward_m, right_m], ways, length)
+}
+
+/// Two distances in words, each with the name of the way that it goes: `1.2 m east and 0.3 m south`; empty where both are 0.
+pub(super) fn ways_in_words(
+    distances_m: [f64; 2],
+    ways: [[&str; 2]; 2],
+    length: impl Fn(f64) -> String,
+) -> String {
+    let distances = distances_m.into_iter().zip(ways);
+    let parts = distances.filter(|(metres, _)| *metres != 0.0);
+    let parts = parts.map(|(metres, [positive, negative])| {
+        let way = if metres > 0.0 { positive } else { negative };
+        format!("{} {way}", length(metres.abs()))
+    });
+    parts.collect::<Vec<_>>().join(" and ")
+}
+
+impl Survey {
+    /// The log that was read, with its sides and its clock as it is mounted. Lever arm and heading act where pings are placed
+    /// ([`super::navigate`]).
+    #[must_use]
+    pub fn mounted(mut self, mounting: &MountingSettings) -> Self {
+        if mounting.swap_sides {
+            let exchanged = |ping: &SidePing| SidePing {
+                port: ping.starboard,
+                starboard: ping.port,
+                ..*ping
+            };
+            self.side_scan = Arc::new(self.side_scan.iter().map(exchanged).collect());
+            self.channels.iter_mut().for_each(exchange_channel);
+            self.swapped_sides = !self.swapped_sides;
+        }
+        self.start_unix_s = self
+            .start_unix_s
+            .map(|start_s| start_s + mounting.clock_offset_s);
+        self.clock_offset_s += mounting.clock_offset_s;
+        self
+    }
+}
+
+fn exchange_channel(channel: &mut Channel) {
+    channel.kind = match channel.kind {
+        ChannelKind::Port => ChannelKind::Starboard,
+        ChannelKind::Starboard => ChannelKind::Port,
+        other => other,
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::{Side, SideSpan};
+
+    #[test]
+    fn an_arm_is_said_in_words() {
+        let said = |arm| arm_in_words(arm, |metres| format!("{metres} m"));
+        assert_eq!(said([1.2, -0.3]), "1.2 m forward and 0.3 m to port");
+        assert_eq!(said([-2.0, 0.0]), "2 m aft");
+        assert_eq!(said([0.0, 0.5]), "0.5 m to starboard");
+        let mounting = MountingSettings {
+            forward_m: -2.0,
+            heading_offset_deg: 3.5,
+            ..MountingSettings::default()
+        };
+        assert!(mounting.statement(true).contains("2 m aft of the antenna"));
+        assert!(mounting.statement(true).contains("+3.5 degrees"));
+        assert!(mounting.statement(false).contains("not in force"));
+        assert_eq!(MountingSettings::default().statement(true), "");
+    }
+
+    #[test]
+    fn exchanged_twice_a_log_is_as_it_was() {
+        let span = |offset| SideSpan {
+            offset,
+            ..SideSpan::of_bytes(10, [0.0, 5.0])
+        };
+        let survey = Survey {
+            start_unix_s: Some(100.0),
+            side_scan: Arc::new(vec![SidePing {
+                port: Some(span(1)),
+                ..SidePing::with_depth(0.0, 3.0)
+            }]),
+            ..Survey::default()
+        };
+        let mounting = MountingSettings {
+            swap_sides: true,
+            clock_offset_s: 2.5,
+            latency_s: 0.6,
+            ..MountingSettings::default()
+        };
+        let once = survey.clone().mounted(&mounting);
+        assert!(once.swapped_sides && once.span(0, Side::Port).is_none());
+        assert_eq!(once.span(0, Side::Starboard), Some(&span(1)));
+        assert_eq!(once.start_unix_s, Some(102.5));
+        let twice = once.mounted(&mounting);
+        assert!(!twice.swapped_sides);
+        assert_eq!(twice.side_scan, survey.side_scan);
+    }
+}

@@ -1,0 +1,460 @@
+//! Position and heading of every side-scan ping, from one of four sources.
+
+use super::fitted_track::{FittedTrack, Motion};
+use super::{Fix, MountingSettings, PositionShift, Side, Survey, Track};
+use crate::support::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
+use crate::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Where the heading comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeadingSource {
+    /// `h_i = p_(i+1) - p_i` of the paper: consecutive recorded positions; zero steps give no heading.
+    Steps,
+    /// A straight line fitted to the fixes in a time window around the ping.
+    TrackFit,
+    /// The recorded course over ground.
+    Cog,
+    /// The recorded compass heading.
+    Compass,
+}
+
+/// `heading.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HeadingSettings {
+    /// Where the heading comes from.
+    pub source: HeadingSource,
+    /// Width of the window that the line is fitted over, seconds (plus and minus half of it).
+    pub window_s: f64,
+}
+
+impl Default for HeadingSettings {
+    fn default() -> Self {
+        Self {
+            source: HeadingSource::TrackFit,
+            window_s: 6.0,
+        }
+    }
+}
+
+/// The plane that the cloud is built in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Projection {
+    /// Metres on the ground in the survey's local east-north frame.
+    #[default]
+    Enu,
+    /// Spherical pseudo-Mercator metres relative to the first fix, as published: stretched by 1 / cos(latitude).
+    Mercator,
+}
+
+/// Records placed by a worker between two looks at whether the work was cancelled.
+const CHUNK: usize = 4096;
+
+/// Position and heading of one ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PingNav {
+    /// Metres east of the survey's origin, in the chosen projection; NaN without any fix.
+    pub east_m: f64,
+    /// Metres north of the survey's origin, in the chosen projection; NaN without any fix.
+    pub north_m: f64,
+    /// Radians clockwise from the north of the plane; NaN when there is none.
+    pub heading_rad: f64,
+    /// Speed over ground, metres a second; NaN when unknown.
+    pub speed_mps: f64,
+}
+
+/// Position and heading of every side-scan ping ([`Survey::side_scan`]), every sounding ([`Survey::soundings`]) and every ping of a swath
+/// ([`Survey::swath`]); the lists are shared by all copies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Navigation {
+    /// One entry per side-scan ping.
+    pub pings: Arc<Vec<PingNav>>,
+    /// One entry per sounding.
+    pub soundings: Arc<Vec<PingNav>>,
+    /// One entry per ping of a swath.
+    pub swath: Arc<Vec<PingNav>>,
+    /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right above the transducer.
+    pub antenna: Arc<Vec<[f64; 2]>>,
+    /// The plane that the metres are in.
+    pub projection: Projection,
+    /// Pings without a heading.
+    pub zero_heading: usize,
+    /// Pings at which the boat moves: faster than 0.2 m/s by the fitted track, and by more than its rounded fixes can
+    /// resolve (0.4 m/s over the default window of a recorder that rounds to a metre).
+    pub moving: usize,
+}
+
+impl Navigation {
+    /// Of pings in the survey's plane, at all of which the boat moves.
+    pub fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
+        let pings: Vec<PingNav> = pings.into_iter().collect();
+        Self {
+            moving: pings.len(),
+            pings: Arc::new(pings),
+            soundings: Arc::default(),
+            swath: Arc::default(),
+            antenna: Arc::default(),
+            projection: Projection::Enu,
+            zero_heading: 0,
+        }
+    }
+}
+
+impl PingNav {
+    /// At a place east and north, metres, heading north.
+    pub fn northbound([east_m, north_m]: [f64; 2], speed_mps: f64) -> Self {
+        Self {
+            east_m,
+            north_m,
+            heading_rad: 0.0,
+            speed_mps,
+        }
+    }
+
+    const UNKNOWN: Self = Self {
+        east_m: f64::NAN,
+        north_m: f64::NAN,
+        heading_rad: f64::NAN,
+        speed_mps: f64::NAN,
+    };
+
+    /// East and north, metres; NaN where unknown.
+    pub fn place(&self) -> [f64; 2] {
+        [self.east_m, self.north_m]
+    }
+
+    /// Unit vector to starboard in the plane, `(h_y, -h_x) / |h|`; `None` without a heading.
+    ///
+    /// The paper prints `h x (-z)`, which is port in a frame with z up.
+    pub fn starboard(&self) -> Option<[f64; 2]> {
+        let (sin, cos) = self.heading_rad.sin_cos();
+        self.heading_rad.is_finite().then_some([cos, -sin])
+    }
+}
+
+impl PingNav {
+    /// The place so far out on a side of the boat; `None` without a heading.
+    pub fn abeam(&self, side: Side, out_m: f64) -> Option<[f64; 2]> {
+        let [x, y] = self.starboard()?;
+        let right_m = side.to_starboard(out_m);
+        Some([self.east_m + x * right_m, self.north_m + y * right_m])
+    }
+}
+
+impl Projection {
+    /// Metres from the track's origin in this plane.
+    fn place(self, track: &Track, position: LonLat) -> [f64; 2] {
+        match self {
+            Projection::Enu => track.frame.to_enu(position),
+            Projection::Mercator => {
+                let [x, y] = web_mercator(position);
+                let [x0, y0] = web_mercator(track.frame.origin());
+                [x - x0, y - y0]
+            }
+        }
+    }
+}
+
+impl Navigation {
+    /// Metres east and north of a WGS84 position in this navigation's plane; inverse of [`Navigation::to_lon_lat`].
+    pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
+        self.projection.place(track, position)
+    }
+
+    /// The WGS84 position of a place in this navigation's plane.
+    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
+        match self.projection {
+            Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
+            Projection::Mercator => {
+                let [x0, y0] = web_mercator(track.frame.origin());
+                web_mercator_inverse(x0 + east_m, y0 + north_m)
+            }
+        }
+    }
+}
+
+/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_with`] with no mounting and no shift.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn navigate(
+    survey: &Survey,
+    settings: &HeadingSettings,
+    projection: Projection,
+    progress: &Progress,
+) -> Result<Navigation, Cancelled> {
+    let positions = PositionSettings {
+        heading: settings,
+        mounting: &MountingSettings::default(),
+        shift: &PositionShift::default(),
+        projection,
+    };
+    navigate_with(survey, positions, progress)
+}
+
+/// What decides where the pings and soundings of a log lie.
+#[derive(Clone, Copy, Debug)]
+pub struct PositionSettings<'a> {
+    /// Where headings come from.
+    pub heading: &'a HeadingSettings,
+    /// How the recorder is mounted on the boat.
+    pub mounting: &'a MountingSettings,
+    /// How far positions are off.
+    pub shift: &'a PositionShift,
+    /// The plane that they are laid out in.
+    pub projection: Projection,
+}
+
+/// Places every ping and sounding of the survey on the ground, and every ping of a swath.
+///
+/// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
+/// position from the fitted track. A boat at rest has neither course nor fitted heading.
+///
+/// Fixes are those of the antenna. The transducer is `forward_m` along the heading `h` and `right_m` to starboard of it:
+/// `east += forward sin h + right cos h`, `north += forward cos h - right sin h`. The heading is that of the source, but for
+/// [`HeadingSource::Steps`], whose headings are multiples of 45 degrees: there it is that of the fitted track. Where the boat rests and has
+/// none, the last one before holds, so that the track does not jump by the length of the arm at every stop.
+/// Places, courses and fitted headings are those of `latency_s` later, the compass heading is not.
+/// `heading_offset_deg` is added to the compass heading alone: a course is that of the boat's motion, and no instrument is turned on it.
+/// The shift moves everything.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn navigate_with(
+    survey: &Survey,
+    positions: PositionSettings<'_>,
+    progress: &Progress,
+) -> Result<Navigation, Cancelled> {
+    let PositionSettings {
+        heading: settings,
+        mounting,
+        shift,
+        projection,
+    } = positions;
+    let navigator = Navigator {
+        compass_offset_rad: mounting.heading_offset_deg.to_radians(),
+        latency_s: mounting.latency_s,
+        shift_m: shift.by_m(),
+        track: &survey.track,
+        fitted: FittedTrack::new(&survey.track, settings.window_s),
+        source: settings.source,
+        projection,
+    };
+    let records = survey.side_scan.len() + survey.soundings.len() + survey.swath.len();
+    progress.start(records as u64);
+    let (mut pings, moving) =
+        navigator.place_all(&survey.side_scan, |ping| ping.time_s, progress)?;
+    let (mut soundings, _) =
+        navigator.place_all(&survey.soundings, |sounding| sounding.time_s, progress)?;
+    let (mut swath, _) = navigator.place_all(&survey.swath, |ping| ping.time_s, progress)?;
+    if settings.source == HeadingSource::Steps {
+        head_along_steps(&mut pings);
+        head_along_steps(&mut soundings);
+        head_along_steps(&mut swath);
+    }
+    let mut antenna = Vec::new();
+    if let Some(arm_m) = mounting.lever_arm_m() {
+        antenna = pings.iter().map(PingNav::place).collect();
+        navigator.move_by(arm_m, &mut pings, &survey.side_scan, |ping| ping.time_s);
+        navigator.move_by(arm_m, &mut soundings, &survey.soundings, |one| one.time_s);
+        navigator.move_by(arm_m, &mut swath, &survey.swath, |one| one.time_s);
+    }
+    Ok(Navigation {
+        antenna: Arc::new(antenna),
+        zero_heading: pings
+            .iter()
+            .filter(|ping| ping.heading_rad.is_nan())
+            .count(),
+        moving,
+        pings: Arc::new(pings),
+        soundings: Arc::new(soundings),
+        swath: Arc::new(swath),
+        projection,
+    })
+}
+
+/// `h_i = p_(i+1) - p_i`; the last ping has no next one, and a repeated position gives no direction.
+fn head_along_steps(places: &mut [PingNav]) {
+    for index in 0..places.len().saturating_sub(1) {
+        let east = places[index + 1].east_m - places[index].east_m;
+        let north = places[index + 1].north_m - places[index].north_m;
+        if east != 0.0 || north != 0.0 {
+            places[index].heading_rad = east.atan2(north);
+        }
+    }
+}
+
+struct Navigator<'a> {
+    track: &'a Track,
+    fitted: FittedTrack,
+    source: HeadingSource,
+    /// Added to the compass heading.
+    compass_offset_rad: f64,
+    /// Where the boat is at a time is what is recorded so many seconds later.
+    latency_s: f64,
+    /// Added to every place, metres east and north.
+    shift_m: Option<[f64; 2]>,
+    projection: Projection,
+}
+
+impl Navigator<'_> {
+    /// Moves places from the antenna to the transducer, `arm_m` forward and to starboard of it.
+    fn move_by<T: Sync>(
+        &self,
+        [forward_m, right_m]: [f64; 2],
+        places: &mut [PingNav],
+        records: &[T],
+        time_s: impl Fn(&T) -> f64 + Sync,
+    ) {
+        let headings = places.par_iter().zip(records).map(|(place, record)| {
+            if self.source != HeadingSource::Steps {
+                return place.heading_rad;
+            }
+            let motion = self.fitted.at(time_s(record) + self.latency_s);
+            match motion.moving {
+                true => motion.velocity[0].atan2(motion.velocity[1]),
+                false => f64::NAN,
+            }
+        });
+        let headings: Vec<f64> = headings.collect();
+        // Before the first heading, that one.
+        let mut heading_rad = headings.iter().copied().find(|rad| rad.is_finite());
+        for (place, own_rad) in places.iter_mut().zip(headings) {
+            if own_rad.is_finite() {
+                heading_rad = Some(own_rad);
+            }
+            let Some((sin, cos)) = heading_rad.map(f64::sin_cos) else {
+                return;
+            };
+            let by_m = [
+                forward_m * sin + right_m * cos,
+                forward_m * cos - right_m * sin,
+            ];
+            [place.east_m, place.north_m] = self.moved(place.place(), by_m);
+        }
+    }
+
+    /// A place of the plane, moved by metres on the ground.
+    fn moved(&self, [east_m, north_m]: [f64; 2], by_m: [f64; 2]) -> [f64; 2] {
+        match self.projection {
+            Projection::Enu => [east_m + by_m[0], north_m + by_m[1]],
+            Projection::Mercator => {
+                let [x0, y0] = web_mercator(self.track.frame.origin());
+                let at = web_mercator_inverse(x0 + east_m, y0 + north_m);
+                let [lon_m, lat_m] = metres_per_degree(at);
+                let moved = LonLat::new(at.lon_deg + by_m[0] / lon_m, at.lat_deg + by_m[1] / lat_m);
+                self.projection.place(self.track, moved)
+            }
+        }
+    }
+
+    /// One entry a record, and at how many of them the boat moves.
+    fn place_all<T: Sync>(
+        &self,
+        records: &[T],
+        time_s: impl Fn(&T) -> f64 + Sync,
+        progress: &Progress,
+    ) -> Result<(Vec<PingNav>, usize), Cancelled> {
+        let mut places = vec![PingNav::UNKNOWN; records.len()];
+        let place_chunk = |(places, records): (&mut [PingNav], &[T])| {
+            progress.check()?;
+            let mut moving = 0;
+            for (place, record) in places.iter_mut().zip(records) {
+                let (placed, moves) = self.place(time_s(record));
+                *place = placed;
+                moving += usize::from(moves);
+            }
+            progress.advance(records.len() as u64);
+            Ok(moving)
+        };
+        let moving = places
+            .par_chunks_mut(CHUNK)
+            .zip(records.par_chunks(CHUNK))
+            .map(place_chunk)
+            .try_reduce(|| 0, |a, b| Ok(a + b))?;
+        Ok((places, moving))
+    }
+
+    fn place(&self, time_s: f64) -> (PingNav, bool) {
+        let compass = self.recorded_at(time_s);
+        let time_s = time_s + self.latency_s;
+        let external = self.track.external.as_ref();
+        if external.is_some_and(|track| time_s < track.span_s[0] || time_s > track.span_s[1]) {
+            return (PingNav::UNKNOWN, false);
+        }
+        let motion = self.fitted.at(time_s);
+        let recorded = self.recorded_at(time_s);
+        let [east_m, north_m] = match self.source {
+            HeadingSource::Steps => match recorded {
+                Some(index) => self
+                    .projection
+                    .place(self.track, self.track.fixes[index].position),
+                None => return (PingNav::UNKNOWN, false),
+            },
+            _ => self.project(&motion),
+        };
+        let [east_m, north_m] = match self.shift_m {
+            Some(by_m) => self.moved([east_m, north_m], by_m),
+            None => [east_m, north_m],
+        };
+        let place = PingNav {
+            east_m,
+            north_m,
+            heading_rad: self.heading_rad(&motion, recorded, compass),
+            speed_mps: motion.speed_mps(),
+        };
+        (place, motion.moving)
+    }
+
+    /// The last fix recorded at or before a time (the first fix before the first).
+    fn recorded_at(&self, time_s: f64) -> Option<usize> {
+        let after = self.track.fixes.partition_point(|fix| fix.time_s <= time_s);
+        (!self.track.fixes.is_empty()).then(|| after.saturating_sub(1))
+    }
+
+    fn project(&self, motion: &Motion) -> [f64; 2] {
+        match self.projection {
+            Projection::Enu => [motion.east_m, motion.north_m],
+            Projection::Mercator => {
+                let frame = &self.track.frame;
+                self.projection
+                    .place(self.track, frame.to_lon_lat(motion.east_m, motion.north_m))
+            }
+        }
+    }
+
+    /// Of a compass the fix that was recorded with the echo: it is an instrument of its own, and not late.
+    fn heading_rad(&self, motion: &Motion, recorded: Option<usize>, compass: Option<usize>) -> f64 {
+        let index = match self.source {
+            HeadingSource::Compass => compass,
+            _ => recorded,
+        };
+        let fix = index.map(|index| &self.track.fixes[index]);
+        let in_plane = |recorded_rad: f32, fix: &Fix| {
+            f64::from(recorded_rad) + self.true_north_rad(fix.position)
+        };
+        match (self.source, fix) {
+            (HeadingSource::TrackFit, _) if motion.moving => {
+                motion.velocity[0].atan2(motion.velocity[1])
+            }
+            (HeadingSource::Cog, Some(fix)) if motion.moving => in_plane(fix.cog_rad, fix),
+            (HeadingSource::Compass, Some(fix)) => {
+                in_plane(fix.compass_rad, fix) + self.compass_offset_rad
+            }
+            _ => f64::NAN,
+        }
+    }
+
+    /// Recorded headings count from true north, which is not the north of a plane whose origin lies kilometres east or west.
+    fn true_north_rad(&self, position: LonLat) -> f64 {
+        match self.projection {
+            Projection::Enu => self.track.frame.true_north_rad(position),
+            Projection::Mercator => 0.0,
+        }
+    }
+}

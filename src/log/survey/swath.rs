@@ -1,0 +1,152 @@
+//! Depths across the track of a sonar that measures them itself (interferometry): a swath.
+//!
+//! They stay where they lie in the file, as samples do: pairs of little-endian f32, distance outward from the boat and depth below the
+//! transducer, both in feet, as Lowrance writes them.
+
+use super::{Side, Survey};
+use crate::support::geo::METRES_PER_FOOT;
+use std::ops::{Range, RangeInclusive};
+
+/// Bytes of a pair of distance and depth.
+pub const SWATH_PAIR: usize = 8;
+/// Distances outward that can be, feet.
+const OUT_FT: RangeInclusive<f32> = 0.001..=1000.0;
+/// Depths that can be, feet.
+const DEPTH_FT: RangeInclusive<f32> = 1.0..=250.0;
+
+/// The depths of one ping. Those of port come first, then those of starboard, then those that the recorder marks as unreliable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwathPing {
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// Byte offset of the first pair.
+    pub offset: u64,
+    /// Index into [`Survey::bytes`].
+    pub file: u16,
+    /// Pairs that were recorded to port.
+    pub port: u16,
+    /// Pairs that were recorded to starboard.
+    pub starboard: u16,
+    /// Pairs that the recorder marks as unreliable. They are counted and not used.
+    pub unreliable: u16,
+}
+
+impl SwathPing {
+    /// Pairs of both sides.
+    pub fn len(&self) -> usize {
+        usize::from(self.port) + usize::from(self.starboard)
+    }
+
+    /// Whether it has no pair of either side.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes of a pair; `None` beyond what a file can have.
+    fn bytes_of(&self, number: usize) -> Option<Range<usize>> {
+        let start = usize::try_from(self.offset)
+            .ok()?
+            .checked_add(SWATH_PAIR * number)?;
+        Some(start..start.checked_add(SWATH_PAIR)?)
+    }
+}
+
+/// A depth across the track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwathSounding {
+    /// Its number among the pairs of its ping.
+    pub number: usize,
+    /// The side of the boat.
+    pub side: Side,
+    /// Horizontal distance outward from the boat, metres.
+    pub out_m: f64,
+    /// Metres below the transducer.
+    pub depth_m: f64,
+}
+
+/// Distance outward and depth of a pair, metres; `None` where they cannot be.
+pub fn swath_pair_m(pair: [u8; SWATH_PAIR]) -> Option<[f64; 2]> {
+    let [a, b, c, d, e, f, g, h] = pair;
+    let out_ft = f32::from_le_bytes([a, b, c, d]);
+    let depth_ft = f32::from_le_bytes([e, f, g, h]);
+    let can_be = OUT_FT.contains(&out_ft) && DEPTH_FT.contains(&depth_ft);
+    can_be.then(|| [out_ft, depth_ft].map(|feet| f64::from(feet) * METRES_PER_FOOT))
+}
+
+impl Survey {
+    /// A depth of a swath ping by its number; `None` where it cannot be a depth, is one of the unreliable ones, or lies outside the bytes.
+    pub fn swath_sounding(&self, ping: &SwathPing, number: usize) -> Option<SwathSounding> {
+        let bytes = self.bytes.get(usize::from(ping.file))?;
+        let pair = bytes.get(ping.bytes_of(number)?)?;
+        let [out_m, depth_m] = swath_pair_m(pair.try_into().ok()?)?;
+        let recorded = match number < usize::from(ping.port) {
+            true => Side::Port,
+            false => Side::Starboard,
+        };
+        (number < ping.len()).then_some(SwathSounding {
+            number,
+            side: match self.swapped_sides {
+                true => recorded.other(),
+                false => recorded,
+            },
+            out_m,
+            depth_m,
+        })
+    }
+
+    /// The depths of a swath ping, those that can be.
+    pub fn swath_soundings<'a>(
+        &'a self,
+        ping: &'a SwathPing,
+    ) -> impl Iterator<Item = SwathSounding> + 'a {
+        (0..ping.len()).filter_map(|number| self.swath_sounding(ping, number))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Bytes;
+    use std::sync::Arc;
+
+    fn pair(out_ft: f32, depth_ft: f32) -> Vec<u8> {
+        [out_ft.to_le_bytes(), depth_ft.to_le_bytes()].concat()
+    }
+
+    #[test]
+    fn pairs_are_read_where_they_lie_and_change_sides_with_the_cables() {
+        let pairs = [
+            pair(10.0, 20.0),
+            pair(f32::NAN, 20.0),
+            pair(30.0, 40.0),
+            pair(1.0, 2.0),
+        ];
+        let bytes = [vec![0; 5], pairs.concat()].concat();
+        let ping = SwathPing {
+            time_s: 0.0,
+            offset: 5,
+            file: 0,
+            port: 2,
+            starboard: 1,
+            unreliable: 1,
+        };
+        let mut survey = Survey {
+            bytes: vec![Bytes::Held(Arc::new(bytes))],
+            ..Survey::default()
+        };
+        let read = |survey: &Survey| -> Vec<(usize, Side, f64)> {
+            let all = survey.swath_soundings(&ping);
+            all.map(|one| (one.number, one.side, one.out_m)).collect()
+        };
+        // The second is no number, the last is unreliable.
+        let [near_m, far_m] = [10.0, 30.0].map(|feet| feet * METRES_PER_FOOT);
+        let expected = [(0, Side::Port, near_m), (2, Side::Starboard, far_m)];
+        assert_eq!(read(&survey), expected);
+        assert_eq!(survey.swath_sounding(&ping, 3), None);
+        survey.swapped_sides = true;
+        let [first, last] = expected.map(|(number, side, out_m)| (number, side.other(), out_m));
+        assert_eq!(read(&survey), [first, last]);
+        survey.bytes.clear();
+        assert!(read(&survey).is_empty());
+    }
+}

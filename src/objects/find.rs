@@ -1,0 +1,393 @@
+//! Searches a whole survey, or a picture of another program, tile by tile.
+
+use super::merge::{TileDetection, merge};
+use super::{DetectError, Detection, Model, Nms, Picture, Raster, Rect, Scored, TILE_PX};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Navigation, Side, Survey};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+/// Share of a tile that its neighbour sees as well: an object up to that length is whole in one of them.
+const OVERLAP: f32 = 0.25;
+/// A picture up to this many times the network's input is evaluated as a whole.
+const WHOLE: f32 = 1.5;
+/// How often a search reports what it has found, about.
+const REPORTS: usize = 100;
+
+/// `detector.*` settings: who is asked, and which boxes count.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DetectorSettings {
+    /// Another model than the one that comes with the program.
+    pub model: Option<PathBuf>,
+    /// Least confidence, 0 to 1; without one the model's own.
+    pub score: Option<f32>,
+    /// Overlap above which the box of less confidence is dropped, 0 to 1; without one the model's own.
+    pub iou: Option<f32>,
+    /// Confidence from which a box is named, 0 to 1, and below which it is an object of whatever class; without one the model's own.
+    pub name_score: Option<f32>,
+}
+
+/// What a search has found while it runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoFar {
+    /// The boxes in the pings that were searched, each object once, in order of the pings.
+    pub boxes: Vec<Detection>,
+    /// Pings from the log's start on that were searched on both sides.
+    pub pings: usize,
+    /// Tiles that were searched.
+    pub tiles: usize,
+}
+
+/// Searches both sides of a survey from its start to its end, tiles in parallel. `on_found` receives what was found up to some
+/// ping, from any thread, each time with more pings; a search that is cancelled has reported what can be kept of it. The result has
+/// each object once (see `merge`), in order of the pings.
+///
+/// # Errors
+/// When the work was cancelled, or the model cannot be used on this picture.
+pub fn find(
+    survey: &Survey,
+    navigation: &Navigation,
+    model: &Model,
+    settings: &DetectorSettings,
+    progress: &Progress,
+    on_found: impl Fn(SoFar) + Sync,
+) -> Result<Vec<Detection>, DetectError> {
+    let raster = Raster::new(survey, navigation, model.pixel_m());
+    let sides: Vec<Side> = Side::BOTH
+        .into_iter()
+        .filter(|&side| recorded(survey, side))
+        .collect();
+    let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
+    let draw = |side: usize, [column, row]: [usize; 2]| {
+        let pixels = match raster.is_recorded(survey, sides[side], row, column) {
+            true => raster.tile(survey, sides[side], row, column).pixels,
+            false => vec![0; TILE_PX * TILE_PX],
+        };
+        Picture::grey(TILE_PX, TILE_PX, pixels)
+    };
+    let as_detections = |found: Vec<Vec<Scored>>| {
+        let mut all: Vec<Detection> = (found.into_iter().zip(&sides))
+            .flat_map(|(boxes, &side)| {
+                let raster = &raster;
+                boxes.into_iter().map(move |found| Detection {
+                    class: found.class,
+                    score: found.score,
+                    mark: raster.mark_of(side, &found.rect),
+                })
+            })
+            .collect();
+        all.sort_by_key(|found| (found.mark.pings.start, found.mark.side));
+        all
+    };
+    let on_found = |found: Vec<Vec<Scored>>, tiles: usize, rows: f32| {
+        let is_all = rows >= raster.rows() as f32;
+        on_found(SoFar {
+            boxes: as_detections(found),
+            pings: match is_all {
+                true => survey.side_scan.len(),
+                // A ping counts once its whole width was in a tile.
+                false => raster.ping_of(f64::from(rows)) as usize,
+            },
+            tiles,
+        });
+    };
+    let found = search(
+        &grid,
+        sides.len(),
+        draw,
+        model,
+        settings,
+        progress,
+        on_found,
+    )?;
+    Ok(as_detections(found))
+}
+
+/// Searches a picture, whole or in tiles of the network's own size; boxes by falling score, in the picture's pixels.
+///
+/// # Errors
+/// When the work was cancelled, or the model cannot be used on this picture.
+pub fn find_in_picture(
+    picture: &Picture,
+    model: &Model,
+    settings: &DetectorSettings,
+    progress: &Progress,
+) -> Result<Vec<Scored>, DetectError> {
+    let size = [picture.width, picture.height];
+    let input = model.input_size();
+    let fits = (0..2).all(|axis| size[axis] as f32 <= WHOLE * input[axis] as f32);
+    let grid = TileGrid::new(size, if fits { size } else { input });
+    let draw = |_: usize, [x, y]: [usize; 2]| picture.piece(x, y, grid.tile[0], grid.tile[1]);
+    let found = search(&grid, 1, draw, model, settings, progress, |_, _, _| ())?;
+    Ok(found.into_iter().next().unwrap_or_default())
+}
+
+fn recorded(survey: &Survey, side: Side) -> bool {
+    survey
+        .side_scan
+        .iter()
+        .any(|ping| ping.side(side).is_some())
+}
+
+/// Draws and searches every tile of some pictures of one size, in parallel and from the first row of tiles to the last, and
+/// merges what they saw: the objects of each picture. `on_found` receives the objects, the tiles and the rows of pixels so far.
+fn search(
+    grid: &TileGrid,
+    pictures: usize,
+    draw: impl Fn(usize, [usize; 2]) -> Picture + Sync,
+    model: &Model,
+    settings: &DetectorSettings,
+    progress: &Progress,
+    on_found: impl Fn(Vec<Vec<Scored>>, usize, f32) + Sync,
+) -> Result<Vec<Vec<Scored>>, DetectError> {
+    let score = settings.score.unwrap_or(model.score());
+    let iou = settings.iou.unwrap_or(model.iou());
+    let [width, height] = grid.size.map(|size| size as f32);
+    let look = |picture: usize, tile: usize| -> Result<Vec<TileDetection>, DetectError> {
+        progress.check()?;
+        let (place, tile) = grid.place(tile);
+        let picture = draw(picture, place);
+        // Beyond the survey's range, or a side that was off.
+        let boxes = if picture.levels.iter().all(|&level| level == 0) {
+            Vec::new()
+        } else {
+            model.detect(&picture, score, iou)?
+        };
+        progress.advance(1);
+        Ok(boxes
+            .into_iter()
+            .filter_map(|found| inside(found, [width - tile.x0, height - tile.y0]))
+            .map(|found| TileDetection::new(found, tile, width, height))
+            .collect())
+    };
+    let count = grid.count() * pictures;
+    progress.start(count as u64);
+    let gathered = Mutex::new(Gathered::new(grid, pictures));
+    // After tiles are merged: pieces of one object go together by their class.
+    let name_score = settings.name_score.unwrap_or(model.name_score());
+    let named = |mut found: Vec<Vec<Scored>>| {
+        for one in found.iter_mut().flatten() {
+            if one.score < name_score {
+                one.class = model.nameless();
+            }
+        }
+        found
+    };
+    // A bridge hands the tiles out in their order, so that what is done is the survey's beginning and not pieces of it.
+    (0..count).par_bridge().try_for_each(|index| {
+        let place = grid.of_picture(index, pictures);
+        let seen = look(place.picture, place.tile)?;
+        let mut gathered = gathered.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(rows) = gathered.add(place, seen) {
+            let found = named(gathered.merged(rows, model.nms(), iou));
+            let tiles = rows * grid.counts[0] * pictures;
+            on_found(found, tiles, grid.end_of(rows));
+        }
+        Ok::<(), DetectError>(())
+    })?;
+    let gathered = gathered
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    Ok(named(gathered.merged(grid.counts[1], model.nms(), iou)))
+}
+
+/// What the tiles have seen, until all of them have been searched.
+struct Gathered<'a> {
+    grid: &'a TileGrid,
+    /// What each tile of each picture has seen.
+    seen: Vec<Vec<Vec<TileDetection>>>,
+    /// Tiles that are missing in each row, of all pictures.
+    missing: Vec<usize>,
+    /// Rows that are done, without a gap, and how many of them were reported.
+    done: usize,
+    reported: usize,
+}
+
+impl<'a> Gathered<'a> {
+    fn new(grid: &'a TileGrid, pictures: usize) -> Self {
+        let [across, rows] = grid.counts;
+        Self {
+            grid,
+            seen: vec![vec![Vec::new(); grid.count()]; pictures],
+            missing: vec![across * pictures; rows],
+            done: 0,
+            reported: 0,
+        }
+    }
+
+    /// Takes what a tile has seen; the rows that are done when a report is due.
+    fn add(&mut self, place: InPicture, seen: Vec<TileDetection>) -> Option<usize> {
+        let row = place.tile / self.grid.counts[0];
+        self.seen[place.picture][place.tile] = seen;
+        self.missing[row] -= 1;
+        while self.missing.get(self.done) == Some(&0) {
+            self.done += 1;
+        }
+        let rows = self.missing.len();
+        // Merging takes time in proportion to all that was found.
+        let is_due = self.done - self.reported >= rows.div_ceil(REPORTS) || self.done == rows;
+        (is_due && self.done > self.reported).then(|| {
+            self.reported = self.done;
+            self.done
+        })
+    }
+
+    /// The objects of each picture in its first rows of tiles. What goes on behind them is left out: it is searched as a whole
+    /// by the next row.
+    fn merged(&self, rows: usize, nms: Nms, iou: f32) -> Vec<Vec<Scored>> {
+        let is_all = rows == self.missing.len();
+        let end = self.grid.end_of(rows);
+        let is_whole = |seen: &TileDetection| is_all || !seen.is_cut_at(end);
+        (self.seen.iter())
+            .map(|picture| {
+                let tiles = &picture[..rows * self.grid.counts[0]];
+                let seen = tiles.iter().flatten().filter(|one| is_whole(one));
+                merge(seen.copied().collect(), nms, iou)
+            })
+            .collect()
+    }
+}
+
+/// A tile of one of several pictures.
+#[derive(Clone, Copy)]
+struct InPicture {
+    picture: usize,
+    /// Number of the tile in its picture.
+    tile: usize,
+}
+
+/// A box cut at the picture's end, which lies within a tile that is larger; `None` where most of it lies beyond: what looks
+/// like an object there is the edge itself.
+fn inside(found: Scored, [width, height]: [f32; 2]) -> Option<Scored> {
+    let rect = found
+        .rect
+        .intersection(&Rect::new([0.0, 0.0], [width, height]));
+    (rect.area() >= 0.5 * found.rect.area()).then_some(Scored { rect, ..found })
+}
+
+/// Tiles over a picture, overlapping.
+struct TileGrid {
+    /// Pixels across and down of the picture.
+    size: [usize; 2],
+    /// Pixels across and down of a tile.
+    tile: [usize; 2],
+    /// Tiles across and down.
+    counts: [usize; 2],
+}
+
+impl TileGrid {
+    fn new(size: [usize; 2], tile: [usize; 2]) -> Self {
+        let counts = [0, 1].map(|axis| {
+            let beyond = size[axis].saturating_sub(tile[axis]);
+            match size[axis] {
+                0 => 0,
+                _ => 1 + beyond.div_ceil(step(tile[axis])),
+            }
+        });
+        Self { size, tile, counts }
+    }
+
+    fn count(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    /// The tile that is searched as the `index`th: a row of tiles of all pictures, then the next row.
+    fn of_picture(&self, index: usize, pictures: usize) -> InPicture {
+        let [across, _] = self.counts;
+        let (row, within) = (index / (across * pictures), index % (across * pictures));
+        InPicture {
+            picture: within / across,
+            tile: row * across + within % across,
+        }
+    }
+
+    /// Row of pixels that the first `rows` rows of tiles end before.
+    fn end_of(&self, rows: usize) -> f32 {
+        match rows {
+            0 => 0.0,
+            rows if rows >= self.counts[1] => self.size[1] as f32,
+            rows => self.place((rows - 1) * self.counts[0]).1.y1,
+        }
+    }
+
+    /// The tile's first pixel, across and down, and its edges. The last tile of a row ends with the picture, so that no tile
+    /// but one larger than the picture reaches beyond it.
+    fn place(&self, index: usize) -> ([usize; 2], Rect) {
+        let at = [index % self.counts[0], index / self.counts[0]];
+        let place = [0, 1].map(|axis| {
+            let last = self.size[axis].saturating_sub(self.tile[axis]);
+            (at[axis] * step(self.tile[axis])).min(last)
+        });
+        let [x0, y0] = place.map(|first| first as f32);
+        let rect = Rect::new(
+            [x0, y0],
+            [x0 + self.tile[0] as f32, y0 + self.tile[1] as f32],
+        );
+        (place, rect)
+    }
+}
+
+/// Pixels from a tile to the next.
+fn step(tile: usize) -> usize {
+    ((tile as f32 * (1.0 - OVERLAP)) as usize).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lies_beyond_the_picture_is_no_object() {
+        let found = |x0, x1| Scored::new(0, 0.5, Rect::new([x0, 0.0], [x1, 10.0]));
+        let edges = |x0, x1| inside(found(x0, x1), [375.0, 416.0]).map(|one| one.rect.x1);
+        assert_eq!(edges(300.0, 320.0), Some(320.0));
+        assert_eq!(edges(360.0, 380.0), Some(375.0));
+        assert_eq!(edges(370.0, 390.0), None);
+    }
+
+    #[test]
+    fn rows_of_tiles_are_reported_once_all_before_them_are_done() {
+        // Three rows of two tiles, in two pictures.
+        let grid = TileGrid::new([500, 1000], [416, 416]);
+        assert_eq!(grid.counts, [2, 3]);
+        let mut gathered = Gathered::new(&grid, 2);
+        let seen = |place: InPicture, [y0, y1]: [f32; 2]| {
+            let tile = grid.place(place.tile).1;
+            let rect = Rect::new([10.0, y0 - tile.y0], [20.0, y1 - tile.y0]);
+            let found = Scored::new(0, 0.5, rect);
+            vec![TileDetection::new(found, tile, 500.0, 1000.0)]
+        };
+        let places: Vec<InPicture> = (0..12).map(|index| grid.of_picture(index, 2)).collect();
+        let order: Vec<[usize; 2]> = places.iter().map(|one| [one.picture, one.tile]).collect();
+        assert_eq!(order[..5], [[0, 0], [0, 1], [1, 0], [1, 1], [0, 2]]);
+        let add = |gathered: &mut Gathered<'_>, index: usize, rows: [f32; 2]| {
+            gathered.add(places[index], seen(places[index], rows))
+        };
+        assert_eq!(add(&mut gathered, 0, [400.0, 416.0]), None);
+        // The second row is done before the first.
+        for index in 4..8 {
+            assert_eq!(add(&mut gathered, index, [400.0, 430.0]), None);
+        }
+        assert_eq!(add(&mut gathered, 1, [30.0, 50.0]), None);
+        assert_eq!(add(&mut gathered, 2, [100.0, 120.0]), None);
+        assert_eq!(add(&mut gathered, 3, [390.0, 416.0]), Some(2));
+        let first = gathered.merged(1, Nms::PLAIN, 0.45);
+        let starts = |found: &[Scored]| found.iter().map(|one| one.rect.y0).collect::<Vec<_>>();
+        // What the first row cut off at its end is no object yet; two rows show it as a whole.
+        assert_eq!([starts(&first[0]), starts(&first[1])], [[30.0], [100.0]]);
+        assert_eq!(gathered.merged(2, Nms::PLAIN, 0.45)[0].len(), 3);
+        assert_eq!((grid.end_of(1), grid.end_of(3)), (416.0, 1000.0));
+    }
+
+    #[test]
+    fn tiles_cover_the_picture_and_overlap() {
+        let grid = TileGrid::new([1000, 300], [416, 416]);
+        let places: Vec<[usize; 2]> = (0..grid.count()).map(|index| grid.place(index).0).collect();
+        assert_eq!(places, [[0, 0], [312, 0], [584, 0]]);
+        assert_eq!(TileGrid::new([416, 417], [416, 416]).count(), 2);
+        assert_eq!(TileGrid::new([0, 100], [416, 416]).count(), 0);
+    }
+}

@@ -1,0 +1,180 @@
+//! Label files as people keep them: folders of YOLO labels, and COCO's JSON.
+//!
+//! In: files of labels. Out: boxes by picture.
+//! It uses `support`.
+//!
+//! `yolo` and `coco` read one of the two, `pairing` brings true and predicted boxes of one picture together.
+
+mod coco;
+mod error;
+mod pairing;
+#[cfg(test)]
+mod tests;
+mod yolo;
+
+pub use error::{AnnotationFault, LabelError, LabelFault, YoloLineFault};
+pub use pairing::{Paired, pair};
+
+use super::Rect;
+use bathyscope_log::support::regular_file;
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// How labels are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabelFormat {
+    /// A text file a picture, a line a box: `class cx cy w h`, with `score` behind it for predictions; shares of the
+    /// picture's width and height.
+    Yolo,
+    /// One JSON file: `images`, `annotations`, `categories`, or a list of results; pixels.
+    Coco,
+}
+
+impl LabelFormat {
+    /// As people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            LabelFormat::Yolo => "YOLO labels",
+            LabelFormat::Coco => "COCO JSON",
+        }
+    }
+}
+
+/// One labelled box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Label {
+    /// Index into the class names.
+    pub class: usize,
+    /// Confidence, 0 to 1, of a predicted one.
+    pub score: Option<f32>,
+    /// Neither to be found nor to be missed (COCO's `iscrowd`).
+    pub ignored: bool,
+    /// Where: shares of the picture in [`LabelFormat::Yolo`], pixels in [`LabelFormat::Coco`].
+    pub rect: Rect,
+}
+
+/// The labels of one picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PictureLabels {
+    /// Its width and height, pixels, where they are known.
+    pub size_px: Option<[u32; 2]>,
+    /// Its boxes.
+    pub labels: Vec<Label>,
+}
+
+/// Labels of many pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelSet {
+    /// How they are written.
+    pub format: LabelFormat,
+    /// Where they were read from.
+    pub path: PathBuf,
+    /// Class names, as far as they are known.
+    pub names: Vec<String>,
+    /// By the picture's name without its ending.
+    pub pictures: BTreeMap<String, PictureLabels>,
+    /// Class of each of COCO's category numbers.
+    categories: HashMap<u64, usize>,
+    /// Picture of each of COCO's image numbers, and of each name.
+    numbers: HashMap<String, String>,
+}
+
+impl LabelSet {
+    fn empty(format: LabelFormat, path: &Path) -> Self {
+        Self {
+            format,
+            path: path.to_owned(),
+            names: Vec::new(),
+            pictures: BTreeMap::new(),
+            categories: HashMap::new(),
+            numbers: HashMap::new(),
+        }
+    }
+
+    /// Boxes in all pictures.
+    pub fn boxes(&self) -> usize {
+        self.pictures
+            .values()
+            .map(|picture| picture.labels.len())
+            .sum()
+    }
+}
+
+/// More classes than any detector of this kind knows; a class number beyond it is a damaged line.
+pub const MOST_CLASSES: usize = 1000;
+
+/// Reads true boxes from a folder of YOLO labels, a COCO file, or a folder that holds one.
+///
+/// # Errors
+/// When there are no labels, or one of them cannot be read.
+pub fn read_truth(path: &Path) -> Result<LabelSet, LabelError> {
+    match find(path)? {
+        Found::Texts(folder, texts) => yolo::read(&folder, &texts, false),
+        Found::Json(file) => coco::read_truth(&file),
+    }
+}
+
+/// Reads predicted boxes; COCO's list of results needs the numbers of the truth.
+///
+/// # Errors
+/// When there are no labels, or one of them cannot be read.
+pub fn read_predicted(path: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
+    match find(path)? {
+        Found::Texts(folder, texts) => yolo::read(&folder, &texts, true),
+        Found::Json(file) => coco::read_predicted(&file, truth),
+    }
+}
+
+enum Found {
+    Texts(PathBuf, Vec<PathBuf>),
+    Json(PathBuf),
+}
+
+/// The labels at a path: the file itself, a folder's label texts, its one JSON file, or the texts in its `labels` folder.
+fn find(path: &Path) -> Result<Found, LabelError> {
+    if !path.is_dir() {
+        return Ok(Found::Json(path.to_owned()));
+    }
+    let listed = |folder: &Path, ending: &str| -> Result<Vec<PathBuf>, LabelError> {
+        let entries = fs::read_dir(folder)
+            .map_err(|error| LabelError::new(LabelFault::NotListed(error), folder))?;
+        let mut files: Vec<PathBuf> = entries
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|file| file.extension().is_some_and(|is| is == ending))
+            .collect();
+        files.sort();
+        Ok(files)
+    };
+    let texts = listed(path, "txt")?;
+    if texts.iter().any(|file| !yolo::is_names(file)) {
+        return Ok(Found::Texts(path.to_owned(), texts));
+    }
+    let jsons = listed(path, "json")?;
+    if let [file] = &jsons[..] {
+        return Ok(Found::Json(file.clone()));
+    }
+    let below = path.join("labels");
+    if below.is_dir() {
+        let texts = listed(&below, "txt")?;
+        return Ok(Found::Texts(below, texts));
+    }
+    let what = match jsons.len() {
+        0 => LabelFault::NoLabels,
+        _ => LabelFault::SeveralFiles,
+    };
+    Err(LabelError::new(what, path))
+}
+
+/// The text of a file of at most `longest` bytes.
+fn text(path: &Path, longest: u64) -> Result<String, LabelError> {
+    regular_file::read_text(path, longest).map_err(|error| {
+        let what = match error.kind() {
+            ErrorKind::FileTooLarge => LabelFault::TooLong(longest),
+            _ => LabelFault::NotRead(error),
+        };
+        LabelError::new(what, path)
+    })
+}

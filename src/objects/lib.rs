@@ -1,0 +1,56 @@
+//! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in the survey.
+//!
+//! In: a survey with first returns and calibration, and a model. Out: boxes, decisions about them, and objects with places and sizes.
+//! It uses `sonar`, `survey` and `support`.
+//!
+//! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
+//! box in the survey's own terms (side, pings, slant range), `extent` how the size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
+//! levels of a tile to one scale.
+//! `dataset` makes labelled pictures to learn from.
+//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean, `test_time_augmentation` combines the boxes of a picture and of its mirror image.
+//! `model` is a detector from an ONNX file, `decode` reads boxes from its numbers, `picture` is what it searches. `find` searches
+//! a survey tile by tile, `merge` makes one box of what several tiles saw.
+//! `review` holds what the analyst decides about the boxes.
+//! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
+//! `targets` places boxes in the world. `truth` is what is known to lie in a survey, and what the boxes make of it.
+
+// Their failure is the failure of the test.
+#![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
+
+mod class;
+pub mod dataset;
+pub mod decode;
+mod extent;
+mod find;
+pub mod labels;
+mod level;
+mod mark;
+mod merge;
+pub mod metrics;
+pub mod model;
+mod nms;
+pub mod objects;
+mod picture;
+mod raster;
+mod rect;
+pub mod review;
+pub mod targets;
+mod test_time_augmentation;
+#[cfg(test)]
+mod testing;
+pub mod truth;
+mod vote;
+
+pub use class::{NAMELESS_CLASS, ReviewSettings, class_index};
+pub use extent::{MeasuredShadow, ObjectExtent};
+pub use find::{DetectorSettings, find};
+pub use find::{SoFar, find_in_picture};
+pub use level::level;
+pub use mark::{Detection, Mark};
+pub use model::Model;
+pub use model::{DetectError, ModelError};
+pub use nms::{Nms, OverlapMeasure, suppress};
+pub use picture::Picture;
+pub use raster::{Raster, RasterTile, TILE_PX};
+pub use rect::{Labelled, Rect, Scored};
+pub use vote::vote;

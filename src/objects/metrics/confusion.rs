@@ -1,0 +1,86 @@
+//! What was taken for what.
+
+use super::mistakes::ShownImages;
+use super::{Image, MetricSettings, TrueBox, iou};
+use crate::Scored;
+
+/// Boxes by their true class (rows) and the class that was proposed (columns), at the score and IoU of the settings. The
+/// last row holds predictions that lie on nothing (or on a truth that another prediction has found), the last column truths
+/// that nothing lies on: the background.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Confusion {
+    classes: usize,
+    cells: Vec<usize>,
+}
+
+impl Confusion {
+    fn new(classes: usize) -> Self {
+        Self {
+            classes,
+            cells: vec![0; (classes + 1) * (classes + 1)],
+        }
+    }
+
+    /// Number of classes; this number as an index is the background.
+    pub fn classes(&self) -> usize {
+        self.classes
+    }
+
+    /// Boxes that are `truth` and were taken for `predicted`. Panics beyond the background, as a slice does.
+    pub fn at(&self, truth: usize, predicted: usize) -> usize {
+        self.cells[truth * (self.classes + 1) + predicted]
+    }
+
+    /// The rows, one a true class, the background last.
+    pub fn rows(&self) -> impl Iterator<Item = &[usize]> {
+        self.cells.chunks(self.classes + 1)
+    }
+
+    fn count(&mut self, truth: usize, predicted: usize) {
+        self.cells[truth * (self.classes + 1) + predicted] += 1;
+    }
+}
+
+/// Counts what is shown. What the classes' own matching has paired lies on the diagonal; of the rest, each prediction, by
+/// falling score, is paired with the truth of another class that it overlaps most, if by enough.
+pub(super) fn confusion(
+    images: &[Image],
+    shown: &ShownImages,
+    classes: usize,
+    settings: &MetricSettings,
+) -> Confusion {
+    let mut confusion = Confusion::new(classes);
+    for (boxes, shown) in images.iter().zip(&shown.images) {
+        let mut free: Vec<&TrueBox> = Vec::new();
+        for (truth, &found) in boxes.truth.iter().zip(&shown.found) {
+            if found {
+                confusion.count(truth.class, truth.class);
+            } else if !truth.ignored {
+                free.push(truth);
+            }
+        }
+        for &index in &shown.false_alarms {
+            let predicted = &boxes.predicted[index];
+            let mistaken = mistaken(predicted, &free, settings);
+            let truth = mistaken.map_or(classes, |index| free.swap_remove(index).class);
+            confusion.count(truth, predicted.class);
+        }
+        for missed in free {
+            confusion.count(missed.class, classes);
+        }
+    }
+    confusion
+}
+
+/// The truth of another class that a prediction overlaps most, if by enough.
+fn mistaken(predicted: &Scored, free: &[&TrueBox], settings: &MetricSettings) -> Option<usize> {
+    let others = free
+        .iter()
+        .enumerate()
+        .filter(|(_, truth)| truth.class != predicted.class);
+    others
+        .map(|(index, truth)| (index, iou(&predicted.rect, &truth.rect, false)))
+        .filter(|&(_, iou)| settings.matching.passes(iou, settings.iou))
+        .max_by(|(_, a), (_, b)| a.total_cmp(b))
+        .map(|(index, _)| index)
+}

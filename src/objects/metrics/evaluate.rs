@@ -1,0 +1,189 @@
+//! All figures of one set of pictures.
+
+use super::confusion::Confusion;
+use super::matched::{AtScore, Matched, rank, total};
+use super::mistakes::{FalseAlarm, Miss};
+use super::precision::{CurvePoint, MatchCounts, average_precision, curve};
+use super::ranking::{ANY_SIZE, Sizes};
+use super::{BoxMatching, Image, MetricSettings};
+
+/// One class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClassReport {
+    /// At the score of the settings.
+    pub counts: MatchCounts,
+    /// Average precision at the IoU of the settings; NaN without truths.
+    pub ap: f64,
+    /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
+    pub ap_50_95: f64,
+    /// For every score, falling.
+    pub curve: Vec<CurvePoint>,
+}
+
+/// Boxes of one size, all classes. A truth whose area is a limit counts on both sides of it, as in COCO.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizeReport {
+    /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
+    pub side_px: [f64; 2],
+    /// At the score of the settings.
+    pub counts: MatchCounts,
+    /// Mean over the classes at the IoU of the settings; NaN without truths.
+    pub map: f64,
+    /// Mean over the classes at IoU 0.5, 0.55 .. 0.95; NaN without truths.
+    pub map_50_95: f64,
+}
+
+/// How well predictions agree with truths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// One entry a class.
+    pub classes: Vec<ClassReport>,
+    /// All classes together.
+    pub counts: MatchCounts,
+    /// Mean of the classes' `ap`; NaN without truths.
+    pub map: f64,
+    /// Mean of the classes' `ap_50_95`; NaN without truths.
+    pub map_50_95: f64,
+    /// All classes as one, for every score, falling.
+    pub curve: Vec<CurvePoint>,
+    /// From small to large.
+    pub sizes: Vec<SizeReport>,
+    /// What was taken for what.
+    pub confusion: Confusion,
+    /// By falling score.
+    pub false_alarms: Vec<FalseAlarm>,
+    /// Picture by picture.
+    pub misses: Vec<Miss>,
+}
+
+impl Evaluation {
+    /// The same average precisions and curves with the counts, confusion and mistakes of others: of the boxes of the same
+    /// pictures that an analyst is shown.
+    pub fn counted_as(self, shown: Evaluation) -> Self {
+        let classes = self.classes.into_iter().zip(shown.classes);
+        let sizes = self.sizes.into_iter().zip(shown.sizes);
+        Self {
+            classes: classes
+                .map(|(ranked, shown)| ClassReport {
+                    counts: shown.counts,
+                    ..ranked
+                })
+                .collect(),
+            sizes: sizes
+                .map(|(ranked, shown)| SizeReport {
+                    counts: shown.counts,
+                    ..ranked
+                })
+                .collect(),
+            map: self.map,
+            map_50_95: self.map_50_95,
+            curve: self.curve,
+            ..shown
+        }
+    }
+}
+
+/// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left out.
+pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
+    let matched = Matched::new(images, classes, settings);
+    let images = matched.images();
+    let AtScore {
+        classes: at_score,
+        counts,
+        confusion,
+        false_alarms,
+        misses,
+    } = matched.at(settings.score);
+    let reports: Vec<ClassReport> = matched
+        .rankings()
+        .iter()
+        .zip(ap_50_95(images, classes, settings, &ANY_SIZE))
+        .zip(at_score)
+        .map(|((ranking, ap_50_95), counts)| ClassReport {
+            counts,
+            ap: average_precision(&ranking.ranked, ranking.truths, settings.ap),
+            ap_50_95,
+            curve: curve(&ranking.ranked, ranking.truths),
+        })
+        .collect();
+    Evaluation {
+        counts,
+        map: mean(reports.iter().map(|report| report.ap), settings),
+        map_50_95: mean(reports.iter().map(|report| report.ap_50_95), settings),
+        curve: matched.curve(),
+        sizes: sizes(images, classes, settings),
+        confusion,
+        false_alarms,
+        misses,
+        classes: reports,
+    }
+}
+
+/// IoU 0.5, 0.55 .. 0.95, spaced as numpy does it, so that an IoU of 3/5 falls on the same side as there.
+fn thresholds() -> [f64; 10] {
+    let step = (0.95 - 0.5) / 9.0;
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|index| match index {
+        9 => 0.95,
+        _ => f64::from(index) * step + 0.5,
+    })
+}
+
+/// One entry a class.
+fn ap_50_95(
+    images: &[Image],
+    classes: usize,
+    settings: &MetricSettings,
+    sizes: &Sizes,
+) -> Vec<f64> {
+    let mut sums = vec![0.0; classes];
+    for threshold in thresholds() {
+        let rankings = rank(images, classes, settings, threshold, sizes);
+        for (sum, ranking) in sums.iter_mut().zip(&rankings) {
+            *sum += average_precision(&ranking.ranked, ranking.truths, settings.ap);
+        }
+    }
+    let count = thresholds().len() as f64;
+    sums.into_iter().map(|sum| sum / count).collect()
+}
+
+/// Mean over the classes; what a class without truths counts is a matter of the rule. NaN where no class has truths.
+fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64 {
+    let all: Vec<f64> = precisions.collect();
+    let known = all.iter().filter(|ap| !ap.is_nan());
+    let sum: f64 = known.clone().sum();
+    let count = match settings.matching {
+        BoxMatching::Coco => known.count(),
+        BoxMatching::DarknetVoc if known.count() == 0 => 0,
+        BoxMatching::DarknetVoc => all.len(),
+    };
+    sum / count as f64
+}
+
+fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<SizeReport> {
+    let edges = settings.size_edges_px.iter().copied();
+    let edges: Vec<f64> = [0.0]
+        .into_iter()
+        .chain(edges)
+        .chain([f64::INFINITY])
+        .collect();
+    let report = |edges: &[f64]| {
+        let areas = edges[0] * edges[0]..=edges[1] * edges[1];
+        let rankings = rank(images, classes, settings, settings.iou, &areas);
+        let counts = rankings
+            .iter()
+            .map(|ranking| MatchCounts::of(ranking.shown(settings.score), ranking.truths));
+        let ap = rankings
+            .iter()
+            .map(|ranking| average_precision(&ranking.ranked, ranking.truths, settings.ap));
+        SizeReport {
+            side_px: [edges[0], edges[1]],
+            counts: total(counts),
+            map: mean(ap, settings),
+            map_50_95: mean(
+                ap_50_95(images, classes, settings, &areas).into_iter(),
+                settings,
+            ),
+        }
+    };
+    edges.windows(2).map(report).collect()
+}

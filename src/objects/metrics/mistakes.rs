@@ -1,0 +1,146 @@
+//! What to look at: every false alarm and every miss.
+
+use super::matching::MatchOutcome;
+use super::ranking::Ranked;
+use super::{Image, MetricSettings, iou};
+use crate::Rect;
+
+/// Why a prediction found nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Nothing is there.
+    Background,
+    /// An object of its class is there and was found by a surer box.
+    Duplicate,
+    /// An object of another class is there.
+    OtherClass,
+    /// An object of its class is near, but the box overlaps it too little.
+    Loose,
+}
+
+impl Cause {
+    /// A word or two for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cause::Background => "background",
+            Cause::Duplicate => "duplicate",
+            Cause::OtherClass => "other class",
+            Cause::Loose => "loose box",
+        }
+    }
+}
+
+/// A prediction of at least the score that found nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FalseAlarm {
+    /// Index of the picture.
+    pub image: usize,
+    /// Index into its predictions.
+    pub predicted: usize,
+    /// Why.
+    pub cause: Cause,
+}
+
+/// A truth that no prediction of at least the score found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Miss {
+    /// Index of the picture.
+    pub image: usize,
+    /// Index into its truths.
+    pub truth: usize,
+}
+
+/// What the score lets through in every picture.
+#[derive(Debug)]
+pub(super) struct ShownImages {
+    pub images: Vec<ShownImage>,
+}
+
+/// What the score lets through in one picture.
+#[derive(Debug)]
+pub(super) struct ShownImage {
+    /// Truths that were found.
+    pub found: Vec<bool>,
+    /// Predictions that found nothing, by falling score.
+    pub false_alarms: Vec<usize>,
+}
+
+impl ShownImages {
+    /// Sorts the classes' predictions by picture.
+    pub(super) fn new<'a>(images: &[Image], shown: impl Iterator<Item = &'a Ranked>) -> Self {
+        let none = |boxes: &Image| ShownImage {
+            found: vec![false; boxes.truth.len()],
+            false_alarms: Vec::new(),
+        };
+        let mut sorted: Vec<ShownImage> = images.iter().map(none).collect();
+        for one in shown {
+            let image = &mut sorted[one.image];
+            match one.outcome {
+                MatchOutcome::Hit { truth, .. } => image.found[truth] = true,
+                _ => image.false_alarms.push(one.predicted),
+            }
+        }
+        for (image, boxes) in sorted.iter_mut().zip(images) {
+            let score = |index: &usize| boxes.predicted[*index].score;
+            image
+                .false_alarms
+                .sort_by(|a, b| score(b).total_cmp(&score(a)));
+        }
+        Self { images: sorted }
+    }
+
+    /// Every false alarm, with its cause, by falling score.
+    pub(super) fn false_alarms(
+        &self,
+        images: &[Image],
+        settings: &MetricSettings,
+    ) -> Vec<FalseAlarm> {
+        let mut all: Vec<FalseAlarm> = Vec::new();
+        for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
+            all.extend(shown.false_alarms.iter().map(|&predicted| FalseAlarm {
+                image,
+                predicted,
+                cause: cause(boxes, predicted, settings),
+            }));
+        }
+        let score = |one: &FalseAlarm| images[one.image].predicted[one.predicted].score;
+        all.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        all
+    }
+
+    /// Every miss, picture by picture.
+    pub(super) fn misses(&self, images: &[Image]) -> Vec<Miss> {
+        let mut all = Vec::new();
+        for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
+            let missed = (0..boxes.truth.len())
+                .filter(|&truth| !shown.found[truth] && !boxes.truth[truth].ignored);
+            all.extend(missed.map(|truth| Miss { image, truth }));
+        }
+        all
+    }
+}
+
+/// Overlap from which a box is near an object.
+const NEAR_IOU: f64 = 0.1;
+
+fn cause(boxes: &Image, predicted: usize, settings: &MetricSettings) -> Cause {
+    let one = &boxes.predicted[predicted];
+    let best = |same_class: bool| {
+        let of_interest = boxes
+            .truth
+            .iter()
+            .filter(|truth| !truth.ignored && (truth.class == one.class) == same_class);
+        let overlap = |rect: &Rect| iou(&one.rect, rect, false);
+        of_interest.fold(0.0, |best, truth| f64::max(best, overlap(&truth.rect)))
+    };
+    let (own, other) = (best(true), best(false));
+    if settings.matching.passes(own, settings.iou) {
+        Cause::Duplicate
+    } else if settings.matching.passes(other, settings.iou) {
+        Cause::OtherClass
+    } else if own >= NEAR_IOU {
+        Cause::Loose
+    } else {
+        Cause::Background
+    }
+}

@@ -1,0 +1,143 @@
+//! How well predicted boxes agree with true ones.
+//!
+//! In: true and predicted boxes by picture. Out: precision, recall, average precision, confusion and mistakes.
+//! It uses nothing outside `detection`.
+//!
+//! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score, `precision` makes curves and
+//! average precision of them, `confusion` says what was taken for what, `mistakes` lists what to look at, `matched` keeps the
+//! pairs to be counted at any score, and [`evaluate`] lays everything side by side.
+//!
+//! Two rules are in use and give different numbers from the same boxes: Darknet's (the published figures') and COCO's.
+//! [`MetricSettings::darknet`] equals `mean_average_precision` and [`MetricSettings::coco`] equals `pycocotools` (tests).
+
+mod confusion;
+mod evaluate;
+mod matched;
+mod matching;
+mod mistakes;
+mod precision;
+mod ranking;
+
+pub use confusion::Confusion;
+pub use evaluate::{Evaluation, SizeReport, evaluate};
+pub use matched::{AtScore, Matched};
+pub use mistakes::Cause;
+pub use precision::{ApMethod, CurvePoint, MatchCounts};
+
+use super::{Rect, Scored};
+
+/// A true box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueBox {
+    /// Index into the class names.
+    pub class: usize,
+    /// Where, pixels.
+    pub rect: Rect,
+    /// Neither to be found nor to be missed: a crowd, or an object that nobody could name. Any number of boxes may lie in
+    /// it (COCO's `iscrowd`, VOC's `difficult`).
+    pub ignored: bool,
+}
+
+/// The boxes of one picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Image {
+    /// What is there.
+    pub truth: Vec<TrueBox>,
+    /// What was proposed, in any order; of equal scores the first counts first.
+    pub predicted: Vec<Scored>,
+}
+
+impl Image {
+    /// Gives each prediction of the class of boxes without a name that of the true box that it overlaps most: it cannot be wrong in what it
+    /// does not say. One that overlaps none stays as it is.
+    pub fn name_by_truth(&mut self, nameless: usize) {
+        let without = |one: &&mut Scored| one.class == nameless;
+        for one in self.predicted.iter_mut().filter(without) {
+            let overlap = |truth: &TrueBox| one.rect.iou(&truth.rect);
+            let met = self.truth.iter().filter(|truth| overlap(truth) > 0.0);
+            if let Some(truth) = met.max_by(|a, b| overlap(a).total_cmp(&overlap(b))) {
+                one.class = truth.class;
+            }
+        }
+    }
+}
+
+/// Which prediction belongs to which true box of its class. Predictions choose by falling score.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoxMatching {
+    /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the threshold; when that one is
+    /// taken it is a false alarm, even where another would do. A class without truths counts as 0 in the mean.
+    DarknetVoc,
+    /// COCO: a prediction takes the best truth that is still free, at the threshold or above. A class without truths does
+    /// not count in the mean.
+    Coco,
+}
+
+impl BoxMatching {
+    /// Whether an overlap makes a match.
+    fn passes(self, iou: f64, threshold: f64) -> bool {
+        match self {
+            BoxMatching::DarknetVoc => iou > threshold,
+            // An IoU of 1 passes a threshold of 1 despite rounding.
+            BoxMatching::Coco => iou >= threshold.min(1.0 - 1e-10),
+        }
+    }
+}
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MetricSettings {
+    /// Which prediction belongs to which truth.
+    pub matching: BoxMatching,
+    /// How a precision-recall curve becomes a number.
+    pub ap: ApMethod,
+    /// Intersection over union that makes a match, 0 to 1.
+    pub iou: f64,
+    /// Confidence from which a box is shown: counts, confusion and mistakes are at it; curves and AP are not.
+    pub score: f32,
+    /// The surest boxes of a class in a picture that count; all when `None`.
+    pub max_detections: Option<usize>,
+    /// Limits between sizes: square roots of box areas, pixels, growing.
+    pub size_edges_px: Vec<f64>,
+}
+
+impl MetricSettings {
+    /// As `detector map -points 0` of Darknet measures: all points, more than IoU 0.5, score 0.25.
+    pub fn darknet() -> Self {
+        Self {
+            matching: BoxMatching::DarknetVoc,
+            ap: ApMethod::AllPoint,
+            iou: 0.5,
+            score: 0.25,
+            max_detections: None,
+            size_edges_px: vec![32.0, 96.0],
+        }
+    }
+
+    /// As COCO measures: 101 points, IoU 0.5 and above, 100 boxes of a class in a picture.
+    pub fn coco() -> Self {
+        Self {
+            matching: BoxMatching::Coco,
+            ap: ApMethod::Coco101,
+            max_detections: Some(100),
+            ..Self::darknet()
+        }
+    }
+}
+
+/// Area of a box in double precision, square pixels.
+fn area(rect: &Rect) -> f64 {
+    let side = |from: f32, to: f32| (f64::from(to) - f64::from(from)).max(0.0);
+    side(rect.x0, rect.x1) * side(rect.y0, rect.y1)
+}
+
+/// Intersection over union in double precision, so that 0.5 is 0.5; over the first box alone when the second is a crowd.
+fn iou(predicted: &Rect, truth: &Rect, crowd: bool) -> f64 {
+    let shared = area(&predicted.intersection(truth));
+    let joint = if crowd {
+        area(predicted)
+    } else {
+        area(predicted) + area(truth) - shared
+    };
+    if joint > 0.0 { shared / joint } else { 0.0 }
+}

@@ -1,0 +1,184 @@
+//! Counts, precision and recall, and the curves that they draw over the score.
+
+use super::matching::MatchOutcome;
+use super::ranking::Ranked;
+
+/// How a precision-recall curve becomes one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ApMethod {
+    /// Area under the curve, where precision is the best at that recall or beyond (VOC since 2010, Darknet's `-points 0`).
+    AllPoint,
+    /// Mean of that precision at recall 0, 0.1 .. 1 (VOC 2007, Darknet's `-points 11`).
+    Voc11,
+    /// Mean of that precision at recall 0, 0.01 .. 1.
+    Coco101,
+}
+
+/// Found, false and missed, at one score.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MatchCounts {
+    /// Truths that count.
+    pub truths: usize,
+    /// Predictions that found one (TP).
+    pub found: usize,
+    /// Predictions that found none (FP).
+    pub false_alarms: usize,
+    /// Sum of the IoU of the found.
+    pub iou_sum: f64,
+}
+
+impl MatchCounts {
+    /// Counts predictions among `truths`.
+    pub fn of(shown: &[Ranked], truths: usize) -> Self {
+        let mut counts = MatchCounts {
+            truths,
+            ..Self::default()
+        };
+        for one in shown {
+            match one.outcome {
+                MatchOutcome::Hit { iou, .. } => {
+                    counts.found += 1;
+                    counts.iou_sum += iou;
+                }
+                _ => counts.false_alarms += 1,
+            }
+        }
+        counts
+    }
+
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            truths: self.truths + other.truths,
+            found: self.found + other.found,
+            false_alarms: self.false_alarms + other.false_alarms,
+            iou_sum: self.iou_sum + other.iou_sum,
+        }
+    }
+
+    /// Truths that nothing found (FN).
+    pub fn missed(&self) -> usize {
+        self.truths.saturating_sub(self.found)
+    }
+
+    /// TP / (TP + FP); NaN without predictions.
+    pub fn precision(&self) -> f64 {
+        share(self.found, self.found + self.false_alarms)
+    }
+
+    /// TP / (TP + FN); NaN without truths.
+    pub fn recall(&self) -> f64 {
+        share(self.found, self.truths)
+    }
+
+    /// 2 TP / (2 TP + FP + FN); NaN without any box.
+    pub fn f1(&self) -> f64 {
+        let boxes = self.found + self.false_alarms + self.truths;
+        share(2 * self.found, boxes)
+    }
+
+    /// Mean IoU of the predictions that found a truth; NaN without any.
+    pub fn iou_of_matches(&self) -> f64 {
+        self.iou_sum / self.found as f64
+    }
+
+    /// Darknet's "average IoU": a false alarm counts as 0. It cannot exceed the precision. NaN without predictions.
+    pub fn darknet_iou(&self) -> f64 {
+        self.iou_sum / (self.found + self.false_alarms) as f64
+    }
+}
+
+fn share(part: usize, whole: usize) -> f64 {
+    part as f64 / whole as f64
+}
+
+/// What a score as the limit would give.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// Boxes of at least this score are shown.
+    pub score: f32,
+    /// TP / (TP + FP) of these.
+    pub precision: f64,
+    /// TP / (TP + FN) of these; NaN without truths.
+    pub recall: f64,
+    /// 2 TP / (2 TP + FP + FN) of these.
+    pub f1: f64,
+}
+
+/// Precision, recall and F1 for every score that occurs, falling; `ranked` falls by score.
+pub(super) fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
+    let mut counts = MatchCounts {
+        truths,
+        ..MatchCounts::default()
+    };
+    let same_score = |a: &Ranked, b: &Ranked| a.score == b.score;
+    ranked
+        .chunk_by(same_score)
+        .map(|equals| {
+            counts = counts.plus(MatchCounts::of(equals, 0));
+            CurvePoint {
+                score: equals[0].score,
+                precision: counts.precision(),
+                recall: counts.recall(),
+                f1: counts.f1(),
+            }
+        })
+        .collect()
+}
+
+/// Average precision of a class; NaN without truths.
+pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMethod) -> f64 {
+    if truths == 0 {
+        return f64::NAN;
+    }
+    let (recall, precision) = envelope(ranked, truths);
+    let mean_at = |levels: &[f64]| {
+        let reached = levels.iter().map(|level| {
+            let first = recall.partition_point(|recall| recall < level);
+            precision.get(first).copied().unwrap_or(0.0)
+        });
+        reached.sum::<f64>() / levels.len() as f64
+    };
+    match method {
+        ApMethod::AllPoint => area_under(&recall, &precision),
+        ApMethod::Voc11 => {
+            let levels = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10].map(|tenth| f64::from(tenth) / 10.0);
+            mean_at(&levels)
+        }
+        ApMethod::Coco101 => {
+            // Spaced as numpy does it: 57 * 0.01 is a rounding above 0.57, and a recall of 57/100 does not reach it.
+            let levels: Vec<f64> = (0..=100).map(|point| f64::from(point) * 0.01).collect();
+            mean_at(&levels)
+        }
+    }
+}
+
+fn area_under(recall: &[f64], precision: &[f64]) -> f64 {
+    let (mut area, mut before) = (0.0, 0.0);
+    for (&recall, &precision) in recall.iter().zip(precision) {
+        area += (recall - before) * precision;
+        before = recall;
+    }
+    area
+}
+
+/// Recall after each prediction, and the best precision there or later.
+fn envelope(ranked: &[Ranked], truths: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut counts = MatchCounts {
+        truths,
+        ..MatchCounts::default()
+    };
+    let (recall, mut precision): (Vec<f64>, Vec<f64>) = ranked
+        .iter()
+        .map(|one| {
+            counts = counts.plus(MatchCounts::of(std::slice::from_ref(one), 0));
+            (counts.recall(), counts.precision())
+        })
+        .unzip();
+    let mut best = 0.0;
+    for precision in precision.iter_mut().rev() {
+        best = f64::max(best, *precision);
+        *precision = best;
+    }
+    (recall, precision)
+}

@@ -1,0 +1,365 @@
+//! Which detector the outputs are of: by their shapes, or as the sidecar says.
+
+use super::metadata::Metadata;
+use super::sidecar::{FamilyName, Sidecar};
+use super::{Output, Unusable};
+use crate::Scored;
+use crate::decode::{self, Head, HeadLayout};
+
+/// Boxes of an end-to-end network: 300 usually.
+const MOST_END_TO_END: usize = 1000;
+/// Strides of the detectors in use: two heads (tiny), three, four (large inputs), four (small objects).
+const STRIDES: [&[usize]; 4] = [&[8, 16, 32], &[16, 32], &[8, 16, 32, 64], &[4, 8, 16, 32]];
+
+/// Shape of an output, with its name.
+pub(super) type Shaped<'a> = (&'a str, &'a [usize]);
+
+/// A detector whose outputs can be read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DetectorFamily {
+    /// Classes that it distinguishes.
+    pub classes: usize,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Kind {
+    BoxesAndConfs {
+        boxes: usize,
+        confs: usize,
+        /// `None` until a first run has shown it.
+        fractions: Option<bool>,
+    },
+    RawHeads(Vec<BoundHead>),
+    Rows,
+    Columns,
+    EndToEnd,
+    Yolox(&'static [usize]),
+}
+
+/// A raw head with the output that it describes.
+#[derive(Clone, Debug, PartialEq)]
+struct BoundHead {
+    output: usize,
+    layout: HeadLayout,
+    /// Columns and rows.
+    grid: [usize; 2],
+    head: Head,
+}
+
+impl FamilyName {
+    /// The family in a few words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            FamilyName::Yolov4 => "YOLOv4 (boxes and scores)",
+            FamilyName::RawHeads => "raw YOLO heads",
+            FamilyName::Yolov5 => "YOLOv5 or v7",
+            FamilyName::Yolov8 => "YOLOv8 to v12",
+            FamilyName::EndToEnd => "an end-to-end YOLO",
+            FamilyName::Yolox => "YOLOX",
+        }
+    }
+}
+
+/// The family that outputs of these shapes belong to; `input` is the network's width and height.
+pub(super) fn guess(
+    outputs: &[Shaped<'_>],
+    input: [usize; 2],
+    metadata: &Metadata,
+) -> Result<FamilyName, Unusable> {
+    let unknown = || Err(Unusable::Layout(listed(outputs)));
+    if boxes_and_confs(outputs).is_some() {
+        return Ok(FamilyName::Yolov4);
+    }
+    if let [(_, shape)] = outputs
+        && let Some([first, second]) = flat(shape)
+    {
+        let one_class = cells(input, first) || yolov5_rows(input, first);
+        return match (first, second) {
+            (_, 6) if metadata.end_to_end() => Ok(FamilyName::EndToEnd),
+            (count, 6) if count <= MOST_END_TO_END && !one_class => Ok(FamilyName::EndToEnd),
+            (count, width) if count < width && count > 4 => Ok(FamilyName::Yolov8),
+            (count, width) if width > 5 && cells(input, count) => Ok(FamilyName::Yolox),
+            (count, width) if width > 5 && yolov5_rows(input, count) => Ok(FamilyName::Yolov5),
+            _ => unknown(),
+        };
+    }
+    let all_grids = outputs
+        .iter()
+        .all(|(_, shape)| !layouts(shape, input).is_empty());
+    if all_grids && !outputs.is_empty() {
+        Ok(FamilyName::RawHeads)
+    } else {
+        unknown()
+    }
+}
+
+/// Binds a family to the outputs.
+pub(super) fn bind(
+    name: FamilyName,
+    outputs: &[Shaped<'_>],
+    input: [usize; 2],
+    sidecar: &Sidecar,
+    known_names: Option<usize>,
+) -> Result<DetectorFamily, Unusable> {
+    let misfit = |why: String| Unusable::Misfit {
+        family: name.words().to_owned(),
+        why,
+    };
+    let one = || match outputs {
+        [(_, shape)] => flat(shape).ok_or_else(|| misfit(listed(outputs))),
+        _ => Err(misfit(listed(outputs))),
+    };
+    let more = |width: usize, fixed: usize| {
+        let classes = width.checked_sub(fixed).filter(|&classes| classes > 0);
+        classes.ok_or_else(|| misfit(listed(outputs)))
+    };
+    let (classes, kind) = match name {
+        FamilyName::Yolov4 => {
+            let (boxes, confs, classes) =
+                boxes_and_confs(outputs).ok_or_else(|| misfit(listed(outputs)))?;
+            let fractions = coordinates(sidecar);
+            (
+                classes,
+                Kind::BoxesAndConfs {
+                    boxes,
+                    confs,
+                    fractions,
+                },
+            )
+        }
+        FamilyName::RawHeads => {
+            let (classes, heads) = bind_heads(outputs, input, sidecar, misfit)?;
+            (classes, Kind::RawHeads(heads))
+        }
+        FamilyName::Yolov5 => (more(one()?[1], 5)?, Kind::Rows),
+        FamilyName::Yolov8 => (more(one()?[0], 4)?, Kind::Columns),
+        FamilyName::EndToEnd => {
+            let [_, width] = one()?;
+            if width != 6 {
+                return Err(misfit(listed(outputs)));
+            }
+            // The outputs do not state how many classes there are.
+            (known_names.unwrap_or(80), Kind::EndToEnd)
+        }
+        FamilyName::Yolox => {
+            let [count, width] = one()?;
+            let strides = STRIDES
+                .into_iter()
+                .find(|strides| cells_of(input, strides) == count);
+            let strides = strides.ok_or_else(|| {
+                misfit(format!(
+                    "{count} boxes are not the grid cells of an input of {} x {}",
+                    input[0], input[1]
+                ))
+            })?;
+            (more(width, 5)?, Kind::Yolox(strides))
+        }
+    };
+    Ok(DetectorFamily { classes, kind })
+}
+
+impl DetectorFamily {
+    /// Boxes of at least that score, in pixels of the input.
+    pub(super) fn decode(&self, outputs: &[Output], input: [usize; 2], least: f32) -> Vec<Scored> {
+        let values = |index: usize| outputs.get(index).map_or(&[][..], |output| &output.values);
+        match &self.kind {
+            Kind::BoxesAndConfs {
+                boxes,
+                confs,
+                fractions,
+            } => {
+                let scale = if *fractions == Some(false) {
+                    [1.0; 2]
+                } else {
+                    input.map(|size| size as f32)
+                };
+                let (boxes, confs) = (values(*boxes), values(*confs));
+                decode::boxes_and_confs(boxes, confs, self.classes, scale, least)
+            }
+            Kind::RawHeads(heads) => heads
+                .iter()
+                .flat_map(|bound| {
+                    let BoundHead {
+                        layout, head, grid, ..
+                    } = bound;
+                    let values = values(bound.output);
+                    decode::raw_head(values, *layout, head, self.classes, *grid, input, least)
+                })
+                .collect(),
+            Kind::Rows => decode::rows(values(0), self.classes, least),
+            Kind::Columns => decode::columns(values(0), self.classes, least),
+            Kind::EndToEnd => decode::end_to_end(values(0), self.classes, least),
+            Kind::Yolox(strides) => decode::yolox(values(0), self.classes, input, strides, least),
+        }
+    }
+
+    /// Whether the network drops overlapping boxes itself.
+    pub(super) fn suppresses(&self) -> bool {
+        self.kind == Kind::EndToEnd
+    }
+
+    /// Learns from a first run what shapes do not show: whether boxes are fractions of the picture, of which none is far
+    /// beyond 1.
+    pub(super) fn learn(&mut self, first_run: &[Output]) {
+        if let Kind::BoxesAndConfs {
+            boxes, fractions, ..
+        } = &mut self.kind
+            && fractions.is_none()
+        {
+            let edges = first_run
+                .get(*boxes)
+                .map_or(&[][..], |output| &output.values);
+            let largest = edges
+                .iter()
+                .fold(0.0_f32, |largest, edge| largest.max(*edge));
+            *fractions = Some(largest <= 4.0);
+        }
+    }
+}
+
+/// The unit of the boxes, where the sidecar names it.
+fn coordinates(sidecar: &Sidecar) -> Option<bool> {
+    let words = sidecar.outputs.coordinates.as_deref()?;
+    if words.contains("fraction") {
+        return Some(true);
+    }
+    words.contains("pixel").then_some(false)
+}
+
+/// The outputs in words, for messages.
+fn listed(outputs: &[Shaped<'_>]) -> String {
+    let words = outputs
+        .iter()
+        .map(|(name, shape)| format!("{name} {shape:?}"));
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// The last two sizes, where all before are 1.
+fn flat(shape: &[usize]) -> Option<[usize; 2]> {
+    let (&[first, second], before) = shape.split_last_chunk::<2>().map(|(a, b)| (b, a))?;
+    before
+        .iter()
+        .all(|&size| size == 1)
+        .then_some([first, second])
+}
+
+/// Indices of the boxes `[1, N, 1, 4]` or `[1, N, 4]` and of the scores `[1, N, C]`, and C. Bound by name where both could be
+/// either: exporters do not agree on the order.
+fn boxes_and_confs(outputs: &[Shaped<'_>]) -> Option<(usize, usize, usize)> {
+    let [a, b] = outputs else {
+        return None;
+    };
+    let as_boxes = |(_, shape): &Shaped<'_>| match **shape {
+        [1, count, 1, 4] | [1, count, 4] => Some(count),
+        _ => None,
+    };
+    let as_confs = |(_, shape): &Shaped<'_>| match **shape {
+        [1, count, classes] => Some((count, classes)),
+        _ => None,
+    };
+    let pair = |boxes: &Shaped<'_>, confs: &Shaped<'_>| {
+        let (count, classes) = as_confs(confs)?;
+        (as_boxes(boxes)? == count && classes > 0).then_some(classes)
+    };
+    match (pair(a, b), pair(b, a)) {
+        (Some(classes), None) => Some((0, 1, classes)),
+        (None, Some(classes)) => Some((1, 0, classes)),
+        (Some(classes), Some(_)) if a.0.contains("box") => Some((0, 1, classes)),
+        (Some(_), Some(classes)) if b.0.contains("box") => Some((1, 0, classes)),
+        _ => None,
+    }
+}
+
+fn cells_of(input: [usize; 2], strides: &[usize]) -> usize {
+    strides
+        .iter()
+        .map(|stride| (input[0] / stride) * (input[1] / stride))
+        .sum()
+}
+
+/// Whether there are as many boxes as grid cells.
+fn cells(input: [usize; 2], count: usize) -> bool {
+    STRIDES
+        .iter()
+        .any(|strides| cells_of(input, strides) == count)
+}
+
+/// Whether there are three boxes a grid cell.
+fn yolov5_rows(input: [usize; 2], count: usize) -> bool {
+    STRIDES
+        .iter()
+        .any(|strides| 3 * cells_of(input, strides) == count)
+}
+
+/// The ways in which an output may be a raw head: its layout, columns and rows, and numbers a cell.
+fn layouts(shape: &[usize], input: [usize; 2]) -> Vec<(HeadLayout, [usize; 2], usize)> {
+    let ways = match *shape {
+        [1, channels, rows, columns] => vec![
+            (HeadLayout::ChannelsFirst, [columns, rows], channels),
+            // The same four sizes, read the other way.
+            (HeadLayout::ChannelsLast, [rows, channels], columns),
+        ],
+        [1, anchors, rows, columns, attributes] => {
+            vec![(
+                HeadLayout::AnchorsFirst,
+                [columns, rows],
+                anchors * attributes,
+            )]
+        }
+        _ => Vec::new(),
+    };
+    ways.into_iter()
+        .filter(|(_, [columns, rows], numbers)| {
+            let stride = input[0].checked_div(*columns).unwrap_or(0);
+            stride > 1 && columns * stride == input[0] && rows * stride == input[1] && *numbers >= 6
+        })
+        .collect()
+}
+
+fn bind_heads(
+    outputs: &[Shaped<'_>],
+    input: [usize; 2],
+    sidecar: &Sidecar,
+    misfit: impl Fn(String) -> Unusable,
+) -> Result<(usize, Vec<BoundHead>), Unusable> {
+    if sidecar.heads.is_empty() {
+        return Err(Unusable::NoAnchors);
+    }
+    let mut found = None;
+    let mut heads = Vec::new();
+    for (output, (name, shape)) in outputs.iter().enumerate() {
+        let ways = layouts(shape, input);
+        let fitting = ways.into_iter().find_map(|(layout, grid, numbers)| {
+            let entry = sidecar
+                .heads
+                .iter()
+                .find(|entry| entry.stride * grid[0] == input[0])?;
+            let count = entry.anchors.len();
+            let each = numbers.checked_div(count)?;
+            (each * count == numbers && each > 5).then_some((layout, grid, each - 5, entry))
+        });
+        let Some((layout, grid, classes, entry)) = fitting else {
+            return Err(misfit(format!(
+                "no entry of `heads` has the stride and anchors of {name} {shape:?}"
+            )));
+        };
+        if *found.get_or_insert(classes) != classes {
+            return Err(misfit("its heads differ in their classes".to_owned()));
+        }
+        heads.push(BoundHead {
+            output,
+            layout,
+            grid,
+            head: Head {
+                anchors: entry.anchors.clone(),
+                scale_x_y: entry.scale_x_y,
+                new_coords: entry.new_coords,
+                activated: entry.activated,
+            },
+        });
+    }
+    found
+        .map(|classes| (classes, heads))
+        .ok_or_else(|| misfit("there are no outputs".to_owned()))
+}

@@ -1,0 +1,199 @@
+//! From a picture to the numbers that a network takes, and back from its pixels to the picture's.
+
+use super::sidecar::{Colour, Resize};
+use crate::{Picture, Rect};
+
+/// Level of the bars beside a letterboxed picture, as Darknet's successors train with.
+const BAR: f32 = 114.0;
+
+/// How a picture becomes the input.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct InputSpec {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// 1 or 3.
+    pub channels: usize,
+    /// Whether a pixel's channels lie side by side.
+    pub channels_last: bool,
+    /// Order of the colours.
+    pub colour: Colour,
+    /// Factor from levels of 0 to 255.
+    pub scale: f32,
+    /// Taken off each channel after scaling.
+    pub mean: [f32; 3],
+    /// Each channel is divided by it after that.
+    pub std: [f32; 3],
+    /// How a picture is brought to size.
+    pub resize: Resize,
+}
+
+/// Where a picture lies in the network's input: `input = picture * scale + offset`, across and down.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct InputFit {
+    scale: [f32; 2],
+    offset: [f32; 2],
+    /// Pixels of the input that the picture covers, across and down.
+    covered: [usize; 2],
+    picture: [f32; 2],
+}
+
+impl InputFit {
+    /// Lays a picture of `picture` pixels (across, down) into an input of `input` pixels.
+    pub(super) fn new(picture: [usize; 2], input: [usize; 2], resize: Resize) -> Self {
+        let size = picture.map(|pixels| pixels.max(1) as f32);
+        let ratio = [0, 1].map(|axis| input[axis] as f32 / size[axis]);
+        let both = ratio[0].min(ratio[1]);
+        let covered = match resize {
+            Resize::Stretch => input,
+            _ => [0, 1].map(|axis| ((size[axis] * both).round() as usize).clamp(1, input[axis])),
+        };
+        let offset = match resize {
+            // Half a bar left over goes to the right and below, as Ultralytics rounds it.
+            Resize::Letterbox => [0, 1].map(|axis| {
+                let half = 0.5 * (input[axis] - covered[axis]) as f32;
+                (half - 0.1).round().max(0.0)
+            }),
+            _ => [0.0, 0.0],
+        };
+        Self {
+            scale: [0, 1].map(|axis| covered[axis] as f32 / size[axis]),
+            offset,
+            covered,
+            picture: size,
+        }
+    }
+
+    /// A box of the input in the picture's pixels, cut at the picture's edges.
+    pub(super) fn to_picture(&self, rect: &Rect) -> Rect {
+        let back = |value: f32, axis: usize| {
+            ((value - self.offset[axis]) / self.scale[axis]).clamp(0.0, self.picture[axis])
+        };
+        Rect::new(
+            [back(rect.x0, 0), back(rect.y0, 1)],
+            [back(rect.x1, 0), back(rect.y1, 1)],
+        )
+    }
+}
+
+impl InputSpec {
+    /// Its sizes as the network has them, a batch of one.
+    pub(super) fn shape(&self) -> [usize; 4] {
+        let Self {
+            width,
+            height,
+            channels,
+            ..
+        } = *self;
+        match self.channels_last {
+            true => [1, height, width, channels],
+            false => [1, channels, height, width],
+        }
+    }
+
+    /// Numbers of one input.
+    pub(super) fn count(&self) -> usize {
+        self.width * self.height * self.channels
+    }
+
+    /// Where a picture lies in the input.
+    pub(super) fn fit(&self, picture: &Picture) -> InputFit {
+        InputFit::new(
+            [picture.width, picture.height],
+            [self.width, self.height],
+            self.resize,
+        )
+    }
+
+    /// The input that a picture becomes; between pixels it is interpolated linearly.
+    pub(super) fn numbers(&self, picture: &Picture, fit: &InputFit) -> Vec<f32> {
+        let mut numbers = vec![0.0; self.count()];
+        for channel in 0..self.channels {
+            let bar = self.number(BAR, channel);
+            let across = Line::new(self.width, fit, 0);
+            let down = Line::new(self.height, fit, 1);
+            for y in 0..self.height {
+                for x in 0..self.width {
+                    let number = match (across.at(x), down.at(y)) {
+                        (Some(x), Some(y)) => {
+                            self.number(self.between(picture, x, y, channel), channel)
+                        }
+                        _ => bar,
+                    };
+                    let index = if self.channels_last {
+                        (y * self.width + x) * self.channels + channel
+                    } else {
+                        (channel * self.height + y) * self.width + x
+                    };
+                    numbers[index] = number;
+                }
+            }
+        }
+        numbers
+    }
+
+    /// A level as the network takes it.
+    fn number(&self, level: f32, channel: usize) -> f32 {
+        (level * self.scale - self.mean[channel]) / self.std[channel]
+    }
+
+    /// A channel's level between four pixels.
+    fn between(&self, picture: &Picture, x: PixelPlace, y: PixelPlace, channel: usize) -> f32 {
+        let level = |x, y| self.level(picture, x, y, channel);
+        let row = |y| mix(level(x.low, y), || level(x.low + 1, y), x.share);
+        mix(row(y.low), || row(y.low + 1), y.share)
+    }
+
+    fn level(&self, picture: &Picture, x: usize, y: usize, channel: usize) -> f32 {
+        match self.colour {
+            _ if self.channels == 1 => picture.brightness(x, y),
+            Colour::Grey => picture.brightness(x, y),
+            Colour::Rgb => f32::from(picture.level(x, y, channel)),
+            Colour::Bgr => f32::from(picture.level(x, y, 2 - channel)),
+        }
+    }
+}
+
+/// From `low` to `high` by a share of 0 to 1; `high` is not asked for where it counts nothing.
+fn mix(low: f32, high: impl FnOnce() -> f32, share: f32) -> f32 {
+    if share > 0.0 {
+        low + share * (high() - low)
+    } else {
+        low
+    }
+}
+
+/// A place between two pixels of the picture.
+#[derive(Clone, Copy)]
+struct PixelPlace {
+    low: usize,
+    share: f32,
+}
+
+/// For each pixel of the input along one axis, the place in the picture that its middle lies at.
+struct Line(Vec<Option<PixelPlace>>);
+
+impl Line {
+    fn new(count: usize, fit: &InputFit, axis: usize) -> Self {
+        let first = fit.offset[axis] as usize;
+        let inside = first..first + fit.covered[axis];
+        Self(
+            (0..count)
+                .map(|index| {
+                    let middle = index as f32 + 0.5 - fit.offset[axis];
+                    let place =
+                        (middle / fit.scale[axis] - 0.5).clamp(0.0, fit.picture[axis] - 1.0);
+                    inside.contains(&index).then_some(PixelPlace {
+                        low: place as usize,
+                        share: place.fract(),
+                    })
+                })
+                .collect(),
+        )
+    }
+
+    fn at(&self, index: usize) -> Option<PixelPlace> {
+        self.0.get(index).copied().flatten()
+    }
+}

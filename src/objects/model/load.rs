@@ -1,0 +1,412 @@
+//! From a file to a model that has run once.
+
+use super::family::{self, DetectorFamily, Shaped};
+use super::guard::guarded;
+use super::input::InputSpec;
+use super::metadata::Metadata;
+use super::screen::{self, Declared};
+use super::sidecar::{Augmentation, Colour, FamilyName, LevelEntry, Resize, Sidecar};
+use super::{Inference, Model, Output, Unusable, tract};
+use crate::{NAMELESS_CLASS, Nms, class_index};
+use bathyscope_log::support::printable::one_line;
+use bathyscope_log::support::regular_file;
+use std::borrow::Cow;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tract_onnx::pb::ModelProto;
+
+/// Bytes of the largest detector that runs on a laptop, doubled.
+const LARGEST_MIB: u64 = 512;
+/// Bytes of a sidecar: it holds names and anchors.
+const LARGEST_SIDECAR: u64 = 1 << 20;
+/// Pixels across or down that an input may have.
+const LARGEST_INPUT: usize = 4096;
+/// Pixels across and down where nothing states it.
+const USUAL_INPUT: usize = 416;
+
+/// How long a network may take before it is given up.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// To be understood and compiled. YOLOv4 at full width takes a second.
+    compilation: Duration,
+    /// For the first picture. YOLOv4 at full width and 608 pixels takes a second and a half.
+    first_picture: Duration,
+}
+
+impl Limits {
+    /// Of a file that may come from anywhere.
+    pub(super) const USUAL: Self = Self {
+        compilation: Duration::from_secs(60),
+        first_picture: Duration::from_secs(30),
+    };
+    /// Of a network that is known to end, on a computer however slow: an emulated one takes over 30 s a picture.
+    pub(super) const NONE: Self = Self {
+        compilation: Duration::MAX,
+        first_picture: Duration::MAX,
+    };
+}
+
+/// Loads the file and its sidecar.
+///
+/// # Errors
+/// Why the model cannot be used.
+pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
+    let bytes =
+        regular_file::read(path, LARGEST_MIB << 20).map_err(|error| match error.kind() {
+            ErrorKind::FileTooLarge => Unusable::TooLarge(LARGEST_MIB),
+            _ => error.into(),
+        })?;
+    let sidecar_path = path.with_extension("json");
+    let sidecar = match regular_file::read_text(&sidecar_path, LARGEST_SIDECAR) {
+        Ok(text) => Some(text),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        Err(error) => return Err(Unusable::Sidecar(error.to_string())),
+    };
+    from_bytes(
+        bytes.into(),
+        sidecar.as_deref(),
+        path.parent(),
+        Limits::USUAL,
+    )
+}
+
+/// What a file was found to be, before its first run.
+struct Opened {
+    network: Arc<dyn Inference>,
+    input: InputSpec,
+    metadata: Metadata,
+}
+
+/// Loads a model; `folder` is where weights outside the file may lie.
+///
+/// # Errors
+/// Why the model cannot be used.
+pub(super) fn from_bytes(
+    onnx: Cow<'static, [u8]>,
+    sidecar: Option<&str>,
+    folder: Option<&Path>,
+    limits: Limits,
+) -> Result<Model, Unusable> {
+    let said = sidecar.map(Sidecar::parse).transpose()?;
+    let sidecar = said.clone().unwrap_or_default();
+    let folder = folder.map(Path::to_path_buf);
+    let Opened {
+        network,
+        mut input,
+        metadata,
+    } = guarded("its compilation", limits.compilation, move || {
+        Source {
+            onnx,
+            sidecar: said.unwrap_or_default(),
+            folder,
+        }
+        .open()
+    })?;
+
+    let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
+    let outputs = guarded("its first picture", limits.first_picture, move || {
+        first.run(numbers)
+    })?;
+    let (family, name, guessed) = understand(&outputs, &input, &sidecar, &metadata)?;
+    prepare_as_trained(&mut input, name, &sidecar)?;
+    let names = class_names(&sidecar, &metadata, &family)?;
+    Ok(assemble(
+        network,
+        family,
+        input,
+        names,
+        &sidecar,
+        (name, guessed),
+    ))
+}
+
+/// What a model is made of.
+struct Source {
+    onnx: Cow<'static, [u8]>,
+    sidecar: Sidecar,
+    /// Where weights outside the file lie.
+    folder: Option<PathBuf>,
+}
+
+impl Source {
+    /// Reads, screens and compiles.
+    fn open(self) -> Result<Opened, Unusable> {
+        let folder = self.folder.as_deref();
+        let Screened {
+            proto,
+            declared,
+            metadata,
+            input,
+        } = screened(&self.onnx, &self.sidecar, folder)?;
+        let shape = input.shape();
+        let graph = tract::graph(&proto, &declared, shape, folder)?;
+        Ok(Opened {
+            network: Arc::new(tract::Network::of(graph, &proto, shape)?),
+            input,
+            metadata,
+        })
+    }
+}
+
+/// A graph that was looked through, and is not compiled yet.
+struct Screened {
+    proto: ModelProto,
+    declared: Declared,
+    metadata: Metadata,
+    input: InputSpec,
+}
+
+/// Reads a graph and looks through it; all of it on numbers that nobody vouches for.
+fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Screened, Unusable> {
+    let proto = tract::parse(onnx)?;
+    let declared = screen::screen(&proto)?;
+    let metadata = screen::metadata(&proto);
+    if let Some(task) = metadata.other_task() {
+        return Err(Unusable::Task(task.to_owned()));
+    }
+    check_outside_files(&proto, folder)?;
+    let input = input_of(&declared, sidecar, &metadata)?;
+    Ok(Screened {
+        proto,
+        declared,
+        metadata,
+        input,
+    })
+}
+
+/// What is done of [`from_bytes`] before anything is computed, for the fuzzer.
+///
+/// # Errors
+/// Why the model cannot be used.
+pub(super) fn screen_only(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
+    let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
+    let screened = screened(onnx, &sidecar, None)?;
+    screened.metadata.names();
+    Ok(())
+}
+
+fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), Unusable> {
+    let mut bytes = 0;
+    for name in screen::outside_files(proto) {
+        let found = folder.and_then(|folder| folder.join(&name).metadata().ok());
+        let Some(found) = found.filter(std::fs::Metadata::is_file) else {
+            return Err(Unusable::WeightsElsewhere(name));
+        };
+        bytes += found.len();
+    }
+    if bytes > LARGEST_MIB << 20 {
+        return Err(Unusable::TooLarge(LARGEST_MIB));
+    }
+    Ok(())
+}
+
+/// The input's size and layout; how levels become numbers is filled in once the family is known.
+fn input_of(
+    declared: &Declared,
+    sidecar: &Sidecar,
+    metadata: &Metadata,
+) -> Result<InputSpec, Unusable> {
+    let [batch, second, third, fourth] = declared.shape;
+    let input_error = |what: &str| Unusable::Input(format!("`{}` {what}", declared.name));
+    if ![tract::FLOAT32, tract::FLOAT16].contains(&declared.element) {
+        return Err(input_error("takes no fractions (f32 or f16)"));
+    }
+    if batch.is_some_and(|batch| batch != 1) {
+        return Err(input_error("takes several pictures at once"));
+    }
+    let picture = |size: Option<usize>| matches!(size, Some(1 | 3));
+    let channels_last = picture(fourth) && !picture(second);
+    let (channels, height, width) = if channels_last {
+        (fourth, second, third)
+    } else {
+        (second, third, fourth)
+    };
+    let [usual_height, usual_width] = metadata.image_size().unwrap_or([USUAL_INPUT; 2]);
+    let input = InputSpec {
+        width: width.or(sidecar.input.width).unwrap_or(usual_width),
+        height: height.or(sidecar.input.height).unwrap_or(usual_height),
+        channels: channels.unwrap_or(3),
+        channels_last,
+        colour: Colour::Rgb,
+        scale: 1.0 / 255.0,
+        mean: [0.0; 3],
+        std: [1.0; 3],
+        resize: Resize::Stretch,
+    };
+    if ![1, 3].contains(&input.channels) {
+        return Err(input_error(&format!("has {} channels", input.channels)));
+    }
+    let sizes = [input.width, input.height];
+    if sizes
+        .iter()
+        .any(|size| !(32..=LARGEST_INPUT).contains(size))
+    {
+        return Err(input_error(&format!(
+            "is {} x {} pixels",
+            sizes[0], sizes[1]
+        )));
+    }
+    Ok(input)
+}
+
+/// The family, its name, and whether it was guessed.
+fn understand(
+    outputs: &[Output],
+    input: &InputSpec,
+    sidecar: &Sidecar,
+    metadata: &Metadata,
+) -> Result<(DetectorFamily, FamilyName, bool), Unusable> {
+    let shapes: Vec<Shaped<'_>> = outputs
+        .iter()
+        .map(|output| (output.name.as_str(), output.shape.as_slice()))
+        .collect();
+    let size = [input.width, input.height];
+    let name = match sidecar.family {
+        Some(name) => name,
+        None => family::guess(&shapes, size, metadata)?,
+    };
+    let known = sidecar.names.clone().or_else(|| metadata.names());
+    let mut family = family::bind(name, &shapes, size, sidecar, known.map(|names| names.len()))?;
+    family.learn(outputs);
+    Ok((family, name, sidecar.family.is_none()))
+}
+
+/// How each family's own training prepares a picture, corrected by the sidecar.
+fn prepare_as_trained(
+    input: &mut InputSpec,
+    family: FamilyName,
+    sidecar: &Sidecar,
+) -> Result<(), Unusable> {
+    let (resize, colour, scale) = match family {
+        FamilyName::Yolov4 | FamilyName::RawHeads => (Resize::Stretch, Colour::Rgb, 1.0 / 255.0),
+        FamilyName::Yolox => (Resize::LetterboxTopLeft, Colour::Bgr, 1.0),
+        _ => (Resize::Letterbox, Colour::Rgb, 1.0 / 255.0),
+    };
+    let entry = &sidecar.input;
+    input.resize = entry.resize.unwrap_or(resize);
+    input.colour = entry.colour.unwrap_or(colour);
+    input.scale = entry.scale.unwrap_or(scale);
+    let channels = input.channels;
+    let spread = |values: &Option<Vec<f32>>, usual: f32| match values.as_deref() {
+        None => Ok([usual; 3]),
+        Some(&[value]) => Ok([value; 3]),
+        Some(&[red, green, blue]) if channels == 3 => Ok([red, green, blue]),
+        Some(_) => Err(Unusable::Sidecar(
+            "input.mean and input.std hold a number a channel".to_owned(),
+        )),
+    };
+    input.mean = spread(&entry.mean, 0.0)?;
+    input.std = spread(&entry.std, 1.0)?;
+    if input.std.contains(&0.0) {
+        return Err(Unusable::Sidecar("input.std is not 0".to_owned()));
+    }
+    Ok(())
+}
+
+fn class_names(
+    sidecar: &Sidecar,
+    metadata: &Metadata,
+    family: &DetectorFamily,
+) -> Result<Vec<String>, Unusable> {
+    let known = sidecar.names.clone().or_else(|| metadata.names());
+    match known {
+        // They go into tables, folders and the window.
+        Some(names) if names.len() == family.classes => {
+            Ok(names.iter().map(|name| one_line(name)).collect())
+        }
+        Some(names) => Err(Unusable::Sidecar(format!(
+            "{} class names are given, but the outputs distinguish {} classes",
+            names.len(),
+            family.classes
+        ))),
+        None => Ok((0..family.classes)
+            .map(|class| format!("class {class}"))
+            .collect()),
+    }
+}
+
+fn assemble(
+    backend: Arc<dyn Inference>,
+    family: DetectorFamily,
+    input: InputSpec,
+    names: Vec<String>,
+    sidecar: &Sidecar,
+    (name, guessed): (FamilyName, bool),
+) -> Model {
+    let thresholds = &sidecar.thresholds;
+    let mut description = describe(name, guessed, &names, &input);
+    let mut with_nameless = names;
+    let classes = with_nameless.len();
+    let nameless = class_index(&mut with_nameless, NAMELESS_CLASS);
+    let augments = sidecar.test_time_augmentation == Some(Augmentation::Mirrored);
+    if augments {
+        description.push_str(", with test-time augmentation (mirrored)");
+    }
+    Model {
+        backend,
+        family,
+        input,
+        names: with_nameless,
+        classes,
+        nameless,
+        pixel_m: sidecar.pixel_m.unwrap_or(0.04),
+        levelled: sidecar.level != Some(LevelEntry::Raw),
+        score: thresholds.score.unwrap_or(0.25),
+        iou: thresholds.iou.unwrap_or(0.45),
+        name_score: thresholds.name.unwrap_or(0.0),
+        nms: Nms {
+            overlap: thresholds.nms.map(Into::into).unwrap_or_default(),
+            across_classes: thresholds.class_agnostic.unwrap_or(false),
+        },
+        vote: thresholds.vote,
+        augments,
+        calibration: sidecar.calibration().unwrap_or_default(),
+        description,
+    }
+}
+
+fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec) -> String {
+    let by = if guessed {
+        "guessed from the shapes of its outputs; a sidecar JSON file corrects that"
+    } else {
+        "by its JSON file"
+    };
+    let colour = match (input.channels, input.colour) {
+        (1, _) | (_, Colour::Grey) => "grey",
+        (_, Colour::Rgb) => "RGB",
+        (_, Colour::Bgr) => "BGR",
+    };
+    let resize = match input.resize {
+        Resize::Stretch => "stretched",
+        Resize::Letterbox => "letterboxed",
+        Resize::LetterboxTopLeft => "letterboxed from the top left",
+    };
+    let classes = if names.len() == 1 { "class" } else { "classes" };
+    format!(
+        "{} with {} {classes}, {} x {} pixels, {colour}, {resize} ({by})",
+        name.words(),
+        names.len(),
+        input.width,
+        input.height,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shipped::{ONNX, SIDECAR};
+    use super::*;
+
+    #[test]
+    fn a_network_that_is_late_is_refused_unless_it_has_no_limit() {
+        let load = |limits| from_bytes(ONNX.into(), Some(SIDECAR), None, limits);
+        let first_picture = Duration::ZERO;
+        let late = load(Limits {
+            first_picture,
+            ..Limits::NONE
+        });
+        assert!(matches!(late, Err(Unusable::Slow { .. })), "{late:?}");
+        assert!(load(Limits::NONE).is_ok());
+    }
+}

@@ -1,0 +1,206 @@
+//! Of boxes that propose the same object, only the surest is kept.
+
+use super::{Rect, Scored};
+
+/// How much of each other two boxes hide.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OverlapMeasure {
+    /// Intersection over union.
+    #[default]
+    Plain,
+    /// Darknet's `greedynms`: `IoU - (d^2 / c^2)^0.6`, with `d` the distance of the centres and `c` the diagonal of the
+    /// box around both. Two objects side by side are kept where plain IoU would drop one.
+    Darknet,
+}
+
+/// How boxes are suppressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Nms {
+    /// The measure that is compared with the threshold.
+    pub overlap: OverlapMeasure,
+    /// Whether a box also hides boxes of other classes.
+    pub across_classes: bool,
+}
+
+impl Nms {
+    /// Plain IoU within each class.
+    pub const PLAIN: Nms = Nms {
+        overlap: OverlapMeasure::Plain,
+        across_classes: false,
+    };
+    /// Darknet's rule within each class.
+    pub const DARKNET: Nms = Nms {
+        overlap: OverlapMeasure::Darknet,
+        across_classes: false,
+    };
+}
+
+impl OverlapMeasure {
+    /// The measure of two boxes; at most their IoU.
+    pub fn of(self, a: &Rect, b: &Rect) -> f32 {
+        let iou = a.iou(b);
+        match self {
+            OverlapMeasure::Plain => iou,
+            // What does not overlap never passes a threshold; the power is the dear part.
+            OverlapMeasure::Darknet if iou > 0.0 => iou - apart(a, b).powf(0.6),
+            OverlapMeasure::Darknet => iou,
+        }
+    }
+}
+
+/// Squared distance of the centres over the squared diagonal of the box around both.
+fn apart(a: &Rect, b: &Rect) -> f32 {
+    let around = a.hull(b);
+    let diagonal = (around.x1 - around.x0).powi(2) + (around.y1 - around.y0).powi(2);
+    let dx = 0.5 * (a.x0 + a.x1 - b.x0 - b.x1);
+    let dy = 0.5 * (a.y0 + a.y1 - b.y0 - b.y1);
+    if diagonal > 0.0 {
+        (dx * dx + dy * dy) / diagonal
+    } else {
+        0.0
+    }
+}
+
+/// Greedy non-maximum suppression: the surest box drops every later one that it overlaps by more than `iou` (0 to 1), then
+/// the surest of the rest does. `boxes` come back by falling score, equal scores in their first order; boxes whose score or
+/// edges are not finite are dropped.
+pub fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
+    boxes.retain(|proposed| {
+        let Rect { x0, y0, x1, y1 } = proposed.rect;
+        [proposed.score, x0, y0, x1, y1]
+            .iter()
+            .all(|value| value.is_finite())
+    });
+    boxes.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let mut dropped = overlapped(boxes, how, iou.max(0.0)).into_iter();
+    boxes.retain(|_| dropped.next() == Some(false));
+}
+
+/// Which of the sorted boxes a surer one drops. Only boxes that start within the tallest box's height of each other along
+/// the track can overlap, so that in a long survey each is compared with its neighbours only.
+fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
+    let start = |index: &usize| boxes[*index].rect.y0;
+    let mut by_start: Vec<usize> = (0..boxes.len()).collect();
+    by_start.sort_by(|a, b| start(a).total_cmp(&start(b)));
+    let heights = boxes.iter().map(|one| one.rect.y1 - one.rect.y0);
+    let tallest = heights.fold(0.0, f32::max);
+
+    let mut dropped = vec![false; boxes.len()];
+    for (index, kept) in boxes.iter().enumerate() {
+        if dropped[index] {
+            continue;
+        }
+        let from = by_start.partition_point(|other| start(other) < kept.rect.y0 - tallest);
+        let near = by_start[from..].iter();
+        for &other in near.take_while(|other| start(other) < kept.rect.y1) {
+            let same = how.across_classes || boxes[other].class == kept.class;
+            if other > index && same && !dropped[other] {
+                dropped[other] = how.overlap.of(&kept.rect, &boxes[other].rect) > threshold;
+            }
+        }
+    }
+    dropped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn scored(class: usize, score: f32, [x0, y0, x1, y1]: [f32; 4]) -> Scored {
+        Scored::new(class, score, Rect { x0, y0, x1, y1 })
+    }
+
+    fn scores(mut boxes: Vec<Scored>, how: Nms, iou: f32) -> Vec<f32> {
+        suppress(&mut boxes, how, iou);
+        boxes.iter().map(|kept| kept.score).collect()
+    }
+
+    #[test]
+    fn an_overlap_equal_to_the_threshold_is_kept() {
+        // Two boxes of 4 x 2 that share 2 x 2: IoU 1/3.
+        let pair = vec![
+            scored(0, 0.5, [2.0, 0.0, 6.0, 2.0]),
+            scored(0, 0.9, [0.0, 0.0, 4.0, 2.0]),
+        ];
+        assert_eq!(scores(pair.clone(), Nms::PLAIN, 1.0 / 3.0), [0.9, 0.5]);
+        assert_eq!(scores(pair, Nms::PLAIN, 0.33), [0.9]);
+    }
+
+    #[test]
+    fn darknet_takes_the_distance_of_the_centres_off() {
+        let a = Rect::new([0.0, 0.0], [4.0, 2.0]);
+        // d^2 = 4, c^2 = 6^2 + 2^2 = 40: 1/3 - 0.1^0.6 = 0.333333 - 0.251189.
+        let measure = OverlapMeasure::Darknet.of(&a, &a.shifted(2.0, 0.0));
+        assert!((measure - 0.082_144).abs() < 1e-6, "{measure}");
+        assert_eq!(OverlapMeasure::Darknet.of(&a, &a), 1.0);
+    }
+
+    #[test]
+    fn other_classes_are_hidden_only_when_asked() {
+        let edges = [0.0, 0.0, 4.0, 2.0];
+        let pair = vec![scored(0, 0.9, edges), scored(1, 0.8, edges)];
+        assert_eq!(scores(pair.clone(), Nms::PLAIN, 0.5), [0.9, 0.8]);
+        let across = Nms {
+            across_classes: true,
+            ..Nms::PLAIN
+        };
+        assert_eq!(scores(pair, across, 0.5), [0.9]);
+    }
+
+    #[test]
+    fn a_dropped_box_drops_none_and_what_is_not_finite_goes() {
+        // Each overlaps the next by 3/5; the first and the third by 1/3.
+        let chain = vec![
+            scored(0, 0.9, [0.0, 0.0, 4.0, 1.0]),
+            scored(0, 0.8, [1.0, 0.0, 5.0, 1.0]),
+            scored(0, 0.7, [2.0, 0.0, 6.0, 1.0]),
+            scored(0, f32::NAN, [9.0, 9.0, 10.0, 10.0]),
+            scored(0, 0.6, [f32::INFINITY, 9.0, 10.0, 10.0]),
+        ];
+        assert_eq!(scores(chain, Nms::PLAIN, 0.5), [0.9, 0.7]);
+    }
+
+    /// The rule as it is said, without the sweep: in falling order of score, equal scores in their order.
+    fn by_the_book(boxes: &[Scored], how: Nms, iou: f32) -> Vec<Scored> {
+        let mut left: Vec<Scored> = boxes.to_vec();
+        left.sort_by(|a, b| b.score.partial_cmp(&a.score).expect("finite scores"));
+        let mut kept: Vec<Scored> = Vec::new();
+        for one in left {
+            let hidden = kept.iter().any(|surer| {
+                (how.across_classes || surer.class == one.class)
+                    && how.overlap.of(&surer.rect, &one.rect) > iou
+            });
+            if !hidden {
+                kept.push(one);
+            }
+        }
+        kept
+    }
+
+    fn any_box() -> impl Strategy<Value = Scored> {
+        let edge = || (0_u8..40).prop_map(f32::from);
+        (0_usize..3, 0_u8..12, edge(), edge(), 0_u8..15, 0_u8..15).prop_map(
+            |(class, score, x, y, width, height)| {
+                let (right, bottom) = (x + f32::from(width), y + f32::from(height));
+                scored(class, f32::from(score) / 12.0, [x, y, right, bottom])
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn the_sweep_keeps_what_the_rule_keeps(
+            boxes in prop::collection::vec(any_box(), 0..120),
+            iou in 0.0_f32..0.9,
+            darknet: bool,
+            across_classes: bool,
+        ) {
+            let overlap = if darknet { OverlapMeasure::Darknet } else { OverlapMeasure::Plain };
+            let how = Nms { overlap, across_classes };
+            let mut kept = boxes.clone();
+            suppress(&mut kept, how, iou);
+            prop_assert_eq!(kept, by_the_book(&boxes, how, iou));
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The objects of a survey: one list of what the boxes of all logs show.
+//!
+//! In: boxes with their places and what was decided about them, and the numbers that objects had before. Out: the objects that they are
+//! sightings of. It uses `survey` and `support`; the window, products, report and plan use it.
+//!
+//! `review` says which boxes count, `joint` makes one object of what several logs saw, `numbers` keeps their numbers, `summary` is what
+//! the boxes of an object say of it, `list` puts these together.
+
+mod joint;
+mod list;
+mod numbers;
+mod review;
+mod summary;
+
+pub use joint::{JointObject, PlacedBox, joint_objects};
+pub use list::{ObjectBox, ObjectList, SurveyObject};
+pub use numbers::{LogNumbers, ObjectNumbers};
+pub use review::SurveyReview;
+pub use review::{KeptReview, LogReview};
+pub use summary::{ObjectState, ObjectSummary};
+
+use crate::review::BoxId;
+
+/// Tells the logs of a survey apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LogId(pub u64);
+
+/// A box of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LogBox {
+    /// The log.
+    pub log: LogId,
+    /// Its number in that log's review.
+    pub id: BoxId,
+}

@@ -1,0 +1,109 @@
+//! What was decided about the boxes of a survey.
+
+use super::{LogBox, LogId, LogNumbers, ObjectBox, ObjectNumbers};
+use crate::review::{Review, Reviewed};
+use crate::targets::Target;
+use bathyscope_log::survey::Exclusions;
+use std::sync::Arc;
+
+/// The boxes of a log, and from which confidence they count.
+#[derive(Clone, Debug)]
+pub struct LogReview {
+    /// The log.
+    pub log: LogId,
+    /// Its boxes with what was decided about each.
+    pub review: Arc<Review>,
+    /// Undecided proposals of less confidence do not count.
+    pub threshold: f32,
+}
+
+impl LogReview {
+    /// The boxes that count: none whose middle lies in a stretch that is excluded.
+    pub fn boxes<'a>(
+        &'a self,
+        exclusions: &'a Exclusions,
+    ) -> impl Iterator<Item = &'a Arc<Reviewed>> {
+        let counts = |one: &&Arc<Reviewed>| {
+            one.is_shown_from(self.threshold) && !exclusions.is_middle_excluded(&one.mark.pings)
+        };
+        self.review.shared().iter().filter(counts)
+    }
+
+    /// One of them in a list of objects, with its place; `log` counts the logs of the survey.
+    pub fn object_box(&self, log: usize, one: &Arc<Reviewed>, target: Option<Target>) -> ObjectBox {
+        ObjectBox {
+            log,
+            key: LogBox {
+                log: self.log,
+                id: one.id,
+            },
+            class: self.review.class_name(one.class).to_owned(),
+            one: one.clone(),
+            target,
+            object: None,
+        }
+    }
+}
+
+/// The boxes of a log as a project or a file keeps them.
+#[derive(Clone, Debug)]
+pub struct KeptReview {
+    /// The boxes with what was decided about each.
+    pub review: Arc<Review>,
+    /// Numbers of the objects that they show.
+    pub object_numbers: LogNumbers,
+    /// Undecided proposals of less confidence do not count.
+    pub threshold: f32,
+}
+
+/// A file of its own knows of no numbers, and of no confidence: all its boxes count.
+impl From<Review> for KeptReview {
+    fn from(review: Review) -> Self {
+        Self {
+            review: Arc::new(review),
+            object_numbers: LogNumbers::default(),
+            threshold: 0.0,
+        }
+    }
+}
+
+/// What was decided about the boxes of all logs of a survey.
+#[derive(Clone, Debug, Default)]
+pub struct SurveyReview {
+    /// Of each log; `None` of one that has no boxes.
+    pub logs: Vec<Option<LogReview>>,
+    /// The numbers that objects have.
+    pub numbers: ObjectNumbers,
+}
+
+impl SurveyReview {
+    /// Adds the boxes of the next log, if it has any.
+    pub fn add(&mut self, kept: Option<KeptReview>) {
+        let log = LogId(self.logs.len() as u64);
+        self.logs.push(kept.map(|kept| {
+            self.numbers.add_log(log, kept.object_numbers);
+            LogReview {
+                log,
+                review: kept.review,
+                threshold: kept.threshold,
+            }
+        }));
+    }
+
+    /// What was decided about the boxes of a log.
+    pub fn log(&self, log: usize) -> Option<&Review> {
+        let of_log = self.logs.get(log)?.as_ref()?;
+        Some(&of_log.review)
+    }
+
+    /// Whether any log has boxes.
+    pub fn has_boxes(&self) -> bool {
+        self.logs.iter().any(Option::is_some)
+    }
+
+    /// Whether there is a box that was accepted or drawn by hand.
+    pub fn has_targets(&self) -> bool {
+        let mut boxes = self.logs.iter().flatten();
+        boxes.any(|of_log| of_log.review.boxes().any(|one| one.state.is_object()))
+    }
+}

@@ -1,0 +1,333 @@
+//! One side of the survey as a picture whose pixels are square on the bottom.
+//!
+//! Rows follow the distance sailed, columns the slant range outward, both in steps of [`Raster::pixel_m`]; port and
+//! starboard look alike (range grows to the right, shadows fall to the right), so that a detector learns one geometry. The
+//! range stays slant: the water column tells a fish from a stone, and the picture depends on no first return. Beyond twice
+//! the altitude a metre of slant range is within 15 % of a metre on the bottom.
+
+use super::{Mark, Rect};
+use bathyscope_log::survey::{Navigation, Side, Survey};
+use std::ops::Range;
+
+/// Rows and columns of a tile.
+pub const TILE_PX: usize = 416;
+/// Speed assumed where the log states none, metres a second.
+const USUAL_SPEED_MPS: f64 = 1.5;
+/// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in the order.
+const LEAST_SPEED_MPS: f64 = 0.05;
+/// Highest speed counted, 15 knots: what seems faster are positions that jump, and would draw every ping over many rows.
+const MOST_SPEED_MPS: f64 = 8.0;
+/// Longest pause counted between two pings, seconds.
+const LONGEST_PAUSE_S: f64 = 2.0;
+
+/// Where every ping lies in the picture; the pixels are made a tile at a time.
+#[derive(Clone, Debug)]
+pub struct Raster {
+    pixel_m: f64,
+    /// Distance sailed up to the middle of each ping, metres, strictly growing.
+    along_m: Vec<f64>,
+    columns: usize,
+}
+
+/// A piece of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RasterTile {
+    /// The side.
+    pub side: Side,
+    /// Row of the picture that the tile starts at.
+    pub row: usize,
+    /// Column of the picture that the tile starts at.
+    pub column: usize,
+    /// [`TILE_PX`] rows of [`TILE_PX`] echo levels; 0 beyond the survey's end and range.
+    pub pixels: Vec<u8>,
+}
+
+impl Raster {
+    /// Lays the pings out. `pixel_m` is the side of a pixel, metres (0.04 for the shipped models).
+    pub fn new(survey: &Survey, navigation: &Navigation, pixel_m: f64) -> Self {
+        let mut along_m = Vec::with_capacity(survey.side_scan.len());
+        let (mut distance_m, mut last_s) = (0.0, f64::NAN);
+        for (ping, place) in survey.side_scan.iter().zip(navigation.pings.iter()) {
+            let speed_mps = if place.speed_mps <= MOST_SPEED_MPS {
+                place.speed_mps.max(LEAST_SPEED_MPS)
+            } else {
+                USUAL_SPEED_MPS
+            };
+            // The first ping, and pings that share a time stamp, advance by a millisecond.
+            let pause_s = (ping.time_s - last_s).clamp(0.001, LONGEST_PAUSE_S);
+            distance_m += speed_mps * if pause_s.is_finite() { pause_s } else { 0.001 };
+            last_s = ping.time_s;
+            along_m.push(distance_m);
+        }
+        let far_m = survey
+            .side_scan
+            .iter()
+            .flat_map(|ping| [ping.port, ping.starboard])
+            .flatten()
+            .fold(0.0_f64, |far_m, span| far_m.max(f64::from(span.far_m)));
+        Self {
+            pixel_m,
+            along_m,
+            // A recorder's range is below a kilometre; what a damaged header claims is cut there.
+            columns: (far_m.min(1000.0) / pixel_m).ceil() as usize,
+        }
+    }
+
+    /// The same picture in larger pixels.
+    pub fn coarser(&self, factor: f64) -> Self {
+        Self {
+            pixel_m: self.pixel_m * factor,
+            along_m: self.along_m.clone(),
+            columns: (self.columns as f64 / factor).ceil() as usize,
+        }
+    }
+
+    /// Side of a pixel, metres.
+    pub fn pixel_m(&self) -> f64 {
+        self.pixel_m
+    }
+
+    /// Rows of the whole picture.
+    pub fn rows(&self) -> usize {
+        (self.along_m.last().copied().unwrap_or(0.0) / self.pixel_m).ceil() as usize
+    }
+
+    /// Columns of the whole picture: the survey's longest range.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The row, counted in fractions, of a ping counted in fractions (a ping covers `ping` to `ping + 1`).
+    pub fn row_of(&self, ping: f64) -> f64 {
+        let centred = (ping - 0.5).clamp(0.0, self.along_m.len().saturating_sub(1) as f64);
+        let low = centred.floor() as usize;
+        let Some(&from_m) = self.along_m.get(low) else {
+            return 0.0;
+        };
+        let to_m = self.along_m.get(low + 1).copied().unwrap_or(from_m);
+        (from_m + (to_m - from_m) * centred.fract()) / self.pixel_m
+    }
+
+    /// Inverse of [`Raster::row_of`].
+    pub fn ping_of(&self, row: f64) -> f64 {
+        let goal_m = row * self.pixel_m;
+        let after = self.along_m.partition_point(|&along_m| along_m < goal_m);
+        if after == 0 || self.along_m.is_empty() {
+            return 0.5;
+        }
+        let before = after - 1;
+        let Some(&to_m) = self.along_m.get(after) else {
+            return before as f64 + 0.5;
+        };
+        let from_m = self.along_m[before];
+        before as f64 + 0.5 + (goal_m - from_m) / (to_m - from_m)
+    }
+
+    /// A mark as a box in the whole picture.
+    pub fn rect_of(&self, mark: &Mark) -> Rect {
+        Rect::new(
+            [
+                (mark.near_m / self.pixel_m) as f32,
+                self.row_of(mark.pings.start as f64) as f32,
+            ],
+            [
+                (mark.far_m / self.pixel_m) as f32,
+                self.row_of(mark.pings.end as f64) as f32,
+            ],
+        )
+    }
+
+    /// A box in the whole picture as a mark of at least one ping.
+    pub fn mark_of(&self, side: Side, rect: &Rect) -> Mark {
+        let start = self.ping_of(f64::from(rect.y0)).round().max(0.0) as usize;
+        let end = self.ping_of(f64::from(rect.y1)).round() as usize;
+        let last = self.along_m.len().saturating_sub(1);
+        Mark::new(
+            side,
+            start.min(last)..end.clamp(start.min(last) + 1, last + 1),
+            [
+                f64::from(rect.x0.max(0.0)) * self.pixel_m,
+                f64::from(rect.x1) * self.pixel_m,
+            ],
+        )
+    }
+
+    /// Row and column at which a tile about the middle of a box starts, held to the picture.
+    pub fn start_about(&self, rect: &Rect) -> [usize; 2] {
+        let start = |from: f32, to: f32, count: usize| {
+            let requested = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
+            requested.min(count.saturating_sub(TILE_PX))
+        };
+        [
+            start(rect.y0, rect.y1, self.rows()),
+            start(rect.x0, rect.x1, self.columns()),
+        ]
+    }
+
+    /// Whether most pings of a tile were recorded to the middle of its columns at least. A network sees nothing in rows of
+    /// which most are dark, and a few pings of a long range must not make a survey wide.
+    pub fn is_recorded(&self, survey: &Survey, side: Side, row: usize, column: usize) -> bool {
+        let ping_at = |row: usize| {
+            let goal_m = row as f64 * self.pixel_m;
+            self.along_m.partition_point(|&along_m| along_m < goal_m)
+        };
+        let pings = ping_at(row)..ping_at(row + TILE_PX);
+        let shown = self.columns.saturating_sub(column).min(TILE_PX);
+        let middle_m = (column as f64 + 0.5 * shown as f64) * self.pixel_m;
+        let spans = pings.filter_map(|ping| survey.span(ping, side));
+        let (mut count, mut reaching) = (0, 0);
+        for span in spans {
+            count += 1;
+            reaching += usize::from(f64::from(span.far_m) >= middle_m);
+        }
+        // Where there is none, those before and after are drawn.
+        2 * reaching >= count
+    }
+
+    /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between pings it is
+    /// interpolated; where pings lie closer than rows it is the mean of those in the row.
+    pub fn tile(&self, survey: &Survey, side: Side, row: usize, column: usize) -> RasterTile {
+        let mut pixels = vec![0; TILE_PX * TILE_PX];
+        let mut lines = Lines::new(survey, side, self.pixel_m, column);
+        let mut sum = [0.0_f32; TILE_PX];
+        for (index, out) in pixels.chunks_exact_mut(TILE_PX).enumerate() {
+            let middle_m = ((row + index) as f64 + 0.5) * self.pixel_m;
+            if middle_m > self.along_m.last().copied().unwrap_or(0.0) {
+                break;
+            }
+            sum.fill(0.0);
+            for (ping, weight) in self.weights(middle_m) {
+                for (sum, level) in sum.iter_mut().zip(lines.of(ping)) {
+                    *sum += weight * level;
+                }
+            }
+            for (out, sum) in out.iter_mut().zip(&sum) {
+                *out = rounded(*sum);
+            }
+        }
+        RasterTile {
+            side,
+            row,
+            column,
+            pixels,
+        }
+    }
+
+    /// The pings that make a row, with weights that add up to 1.
+    fn weights(&self, middle_m: f64) -> impl Iterator<Item = (usize, f32)> {
+        let half_m = 0.5 * self.pixel_m;
+        let place = |goal_m: f64| self.along_m.partition_point(|&along_m| along_m < goal_m);
+        let inside = place(middle_m - half_m)..place(middle_m + half_m);
+        let (between, far_share) = if inside.is_empty() {
+            let after = inside.end.min(self.along_m.len() - 1);
+            let before = after.saturating_sub(1);
+            let gap_m = self.along_m[after] - self.along_m[before];
+            let share = if gap_m > 0.0 {
+                ((middle_m - self.along_m[before]) / gap_m).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            (before..after + 1, Some(share as f32))
+        } else {
+            (inside, None)
+        };
+        let Range { start, end } = between;
+        (start..end).map(move |ping| {
+            let weight = match far_share {
+                None => 1.0 / (end - start) as f32,
+                Some(_) if end - start == 1 => 1.0,
+                Some(share) if ping == start => 1.0 - share,
+                Some(share) => share,
+            };
+            (ping, weight)
+        })
+    }
+}
+
+/// The sample whose near edge is nearest to a place counted in samples; the first of all before it. Without `f64::round`, which is a function
+/// of the C library and took a third of a tile.
+fn index_at(sample: f64) -> usize {
+    let low = sample as usize;
+    low.saturating_add(usize::from(sample - low as f64 >= 0.5))
+}
+
+/// The level nearest to a number that is not negative.
+fn rounded(level: f32) -> u8 {
+    let low = level as u8;
+    low.saturating_add(u8::from(level - f32::from(low) >= 0.5))
+}
+
+/// Pings resampled to the columns of one tile; a row uses the same few pings as its neighbour.
+struct Lines<'a> {
+    survey: &'a Survey,
+    side: Side,
+    pixel_m: f64,
+    column: usize,
+    kept: [(usize, Vec<f32>); 2],
+    samples: Vec<u8>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(survey: &'a Survey, side: Side, pixel_m: f64, column: usize) -> Self {
+        let none = || (usize::MAX, vec![0.0; TILE_PX]);
+        Self {
+            survey,
+            side,
+            pixel_m,
+            column,
+            kept: [none(), none()],
+            samples: Vec::new(),
+        }
+    }
+
+    fn of(&mut self, ping: usize) -> &[f32] {
+        let slot = ping % 2;
+        if self.kept[slot].0 != ping {
+            self.kept[slot].0 = ping;
+            self.resample(ping, slot);
+        }
+        &self.kept[slot].1
+    }
+
+    fn resample(&mut self, ping: usize, slot: usize) {
+        let line = &mut self.kept[slot].1;
+        line.fill(0.0);
+        let (Some(span), Some(samples)) = (
+            self.survey.span(ping, self.side),
+            self.survey.samples(ping, self.side),
+        ) else {
+            return;
+        };
+        let last_m = (self.column + line.len()) as f64 * self.pixel_m;
+        let part = index_at(span.sample_at(self.column as f64 * self.pixel_m)).saturating_sub(1)
+            ..index_at(span.sample_at(last_m))
+                .saturating_add(2)
+                .min(samples.len());
+        samples.copy_part_outward(part.clone(), &mut self.samples);
+        let held = |samples: Range<usize>| {
+            let [start, end] = [samples.start, samples.end].map(|at| at.checked_sub(part.start));
+            self.samples.get(start?..end?)
+        };
+        for (index, level) in line.iter_mut().enumerate() {
+            let near_m = (self.column + index) as f64 * self.pixel_m;
+            let from = index_at(span.sample_at(near_m));
+            let to = index_at(span.sample_at(near_m + self.pixel_m));
+            // Where samples are coarser than pixels, the sample that the pixel's middle lies in.
+            let middle = span.sample_at(near_m + 0.5 * self.pixel_m);
+            let covered = if to > from {
+                from..to.min(part.end)
+            } else if middle >= 0.0 {
+                middle as usize..middle as usize + 1
+            } else {
+                continue;
+            };
+            if let Some(covered) = held(covered).filter(|some| !some.is_empty()) {
+                let sum: u32 = covered.iter().map(|&sample| u32::from(sample)).sum();
+                *level = sum as f32 / covered.len() as f32;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

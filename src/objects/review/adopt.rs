@@ -1,0 +1,157 @@
+//! A new model's detections beside decisions that are there.
+
+use super::{BoxId, Review, Reviewed, State, held};
+use crate::{Detection, Raster, Rect, class_index};
+use bathyscope_log::survey::{Identity, Side};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Overlap from which two boxes are the same object, intersection over union.
+const SAME: f32 = 0.5;
+
+impl Review {
+    /// What a model found in a log that nobody has reviewed: proposals, numbered from `first`. `names` are the classes that its
+    /// indices mean.
+    pub fn of_found(
+        identity: Identity,
+        names: &[String],
+        first: u32,
+        found: &[Detection],
+    ) -> Review {
+        let boxes = (first..).zip(found).map(|(id, one)| {
+            Arc::new(Reviewed {
+                score: Some(one.score),
+                state: State::Proposed,
+                ..Reviewed::drawn(BoxId(id), one.mark.clone(), one.class)
+            })
+        });
+        Review {
+            boxes: boxes.collect(),
+            next_id: first + found.len() as u32,
+            ..Review::new(identity, names.to_vec())
+        }
+    }
+
+    /// The review with `detections` for proposals. What the analyst accepted, rejected, added or corrected stays; a detection
+    /// that overlaps such a box on its side (IoU of at least 0.5 in the raster's pixels) lends it its score instead of coming
+    /// twice. Undecided boxes are replaced; one that the model sees again keeps its number. Class names that are new are
+    /// appended; `classes` are the names that the detections' class indices mean.
+    pub fn adopt(
+        &self,
+        model: &str,
+        classes: &[String],
+        detections: &[Detection],
+        raster: &Raster,
+    ) -> Review {
+        self.adopt_part(model, classes, detections, raster, 0..self.identity.pings)
+    }
+
+    /// As [`Review::adopt`], of a search that has come over these pings only: undecided boxes elsewhere stay as well, for
+    /// nobody has looked again.
+    pub fn adopt_part(
+        &self,
+        model: &str,
+        classes: &[String],
+        detections: &[Detection],
+        raster: &Raster,
+        pings: Range<usize>,
+    ) -> Review {
+        let is_elsewhere =
+            |one: &Reviewed| one.mark.pings.start < pings.start || one.mark.pings.end > pings.end;
+        let (kept, open): (Vec<_>, Vec<_>) =
+            (self.boxes.iter().cloned()).partition(|one| one.is_kept() || is_elsewhere(one));
+        let mut after = Review {
+            identity: self.identity.clone(),
+            classes: self.classes.clone(),
+            boxes: kept,
+            next_id: self.next_id,
+            searched: self.searched.clone(),
+        };
+        let class_of: Vec<usize> = (classes.iter())
+            .map(|name| class_index(&mut after.classes, name))
+            .collect();
+        let decided = Places::of(&after.boxes, raster);
+        let mut earlier = Places::of(&open, raster);
+        let mut lent = vec![None; after.boxes.len()];
+        let model: Arc<str> = model.into();
+        after.note_search(&model, pings);
+        for detection in detections {
+            let (Some(mark), Some(&class)) = (
+                held(&detection.mark, self.identity.pings),
+                class_of.get(detection.class),
+            ) else {
+                continue;
+            };
+            let rect = raster.rect_of(&mark);
+            if let Some(index) = decided.nearest(mark.side, &rect) {
+                let best = lent[index].get_or_insert(detection.score);
+                *best = best.max(detection.score);
+                continue;
+            }
+            let id = match earlier.take_nearest(mark.side, &rect) {
+                Some(index) => open[index].id,
+                None => after.take_id(),
+            };
+            after.boxes.push(Arc::new(Reviewed {
+                score: Some(detection.score),
+                state: State::Proposed,
+                model: Some(model.clone()),
+                ..Reviewed::drawn(id, mark, class)
+            }));
+        }
+        for (one, score) in after.boxes.iter_mut().zip(lent) {
+            if score.is_some() && one.score != score {
+                Arc::make_mut(one).score = score;
+            }
+        }
+        after.boxes.sort_unstable_by_key(|one| one.id);
+        after
+    }
+}
+
+/// Boxes of each side by their first row, so that only neighbours are compared.
+struct Places {
+    sides: [Vec<(Rect, usize)>; 2],
+    tallest: f32,
+}
+
+impl Places {
+    fn of(boxes: &[Arc<Reviewed>], raster: &Raster) -> Self {
+        let mut places = Self {
+            sides: [Vec::new(), Vec::new()],
+            tallest: 0.0,
+        };
+        for (index, one) in boxes.iter().enumerate() {
+            let rect = raster.rect_of(&one.mark);
+            places.tallest = places.tallest.max(rect.y1 - rect.y0);
+            places.sides[one.mark.side as usize].push((rect, index));
+        }
+        for side in &mut places.sides {
+            side.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));
+        }
+        places
+    }
+
+    /// Place in the list and overlap of the box that overlaps most, if it is the same object.
+    fn find(&self, side: Side, rect: &Rect) -> Option<usize> {
+        let list = &self.sides[side as usize];
+        let from = list.partition_point(|(other, _)| other.y0 < rect.y0 - self.tallest);
+        let near = list.iter().enumerate().skip(from);
+        near.take_while(|(_, (other, _))| other.y0 <= rect.y1)
+            .map(|(place, (other, _))| (place, rect.iou(other)))
+            .filter(|(_, iou)| *iou >= SAME)
+            .max_by(|(_, a), (_, b)| a.total_cmp(b))
+            .map(|(place, _)| place)
+    }
+
+    fn nearest(&self, side: Side, rect: &Rect) -> Option<usize> {
+        let place = self.find(side, rect)?;
+        Some(self.sides[side as usize][place].1)
+    }
+
+    /// As `nearest`, and no other box finds it again.
+    fn take_nearest(&mut self, side: Side, rect: &Rect) -> Option<usize> {
+        let place = self.find(side, rect)?;
+        Some(self.sides[side as usize].remove(place).1)
+    }
+}

@@ -1,0 +1,25 @@
+//! How sure the analyst is of an object.
+
+use bathyscope_log::named;
+use serde::{Deserialize, Serialize};
+
+/// How sure the analyst is that there is an object, and of what it is: a word of their own, beside the score of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Confidence {
+    /// It may be something else, or nothing.
+    Unsure,
+    /// More likely than not.
+    Probable,
+    /// No doubt.
+    Certain,
+}
+
+named! {
+    /// All of them, the least sure first.
+    pub Confidence {
+        Unsure: "unsure",
+        Probable: "probable",
+        Certain: "certain",
+    }
+}

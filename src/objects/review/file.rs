@@ -1,0 +1,389 @@
+//! A review as a JSON file. What is read may come from anywhere: every number is checked before it is believed.
+
+use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
+use crate::{Mark, MeasuredShadow, ObjectExtent};
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::{Identity, Side, Survey};
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Bytes of the largest file that is read.
+const LARGEST_FILE: u64 = 64 << 20;
+/// Number of the layout.
+const VERSION: u32 = 1;
+const MOST_BOXES: usize = 200_000;
+const MOST_CLASSES: usize = 1_000;
+/// Stretches that were searched; a review of our own has two or three.
+const MOST_SEARCHED: usize = 1_000;
+/// Letters of a note.
+const LONGEST_NOTE: usize = 10_000;
+
+/// A file that is no review, or not one of this log.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}")]
+pub struct ReviewError {
+    what: String,
+    /// The box that makes no sense, where it is one.
+    pub id: Option<BoxId>,
+}
+
+impl ReviewError {
+    fn new(what: impl Into<String>) -> Self {
+        Self {
+            what: what.into(),
+            id: None,
+        }
+    }
+}
+
+/// What a review says, row by row, for the files that keep it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReviewRows {
+    /// Names of the classes.
+    pub classes: Vec<String>,
+    /// Which pings a model has searched.
+    pub searched: Vec<SearchRow>,
+    /// The boxes.
+    pub boxes: Vec<BoxRow>,
+}
+
+/// The text of a file about boxes, of a size that such a file can have. `what` is what it should be: `review`.
+///
+/// # Errors
+/// A sentence with the path when it cannot be read, or is too large.
+pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
+    let cannot = |why: String| {
+        ReviewError::new(format!("cannot read the {what}: {why}: {}", path.display()))
+    };
+    regular_file::read_text(path, LARGEST_FILE).map_err(|error| cannot(error.to_string()))
+}
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    version: u32,
+    survey: Identity,
+    classes: Vec<String>,
+    /// Which pings a model has searched; missing where nobody noted it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    searched: Vec<SearchRow>,
+    boxes: Vec<BoxRow>,
+}
+
+/// Pings that a model has searched, as a file keeps them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SearchRow {
+    /// Name of the model.
+    pub model: String,
+    /// First and last, the last excluded.
+    pub pings: [usize; 2],
+}
+
+/// A box as a file keeps it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoxRow {
+    /// [`Reviewed::id`].
+    pub id: BoxId,
+    /// The side that it lies on.
+    pub side: Side,
+    /// First and last, the last excluded.
+    pub pings: [usize; 2],
+    /// Nearest slant range, metres.
+    pub near_m: f64,
+    /// Farthest slant range, metres.
+    pub far_m: f64,
+    /// Name of its class.
+    pub class: String,
+    /// [`Reviewed::score`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub score: Option<f32>,
+    /// [`Reviewed::state`].
+    pub state: State,
+    /// [`Reviewed::edited`].
+    #[serde(default)]
+    pub edited: bool,
+    /// [`Reviewed::note`].
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub note: String,
+    /// [`Reviewed::name`].
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// [`Reviewed::confidence`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Confidence>,
+    /// Border between echo and shadow where the analyst has set it, metres of slant range: [`ObjectExtent::Drawn`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub border_m: Option<f64>,
+    /// [`Reviewed::shadow`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shadow: Option<MeasuredShadow>,
+    /// It is a place without size: [`ObjectExtent::Point`].
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub point: bool,
+    /// [`Reviewed::model`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
+}
+
+/// The log that a review is of, whatever else is in it.
+#[derive(Deserialize)]
+struct OfLog {
+    survey: Identity,
+}
+
+/// Only the layout's number, so that a newer file is distinguished from a broken one.
+#[derive(Deserialize)]
+struct Versioned {
+    version: u32,
+}
+
+impl Review {
+    /// The review as the text of a file.
+    pub fn to_json(&self) -> String {
+        let ReviewRows {
+            classes,
+            searched,
+            boxes,
+        } = self.to_rows();
+        let stored = Stored {
+            version: VERSION,
+            survey: self.identity.clone(),
+            classes,
+            searched,
+            boxes,
+        };
+        // Strings, whole and finite numbers only: nothing here can fail to be written.
+        serde_json::to_string_pretty(&stored).unwrap_or_default()
+    }
+
+    /// The review row by row.
+    pub fn to_rows(&self) -> ReviewRows {
+        let searched = self.searched.iter().map(|one| SearchRow {
+            model: one.model.to_string(),
+            pings: [one.pings.start, one.pings.end],
+        });
+        ReviewRows {
+            classes: self.classes.clone(),
+            searched: searched.collect(),
+            boxes: self.boxes().map(|one| self.row(one)).collect(),
+        }
+    }
+
+    /// The row of one of its boxes.
+    pub fn row(&self, one: &Reviewed) -> BoxRow {
+        BoxRow {
+            id: one.id,
+            side: one.mark.side,
+            pings: [one.mark.pings.start, one.mark.pings.end],
+            near_m: one.mark.near_m,
+            far_m: one.mark.far_m,
+            class: self.class_name(one.class).to_owned(),
+            score: one.score,
+            state: one.state,
+            edited: one.edited,
+            note: one.note.clone(),
+            name: one.name.clone(),
+            confidence: one.confidence,
+            border_m: one.extent.border_m(),
+            shadow: one.shadow,
+            point: one.extent == ObjectExtent::Point,
+            model: one.model.as_deref().map(str::to_owned),
+        }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// As [`Review::from_json`], with the path.
+    pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
+        let text = read_text(path, "review")?;
+        Self::from_json(&text, of).map_err(|error| ReviewError {
+            what: format!("{error}: {}", path.display()),
+            ..error
+        })
+    }
+
+    /// Reads a file of the boxes of an open log, which may have grown since.
+    ///
+    /// # Errors
+    /// As [`Review::open`].
+    pub fn open_for(path: &Path, survey: &Survey) -> Result<Self, ReviewError> {
+        let own = Identity::of(survey);
+        let text = read_text(path, "review")?;
+        let of: Option<OfLog> = serde_json::from_str(&text).ok();
+        let of = of.map(|of| of.survey).filter(|of| survey.is_or_was(of));
+        let read = Self::from_json(&text, of.as_ref().unwrap_or(&own));
+        let read = read.map_err(|error| ReviewError {
+            what: format!("{error}: {}", path.display()),
+            ..error
+        })?;
+        Ok(read.carried_to(own))
+    }
+
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// A sentence when it is no review, of a newer layout, of another log than `of`, or when a box makes no sense.
+    pub fn from_json(text: &str, of: &Identity) -> Result<Self, ReviewError> {
+        let refuse = |text: String| Err(ReviewError::new(text));
+        let versioned: Versioned = serde_json::from_str(text)
+            .map_err(|error| ReviewError::new(format!("this is no review of boxes: {error}")))?;
+        if versioned.version != VERSION {
+            return refuse(format!(
+                "this review has layout {}, this program reads layout {VERSION}; use the program that wrote it",
+                versioned.version
+            ));
+        }
+        let stored: Stored = serde_json::from_str(text)
+            .map_err(|error| ReviewError::new(format!("this review is damaged: {error}")))?;
+        if !stored.survey.is_same_log(of) {
+            return refuse(format!(
+                "this review belongs to another log, of {} pings and {} bytes; open that log first: {}",
+                stored.survey.pings, stored.survey.byte_count, stored.survey.file
+            ));
+        }
+        let rows = ReviewRows {
+            classes: stored.classes,
+            searched: stored.searched,
+            boxes: stored.boxes,
+        };
+        let drawn_on = Identity {
+            swapped_sides: stored.survey.swapped_sides,
+            ..of.clone()
+        };
+        let read = Self::from_rows(rows, &drawn_on)?;
+        Ok(read.with_sides(of.swapped_sides))
+    }
+
+    /// The review that rows from a file make.
+    ///
+    /// # Errors
+    /// A sentence when there are too many, or when one of them makes no sense for the log.
+    pub fn from_rows(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
+        let refuse = |text: String| Err(ReviewError::new(text));
+        if rows.searched.len() > MOST_SEARCHED {
+            return refuse(format!(
+                "this review has {} stretches that were searched; at most {MOST_SEARCHED} are read",
+                rows.searched.len()
+            ));
+        }
+        if rows.boxes.len() > MOST_BOXES || rows.classes.len() > MOST_CLASSES {
+            return refuse(format!(
+                "this review has {} boxes of {} classes; at most {MOST_BOXES} of {MOST_CLASSES} are read",
+                rows.boxes.len(),
+                rows.classes.len()
+            ));
+        }
+        Self::check_classes(&rows.classes)?;
+        Self::collect(rows, of)
+    }
+
+    fn check_classes(classes: &[String]) -> Result<(), ReviewError> {
+        let mut seen = HashSet::new();
+        for class in classes {
+            if !is_name(class) || !seen.insert(class) {
+                return Err(ReviewError::new(
+                    "this review is damaged: a class name is empty, too long or there twice",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn collect(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
+        let mut review = Review::new(of.clone(), rows.classes);
+        let mut seen = HashSet::new();
+        let mut models: HashSet<Arc<str>> = HashSet::new();
+        for SearchRow {
+            model,
+            pings: [start, end],
+        } in rows.searched
+        {
+            if !is_name(&model) || start >= end || end > of.pings {
+                return Err(ReviewError::new(
+                    "this review is damaged: the pings that were searched lie outside the log",
+                ));
+            }
+            review.note_search(&shared(&mut models, model), start..end);
+        }
+        for one in rows.boxes {
+            let id = one.id;
+            let wrong = |what: &str| ReviewError {
+                what: format!("this review is damaged: box {}: {what}", id.0),
+                id: Some(id),
+            };
+            if !seen.insert(id) || id.0 == u32::MAX {
+                return Err(wrong("its number is there twice or out of range"));
+            }
+            let model = one.model.clone().map(|name| shared(&mut models, name));
+            let read = review.read_box(one, model).map_err(wrong)?;
+            review.next_id = review.next_id.max(id.0 + 1);
+            review.boxes.push(Arc::new(read));
+        }
+        review.boxes.sort_unstable_by_key(|one| one.id);
+        Ok(review)
+    }
+
+    fn read_box(&self, one: BoxRow, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
+        let [start, end] = one.pings;
+        let mark = Mark::new(one.side, start..end, [one.near_m, one.far_m]);
+        let is_held = held(&mark, self.identity.pings).as_ref() == Some(&mark);
+        let class = self.classes.iter().position(|class| *class == one.class);
+        let has_model_name = model.as_deref().is_none_or(is_name);
+        let is_manual = model.is_none();
+        let extent = match one.border_m {
+            Some(border_m) => ObjectExtent::Drawn { border_m },
+            None if one.point => ObjectExtent::Point,
+            None => ObjectExtent::Found,
+        };
+        let is_inside = |border_m: f64| (one.near_m..=one.far_m).contains(&border_m);
+        match class {
+            _ if !is_held => Err("its pings or ranges lie outside the log"),
+            None => Err("its class is not in the list"),
+            _ if !one.score.is_none_or(|score| (0.0..=1.0).contains(&score)) => {
+                Err("its score is not between 0 and 1")
+            }
+            _ if !has_model_name || one.note.chars().count() > LONGEST_NOTE => {
+                Err("its note or the name of its model is too long")
+            }
+            _ if !(one.name.is_empty() || is_name(&one.name)) => {
+                Err("its name is too long or not of one line")
+            }
+            _ if !one.border_m.is_none_or(is_inside) || (one.point && one.border_m.is_some()) => {
+                Err("the border of its shadow lies outside of it")
+            }
+            _ if !one.shadow.is_none_or(|shadow| shadow.fits(&mark)) => Err(
+                "the shadow that its height was measured by lies on no ping of it, or has no length",
+            ),
+            _ if (one.state == State::Added && !is_manual)
+                || (is_manual && matches!(one.state, State::Proposed | State::Accepted)) =>
+            {
+                Err("its state does not fit where it came from")
+            }
+            Some(class) => Ok(Reviewed {
+                id: one.id,
+                mark,
+                class,
+                score: one.score,
+                state: one.state,
+                edited: one.edited,
+                note: one.note,
+                name: one.name,
+                confidence: one.confidence,
+                extent,
+                shadow: one.shadow,
+                model,
+            }),
+        }
+    }
+}
+
+fn shared(models: &mut HashSet<Arc<str>>, name: String) -> Arc<str> {
+    if let Some(known) = models.get(name.as_str()) {
+        return known.clone();
+    }
+    let model: Arc<str> = name.into();
+    models.insert(model.clone());
+    model
+}

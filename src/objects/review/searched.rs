@@ -1,0 +1,98 @@
+//! Which pings of the survey a model has searched.
+
+use super::Review;
+use crate::Mark;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Pings that were searched on both sides.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Searched {
+    /// The model that was asked there last.
+    pub model: Arc<str>,
+    /// The pings, the end excluded.
+    pub pings: Range<usize>,
+}
+
+impl Review {
+    /// What was searched, along the track; empty where that is not known: nobody has searched, or the review is from a program
+    /// that did not note it.
+    pub fn searched(&self) -> &[Searched] {
+        &self.searched
+    }
+
+    /// The pings that no search has come to, along the track; none where it is not known what was searched.
+    pub fn unsearched(&self) -> Vec<Range<usize>> {
+        if self.searched.is_empty() {
+            return Vec::new();
+        }
+        let starts = self.searched.iter().map(|one| one.pings.start);
+        let ends = self.searched.iter().map(|one| one.pings.end);
+        let from = std::iter::once(0).chain(ends);
+        let to = starts.chain(std::iter::once(self.identity.pings));
+        let between = from.zip(to).map(|(from, to)| from..to);
+        between.filter(|gap| !gap.is_empty()).collect()
+    }
+
+    /// What was searched, where that is not everything: `pings 0 to 811 of 3453`.
+    pub fn coverage(&self) -> Option<String> {
+        if self.unsearched().is_empty() {
+            return None;
+        }
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for Searched { pings, .. } in &self.searched {
+            match parts.last_mut() {
+                Some(last) if last.end == pings.start => last.end = pings.end,
+                _ => parts.push(pings.clone()),
+            }
+        }
+        let parts = parts.iter();
+        let parts: Vec<String> = parts
+            .map(|part| format!("{} to {}", part.start, part.end - 1))
+            .collect();
+        Some(format!(
+            "pings {} of {}",
+            parts.join(", "),
+            self.identity.pings
+        ))
+    }
+
+    /// Whether a mark reaches into pings that no search has come to. `unsearched` is that of the review.
+    pub fn reaches_into(unsearched: &[Range<usize>], mark: &Mark) -> bool {
+        let meets = |gap: &Range<usize>| mark.pings.start < gap.end && gap.start < mark.pings.end;
+        unsearched.iter().any(meets)
+    }
+
+    /// Notes that a model has searched some pings, whatever was asked there before.
+    pub(super) fn note_search(&mut self, model: &Arc<str>, pings: Range<usize>) {
+        let pings = pings.start..pings.end.min(self.identity.pings);
+        if pings.is_empty() {
+            return;
+        }
+        let mut noted: Vec<Searched> = Vec::with_capacity(self.searched.len() + 2);
+        for earlier in self.searched.drain(..) {
+            let Range { start, end } = earlier.pings;
+            for left in [start..end.min(pings.start), start.max(pings.end)..end] {
+                if !left.is_empty() {
+                    noted.push(Searched {
+                        model: earlier.model.clone(),
+                        pings: left,
+                    });
+                }
+            }
+        }
+        noted.push(Searched {
+            model: model.clone(),
+            pings,
+        });
+        noted.sort_by_key(|one| one.pings.start);
+        for one in noted {
+            match self.searched.last_mut() {
+                Some(last) if last.model == one.model && last.pings.end == one.pings.start => {
+                    last.pings.end = one.pings.end;
+                }
+                _ => self.searched.push(one),
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and what is true in each.
+
+use super::{Review, Reviewed, State};
+use crate::dataset::PictureBoxes;
+use crate::{Labelled, NAMELESS_CLASS, ObjectExtent, Raster, Rect, TILE_PX};
+use bathyscope_log::survey::Side;
+
+/// Least share of a box that lies in a tile for it to be asked for there.
+const LEAST_SHARE: f32 = 0.4;
+/// Least width and height of such a box, pixels.
+const LEAST_PX: f32 = 6.0;
+
+/// Side of the square around a point in which a detector may find an object or not, metres.
+const POINT_M: f32 = 2.0;
+
+/// A tile of the raster with what is decided in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReviewedTile {
+    /// Its side.
+    pub side: Side,
+    /// Row of the raster that it starts at.
+    pub row: usize,
+    /// Column of the raster that it starts at.
+    pub column: usize,
+    /// Accepted and added boxes are labels; there are none where all was rejected, which makes a hard negative. Ignored are
+    /// boxes that nobody has decided about, and objects that the edge cuts off.
+    pub boxes: PictureBoxes,
+    /// Boxes rejected in it.
+    pub rejected: usize,
+}
+
+impl Review {
+    /// Class names to train with, and which of them each class of the review is: the analyst's list, and what else boxes have, those that
+    /// no model has named last. So the data of all logs of a survey have the same numbers for the classes of its list.
+    pub fn training_classes(&self, list: &[String]) -> (Vec<String>, Vec<Option<usize>>) {
+        let is_used = |class: usize| self.boxes().any(|one| one.class == class);
+        let others = self.classes.iter().enumerate();
+        let others = others.filter(|(class, name)| !list.contains(name) && is_used(*class));
+        let (nameless, named): (Vec<_>, Vec<_>) =
+            others.partition(|(_, name)| *name == NAMELESS_CLASS);
+        let others = named.into_iter().chain(nameless).map(|(_, name)| name);
+        let names: Vec<String> = list.iter().chain(others).cloned().collect();
+        let place = |class: &String| names.iter().position(|name| name == class);
+        let places = self.classes.iter().map(place).collect();
+        (names, places)
+    }
+
+    /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes alone make no tile.
+    pub fn tiles(&self, raster: &Raster) -> Vec<ReviewedTile> {
+        let mut tiles = Vec::new();
+        for side in Side::BOTH {
+            let mut boxes: Vec<(Rect, &Reviewed)> = self
+                .boxes()
+                .filter(|one| one.mark.side == side)
+                .map(|one| (rect_of(raster, one), one))
+                .collect();
+            boxes.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));
+            let first = tiles.len();
+            for (rect, one) in &boxes {
+                let is_held = |tile: &ReviewedTile| {
+                    let inside = rect.intersection(&frame(tile));
+                    inside.area() >= 0.999 * rect.area()
+                };
+                // Tiles follow the track: only the last few can hold the box.
+                let is_seen = tiles[first..].iter().rev().take(8).any(is_held);
+                let is_picture = one.state != State::Proposed && one.extent != ObjectExtent::Point;
+                if is_picture && !is_seen {
+                    tiles.push(around(rect, side, raster, &boxes));
+                }
+            }
+        }
+        tiles
+    }
+}
+
+/// A box in the pixels of the raster; of a point what an object there may well cover.
+fn rect_of(raster: &Raster, one: &Reviewed) -> Rect {
+    let rect = raster.rect_of(&one.mark);
+    if one.extent != ObjectExtent::Point {
+        return rect;
+    }
+    let half = 0.5 * POINT_M / raster.pixel_m() as f32;
+    let [x, y] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
+    Rect::new(
+        [(x - half).max(0.0), (y - half).max(0.0)],
+        [x + half, y + half],
+    )
+}
+
+fn frame(tile: &ReviewedTile) -> Rect {
+    let (x0, y0) = (tile.column as f32, tile.row as f32);
+    Rect::new([x0, y0], [x0 + TILE_PX as f32, y0 + TILE_PX as f32])
+}
+
+/// A tile about the middle of a box, held to the picture.
+fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)]) -> ReviewedTile {
+    let [row, column] = raster.start_about(rect);
+    let mut tile = ReviewedTile {
+        side,
+        row,
+        column,
+        boxes: PictureBoxes::default(),
+        rejected: 0,
+    };
+    let frame = frame(&tile);
+    for (rect, one) in boxes {
+        let inside = rect.intersection(&frame);
+        if inside.area() <= 0.0 {
+            continue;
+        }
+        let label = Labelled {
+            class: one.class,
+            rect: inside.shifted(-frame.x0, -frame.y0),
+        };
+        let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
+        let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
+        match one.state {
+            // How large it is, nobody has said.
+            State::Accepted | State::Added if one.extent == ObjectExtent::Point => {
+                tile.boxes.ignored.push(label);
+            }
+            State::Rejected => tile.rejected += 1,
+            State::Accepted | State::Added if whole_enough => tile.boxes.labels.push(label),
+            State::Accepted | State::Added | State::Proposed => tile.boxes.ignored.push(label),
+        }
+    }
+    tile
+}

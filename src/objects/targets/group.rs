@@ -1,0 +1,396 @@
+//! The same object, seen from several lines, as one.
+
+use super::Target;
+use super::pairs::{pairs, same_pass, size_m};
+use super::sighting::{GroupSettings, Sighting};
+use super::spread::PositionCovariance;
+use crate::ObjectExtent;
+
+/// One object with all that was seen of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Indices of its sightings, growing.
+    pub members: Vec<usize>,
+    /// Mean of their places, weighted by the inverse of their covariances, metres east of the survey's origin.
+    pub east_m: f64,
+    /// The same, metres north.
+    pub north_m: f64,
+    /// Standard deviation of that place in the worse direction, metres.
+    pub sigma_m: f64,
+    /// Class with the largest sum of scores; of equals the one seen first. `None` where no sighting has a class.
+    pub class: Option<usize>,
+    /// Its height, of all sightings together.
+    pub height: ObjectHeight,
+}
+
+/// The height of an object above the bottom by all its sightings.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectHeight {
+    /// Mean of the heights, weighted by the inverse of their variances, metres; NaN without any. Where an analyst has set the edges or
+    /// measured the shadow of a sighting, those alone count.
+    pub mean_m: f64,
+    /// Standard deviation of that mean, metres; NaN without a height. Larger where the sightings differ by more than their own
+    /// deviations explain.
+    pub sigma_m: f64,
+}
+
+/// Heights that are not known are alike.
+impl PartialEq for ObjectHeight {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
+        same(self.mean_m, other.mean_m) && same(self.sigma_m, other.sigma_m)
+    }
+}
+
+impl ObjectHeight {
+    /// Least standard deviation that a height counts with, metres.
+    const LEAST_SIGMA_M: f64 = 0.01;
+
+    /// The height that some sightings of one object tell.
+    pub fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
+        let is_set = |target: &Target| {
+            target.measured_shadow.is_some() || matches!(target.extent, ObjectExtent::Drawn { .. })
+        };
+        let known = targets.filter(|one| one.height_m.is_finite() && !one.height_sigma_m.is_nan());
+        let (set, found): (Vec<&Target>, Vec<&Target>) = known.partition(|one| is_set(one));
+        let counted = if set.is_empty() { found } else { set };
+        let weight = |one: &Target| one.height_sigma_m.max(Self::LEAST_SIGMA_M).powi(-2);
+        let weights: f64 = counted.iter().map(|one| weight(one)).sum();
+        let sum: f64 = (counted.iter()).map(|one| weight(one) * one.height_m).sum();
+        // Without any height both are 0 / 0.
+        let mean_m = sum / weights;
+        let squares: f64 = (counted.iter())
+            .map(|one| weight(one) * (one.height_m - mean_m).powi(2))
+            .sum();
+        let excess = match counted.len() {
+            0 | 1 => 1.0,
+            count => (squares / (count - 1) as f64).sqrt().max(1.0),
+        };
+        Self {
+            mean_m,
+            sigma_m: match mean_m.is_nan() {
+                true => f64::NAN,
+                false => excess * weights.sqrt().recip(),
+            },
+        }
+    }
+}
+
+/// Joins sightings of the same object: the likeliest pairs first, while all members lie within their uncertainty and size of
+/// the common place, and never two that one pass saw apart. A class is a hint: a confused one does not split an object. A
+/// sighting that is placed badly (in a sharp turn, under the boat) has a wide uncertainty, so it joins a neighbour rather
+/// than stand alone, but only after the well placed ones have found each other. An object seen once is a group of one. By
+/// first sighting.
+pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
+    let mut owner: Vec<usize> = (0..sightings.len()).collect();
+    let mut members: Vec<Vec<usize>> = owner.iter().map(|&index| vec![index]).collect();
+    for (a, b) in pairs(sightings, settings) {
+        let (a, b) = (owner[a], owner[b]);
+        if a == b || !joins(sightings, &members[a], &members[b], settings) {
+            continue;
+        }
+        let moved = std::mem::take(&mut members[b]);
+        for &index in &moved {
+            owner[index] = a;
+        }
+        members[a].extend(moved);
+    }
+    let mut groups: Vec<Group> = members
+        .into_iter()
+        .filter(|members| !members.is_empty())
+        .map(|members| joined(sightings, members, settings))
+        .collect();
+    groups.sort_by_key(|group| group.members[0]);
+    groups
+}
+
+/// Whether two groups can be one object: no pass saw it twice, and every member is near enough to the common place.
+fn joins(
+    sightings: &[Sighting<'_>],
+    ours: &[usize],
+    theirs: &[usize],
+    settings: &GroupSettings,
+) -> bool {
+    let seen_apart = ours.iter().any(|&one| {
+        let mut others = theirs.iter();
+        others.any(|&other| same_pass(&sightings[one], &sightings[other]))
+    });
+    if seen_apart {
+        return false;
+    }
+    let both = || ours.iter().chain(theirs);
+    let (place, _) = common(both().map(|&index| sightings[index].target), settings);
+    let of_one_log = both().all(|&index| sightings[index].log == sightings[ours[0]].log);
+    let log_sigma_m = if of_one_log {
+        0.0
+    } else {
+        settings.log_sigma_m
+    };
+    let size_m = both()
+        .map(|&index| size_m(sightings[index].target))
+        .fold(0.0, f64::max);
+    both().all(|&index| {
+        let target = sightings[index].target;
+        let either = size_m * size_m + log_sigma_m * log_sigma_m;
+        let spread = spread(target, settings).plus(PositionCovariance::round(either));
+        let off_m = [target.east_m - place[0], target.north_m - place[1]];
+        spread.squared_sigmas(off_m) < settings.sigmas * settings.sigmas
+    })
+}
+
+/// Uncertainty of a sighting against those of other lines.
+fn spread(target: &Target, settings: &GroupSettings) -> PositionCovariance {
+    PositionCovariance::of(target)
+        .plus(PositionCovariance::round(settings.receiver_sigma_m.powi(2)))
+}
+
+/// Mean place, weighted by the inverse of the covariances, and its covariance.
+fn common<'a>(
+    targets: impl Iterator<Item = &'a Target>,
+    settings: &GroupSettings,
+) -> ([f64; 2], PositionCovariance) {
+    let (mut information, mut sum) = (PositionCovariance::round(0.0), [0.0; 2]);
+    for target in targets {
+        let weight = spread(target, settings).inverse();
+        let [east, north] = weight.times([target.east_m, target.north_m]);
+        sum = [sum[0] + east, sum[1] + north];
+        information = information.plus(weight);
+    }
+    let covariance = information.inverse();
+    (covariance.times(sum), covariance)
+}
+
+fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupSettings) -> Group {
+    members.sort_unstable();
+    let all = || members.iter().map(|&index| &sightings[index]);
+    let ([east_m, north_m], covariance) = common(all().map(|one| one.target), settings);
+    let support = |class: usize| -> f64 {
+        let same = all().filter(|one| one.class == Some(class));
+        same.map(|one| one.score.max(0.0)).sum()
+    };
+    let best = |best: usize, other: usize| match support(other) > support(best) {
+        true => other,
+        false => best,
+    };
+    let class = all().filter_map(|one| one.class).reduce(best);
+    Group {
+        east_m,
+        north_m,
+        sigma_m: covariance.widest_m(),
+        class,
+        height: ObjectHeight::of(all().map(|one| one.target)),
+        members,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mark;
+    use bathyscope_log::support::geo::LonLat;
+    use bathyscope_log::survey::Side;
+
+    /// Pings from the beginning of a log to that of the next.
+    const LOG_PINGS: usize = 1_000_000;
+
+    /// The same sighting in another log.
+    fn in_log(log: usize, mut target: Target) -> Target {
+        target.mark.pings.start += log * LOG_PINGS;
+        target.mark.pings.end += log * LOG_PINGS;
+        target
+    }
+
+    /// A sighting by a boat that heads north: its place, how far it had sailed, and the standard deviation in metres.
+    fn seen(east_m: f64, sailed_m: f64, sigma_m: f64) -> Target {
+        let ping = (10.0 * sailed_m) as usize;
+        Target {
+            mark: Mark::new(Side::Port, ping..ping + 5, [1.0, 2.0]),
+            extent: crate::ObjectExtent::Found,
+            measured_shadow: None,
+            parts: None,
+            slant_m: 5.0,
+            ground_m: 4.0,
+            altitude_m: 3.0,
+            east_m,
+            north_m: 0.0,
+            position: LonLat::new(0.0, 0.0),
+            length_m: 0.6,
+            width_m: 0.4,
+            height_m: f64::NAN,
+            shadow_m: [f64::NAN; 2],
+            height_sigma_m: f64::NAN,
+            depth_m: 3.0,
+            sigma_m,
+            along_sigma_m: sigma_m,
+            across_sigma_m: sigma_m,
+            heading_rad: 0.0,
+            sailed_m,
+        }
+    }
+
+    fn grouped(targets: &[Target], claims: &[(Option<usize>, f64)]) -> Vec<Group> {
+        let claims = claims.iter().chain(std::iter::repeat(&(Some(0), 0.8)));
+        let sightings: Vec<Sighting<'_>> = targets
+            .iter()
+            .zip(claims)
+            .map(|(target, &(class, score))| Sighting {
+                log: target.mark.pings.start / LOG_PINGS,
+                target,
+                class,
+                score,
+            })
+            .collect();
+        group(&sightings, &GroupSettings::default())
+    }
+
+    fn members(targets: &[Target]) -> Vec<Vec<usize>> {
+        let groups = grouped(targets, &[]);
+        groups.into_iter().map(|group| group.members).collect()
+    }
+
+    #[test]
+    fn two_marks_of_one_pass_stay_two_objects() {
+        // The second line sees one object between the two that the first line sees; it joins the nearer.
+        let targets = [seen(0.0, 10.0, 0.3), seen(1.0, 11.0, 0.3)];
+        assert_eq!(members(&targets), [vec![0], vec![1]]);
+        let between = [targets[0].clone(), targets[1].clone(), seen(0.7, 80.0, 0.3)];
+        assert_eq!(members(&between), [vec![0], vec![1, 2]]);
+        // Nor do they meet through a third and a fourth line.
+        let targets = [
+            seen(0.0, 10.0, 0.3),
+            seen(0.6, 11.0, 0.3),
+            seen(0.2, 80.0, 0.3),
+            seen(0.4, 150.0, 0.3),
+        ];
+        assert_eq!(members(&targets), [vec![0, 2], vec![1, 3]]);
+    }
+
+    #[test]
+    fn logs_of_other_days_see_one_object_farther_apart_and_at_the_same_way_sailed() {
+        // At the same time of two logs, and 1.5 m apart: too far for two lines of one log.
+        let targets = [seen(0.0, 10.0, 0.3), seen(1.9, 10.0, 0.3)];
+        assert_eq!(members(&targets).len(), 2);
+        let [first, second] = targets.clone();
+        let logs = [in_log(0, first.clone()), in_log(1, second)];
+        assert_eq!(members(&logs), [vec![0, 1]]);
+        // Four logs see it; what one of them saw apart stays apart.
+        // At one ping and range they would be two boxes over one echo.
+        let others = [
+            (1, 0.6, 10.0),
+            (2, -0.5, 10.0),
+            (3, 0.9, 10.0),
+            (0, 1.3, 11.0),
+        ];
+        let others = others.map(|(log, east_m, sailed_m)| in_log(log, seen(east_m, sailed_m, 0.3)));
+        let all = [vec![in_log(0, first)], others.to_vec()].concat();
+        let found = members(&all);
+        assert_eq!(found.len(), 2, "{found:?}");
+        let apart = |index: usize| found.iter().position(|group| group.contains(&index));
+        assert_ne!(apart(0), apart(4));
+    }
+
+    #[test]
+    fn a_turn_sweeps_over_an_object_again_and_both_sides_hear_what_lies_below() {
+        let mut targets = [seen(0.0, 10.0, 0.3), seen(0.3, 14.0, 0.3)];
+        targets[1].heading_rad = 1.2;
+        assert_eq!(members(&targets), [vec![0, 1]]);
+        // Two boxes over one echo are one object; at another range, at the same time, is another.
+        targets[0].mark.pings.end = targets[1].mark.pings.start + 1;
+        assert_eq!(members(&targets), [vec![0, 1]]);
+        targets[1].mark.near_m += 0.8;
+        assert_eq!(members(&targets), [vec![0], vec![1]]);
+        let mut targets = [seen(-0.3, 10.0, 0.5), seen(0.3, 10.0, 0.5)];
+        targets[1].mark.side = Side::Starboard;
+        assert_eq!(members(&targets), [vec![0, 1]]);
+    }
+
+    #[test]
+    fn a_confused_class_does_not_split_an_object_and_the_best_supported_one_counts() {
+        let targets = [0.0, 1.3, 0.6].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
+        let claims = [(Some(4), 0.4), (Some(2), 0.9), (Some(4), 0.4)];
+        let [one] = &grouped(&targets, &claims)[..] else {
+            panic!("one object")
+        };
+        assert_eq!((one.members.len(), one.class), (3, Some(2)));
+        // Allowed: 3 x 0.61 m; with another class 2.45 x 0.61 m.
+        let apart = |east_m, class| {
+            let targets = [seen(0.0, 0.0, 0.3), seen(east_m, 50.0, 0.3)];
+            grouped(&targets, &[(Some(0), 0.8), (class, 0.8)]).len()
+        };
+        assert_eq!([apart(1.8, Some(0)), apart(1.9, Some(0))], [1, 2]);
+        assert_eq!([apart(1.45, Some(1)), apart(1.55, Some(1))], [1, 2]);
+        // A box without a name contradicts none.
+        assert_eq!([apart(1.8, None), apart(1.9, None)], [1, 2]);
+    }
+
+    #[test]
+    fn a_sighting_without_a_name_leaves_the_name_to_the_others() {
+        let targets = [0.0, 0.3].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
+        let class = |claims: [Option<usize>; 2]| {
+            let claims = claims.map(|class| (class, 0.5));
+            grouped(&targets, &claims)[0].class
+        };
+        assert_eq!(class([None, Some(3)]), Some(3));
+        assert_eq!(class([None, None]), None);
+    }
+
+    #[test]
+    fn a_badly_placed_sighting_joins_a_neighbour_but_does_not_keep_sure_ones_apart() {
+        // It lies nearer to the second than that to the third, yet those two find each other.
+        let targets = [
+            seen(-0.2, 0.0, 1.5),
+            seen(0.6, 60.0, 0.2),
+            seen(1.5, 120.0, 0.2),
+        ];
+        assert_eq!(members(&targets), [vec![0, 1, 2]]);
+        // Two objects that are surely apart are not joined through it.
+        let targets = [
+            seen(0.0, 0.0, 1.5),
+            seen(-1.4, 60.0, 0.2),
+            seen(1.0, 120.0, 0.2),
+        ];
+        assert_eq!(members(&targets), [vec![0, 2], vec![1]]);
+    }
+
+    #[test]
+    fn the_middle_leans_to_the_surer_direction() {
+        // Heading north the first is sure along the track, heading east the second is: together they are sure of both.
+        let mut targets = [seen(0.0, 0.0, 0.9), seen(0.4, 60.0, 0.9)];
+        targets[0].along_sigma_m = 0.1;
+        targets[1].along_sigma_m = 0.1;
+        targets[1].heading_rad = std::f64::consts::FRAC_PI_2;
+        targets[1].north_m = 0.8;
+        (targets[1].height_m, targets[1].height_sigma_m) = (0.5, 0.1);
+        (targets[0].height_m, targets[0].height_sigma_m) = (0.2, 0.2);
+        let [one] = &grouped(&targets, &[])[..] else {
+            panic!("one object")
+        };
+        // With the receiver's 0.3 m: variances 0.1 and 0.9 m2.
+        let weights = [1.0 / 0.9, 1.0 / 0.1];
+        let share = weights[1] / (weights[0] + weights[1]);
+        assert!((one.east_m - share * 0.4).abs() < 1e-9);
+        assert!((one.north_m - (1.0 - share) * 0.8).abs() < 1e-9);
+        assert!((one.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
+        let height = one.height;
+        assert!((height.mean_m - (4.0 * 0.5 + 0.2) / 5.0).abs() < 1e-9);
+        // They differ by 0.3 m where 0.22 m is usual: 1.34 times as uncertain as both deviations say.
+        let squares = (0.3_f64).powi(2) / (0.1_f64.powi(2) + 0.2_f64.powi(2));
+        assert!((height.sigma_m - (squares / 125.0).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_height_that_an_analyst_measured_counts_alone() {
+        let mut targets = [seen(0.0, 0.0, 0.3), seen(0.4, 60.0, 0.3)];
+        (targets[0].height_m, targets[0].height_sigma_m) = (0.5, 1.05);
+        (targets[1].height_m, targets[1].height_sigma_m) = (1.3, 0.1);
+        let height = |targets: &[Target]| ObjectHeight::of(targets.iter());
+        assert_eq!(height(&targets[..1]).mean_m, 0.5);
+        assert_eq!(height(&targets[..1]).sigma_m, 1.05);
+        let both = height(&targets);
+        assert!((1.29..1.3).contains(&both.mean_m) && (0.09..0.1).contains(&both.sigma_m));
+        targets[0].extent = ObjectExtent::Drawn { border_m: 1.5 };
+        assert_eq!(height(&targets), height(&targets[..1]));
+        let unknown = height(&[seen(0.0, 0.0, 0.3)]);
+        assert!(unknown.mean_m.is_nan() && unknown.sigma_m.is_nan());
+    }
+}

@@ -1,0 +1,255 @@
+//! Which passes of the boat covered a place, and which of them saw an object there.
+
+use super::heading::heading_sigma_rad;
+use bathyscope_log::survey::{Navigation, Side, Survey};
+use std::ops::Range;
+
+/// One pass of the boat along a place, within the range of its side-scan. Under the boat both sides see the place: that is one pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetPass {
+    /// The ping that is abeam of the place.
+    pub ping: usize,
+    /// The first ping that may be, as well as the heading is known. In a turn about the place many are.
+    pub first_ping: usize,
+    /// The last ping that may be.
+    pub last_ping: usize,
+    /// The side that the place lies on at [`TargetPass::ping`], where the boat is nearest to abeam.
+    pub side: Side,
+    /// Distance from the track to the place, metres.
+    pub ground_m: f64,
+}
+
+/// A place ahead or astern by less than this is abeam of some ping, metres; half the step of a fast boat's slow pings.
+const ABEAM_M: f64 = 0.75;
+/// And by less than so many standard deviations of the heading.
+const ABEAM_SIGMAS: f64 = 2.0;
+/// Pings without the place abeam that end a pass.
+const GAP: usize = 20;
+/// Passes of two logs over one place are one where they are at the same time, within so many seconds, with the boat at the same place,
+/// within so many metres: two recorders of one boat, two formats of one recording, or a recording that goes on in another file.
+const SAME_TIME_S: f64 = 2.0;
+const SAME_PLACE_M: f64 = 10.0;
+
+/// A log whose passes are counted.
+pub type PassLog<'a> = (&'a Survey, &'a Navigation);
+
+/// Pings of a log, by its index.
+pub type LogPings = (usize, Range<usize>);
+
+/// How often an object was seen. It counts once a pass, in however many boxes, sides or logs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PassCount {
+    /// Passes that saw it.
+    pub seen: usize,
+    /// Passes that covered its place, those that saw it included.
+    pub covered: usize,
+}
+
+impl PassCount {
+    /// Of an object that was seen on some pings, at a place in the plane of the logs. It goes through all pings.
+    pub fn new(seen: &[LogPings], place: [f64; 2], logs: &[PassLog<'_>]) -> Self {
+        let mut passes = distinct_passes(seen.iter().cloned(), logs);
+        let seen = passes.len();
+        for (index, (survey, navigation)) in logs.iter().enumerate() {
+            for pass in passes_over(survey, navigation, place) {
+                let pings = (index, pass.first_ping..pass.last_ping + 1);
+                if !(passes.iter().flatten()).any(|known| is_same_pass(known, &pings, logs)) {
+                    passes.push(vec![pings]);
+                }
+            }
+        }
+        Self {
+            seen,
+            covered: passes.len(),
+        }
+    }
+}
+
+/// How many passes saw an object that was seen on some pings.
+pub fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
+    distinct_passes(seen, logs).len()
+}
+
+/// Pings by the pass that they are of.
+fn distinct_passes(
+    seen: impl IntoIterator<Item = LogPings>,
+    logs: &[PassLog<'_>],
+) -> Vec<Vec<LogPings>> {
+    let mut passes: Vec<Vec<LogPings>> = Vec::new();
+    for pings in seen {
+        let is_same = |pass: &Vec<LogPings>| {
+            let mut known = pass.iter();
+            known.any(|known| is_same_pass(known, &pings, logs))
+        };
+        // What lies between two parts of a pass joins them.
+        let (same, others): (Vec<_>, Vec<_>) = passes.into_iter().partition(is_same);
+        passes = others;
+        passes.push(same.into_iter().flatten().chain([pings]).collect());
+    }
+    passes
+}
+
+/// Whether the pings of two sightings of one place are of one pass.
+fn is_same_pass(one: &LogPings, other: &LogPings, logs: &[PassLog<'_>]) -> bool {
+    let ((log, a), (other_log, b)) = (one, other);
+    if log == other_log {
+        return a.start < b.end + GAP && b.start < a.end + GAP;
+    }
+    let Some((a, b)) = moment(one, logs).zip(moment(other, logs)) else {
+        return false;
+    };
+    let [[a_from_s, a_to_s], [b_from_s, b_to_s]] = [a.unix_s, b.unix_s];
+    let at_once = a_from_s <= b_to_s + SAME_TIME_S && b_from_s <= a_to_s + SAME_TIME_S;
+    at_once && f64::hypot(a.place[0] - b.place[0], a.place[1] - b.place[1]) < SAME_PLACE_M
+}
+
+/// When and where the boat was.
+struct Moment {
+    /// First and last time, Unix seconds.
+    unix_s: [f64; 2],
+    /// The boat halfway, metres east and north.
+    place: [f64; 2],
+}
+
+/// When some pings were recorded, and where; `None` where the log does not know.
+fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
+    let (survey, navigation) = logs.get(*log)?;
+    let start_s = survey.start_unix_s?;
+    let last = pings.end.checked_sub(1)?.max(pings.start);
+    let unix_s = |ping: usize| Some(start_s + survey.side_scan.get(ping)?.time_s);
+    let boat = navigation.pings.get(usize::midpoint(pings.start, last))?;
+    Some(Moment {
+        unix_s: [unix_s(pings.start)?, unix_s(last)?],
+        place: boat.place(),
+    })
+}
+
+/// Every pass in which the side-scan could insonify a place (metres in the survey's plane): it is abeam, recorded, and within the range.
+pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<TargetPass> {
+    let mut passes: Vec<TargetPass> = Vec::new();
+    // Least distance ahead or astern of the pass that is going on.
+    let mut least_m = f64::INFINITY;
+    for ping in 0..navigation.pings.len() {
+        let Some((side, ground_m, along_m)) = abeam(survey, navigation, ping, place) else {
+            continue;
+        };
+        let here = TargetPass {
+            ping,
+            first_ping: ping,
+            last_ping: ping,
+            side,
+            ground_m,
+        };
+        match passes.last_mut() {
+            Some(pass) if ping - pass.last_ping <= GAP => {
+                pass.last_ping = ping;
+                if along_m < least_m {
+                    (pass.ping, pass.side) = (ping, side);
+                    (pass.ground_m, least_m) = (ground_m, along_m);
+                }
+            }
+            _ => {
+                passes.push(here);
+                least_m = along_m;
+            }
+        }
+    }
+    passes
+}
+
+/// The side on which a ping has a place abeam, and its distances across and along the track, metres; `None` where it is out of
+/// the range, or ahead or astern.
+fn abeam(
+    survey: &Survey,
+    navigation: &Navigation,
+    ping: usize,
+    [east_m, north_m]: [f64; 2],
+) -> Option<(Side, f64, f64)> {
+    let boat = navigation.pings.get(ping)?;
+    let [x, y] = boat.starboard()?;
+    let [dx, dy] = [east_m - boat.east_m, north_m - boat.north_m];
+    let (across_m, along_m) = (dx * x + dy * y, (dy * x - dx * y).abs());
+    let side = if across_m < 0.0 {
+        Side::Port
+    } else {
+        Side::Starboard
+    };
+    let depth_m = f64::from(survey.locked_depth_m(ping));
+    let slant_m = across_m.hypot(if depth_m > 0.0 { depth_m } else { 0.0 });
+    let within = slant_m < f64::from(survey.span(ping, side)?.far_m);
+    let askew_m = ABEAM_SIGMAS * heading_sigma_rad(navigation, &(ping..ping + 1)) * across_m.abs();
+    // NaN is not abeam.
+    let abeam = along_m < ABEAM_M.hypot(askew_m);
+    (abeam && within).then_some((side, across_m.abs(), along_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::{PingNav, SidePing, SideSpan};
+
+    /// A log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the origin halfway, from `start_unix_s` on.
+    fn log(start_unix_s: Option<f64>, place_m: impl Fn(usize) -> [f64; 2]) -> (Survey, Navigation) {
+        let span = SideSpan::of_bytes(100, [0.0, 10.0]);
+        let side_scan = (0..200).map(|ping| SidePing {
+            port: Some(span),
+            starboard: Some(span),
+            ..SidePing::with_depth(0.1 * f64::from(ping), 2.0)
+        });
+        let pings = (0..200).map(|ping| PingNav::northbound(place_m(ping), 2.0));
+        let survey = Survey {
+            start_unix_s,
+            ..Survey::of_pings(side_scan)
+        };
+        (survey, Navigation::of_pings(pings))
+    }
+
+    fn north(ping: usize) -> f64 {
+        0.2 * ping as f64 - 20.0
+    }
+
+    fn count(seen: &[LogPings], logs: &[(Survey, Navigation)]) -> PassCount {
+        let logs: Vec<PassLog<'_>> = logs.iter().map(|(survey, at)| (survey, at)).collect();
+        let found = PassCount::new(seen, [0.0, 0.0], &logs);
+        assert_eq!(found.seen, count_seen(seen.iter().cloned(), &logs));
+        found
+    }
+
+    #[test]
+    fn both_sides_of_one_pass_are_one_sighting() {
+        // The boat sails a wavy line over the place: it lies to port and to starboard in turns.
+        let over = log(None, |ping| [0.3 * (ping as f64 * 0.8).sin(), north(ping)]);
+        let both = [(0, 99..100), (0, 100..101)];
+        let once = PassCount {
+            seen: 1,
+            covered: 1,
+        };
+        assert_eq!(count(&both, &[over]), once);
+    }
+
+    #[test]
+    fn one_pass_in_two_logs_is_one_and_another_time_is_another() {
+        let line = |start_s| log(start_s, |ping| [4.0, north(ping)]);
+        let seen = [(0, 98..103)];
+        let two = |start_s| [line(Some(1000.0)), line(start_s)];
+        let covered = |start_s| count(&seen, &two(start_s)).covered;
+        assert_eq!(covered(Some(1000.4)), 1, "the same recording");
+        assert_eq!(covered(Some(4000.0)), 2, "the line sailed again");
+        assert_eq!(covered(None), 2, "nobody knows when");
+        let both = [(0, 98..103), (1, 97..104)];
+        assert_eq!(count(&both, &two(Some(1000.4))).seen, 1);
+        assert_eq!(count(&both, &two(Some(4000.0))).seen, 2);
+        // Another boat at the same time, 15 m away.
+        let other = log(Some(1000.0), |ping| [-11.0, north(ping)]);
+        assert_eq!(count(&both, &[line(Some(1000.0)), other]).seen, 2);
+    }
+
+    #[test]
+    fn a_pass_that_did_not_see_the_object_is_covered_only() {
+        // There and back: past the place at pings 50 and 150.
+        let turned = log(None, |ping| [4.0, 0.2 * (ping as f64 - 100.0).abs() - 10.0]);
+        let seen = [(0, 48..53)];
+        let found = count(&seen, &[turned]);
+        assert_eq!([found.seen, found.covered], [1, 2]);
+    }
+}

@@ -1,0 +1,379 @@
+//! From a box to a place on the bottom.
+
+use super::echo::Shadow;
+use super::heading::heading_sigma_rad;
+use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, MeasuredObject, PART_SIGMA};
+use super::{Parts, Target, altitude::altitude_m, echo, parts};
+use crate::{Mark, MeasuredShadow, ObjectExtent};
+use bathyscope_bottom::calibration::Calibration;
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::survey::{AcrossTrack, Navigation, PingNav, Relief, Side, SideSpan, Survey};
+use std::ops::Range;
+use std::sync::OnceLock;
+
+/// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
+const BEAM_RAD: f64 = 0.0157;
+/// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a line along the grid is off
+/// by the same all the way.
+const FIX_SIGMA_M: f64 = 0.25;
+
+/// Slant range by the recorder's scale from which on a shadow runs off the range, metres: nobody draws the last sample.
+pub(super) fn reach_m(span: &SideSpan) -> f64 {
+    f64::from(span.far_m) - 1.5 * span.metres_per_sample()
+}
+
+/// Places boxes of one survey.
+pub struct Placer<'a> {
+    survey: &'a Survey,
+    navigation: &'a Navigation,
+    returns: &'a FirstReturns,
+    calibration: &'a Calibration,
+    /// What recorded ranges and depths are multiplied with.
+    range_factor: f64,
+    /// How the bottom lies across the track; level without it.
+    relief: Option<&'a Relief>,
+    /// Distance sailed up to each ping, metres: worked out for the first box, since what is measured on one ping does without it.
+    sailed_m: OnceLock<Vec<f64>>,
+}
+
+impl<'a> Placer<'a> {
+    /// Gets ready for the boxes of a survey.
+    pub fn new(
+        survey: &'a Survey,
+        navigation: &'a Navigation,
+        returns: &'a FirstReturns,
+        calibration: &'a Calibration,
+    ) -> Self {
+        Self {
+            survey,
+            navigation,
+            returns,
+            calibration,
+            range_factor: 1.0,
+            relief: None,
+            sailed_m: OnceLock::new(),
+        }
+    }
+
+    /// The same with all ranges and depths times a factor: where sound runs at another speed than the recorder took.
+    pub fn with_range_factor(self, range_factor: f64) -> Self {
+        Self {
+            range_factor,
+            ..self
+        }
+    }
+
+    /// The same on a bottom that is not level; its depths are those of ranges with their factor.
+    pub fn with_relief(self, relief: &'a Relief) -> Self {
+        Self {
+            relief: Some(relief),
+            ..self
+        }
+    }
+
+    /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
+    /// altitude is unknown.
+    pub fn place(&self, mark: &Mark) -> Option<Target> {
+        self.place_as(mark, ObjectExtent::Found, None)
+    }
+
+    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a place and no size; and with the height
+    /// of a shadow that the analyst has measured.
+    pub fn place_as(
+        &self,
+        mark: &Mark,
+        extent: ObjectExtent,
+        measured: Option<MeasuredShadow>,
+    ) -> Option<Target> {
+        let middle = self.middle(mark);
+        let span = self.survey.span(middle, mark.side)?;
+        let altitude_m = self.altitude_m(mark)?;
+        let found = self.parts(mark, extent, span);
+        // The box begins where the echo does, and holds more shadow than echo.
+        let near_m = self.calibrated_m(span, mark.near_m);
+        let altitude_there_m = self.altitude_at_m(mark.side, middle, altitude_m, near_m);
+        let altitudes_m = [altitude_m, altitude_there_m];
+        let seen = self.seen(mark, extent, found, span, altitudes_m);
+        let seen = match measured {
+            Some(shadow) => self.with_shadow(seen, mark, shadow),
+            None => seen,
+        };
+        let ground_m = seen.middle_m();
+        let boat = self.boat(mark)?;
+        let [east_m, north_m] = boat.abeam(mark.side, ground_m)?;
+        if !(east_m.is_finite() && north_m.is_finite()) {
+            return None;
+        }
+        let track = &self.survey.track;
+        let is_point = extent == ObjectExtent::Point;
+        let sized = |size_m: f64| if is_point { f64::NAN } else { size_m };
+        let length_m = sized(self.length_m(mark, seen.slant_m(), ground_m));
+        let askew_m = heading_sigma_rad(self.navigation, &mark.pings) * ground_m;
+        let ends_sigma_m = match extent {
+            // Both ends are drawn to the width of the beam.
+            ObjectExtent::Drawn { .. } => BEAM_RAD * seen.slant_m(),
+            ObjectExtent::Found | ObjectExtent::Point => PART_SIGMA * length_m.max(0.0),
+        };
+        let along_sigma_m = askew_m.hypot(ends_sigma_m).hypot(FIX_SIGMA_M);
+        let across_sigma_m = seen.across_sigma_m().hypot(FIX_SIGMA_M);
+        Some(Target {
+            slant_m: seen.slant_m(),
+            ground_m,
+            altitude_m,
+            east_m,
+            north_m,
+            position: self.navigation.to_lon_lat(track, east_m, north_m),
+            length_m,
+            width_m: sized(seen.width_m()),
+            shadow_m: seen.shadow_m(),
+            height_m: seen.height_m(),
+            height_sigma_m: seen.height_sigma_m(),
+            depth_m: altitude_there_m,
+            sigma_m: along_sigma_m.max(across_sigma_m),
+            along_sigma_m,
+            across_sigma_m,
+            heading_rad: boat.heading_rad,
+            sailed_m: self.sailed_m().get(middle).copied().unwrap_or(0.0),
+            mark: mark.clone(),
+            extent,
+            measured_shadow: measured,
+            parts: found,
+        })
+    }
+
+    /// Height of the transducer above the bottom over the pings of a box.
+    fn altitude_m(&self, mark: &Mark) -> Option<f64> {
+        self.altitude_over_m(mark.side, mark.pings.clone())
+    }
+
+    /// Height of the transducer above the bottom over some pings, as seen to one side.
+    pub(super) fn altitude_over_m(&self, side: Side, pings: Range<usize>) -> Option<f64> {
+        altitude_m(
+            self.survey,
+            self.returns,
+            self.calibration,
+            self.range_factor,
+            side,
+            pings,
+        )
+    }
+
+    /// Height of the transducer above the bottom where that has a slant range, from that under the boat.
+    pub(super) fn altitude_at_m(
+        &self,
+        side: Side,
+        ping: usize,
+        altitude_m: f64,
+        range_m: f64,
+    ) -> f64 {
+        let across = self.across(side, ping);
+        altitude_m + across.deeper_m(across.ground_m(altitude_m, range_m))
+    }
+
+    /// The bottom to one side of a ping.
+    pub(super) fn across(&self, side: Side, ping: usize) -> AcrossTrack {
+        let relief = self.relief;
+        relief.map_or(AcrossTrack::LEVEL, |relief| relief.across(side, ping))
+    }
+
+    /// Slant range by the calibration in force of one on the recorder's scale, metres.
+    pub(super) fn calibrated_m(&self, span: &SideSpan, recorded_m: f64) -> f64 {
+        let sample = span.sample_at(recorded_m);
+        self.calibration.range_m(span, sample).max(0.0) * self.range_factor
+    }
+
+    /// The place so far across the track from the boat at a ping, metres east and north.
+    pub(super) fn abeam(&self, side: Side, ping: usize, ground_m: f64) -> Option<[f64; 2]> {
+        let place = self.navigation.pings.get(ping)?.abeam(side, ground_m)?;
+        (place.iter().all(|metres| metres.is_finite())).then_some(place)
+    }
+
+    /// The recording.
+    pub(super) fn survey(&self) -> &'a Survey {
+        self.survey
+    }
+
+    /// Place and heading of the boat at a ping.
+    pub(super) fn boat_at(&self, ping: usize) -> Option<&PingNav> {
+        self.navigation.pings.get(ping)
+    }
+
+    /// The span of a ping on one side.
+    pub(super) fn span(&self, side: Side, ping: usize) -> Option<&'a SideSpan> {
+        self.survey.span(ping, side)
+    }
+
+    /// Echo and shadow of a box: as the analyst has set them, or as they are found; `None` of a point.
+    fn parts(&self, mark: &Mark, extent: ObjectExtent, span: &SideSpan) -> Option<Parts> {
+        match extent {
+            ObjectExtent::Point => None,
+            ObjectExtent::Drawn { border_m } => {
+                Some(echo::set_parts(mark, border_m, reach_m(span)))
+            }
+            ObjectExtent::Found if echo::is_large(mark, self.sailed_over_m(mark)) => {
+                echo::drawn_parts(self.survey, mark)
+            }
+            ObjectExtent::Found => parts(self.survey, mark),
+        }
+    }
+
+    /// What is seen of the object in a box.
+    fn seen(
+        &self,
+        mark: &Mark,
+        extent: ObjectExtent,
+        found: Option<Parts>,
+        span: &SideSpan,
+        altitudes_m: [f64; 2],
+    ) -> MeasuredObject {
+        let calibrated = |recorded_m: f64| self.calibrated_m(span, recorded_m);
+        if extent == ObjectExtent::Point {
+            let range_m = calibrated(0.5 * (mark.near_m + mark.far_m));
+            return MeasuredObject::point(altitudes_m, range_m);
+        }
+        let is_drawn = extent.border_m().is_some();
+        let large = echo::is_large(mark, self.sailed_over_m(mark));
+        // The box begins where the echo does, and holds more shadow than echo. Of the echo itself often one face is bright.
+        let shadow_m = found.and_then(|found| found.shadow_m);
+        let far_m = match (&found, shadow_m) {
+            (_, Some([start_m, _])) => start_m,
+            (Some(found), None) => found.echo_m[1],
+            (None, None) => mark.near_m + (mark.far_m - mark.near_m) / 3.0,
+        };
+        // NaN stays NaN.
+        let end = |recorded_m: f64| match recorded_m.is_nan() {
+            true => recorded_m,
+            false => calibrated(recorded_m),
+        };
+        let longest = found.and_then(|found| found.longest);
+        let [altitude_m, altitude_there_m] = altitudes_m;
+        MeasuredObject {
+            altitude_m,
+            altitude_there_m,
+            near_m: calibrated(mark.near_m),
+            far_m: calibrated(far_m),
+            box_end_m: calibrated(mark.far_m),
+            // A shadow ends the echo, or whoever drew the edges or the box of a large object did.
+            bounded: large || is_drawn || shadow_m.is_some(),
+            edge_sigma_m: match is_drawn {
+                true => DRAWN_SIGMA_M,
+                false => EDGE_SIGMA_M,
+            },
+            longest: longest.map(|shadow| Shadow {
+                bright_end_m: calibrated(shadow.bright_end_m),
+                start_m: calibrated(shadow.start_m),
+                end_m: end(shadow.end_m),
+            }),
+        }
+    }
+
+    /// What is seen, with a shadow that was measured in place of the one in the box.
+    fn with_shadow(
+        &self,
+        seen: MeasuredObject,
+        mark: &Mark,
+        shadow: MeasuredShadow,
+    ) -> MeasuredObject {
+        let Some(span) = self.survey.span(shadow.ping, mark.side) else {
+            return seen;
+        };
+        let [start_m, last_m] =
+            [shadow.top_m, shadow.end_m].map(|range_m| self.calibrated_m(span, range_m));
+        let end_m = match shadow.end_m < reach_m(span) {
+            true => last_m,
+            false => f64::NAN,
+        };
+        MeasuredObject {
+            box_end_m: last_m,
+            longest: Some(Shadow {
+                bright_end_m: start_m,
+                start_m,
+                end_m,
+            }),
+            ..seen
+        }
+    }
+
+    /// Distance sailed up to each ping, metres.
+    fn sailed_m(&self) -> &[f64] {
+        self.sailed_m.get_or_init(|| {
+            let (mut sum_m, mut last): (f64, Option<[f64; 2]>) = (0.0, None);
+            let pings = self.navigation.pings.iter();
+            let sailed = pings.map(|place| {
+                if let Some([east_m, north_m]) = last {
+                    let step_m = f64::hypot(place.east_m - east_m, place.north_m - north_m);
+                    sum_m += if step_m.is_finite() { step_m } else { 0.0 };
+                }
+                last = Some(place.place());
+                sum_m
+            });
+            sailed.collect()
+        })
+    }
+
+    /// Distance that the boat sailed over a box, metres.
+    fn sailed_over_m(&self, mark: &Mark) -> f64 {
+        let at_m = |ping: usize| self.sailed_m().get(ping).copied().unwrap_or(f64::NAN);
+        at_m(mark.pings.end.saturating_sub(1)) - at_m(mark.pings.start)
+    }
+
+    /// The ping in the middle of a box: half of the way over it. Over a long one the boat sails now faster, now slower.
+    fn middle(&self, mark: &Mark) -> usize {
+        let count = usize::midpoint(mark.pings.start, mark.pings.end);
+        let (first, last) = (mark.pings.start, mark.pings.end.saturating_sub(1));
+        let (Some(from_m), Some(way)) = (
+            self.sailed_m().get(first),
+            self.sailed_m().get(first..=last),
+        ) else {
+            return count;
+        };
+        let half_m = from_m + 0.5 * self.sailed_over_m(mark);
+        match half_m > *from_m {
+            true => first + way.partition_point(|sailed_m| *sailed_m < half_m),
+            false => count,
+        }
+    }
+
+    /// The boat half of the way over a box, between two pings where that lies there.
+    fn boat(&self, mark: &Mark) -> Option<PingNav> {
+        let behind_ping = self.middle(mark).min(mark.pings.end.checked_sub(1)?);
+        let before_ping = behind_ping.saturating_sub(1).max(mark.pings.start);
+        let [before, behind] =
+            [before_ping, behind_ping].map(|ping| self.navigation.pings.get(ping).copied());
+        let (before, behind) = (before?, behind?);
+        let [from_m, to_m] = [before_ping, behind_ping].map(|ping| self.sailed_m()[ping]);
+        let half_m = self.sailed_m()[mark.pings.start] + 0.5 * self.sailed_over_m(mark);
+        let share = match to_m > from_m {
+            true => ((half_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0),
+            false => 0.5,
+        };
+        let between = |from: f64, to: f64| from + share * (to - from);
+        Some(PingNav {
+            east_m: between(before.east_m, behind.east_m),
+            north_m: between(before.north_m, behind.north_m),
+            ..before
+        })
+    }
+
+    /// ObjectExtent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a
+    /// turn the beam sweeps slower or faster there than the boat sails.
+    fn length_m(&self, mark: &Mark, slant_m: f64, ground_m: f64) -> f64 {
+        let abeam = |ping: usize| {
+            let boat = self.navigation.pings.get(ping)?;
+            boat.abeam(mark.side, ground_m)
+        };
+        let ends = abeam(mark.pings.start).zip(abeam(mark.pings.end.saturating_sub(1)));
+        let Some(([from_east, from_north], [to_east, to_north])) = ends else {
+            return f64::NAN;
+        };
+        let swept_m = f64::hypot(to_east - from_east, to_north - from_north);
+        // From the middle of the first ping to that of the last is one ping too little.
+        let count = mark.pings.len() as f64;
+        let spacing_m = swept_m / (count - 1.0).max(1.0);
+        let whole_m = swept_m + spacing_m;
+        let beam_m = BEAM_RAD * slant_m;
+        (whole_m * whole_m - beam_m * beam_m)
+            .max(spacing_m * spacing_m)
+            .sqrt()
+    }
+}

@@ -1,0 +1,92 @@
+//! From where a search begins: what a box says of its object.
+
+use super::levels::BoxLevels;
+use super::problem::{DARKNESS, Numbers, OF_LOOK, STRENGTH};
+use super::solid::ShapeKind;
+use crate::targets::Target;
+use std::f64::consts::{PI, TAU};
+
+/// Headings that are tried at first over half a circle.
+const HEADINGS: usize = 8;
+/// How far from where the box says, outward, a search begins, in shares of the box.
+const OUTWARD: [f64; 3] = [-0.15, 0.0, 0.15];
+
+/// What is known of an object before, from one of its boxes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InitialGuess {
+    /// Its place, metres east and north.
+    pub(super) place_m: [f64; 2],
+    /// Direction of the track, radians clockwise from north.
+    pub(super) heading_rad: f64,
+    /// Extents along and across the track, metres.
+    pub(super) along_m: f64,
+    pub(super) across_m: f64,
+    /// Extent of the box across the track on a level bottom, its shadow included, metres.
+    pub(super) box_m: f64,
+    /// Unit vector across the track to the side of the look, east and north.
+    pub(super) outward: [f64; 2],
+    /// Height, metres; NaN where it is not known.
+    pub(super) height_m: f64,
+}
+
+impl InitialGuess {
+    /// Of a box that is placed, and its look.
+    pub(super) fn of(target: &Target, look: &BoxLevels) -> Self {
+        Self {
+            place_m: [target.east_m, target.north_m],
+            heading_rad: target.heading_rad,
+            along_m: target.length_m,
+            across_m: target.width_m,
+            box_m: look.across_m(),
+            outward: look.pings.first().map_or([0.0; 2], |ping| ping.outward),
+            height_m: target.height_m,
+        }
+    }
+
+    /// The numbers of a look to begin with.
+    pub(super) fn of_look(&self) -> [f64; OF_LOOK] {
+        let [east_m, north_m] = self.place_m;
+        [east_m, north_m, STRENGTH[0], DARKNESS, 0.0]
+    }
+}
+
+/// Sizes and poses to begin with: of a typical slenderness, as long as the extents along the track, across it, or both say, and in the
+/// middle of the picture or a little nearer or farther.
+pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> {
+    let usual = kind.usual();
+    let slenderness = usual.typical_slenderness;
+    let headings = match kind {
+        ShapeKind::Tyre => 1,
+        _ if kind.is_boat() => 2 * HEADINGS,
+        _ => HEADINGS,
+    };
+    let turn_rad = if kind.is_boat() { TAU } else { PI };
+    let mut all = Vec::new();
+    for heading in 0..headings {
+        let off_rad = turn_rad * heading as f64 / headings as f64;
+        let (sin, cos) = (off_rad.sin().abs(), off_rad.cos().abs());
+        let by_along_m = start.along_m.max(0.2) / (cos + sin / slenderness);
+        let by_across_m = start.across_m.max(0.1) / (sin + cos / slenderness);
+        // Of a box half is shadow, more or less.
+        let by_box_m = 0.6 * start.box_m / (sin + cos / slenderness);
+        let both_m = (by_along_m * by_across_m).sqrt();
+        for length_m in [by_along_m, by_across_m, both_m, by_box_m] {
+            let length_m = length_m.clamp(usual.length_m[0], usual.length_m[1]);
+            let [low, high] = usual.steepness;
+            let steepness = match start.height_m > 0.0 {
+                true => (start.height_m * slenderness / length_m).clamp(low, high),
+                false => (low * high).sqrt(),
+            };
+            let heading_rad = start.heading_rad + off_rad;
+            let sizes = [length_m.ln(), slenderness.ln(), steepness.ln()];
+            for out in OUTWARD {
+                let mut of_look = start.of_look();
+                let out_m = out * start.box_m;
+                of_look[0] += out_m * start.outward[0];
+                of_look[1] += out_m * start.outward[1];
+                all.push([&[heading_rad], &sizes[..], &[0.0], &of_look].concat());
+            }
+        }
+    }
+    all
+}

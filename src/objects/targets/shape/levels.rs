@@ -1,0 +1,306 @@
+//! What one pass recorded around a box.
+
+use super::super::Placer;
+use super::super::profile::{BackgroundLevels, RangeSteps};
+use crate::Mark;
+use bathyscope_log::support::statistics::median;
+use std::ops::Range;
+
+/// Levels around a box, and from where they were recorded. Slant ranges are by the calibration in force, metres.
+#[derive(Clone, Debug)]
+pub struct BoxLevels {
+    /// Height of the transducer above the bottom.
+    pub(super) altitude_m: f64,
+    /// Near edge of the first bin and width of every bin on the recorder's scale.
+    pub(super) recorded_m: [f64; 2],
+    /// The same by the calibration in force.
+    pub(super) from_m: f64,
+    pub(super) step_m: f64,
+    pub(super) bins: usize,
+    /// From one of the pings to the next on average.
+    pub(super) ping_m: f64,
+    /// Pings in order, some neighbouring ones summed where they are many.
+    pub(super) pings: Vec<PingLevels>,
+    /// Mean square of a level where nothing lies.
+    pub(super) noise: f64,
+    /// Levels of the picture itself that one level here is the mean of.
+    pub(super) together: usize,
+}
+
+/// A ping of a look.
+#[derive(Clone, Debug)]
+pub(super) struct PingLevels {
+    /// Index of the ping, of several the middle one.
+    pub(super) ping: usize,
+    /// Where on the bottom ranges count from, metres east and north: under the boat on a level bottom.
+    pub(super) boat_m: [f64; 2],
+    /// Unit vector across the track to the side of the look, east and north.
+    pub(super) outward: [f64; 2],
+    /// Mean level of each bin above that of the bottom beside the box, in standard deviations of the speckle.
+    pub(super) levels: Vec<f32>,
+}
+
+/// Pings and bins of a look at most: finer would cost time and tell no more.
+const PINGS: usize = 48;
+const BINS: usize = 96;
+/// Bins are no narrower than a pulse, metres.
+const LEAST_STEP_M: f64 = 0.03;
+/// What is looked at around the box: in range, metres and as a share of the box; along the track, pings and a share.
+const RANGE_MARGIN_M: f64 = 0.3;
+const RANGE_MARGIN: f64 = 0.15;
+const PING_MARGIN: usize = 4;
+const PING_SHARE: usize = 4;
+/// What counts begins where the bottom is seen under an angle, as a share of the altitude: nearer is the first return.
+const BEYOND_NADIR: f64 = 1.02;
+/// Median of the square of what is normally distributed with a standard deviation of 1.
+const MEDIAN_SQUARE: f64 = 0.4549;
+/// Levels in standard deviations of the speckle are held within: glints tell nothing more.
+const LEVELS: [f64; 2] = [-5.0, 8.0];
+
+impl PingLevels {
+    /// Sum of the squares of its levels.
+    pub(super) fn squares(&self) -> f64 {
+        let squares = self.levels.iter().map(|level| f64::from(level * level));
+        squares.sum()
+    }
+}
+
+impl BoxLevels {
+    /// Slant range at which a bin begins, on the recorder's scale, metres.
+    pub(super) fn recorded_m(&self, bin: usize) -> f64 {
+        self.recorded_m[0] + bin as f64 * self.recorded_m[1]
+    }
+
+    /// Sum of the squares of all levels.
+    pub(super) fn squares(&self) -> f64 {
+        let levels = self.pings.iter().flat_map(|ping| &ping.levels);
+        levels.map(|level| f64::from(level * level)).sum()
+    }
+
+    /// What that sum is where nothing lies.
+    pub(super) fn speckle_squares(&self) -> f64 {
+        self.noise * (self.pings.len() * self.bins) as f64
+    }
+
+    /// The same with means of neighbouring pings and bins, about so many of each.
+    #[must_use]
+    pub(super) fn coarser(&self, [pings, bins]: [usize; 2]) -> Self {
+        let [of_pings, of_bins] =
+            [self.pings.len() / pings, self.bins / bins].map(|count| count.max(1));
+        let bins = self.bins / of_bins;
+        let mean_ping = |group: &[PingLevels]| {
+            let mean = |bin: usize| {
+                let stretch = bin * of_bins..(bin + 1) * of_bins;
+                let levels = group.iter().flat_map(|ping| &ping.levels[stretch.clone()]);
+                levels.sum::<f32>() / (group.len() * of_bins) as f32
+            };
+            let [first, last] = [&group[0], &group[group.len() - 1]].map(|ping| ping.boat_m);
+            PingLevels {
+                boat_m: [0, 1].map(|axis| 0.5 * (first[axis] + last[axis])),
+                levels: (0..bins).map(mean).collect(),
+                ..group[group.len() / 2].clone()
+            }
+        };
+        Self {
+            recorded_m: [self.recorded_m[0], self.recorded_m[1] * of_bins as f64],
+            step_m: self.step_m * of_bins as f64,
+            bins,
+            ping_m: self.ping_m * of_pings as f64,
+            pings: self.pings.chunks(of_pings).map(mean_ping).collect(),
+            noise: self.noise / (of_pings * of_bins) as f64,
+            together: self.together * of_pings * of_bins,
+            ..*self
+        }
+    }
+
+    /// How far the squares exceed those of bare bottom, as a share of them.
+    pub(super) fn contrast(&self) -> f64 {
+        self.squares() / self.speckle_squares() - 1.0
+    }
+
+    /// Its extent across the track on a level bottom, metres.
+    pub(super) fn across_m(&self) -> f64 {
+        let out_m = |bin: usize| {
+            let range_m = self.from_m + bin as f64 * self.step_m;
+            (range_m * range_m - self.altitude_m * self.altitude_m)
+                .max(0.0)
+                .sqrt()
+        };
+        out_m(self.bins) - out_m(0)
+    }
+}
+
+impl Placer<'_> {
+    /// What the pass of a box recorded around it; `None` where that is no picture (less than three pings with a place, no samples, or no
+    /// bottom beside the box that it could be compared with).
+    pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
+        let middle = usize::midpoint(mark.pings.start, mark.pings.end);
+        let span = self.span(mark.side, middle)?;
+        let altitude_m = self.altitude_over_m(mark.side, mark.pings.clone())?;
+        let length_m = mark.far_m - mark.near_m;
+        let calibrated_m = |recorded_m: f64| self.calibrated_m(span, recorded_m);
+        // Ranges by the calibration in force grow evenly with recorded ones.
+        let [near_m, far_m] = [mark.near_m, mark.far_m].map(calibrated_m);
+        let factor = (far_m - near_m) / length_m;
+        let bottom_m = mark.near_m + (BEYOND_NADIR * altitude_m - near_m) / factor;
+        let from_m = (mark.near_m - RANGE_MARGIN_M - RANGE_MARGIN * length_m)
+            .max(f64::from(span.near_m))
+            .max(bottom_m);
+        let to_m =
+            (mark.far_m + RANGE_MARGIN_M + RANGE_MARGIN * length_m).min(f64::from(span.far_m));
+        let bins = ((to_m - from_m) / LEAST_STEP_M) as usize;
+        if !(factor > 0.0 && factor.is_finite()) || bins < 4 {
+            return None;
+        }
+        let bins = bins.min(BINS);
+        let grid = RangeSteps {
+            side: mark.side,
+            from_m,
+            step_m: (to_m - from_m) / bins as f64,
+            steps: bins,
+        };
+        let background = grid.background(self.survey(), mark)?;
+        let more = PING_MARGIN.max(mark.pings.len() / PING_SHARE);
+        let end = (mark.pings.end + more).min(self.survey().side_scan.len());
+        let groups = groups(mark.pings.start.saturating_sub(more)..end);
+        let noise = self.noise(&grid, &background, mark, groups.first()?.len())?;
+        // On a bottom that slopes evenly the geometry is that of a level one, moved along the slope.
+        let level_m = (near_m * near_m - altitude_m * altitude_m).max(0.0).sqrt();
+        let moved_m = self.across(mark.side, middle).ground_m(altitude_m, near_m) - level_m;
+        let pings: Vec<PingLevels> = groups
+            .into_iter()
+            .filter_map(|pings| self.look_ping(&grid, &background, pings, moved_m))
+            .collect();
+        let [first, last] = [pings.first()?.boat_m, pings.last()?.boat_m];
+        if pings.len() < 3 {
+            return None;
+        }
+        let way_m = f64::hypot(last[0] - first[0], last[1] - first[1]);
+        Some(BoxLevels {
+            altitude_m,
+            recorded_m: [from_m, grid.step_m],
+            from_m: calibrated_m(from_m),
+            step_m: grid.step_m * factor,
+            bins,
+            ping_m: way_m / (pings.len() - 1) as f64,
+            pings,
+            noise,
+            together: 1,
+        })
+    }
+
+    /// Some pings together; `None` where they have no place or no samples.
+    fn look_ping(
+        &self,
+        grid: &RangeSteps,
+        background: &BackgroundLevels,
+        pings: Range<usize>,
+        moved_m: f64,
+    ) -> Option<PingLevels> {
+        let ping = usize::midpoint(pings.start, pings.end - 1);
+        let boat = self.boat_at(ping)?;
+        let [x, y] = boat.starboard()?;
+        let outward = [x, y].map(|part| grid.side.to_starboard(part));
+        let boat_m = [
+            boat.east_m + moved_m * outward[0],
+            boat.north_m + moved_m * outward[1],
+        ];
+        if !boat_m.iter().all(|metres| metres.is_finite()) {
+            return None;
+        }
+        Some(PingLevels {
+            ping,
+            boat_m,
+            outward,
+            levels: background.levels_above(&grid.profile(self.survey(), pings)?)?,
+        })
+    }
+
+    /// Mean square of the levels of so many pings together beside the box. It is that of most of them: stones and other objects beside it
+    /// are no noise, and would have any shape explain all of a picture.
+    fn noise(
+        &self,
+        grid: &RangeSteps,
+        background: &BackgroundLevels,
+        mark: &Mark,
+        together: usize,
+    ) -> Option<f64> {
+        let mut squares = Vec::new();
+        for pings in RangeSteps::beside(self.survey(), mark) {
+            for first in pings.clone().step_by(together) {
+                let some = first..(first + together).min(pings.end);
+                let levels = grid.profile(self.survey(), some);
+                let levels = levels.and_then(|levels| background.levels_above(&levels));
+                squares.extend(
+                    levels
+                        .into_iter()
+                        .flatten()
+                        .map(|level| f64::from(level * level)),
+                );
+            }
+        }
+        (!squares.is_empty()).then(|| median(&mut squares) / MEDIAN_SQUARE)
+    }
+}
+
+impl BackgroundLevels {
+    /// Levels above it in standard deviations of its speckle; `None` where that is not known.
+    fn levels_above(&self, levels: &[f64]) -> Option<Vec<f32>> {
+        // NaN is none either.
+        if self.speckle.is_nan() || self.speckle <= 0.0 {
+            return None;
+        }
+        let both = levels.iter().zip(&self.levels);
+        let above = both.map(|(level, bottom)| (level - bottom) / self.speckle);
+        Some(
+            above
+                .map(|level| level.clamp(LEVELS[0], LEVELS[1]) as f32)
+                .collect(),
+        )
+    }
+}
+
+/// Neighbouring pings that count as one, so that there are not too many.
+fn groups(pings: Range<usize>) -> Vec<Range<usize>> {
+    let together = pings.len().div_ceil(PINGS).max(1);
+    let first = pings.clone().step_by(together);
+    first
+        .map(|first| first..(first + together).min(pings.end))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coarser_look_has_means_where_the_levels_were() {
+        let ping = |index: usize| PingLevels {
+            ping: 10 + index,
+            boat_m: [0.5, 0.1 * index as f64],
+            outward: [1.0, 0.0],
+            levels: (0..8).map(|bin| (10 * index + bin) as f32).collect(),
+        };
+        let look = BoxLevels {
+            altitude_m: 3.0,
+            recorded_m: [4.0, 0.1],
+            from_m: 4.0,
+            step_m: 0.1,
+            bins: 8,
+            ping_m: 0.1,
+            pings: (0..5).map(ping).collect(),
+            noise: 1.0,
+            together: 1,
+        };
+        let coarse = look.coarser([2, 4]);
+        assert_eq!(
+            (coarse.bins, coarse.pings.len(), coarse.together),
+            (4, 3, 4)
+        );
+        assert_eq!(coarse.pings[1].levels, [25.5, 27.5, 29.5, 31.5]);
+        assert_eq!(coarse.pings[2].levels, [40.5, 42.5, 44.5, 46.5]);
+        assert!((coarse.pings[1].boat_m[1] - 0.25).abs() < 1e-12);
+        assert!((coarse.step_m - 0.2).abs() < 1e-12 && (coarse.noise - 0.25).abs() < 1e-12);
+        assert_eq!(look.coarser([100, 100]).pings.len(), 5);
+    }
+}

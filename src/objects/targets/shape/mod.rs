@@ -1,0 +1,128 @@
+//! Shapes of objects: a solid on the bottom, fitted in kind, size and pose so that its predicted echo and shadow lie over what all passes
+//! recorded of the object.
+//!
+//! In: the levels that passes recorded about an object. Out: a solid with its pose, and how much of the picture it explains.
+//! It uses `survey` and `support`.
+//!
+//! A shape is a hypothesis: what it says of the far side was never insonified. Where no kind explains most of what the picture shows,
+//! there is none, and the reason is said.
+
+mod fit;
+mod initial_guess;
+mod levels;
+mod predict;
+mod problem;
+mod ray;
+mod search;
+mod solid;
+
+pub use levels::BoxLevels;
+pub use predict::{PosedSolid, ShapeOnPing};
+pub use solid::ShapeKind;
+pub use solid::Solid;
+
+use super::Target;
+use fit::{ShapeFit, fits};
+use initial_guess::InitialGuess;
+
+/// A solid that explains what was recorded of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedShape {
+    /// The solid as the pass places it that shows it best.
+    pub posed: PosedSolid,
+    /// Elevation of the bottom there, metres: the depth of that box, upward.
+    pub bottom_z_m: f64,
+    /// Where it lies in the pings of each box, in their order; nothing of a box without a look.
+    pub on_pings: Vec<Vec<ShapeOnPing>>,
+    /// Share of what the looks differ from bare bottom, beyond speckle, that it explains; 1 leaves nothing but speckle.
+    pub explained: f64,
+    /// Kinds that explain nearly as much, the better first.
+    pub rivals: Vec<ShapeKind>,
+}
+
+/// Why an object has no shape.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ShapeError {
+    /// There is no picture to fit it to.
+    #[error("no shape: no picture of it with a place and bare bottom beside it")]
+    NoLook,
+    /// The box has no more in it than the bottom beside it.
+    #[error("no shape: its picture differs too little from the bottom beside it")]
+    Faint,
+    /// No kind explains enough.
+    #[error("no shape: the best, a {}, explains {:.0} % of its picture", kind.name(), 100.0 * explained)]
+    Unexplained {
+        /// The kind that explains most.
+        kind: ShapeKind,
+        /// How much, as [`FittedShape::explained`].
+        explained: f64,
+    },
+}
+
+/// Share that a shape has to explain.
+const LEAST_EXPLAINED: f64 = 0.35;
+/// How far the squares of a look exceed those of speckle at least, as a share of them, or it is too faint to tell shapes apart.
+const LEAST_CONTRAST: f64 = 0.15;
+/// A kind that leaves no more than so much of what the best explains is a rival.
+const RIVAL: f64 = 0.07;
+
+/// Looks that are fitted together at most, those that show the object best: more cost time and tell no more.
+const MOST_LOOKS: usize = 4;
+
+/// The shape of an object by the boxes that show it: each with its place and its look, where it has one.
+///
+/// # Errors
+/// Why it has none.
+pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedShape, ShapeError> {
+    let mut best: Vec<(usize, &Target, &BoxLevels)> = (sightings.iter().enumerate())
+        .filter_map(|(index, (target, look))| Some((index, *target, look.as_ref()?)))
+        .collect();
+    best.sort_by(|(.., a), (.., b)| b.contrast().total_cmp(&a.contrast()));
+    best.truncate(MOST_LOOKS);
+    if best.is_empty() {
+        return Err(ShapeError::NoLook);
+    }
+    best.retain(|(.., look)| look.contrast() >= LEAST_CONTRAST);
+    let Some((_, target, _)) = best.first() else {
+        return Err(ShapeError::Faint);
+    };
+    let starts = best
+        .iter()
+        .map(|(_, target, look)| InitialGuess::of(target, look));
+    let starts: Vec<InitialGuess> = starts.collect();
+    let looks: Vec<BoxLevels> = best.iter().map(|(.., look)| (*look).clone()).collect();
+    let fits = fits(&looks, &starts);
+    let bare: f64 = looks.iter().map(BoxLevels::squares).sum();
+    let speckle: f64 = looks.iter().map(BoxLevels::speckle_squares).sum();
+    let gained = |fit: &ShapeFit| bare - fit.cost;
+    let Some(fitted) = fits.first() else {
+        return Err(ShapeError::Faint);
+    };
+    let explained = gained(fitted) / (bare - speckle);
+    if explained < LEAST_EXPLAINED {
+        return Err(ShapeError::Unexplained {
+            kind: fitted.kind,
+            explained: explained.max(0.0),
+        });
+    }
+    let is_rival = |other: &&ShapeFit| gained(other) > (1.0 - RIVAL) * gained(fitted);
+    let rivals = fits.iter().skip(1).take_while(is_rival);
+    let on_pings = |(index, (target, look)): (usize, &(&Target, Option<BoxLevels>))| {
+        let Some(look) = look else {
+            return Vec::new();
+        };
+        let fitted_to = best.iter().position(|(fitted_to, ..)| *fitted_to == index);
+        let posed = match fitted_to {
+            Some(at) => fitted.posed[at],
+            None => fitted.placed_in(look, &InitialGuess::of(target, look)),
+        };
+        predict::on_pings(look, &posed)
+    };
+    Ok(FittedShape {
+        posed: fitted.posed[0],
+        bottom_z_m: -target.depth_m,
+        on_pings: sightings.iter().enumerate().map(on_pings).collect(),
+        explained: explained.min(1.0),
+        rivals: rivals.map(|rival| rival.kind).collect(),
+    })
+}

@@ -1,0 +1,303 @@
+//! Solids that objects are like, as heights above the bottom.
+
+use bathyscope_log::named;
+
+/// Places that are computed together.
+pub(super) const LANES: usize = 8;
+
+/// What an object is like by its shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShapeKind {
+    /// A crate or a block: straight sides and a flat top.
+    Block,
+    /// A pipe, a drum or a trunk on its side: as high as it is wide.
+    Cylinder,
+    /// A tyre that lies flat.
+    Tyre,
+    /// A boulder: the upper half of an ellipsoid.
+    Boulder,
+    /// An open boat on its keel: a side around a lower floor.
+    Hull,
+    /// A boat that lies keel up.
+    UpturnedHull,
+}
+
+/// What is usual of a kind: length and width in metres, length over width, height over width.
+pub(super) struct UsualSize {
+    pub(super) length_m: [f64; 2],
+    pub(super) width_m: [f64; 2],
+    pub(super) slenderness: [f64; 2],
+    pub(super) steepness: [f64; 2],
+    /// The length over the width to begin with.
+    pub(super) typical_slenderness: f64,
+}
+
+named! {
+    /// All of them.
+    pub ShapeKind {
+        Block: "block",
+        Cylinder: "cylinder",
+        Tyre: "tyre",
+        Boulder: "boulder",
+        Hull: "hull",
+        UpturnedHull: "hull keel up",
+    }
+}
+
+impl ShapeKind {
+    /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and from behind.
+    pub fn is_boat(self) -> bool {
+        matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)
+    }
+
+    /// Sizes that such objects have: crates, drums, tyres of cars and tractors, boulders that a boat's beam resolves, boats. Beyond
+    /// them one kind would take the place of another (a boulder four times as long as it is wide is a boat).
+    pub(super) fn usual(self) -> UsualSize {
+        let usual = |length_m, width_m, slenderness, steepness, typical_slenderness| UsualSize {
+            length_m,
+            width_m,
+            slenderness,
+            steepness,
+            typical_slenderness,
+        };
+        match self {
+            ShapeKind::Block => usual([0.3, 3.0], [0.2, 3.0], [1.0, 3.0], [0.3, 1.6], 1.5),
+            ShapeKind::Cylinder => usual([0.6, 12.0], [0.1, 1.5], [2.5, 15.0], [1.0, 1.0], 5.0),
+            ShapeKind::Tyre => usual([0.5, 1.6], [0.5, 1.6], [1.0, 1.0], [0.2, 0.45], 1.0),
+            ShapeKind::Boulder => usual([0.3, 3.0], [0.2, 3.0], [1.0, 2.0], [0.3, 1.0], 1.2),
+            ShapeKind::Hull | ShapeKind::UpturnedHull => {
+                usual([2.5, 60.0], [0.9, 15.0], [2.0, 5.0], [0.15, 0.8], 3.0)
+            }
+        }
+    }
+}
+
+/// A shape in its size, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// What it is like.
+    pub kind: ShapeKind,
+    /// Its longest extent.
+    pub length_m: f64,
+    /// Its extent across that.
+    pub width_m: f64,
+    /// Of its highest point above the bottom.
+    pub height_m: f64,
+    /// How much more than its middle a boat's starboard side stands up, as a share of the height there; of the port side it is as much less.
+    /// 0 of what is no boat.
+    pub list: f64,
+}
+
+/// Middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is 0.6 m wide around a rim of 0.4 m at most.
+const RING: [f32; 2] = [0.68, 0.32];
+/// Thickness of a boat's side with what is fastened to it, metres, and the height of its floor, with the mud on it, as a share of the side's.
+const SIDE_M: f32 = 0.1;
+const FLOOR: f32 = 0.3;
+
+impl Solid {
+    /// Radius of the circle that holds it, metres.
+    pub fn reach_m(&self) -> f64 {
+        0.5 * self.length_m.hypot(self.width_m)
+    }
+
+    /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and across it (to starboard) from its middle;
+    /// 0 beside it.
+    pub fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
+        let mut height_m = [0.0_f32];
+        self.heights_m([along_m, across_m], [0.0; 2], &mut height_m);
+        f64::from(height_m[0])
+    }
+
+    /// Writes the same of places in a row, each a step along and across from the one before.
+    #[inline(always)]
+    pub(super) fn heights_m(&self, first_m: [f64; 2], step_m: [f64; 2], into: &mut [f32]) {
+        // One loop a kind: a choice at every place would keep several from being computed at once.
+        match self.kind {
+            ShapeKind::Block => self.fill(first_m, step_m, into, |_, _| 1.0),
+            ShapeKind::Cylinder => self.fill(first_m, step_m, into, |_, v| lying_round(v)),
+            ShapeKind::Tyre => self.fill(first_m, step_m, into, |u, v| {
+                lying_round(((u * u + v * v).sqrt() - RING[0]) / RING[1])
+            }),
+            ShapeKind::Boulder => self.fill(first_m, step_m, into, |u, v| {
+                (1.0 - u * u - v * v).max(0.0).sqrt()
+            }),
+            ShapeKind::Hull => self.fill(first_m, step_m, into, |u, v| self.open_hull(u, v)),
+            ShapeKind::UpturnedHull => self.fill(first_m, step_m, into, |u, v| {
+                lying_round(v / boat_outline(u))
+            }),
+        }
+    }
+
+    /// Writes the heights of a shape that is so high, as a share, at places along and across in half lengths and half widths.
+    #[inline(always)]
+    fn fill(
+        &self,
+        first_m: [f64; 2],
+        step_m: [f64; 2],
+        into: &mut [f32],
+        upright: impl Fn(f32, f32) -> f32,
+    ) {
+        let half_m = self.half_m();
+        let [u0, v0] = [0, 1].map(|axis| (first_m[axis] / half_m[axis]) as f32);
+        let [du, dv] = [0, 1].map(|axis| (step_m[axis] / half_m[axis]) as f32);
+        let list = self.list as f32;
+        let middle_m = self.height_m as f32 / (1.0 + list.abs());
+        let at = |step: usize| {
+            let (u, v) = (u0 + du * step as f32, v0 + dv * step as f32);
+            let over_m = middle_m * upright(u, v) * (1.0 + list * v);
+            let is_over = u.abs() <= 1.0 && v.abs() <= 1.0;
+            if is_over { over_m } else { 0.0 }
+        };
+        let (together, rest) = into.as_chunks_mut::<LANES>();
+        let first_of_rest = LANES * together.len();
+        for (index, heights_m) in together.iter_mut().enumerate() {
+            for (lane, height_m) in heights_m.iter_mut().enumerate() {
+                *height_m = at(LANES * index + lane);
+            }
+        }
+        for (lane, height_m) in rest.iter_mut().enumerate() {
+            *height_m = at(first_of_rest + lane);
+        }
+    }
+
+    /// Where a ray enters and leaves the rectangle around it: distances from a place along and across it in a direction of length 1;
+    /// `None` where it passes by.
+    #[inline(always)]
+    pub(super) fn met_m(&self, start_m: [f64; 2], toward: [f64; 2]) -> Option<[f64; 2]> {
+        let half_m = self.half_m();
+        let mut met_m = [f64::NEG_INFINITY, f64::INFINITY];
+        for axis in 0..2 {
+            let sides = [-half_m[axis], half_m[axis]];
+            let [one_m, other_m] = sides.map(|side_m| (side_m - start_m[axis]) / toward[axis]);
+            met_m[0] = met_m[0].max(one_m.min(other_m));
+            met_m[1] = met_m[1].min(one_m.max(other_m));
+        }
+        (met_m[0] < met_m[1]).then_some(met_m)
+    }
+
+    /// Half of its length and width, metres.
+    #[inline(always)]
+    fn half_m(&self) -> [f64; 2] {
+        [0.5 * self.length_m, 0.5 * self.width_m]
+    }
+
+    #[inline(always)]
+    fn open_hull(&self, u: f32, v: f32) -> f32 {
+        let across_m = 0.5 * self.width_m as f32 * (boat_outline(u) - v.abs());
+        let along_m = 0.5 * self.length_m as f32 * (1.0 - u.abs());
+        let inside_m = across_m.min(along_m);
+        let of_inside = if inside_m < SIDE_M { 1.0 } else { FLOOR };
+        if inside_m < 0.0 { 0.0 } else { of_inside }
+    }
+
+    /// Its outline on the bottom: places along and across from its middle, metres, back to the first.
+    pub fn outline_m(&self) -> Vec<[f64; 2]> {
+        const POINTS: usize = 32;
+        let [length_m, width_m] = self.half_m();
+        if matches!(self.kind, ShapeKind::Block | ShapeKind::Cylinder) {
+            let corners = [
+                (1.0, 1.0),
+                (1.0, -1.0),
+                (-1.0, -1.0),
+                (-1.0, 1.0),
+                (1.0, 1.0),
+            ];
+            return corners.map(|(u, v)| [u * length_m, v * width_m]).to_vec();
+        }
+        let round = (0..=POINTS).map(|point| {
+            let (sin, cos) = (std::f64::consts::TAU * point as f64 / POINTS as f64).sin_cos();
+            let half = match self.kind.is_boat() {
+                true => f64::from(boat_outline(cos as f32)).copysign(sin),
+                false => sin,
+            };
+            [cos * length_m, half * width_m]
+        });
+        round.collect()
+    }
+}
+
+/// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the greatest: a transom, and a bow that is not
+/// quite pointed.
+#[inline(always)]
+fn boat_outline(u: f32) -> f32 {
+    // Both, whichever counts: several places are computed together then.
+    let astern = 1.0 - 0.25 * u * u;
+    let ahead = (1.0 - u * u * (0.3 + 0.7 * u)).max(1e-6);
+    if u < 0.0 { astern } else { ahead }
+}
+
+/// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0 beyond.
+#[inline(always)]
+fn lying_round(offset: f32) -> f32 {
+    let height = 0.5 + 0.5 * (1.0 - offset * offset).max(0.0).sqrt();
+    if offset.abs() < 1.0 { height } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solid(kind: ShapeKind) -> Solid {
+        Solid {
+            kind,
+            length_m: 4.0,
+            width_m: 2.0,
+            height_m: 1.0,
+            list: 0.0,
+        }
+    }
+
+    #[test]
+    fn shapes_are_as_high_as_they_are_said_to_be_and_end_at_their_outline() {
+        for kind in ShapeKind::ALL {
+            let solid = solid(kind);
+            let heights = (-25..=25)
+                .flat_map(|a| (-15..=15).map(move |c| (f64::from(a) * 0.1, f64::from(c) * 0.1)));
+            let highest = heights
+                .map(|(a, c)| solid.height_at_m(a, c))
+                .fold(0.0, f64::max);
+            assert!((highest - 1.0).abs() < 0.03, "{kind:?}: {highest}");
+            let outline = solid.outline_m();
+            assert!(outline.len() > 4);
+            for [along, across] in outline {
+                assert!(
+                    solid.height_at_m(1.03 * along, 1.03 * across) == 0.0,
+                    "{kind:?}"
+                );
+                let within = solid.height_at_m(0.96 * along, 0.96 * across);
+                assert!(within > 0.2, "{kind:?} {along} {across}: {within}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tyre_has_a_hole_and_an_open_boat_a_floor() {
+        assert_eq!(solid(ShapeKind::Tyre).height_at_m(0.0, 0.0), 0.0);
+        assert_eq!(
+            solid(ShapeKind::Hull).height_at_m(0.0, 0.0),
+            f64::from(FLOOR)
+        );
+        assert_eq!(solid(ShapeKind::UpturnedHull).height_at_m(0.0, 0.0), 1.0);
+        let listing = Solid {
+            list: 0.2,
+            ..solid(ShapeKind::Hull)
+        };
+        let sides = [0.95, -0.95].map(|across_m| listing.height_at_m(0.0, across_m));
+        assert!((sides[0] / sides[1] - 1.19 / 0.81).abs() < 1e-6);
+        // The bow is ahead, and narrower than the stern.
+        let hull = solid(ShapeKind::Hull);
+        assert_eq!(hull.height_at_m(1.8, 0.6), 0.0);
+        assert!(hull.height_at_m(-1.8, 0.6) > 0.0);
+    }
+
+    #[test]
+    fn a_ray_meets_the_rectangle_around_a_solid_where_its_sides_are() {
+        let solid = solid(ShapeKind::Block);
+        assert_eq!(solid.met_m([-5.0, 0.5], [1.0, 0.0]), Some([3.0, 7.0]));
+        assert_eq!(solid.met_m([0.5, 5.0], [0.0, -1.0]), Some([4.0, 6.0]));
+        assert_eq!(solid.met_m([-5.0, 1.5], [1.0, 0.0]), None);
+        let diagonal = [0.5_f64.sqrt(); 2];
+        assert_eq!(solid.met_m([1.2, -2.0], diagonal), None, "past a corner");
+        assert!(solid.met_m([0.8, -2.0], diagonal).is_some());
+    }
+}

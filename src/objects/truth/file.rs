@@ -1,0 +1,225 @@
+//! Truth from files. What is read may come from anywhere: every number is checked before it is believed.
+
+use super::SurveyTruth;
+use crate::dataset::KnownObject;
+use crate::review::{Review, ReviewError, read_text};
+use crate::{Mark, ObjectExtent, class_index};
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::survey::{Identity, Side};
+use csv::StringRecord;
+use std::path::Path;
+
+/// More sightings than any survey holds.
+const MOST_OBJECTS: usize = 200_000;
+/// More classes than any detector of this kind knows.
+const MOST_CLASSES: usize = 1_000;
+
+/// Why a file does not describe the open survey, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum TruthError {
+    /// It is a review, and none of this log.
+    #[error(transparent)]
+    Review(#[from] ReviewError),
+    /// It is no CSV.
+    #[error("the table of objects is broken: {0}")]
+    NotATable(#[from] csv::Error),
+    /// It has no column of this name.
+    #[error(
+        "there is no column `{0}`; truth is a table of objects as `bathyscope simulate` writes it, or a review"
+    )]
+    NoColumn(&'static str),
+    /// A line is no sighting.
+    #[error("cannot use line {line}: {what}")]
+    Line {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        #[source]
+        what: SightingFault,
+    },
+    /// It has more lines or kinds than any survey.
+    #[error("at most {MOST_OBJECTS} sightings of {MOST_CLASSES} kinds are read")]
+    TooMany,
+}
+
+/// Why a file cannot be taken for the truth about the open survey, in a sentence that ends with the file.
+#[derive(Debug, thiserror::Error)]
+pub enum TruthFileError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Unreadable(#[from] ReviewError),
+    /// It does not describe the survey.
+    #[error(transparent)]
+    Unusable(#[from] FileError<TruthError>),
+}
+
+/// What is wrong with a sighting of an object.
+#[derive(Debug, thiserror::Error)]
+pub enum SightingFault {
+    /// A field holds something else.
+    #[error("`{text}` is no {needed}")]
+    Field {
+        /// What stands there.
+        text: String,
+        /// What it should be.
+        needed: &'static str,
+    },
+    /// It lies at a ping that the log does not have.
+    #[error("ping {ping} is beyond the {pings} of the open log; this is the truth of another")]
+    Beyond {
+        /// Its last ping.
+        ping: usize,
+        /// Pings of the log.
+        pings: usize,
+    },
+    /// It ends before it begins.
+    #[error("the object is inside out")]
+    InsideOut,
+    /// It does not say whether it shows.
+    #[error("`{0}` in `shown` is neither 0 nor 1")]
+    Shown(String),
+}
+
+impl SurveyTruth {
+    /// Reads the truth about the log `of` from a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or as [`SurveyTruth::parse`].
+    pub fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
+        let text = read_text(path, "truth")?;
+        Ok(Self::parse(&text, of).map_err(FileError::at(path))?)
+    }
+
+    /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of` (its accepted and added
+    /// boxes).
+    ///
+    /// # Errors
+    /// When the text is neither, when a line makes no sense, or when it belongs to another log.
+    pub fn parse(text: &str, of: &Identity) -> Result<Self, TruthError> {
+        if text.trim_start().starts_with('{') {
+            return Ok(Self::from_review(&Review::from_json(text, of)?));
+        }
+        from_table(text, of.pings)
+    }
+
+    /// The accepted and added boxes of a review, without its points.
+    pub fn from_review(review: &Review) -> Self {
+        // Of a point nobody knows the box.
+        let objects = (review.boxes())
+            .filter(|one| one.state.is_object() && one.extent != ObjectExtent::Point);
+        Self {
+            classes: review.classes().to_vec(),
+            objects: objects
+                .map(|one| KnownObject {
+                    class: one.class,
+                    whole: one.mark.clone(),
+                    shown: true,
+                    slices: Vec::new(),
+                })
+                .collect(),
+            was_seen: true,
+        }
+    }
+}
+
+/// Where the table keeps what is read.
+struct Columns {
+    kind: usize,
+    side: usize,
+    /// First ping, last ping, near and far edge of the box around what is shown of echo and shadow.
+    whole: [usize; 4],
+    shown: usize,
+}
+
+impl Columns {
+    fn of(header: &StringRecord) -> Result<Self, TruthError> {
+        let column = |name: &'static str| {
+            let found = header.iter().position(|field| field.trim() == name);
+            found.ok_or(TruthError::NoColumn(name))
+        };
+        Ok(Self {
+            kind: column("kind")?,
+            side: column("side")?,
+            whole: [
+                column("box_first_ping")?,
+                column("box_last_ping")?,
+                column("box_near_m")?,
+                column("box_far_m")?,
+            ],
+            shown: column("shown")?,
+        })
+    }
+}
+
+fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let columns = Columns::of(table.headers()?)?;
+    let mut truth = SurveyTruth {
+        classes: Vec::new(),
+        objects: Vec::new(),
+        was_seen: false,
+    };
+    for (index, record) in table.records().enumerate() {
+        let record = record?;
+        // An object that no pass insonified has no side.
+        if record.get(columns.side).is_none_or(str::is_empty) {
+            continue;
+        }
+        let known = known(&record, &columns, pings, &mut truth.classes);
+        truth.objects.push(known.map_err(|what| TruthError::Line {
+            line: index + 2,
+            what,
+        })?);
+        if truth.objects.len() > MOST_OBJECTS || truth.classes.len() > MOST_CLASSES {
+            return Err(TruthError::TooMany);
+        }
+    }
+    Ok(truth)
+}
+
+fn known(
+    record: &StringRecord,
+    columns: &Columns,
+    pings: usize,
+    classes: &mut Vec<String>,
+) -> Result<KnownObject, SightingFault> {
+    let field = |column: usize| record.get(column).unwrap_or_default().trim();
+    let no = |column: usize, needed: &'static str| SightingFault::Field {
+        text: field(column).to_owned(),
+        needed,
+    };
+    let metres = |column: usize| {
+        let value = field(column).parse().ok();
+        value
+            .filter(|metres: &f64| metres.is_finite() && *metres >= 0.0)
+            .ok_or_else(|| no(column, "range in metres"))
+    };
+    let ping = |column: usize| {
+        let value = field(column).parse::<usize>();
+        value.map_err(|_| no(column, "ping"))
+    };
+    let side = Side::BOTH
+        .into_iter()
+        .find(|side| side.name() == field(columns.side))
+        .ok_or_else(|| no(columns.side, "side"))?;
+    let [first, last, box_near, box_far] = columns.whole;
+    let (first, last) = (ping(first)?, ping(last)?);
+    if last >= pings {
+        return Err(SightingFault::Beyond { ping: last, pings });
+    }
+    let (near_m, far_m) = (metres(box_near)?, metres(box_far)?);
+    if first > last || near_m >= far_m {
+        return Err(SightingFault::InsideOut);
+    }
+    let shown = match field(columns.shown) {
+        "0" => false,
+        "1" => true,
+        other => return Err(SightingFault::Shown(other.to_owned())),
+    };
+    Ok(KnownObject {
+        class: class_index(classes, field(columns.kind)),
+        whole: Mark::new(side, first..last + 1, [near_m, far_m]),
+        shown,
+        slices: Vec::new(),
+    })
+}

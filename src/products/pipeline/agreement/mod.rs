@@ -1,0 +1,245 @@
+//! How the points of a survey, of one log or of several, agree with a reference, one by one.
+//!
+//! In: the results of logs, and a reference. Out: a difference for each point that has a reference, with statistics.
+//! It uses `bottom`, `sonar`, `formats`, `survey` and `support`.
+//!
+//! `reference` is what it can be compared with: a file of points or another mission. `tables` sorts the differences by what they may
+//! hang on, `by_source` tells the sources of points apart.
+
+mod by_source;
+mod error;
+mod reference;
+mod tables;
+
+pub use error::{AgreementError, ReferenceFault};
+pub use reference::{MissionLog, Reference, positions};
+pub use tables::ResidualTables;
+
+use super::{ProcessedLog, Products};
+use bathyscope_bottom::bathymetry::compare::{self, Comparison, Match, Matching};
+use bathyscope_bottom::cloud::{CloudPoint, PointCloud, PointSource};
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use reference::{bounds, distance_m};
+use std::sync::Arc;
+
+/// Points of one or several logs and how they differ from a reference, measured minus reference elevation: up is positive.
+#[derive(Clone, Debug)]
+pub struct Agreement {
+    /// The points, log by log.
+    pub logs: Vec<LogDifferences>,
+    /// What they were compared with; `None` for the survey's own soundings.
+    pub reference: Option<Arc<Reference>>,
+    /// How a point found its reference.
+    pub matching: Matching,
+    /// Statistics of all differences.
+    pub comparison: Comparison,
+    /// What the differences hang on.
+    pub tables: ResidualTables,
+}
+
+/// The points of a log that have a reference.
+#[derive(Clone, Debug)]
+pub struct LogDifferences {
+    /// The cloud that they are of.
+    pub cloud: Arc<PointCloud>,
+    /// Points that were compared with the reference.
+    pub measured: usize,
+    /// Those that have one, in the cloud's order: `measured` of each is the index there. Empty where the reference is elsewhere.
+    pub differences: Vec<Match>,
+}
+
+/// A point of one of the logs. As small as it can be: there are millions.
+#[derive(Clone, Copy)]
+struct Chosen {
+    log: u32,
+    point: u32,
+}
+
+impl Agreement {
+    /// Of the kept points of some sources of all logs with the triangulated soundings of all of them at their place; `None` where no point lies
+    /// over them. The logs lie in one frame.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn with_soundings(
+        logs: &[ProcessedLog],
+        sources: &[PointSource],
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let Some(first) = logs.first() else {
+            return Ok(None);
+        };
+        let is_asked = |point: &CloudPoint| sources.contains(&point.source);
+        let asked = chosen(logs, |products| kept(products, is_asked));
+        if asked.is_empty() {
+            return Ok(None);
+        }
+        let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
+        let soundings = chosen(logs, |products| kept(products, is_sounding));
+        let soundings = soundings.iter().map(|one| point(logs, *one).place());
+        let max_gap_m = first.products.settings.surface.max_gap_m;
+        let matching = Matching::Surface { max_gap_m };
+        Self::of(logs, &asked, soundings, matching, progress)
+    }
+
+    /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in one frame.
+    ///
+    /// # Errors
+    /// When there is no log, the reference lies elsewhere, or the work was cancelled.
+    pub fn with_reference(
+        logs: &[ProcessedLog],
+        reference: &Arc<Reference>,
+        matching: Matching,
+        progress: &Progress,
+    ) -> Result<Self, AgreementError> {
+        let Some(first) = logs.first() else {
+            return Err(AgreementError::NoLog);
+        };
+        let counted = chosen(logs, counted);
+        let points = counted.iter().map(|one| point(logs, *one));
+        let there = bounds(points.map(|point| [point.east_m, point.north_m]));
+        let mut places = reference.places(first, progress)?;
+        let all = bounds(places.iter().map(|&[x, y, _]| [x, y]));
+        // No triangle that the surface keeps, and no radius, reaches farther: what is left out changes nothing.
+        let reach_m = match matching {
+            Matching::Nearest { radius_m } => radius_m,
+            Matching::Surface { max_gap_m } => 2.0 * max_gap_m,
+        };
+        places.retain(|&[x, y, _]| distance_m(there, [x, y, x, y]) <= reach_m);
+        let places = places.iter().copied();
+        let made = Self::of(logs, &counted, places, matching, progress);
+        match made? {
+            Some(agreement) => Ok(Self {
+                reference: Some(reference.clone()),
+                ..agreement
+            }),
+            None => {
+                let what = unmatched(matching, distance_m(there, all));
+                Err(FileError::new(what, reference.path()).into())
+            }
+        }
+    }
+
+    /// Of chosen points of the logs, one log after the other, with points in their plane.
+    fn of(
+        logs: &[ProcessedLog],
+        chosen: &[Chosen],
+        reference: impl Iterator<Item = [f64; 3]> + Clone,
+        matching: Matching,
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let reference = compare::ReferencePoints::new(reference, matching);
+        progress.check()?;
+        let at = |one: &Chosen| point(logs, *one).place();
+        let differences = reference.matches(chosen, at, progress)?;
+        drop(reference);
+        if differences.is_empty() {
+            return Ok(None);
+        }
+        progress.check()?;
+        let measured = |one: &Match| {
+            let chosen = chosen[one.measured];
+            let products = &logs[chosen.log as usize].products;
+            (products, point(logs, chosen))
+        };
+        Ok(Some(Self {
+            reference: None,
+            matching,
+            comparison: Comparison::new(chosen.len(), &differences, level_m(logs)),
+            tables: tables::tables(&differences, measured),
+            logs: by_log(logs, chosen, &differences),
+        }))
+    }
+
+    /// All differences, log by log, each with the cloud that its `measured` is the index in.
+    pub fn differences(&self) -> impl Iterator<Item = (&PointCloud, &Match)> {
+        let logs = self.logs.iter();
+        logs.flat_map(|log| log.differences.iter().map(|one| (&*log.cloud, one)))
+    }
+
+    /// The statistics of each log by itself.
+    pub fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
+        let each = self.logs.iter().zip(logs);
+        each.map(|(found, log)| {
+            let level_m = log.products.correction.middle_level_m();
+            Comparison::new(found.measured, &found.differences, level_m)
+        })
+        .collect()
+    }
+}
+
+/// The elevation of the water that the depths of all points are counted from: the first log's.
+fn level_m(logs: &[ProcessedLog]) -> f64 {
+    let first = logs.first();
+    first.map_or(0.0, |log| log.products.correction.middle_level_m())
+}
+
+/// Points of all logs, in the order of logs and of points.
+fn chosen(logs: &[ProcessedLog], of: impl Fn(&Products) -> Vec<usize>) -> Vec<Chosen> {
+    let mut all = Vec::new();
+    for (log, one) in (0..).zip(logs) {
+        let points = of(&one.products);
+        all.reserve_exact(points.len());
+        // A cloud numbers its pings in 32 bits, too.
+        all.extend(points.into_iter().map(|point| Chosen {
+            log,
+            point: point as u32,
+        }));
+    }
+    all
+}
+
+fn point(logs: &[ProcessedLog], chosen: Chosen) -> &CloudPoint {
+    &logs[chosen.log as usize].products.cloud.points[chosen.point as usize]
+}
+
+/// Differences whose `measured` counts the chosen points, with each log.
+fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Vec<LogDifferences> {
+    let with = |(number, log): (u32, &ProcessedLog)| {
+        let first = chosen.partition_point(|one| one.log < number);
+        let end = chosen.partition_point(|one| one.log <= number);
+        let from = differences.partition_point(|one| one.measured < first);
+        let to = differences.partition_point(|one| one.measured < end);
+        let own = differences[from..to].iter();
+        LogDifferences {
+            cloud: log.products.cloud.clone(),
+            measured: end - first,
+            differences: own
+                .map(|one| Match {
+                    measured: chosen[one.measured].point as usize,
+                    ..*one
+                })
+                .collect(),
+        }
+    };
+    (0..).zip(logs).map(with).collect()
+}
+
+fn unmatched(matching: Matching, away_m: f64) -> ReferenceFault {
+    if !away_m.is_finite() || away_m > f64::MAX / 4.0 {
+        return ReferenceFault::NoPlace;
+    }
+    match away_m >= 1.0 {
+        true => ReferenceFault::Elsewhere(away_m),
+        false => ReferenceFault::Unmatched(matching),
+    }
+}
+
+/// Indices of the kept points that count.
+fn kept(products: &Products, counts: impl Fn(&CloudPoint) -> bool) -> Vec<usize> {
+    let chosen = || {
+        let kept = products.cloud.kept(&products.classes);
+        kept.filter(|(_, point)| counts(point))
+    };
+    // Counted first: a vector of a million that grows takes three times its memory for a moment.
+    let mut indices = Vec::with_capacity(chosen().count());
+    indices.extend(chosen().map(|(index, _)| index));
+    indices
+}
+
+/// Indices of the kept points that a depth map is made of.
+fn counted(products: &Products) -> Vec<usize> {
+    let settings = &products.settings.surface;
+    kept(products, |point| settings.weight(point) > 0.0)
+}

@@ -1,0 +1,313 @@
+//! What a survey can be compared with: points of a file, or another mission over the same water.
+
+use super::{AgreementError, ReferenceFault};
+use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
+use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
+use bathyscope_bottom::cloud::Correction;
+use bathyscope_bottom::first_return::BottomSettings;
+use bathyscope_log::formats::points::{Elevations, PointPlane};
+use bathyscope_log::formats::{ReferenceFile, open_reference};
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::geo::{Crs, LocalFrame, LonLat};
+use bathyscope_log::support::outline;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Survey;
+use rayon::prelude::*;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a survey is compared with.
+#[derive(Debug)]
+pub struct Reference {
+    path: PathBuf,
+    /// What is to be known about how it was read, in sentences.
+    pub notes: Vec<String>,
+    held: Held,
+}
+
+/// Longitude, latitude, degrees, and elevation, metres.
+type Position = [f64; 3];
+
+#[derive(Debug)]
+enum Held {
+    Points(Vec<Position>),
+    /// One log or several of another mission.
+    Mission {
+        logs: Vec<MissionLog>,
+        /// What the pipeline made of each last: most changes of a setting leave most stages as they were.
+        made: Mutex<Vec<Products>>,
+    },
+}
+
+/// A log of another mission.
+#[derive(Clone, Debug)]
+pub struct MissionLog {
+    /// The recording; without settings of its own as it was read, with them as these have it.
+    pub survey: Arc<Survey>,
+    /// The settings that it is processed with; those of the survey that is compared with it where it has none of its own.
+    pub settings: Option<Settings>,
+}
+
+impl Reference {
+    /// Opens what a survey is to be compared with: points or a log, as [`open_reference`] tells them apart.
+    ///
+    /// # Errors
+    /// When it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
+    pub fn open(
+        argument: &OsStr,
+        survey: &Survey,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Self, AgreementError> {
+        match open_reference(argument, progress)? {
+            ReferenceFile::Points(file) => Self::of_points(file, survey, settings),
+            ReferenceFile::Log(log) => Ok(Self::of_mission(*log)),
+        }
+    }
+
+    /// Points of a file. Metres of a file that does not say whose they are count as those of the system that `crs` names, or else as
+    /// metres east and north of the survey's first fix: as those where they lie over the survey.
+    fn of_points(
+        file: Elevations,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<Self, AgreementError> {
+        let system = System::of(&file, survey, settings);
+        let (system, guess) = system.map_err(FileError::at(&file.path))?;
+        let blank = (file.blank > 0).then(|| {
+            let count = file.blank;
+            format!("{count} lines or features without a coordinate are left out")
+        });
+        let positions = file.points.par_iter().map(|&[x, y, z_m]| {
+            let at = system.to_lon_lat([x, y]);
+            [at.lon_deg, at.lat_deg, z_m]
+        });
+        Ok(Self {
+            held: Held::Points(positions.collect()),
+            notes: [file.note, guess, blank].into_iter().flatten().collect(),
+            path: file.path,
+        })
+    }
+
+    /// Another mission of one log, which is processed with the settings of the survey that is compared with it.
+    fn of_mission(survey: Survey) -> Self {
+        let path = survey.source.files.first().cloned().unwrap_or_default();
+        let log = MissionLog {
+            survey: Arc::new(survey),
+            settings: None,
+        };
+        Self::of_logs(&path, vec![log])
+    }
+
+    /// Another mission of several logs; `path` is that of their folder or project.
+    pub fn of_logs(path: &Path, logs: Vec<MissionLog>) -> Self {
+        Self {
+            path: path.to_owned(),
+            notes: Vec::new(),
+            held: Held::Mission {
+                logs,
+                made: Mutex::default(),
+            },
+        }
+    }
+
+    /// Name of its file.
+    pub fn name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether it is another mission.
+    pub fn is_mission(&self) -> bool {
+        matches!(self.held, Held::Mission { .. })
+    }
+
+    /// Whether it is another mission whose logs have settings of their own.
+    pub fn has_own_settings(&self) -> bool {
+        match &self.held {
+            Held::Points(_) => false,
+            Held::Mission { logs, .. } => logs.iter().any(|log| log.settings.is_some()),
+        }
+    }
+
+    /// East, north and elevation of its points in the plane of a log, metres. Another mission is processed with the settings of that log.
+    ///
+    /// # Errors
+    /// When it cannot be processed so, or the work was cancelled.
+    pub(super) fn places(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Vec<[f64; 3]>, AgreementError> {
+        let ProcessedLog { survey, products } = log;
+        let place = |&[lon_deg, lat_deg, z_m]: &Position| {
+            let at = LonLat { lon_deg, lat_deg };
+            let [east_m, north_m] = products.navigation.to_plane(&survey.track, at);
+            [east_m, north_m, z_m]
+        };
+        match &self.held {
+            Held::Points(points) => Ok(points.par_iter().map(place).collect()),
+            Held::Mission { logs, made } => {
+                let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut places = Vec::new();
+                for (index, other) in logs.iter().enumerate() {
+                    let (survey, now) = other
+                        .processed(&products.settings, made.get(index), progress)
+                        .map_err(FileError::at(&self.path))?;
+                    places.par_extend(positions(&survey, &now).par_iter().map(place));
+                    match made.get_mut(index) {
+                        Some(before) => *before = now,
+                        None => made.push(now),
+                    }
+                }
+                Ok(places)
+            }
+        }
+    }
+
+    /// The files that it was read from.
+    ///
+    /// # Errors
+    /// When one cannot be read any more or did not stay what it was, or the work was cancelled.
+    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, InputError> {
+        match &self.held {
+            Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
+            Held::Mission { logs, .. } => {
+                let inputs = logs.iter().map(|log| {
+                    let hashed = hash_inputs(&log.survey, progress)?;
+                    log.survey.check_files()?;
+                    Ok(hashed)
+                });
+                let inputs: Result<Vec<_>, InputError> = inputs.collect();
+                Ok(inputs?.concat())
+            }
+        }
+    }
+}
+
+impl MissionLog {
+    /// What the pipeline makes of it, and the recording as it is mounted. A flat spot, strokes, stretches and a height offset of the log
+    /// that is compared with it mean nothing here; that log's mounting is taken for its own.
+    fn processed(
+        &self,
+        settings: &Settings,
+        before: Option<&Products>,
+        progress: &Progress,
+    ) -> Result<(Arc<Survey>, Products), ReferenceFault> {
+        let mut survey = self.survey.clone();
+        let settings = self.settings.clone().unwrap_or_else(|| {
+            let mut settings = settings.clone();
+            settings.calibration.pings = None;
+            settings.bottom = BottomSettings::default();
+            settings.excluded.log = None;
+            settings.excluded.stretches.clear();
+            settings.height_offset_m = 0.0;
+            settings
+        });
+        if self.settings.is_none() {
+            let recorded = Survey::clone(&survey);
+            let mounted = as_mounted(recorded, &settings.mounting, &settings.source);
+            survey = Arc::new(mounted?);
+        }
+        if let Some(why) = Correction::new(settings.depth(), &survey).refused() {
+            return Err(ReferenceFault::WaterLevels(why.clone()));
+        }
+        let made = run(&survey, &settings, before, progress, |_| ())?;
+        Ok((survey, made))
+    }
+}
+
+/// Longitude, latitude and elevation of the points that a depth map of a survey is made of.
+pub fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
+    let counted = super::counted(products).into_iter();
+    let points = counted.map(|index| &products.cloud.points[index]);
+    let positions = points.map(|point| {
+        let (east_m, north_m) = (point.east_m, point.north_m);
+        let at = products
+            .navigation
+            .to_lon_lat(&survey.track, east_m, north_m);
+        [at.lon_deg, at.lat_deg, point.z_m]
+    });
+    positions.collect()
+}
+
+/// What the coordinates of a file mean.
+enum System {
+    Crs(Crs),
+    /// Metres east and north of the survey's first fix.
+    Local(LocalFrame),
+}
+
+impl System {
+    /// The system of a file, and in words where it is a guess.
+    fn of(
+        file: &Elevations,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<(Self, Option<String>), ReferenceFault> {
+        let named = |epsg: u16| Ok((Self::Crs(Crs::from_epsg(epsg)?), None));
+        match file.plane {
+            PointPlane::Degrees => named(4326),
+            PointPlane::Utm(zone) => named(zone.epsg() as u16),
+            PointPlane::Epsg(epsg) => named(epsg),
+            PointPlane::Metres => Self::guessed(file, survey, settings),
+        }
+    }
+
+    fn guessed(
+        file: &Elevations,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<(Self, Option<String>), ReferenceFault> {
+        let frame = &survey.track.frame;
+        let map = settings.crs.at(frame.origin()).ok();
+        let map = map.unwrap_or_else(|| Crs::utm(frame.origin()));
+        let asked = format!("the file does not say so, but its metres are taken as those of {map}");
+        let local =
+            "the file does not say so, but its metres are taken as east and north of the first fix";
+        let whats = [
+            (Self::Crs(map.clone()), asked),
+            (Self::Local(frame.clone()), local.to_owned()),
+        ];
+        let fixes = survey.track.fixes.iter();
+        let track = bounds(fixes.map(|fix| frame.to_enu(fix.position)));
+        for (system, words) in whats {
+            let points = file.points.iter();
+            let points = points.map(|&[x, y, _]| frame.to_enu(system.to_lon_lat([x, y])));
+            if distance_m(track, bounds(points)) < NEAR_M {
+                return Ok((system, Some(words)));
+            }
+        }
+        Err(ReferenceFault::UnknownMetres(map))
+    }
+
+    fn to_lon_lat(&self, [x, y]: [f64; 2]) -> LonLat {
+        match self {
+            Self::Crs(crs) => crs.to_lon_lat([x, y]),
+            Self::Local(frame) => frame.to_lon_lat(x, y),
+        }
+    }
+}
+
+/// A file this far from the track may be one of the same water in the wrong place, and is reported as that far away.
+const NEAR_M: f64 = 20_000.0;
+
+/// West, south, east and north of what has a place.
+pub(super) fn bounds(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
+    outline::bounds(places.filter(|[x, y]| x.is_finite() && y.is_finite()))
+}
+
+/// Distance between two rectangles, 0 where they meet.
+pub(super) fn distance_m(one: [f64; 4], other: [f64; 4]) -> f64 {
+    let apart = |low: usize, high: usize| {
+        let gap = (other[low] - one[high]).max(one[low] - other[high]);
+        gap.max(0.0)
+    };
+    apart(0, 2).hypot(apart(1, 3))
+}

@@ -1,0 +1,102 @@
+//! Crossline analysis: depths where tracks cross themselves and each other.
+
+use crate::pipeline::ProcessedLog;
+use crate::pipeline::joint::{LogLatency, latencies, track_depths};
+use bathyscope_bottom::bathymetry::crosslines::{
+    Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings,
+};
+use bathyscope_bottom::cloud::Residuals;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use serde::Serialize;
+
+/// The differences at the crossings, and their statistics.
+#[derive(Serialize)]
+pub struct Crosslines {
+    sign: &'static str,
+    least_angle_deg: f64,
+    reach_m: f64,
+    #[serde(flatten)]
+    residuals: Residuals,
+    /// Those of two logs alone; absent of one log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    between_logs: Option<Residuals>,
+    /// How late the positions of each log are, in the order of the logs; null where the crossings do not tell.
+    latencies: Vec<Option<LogLatency>>,
+    /// The first of them in the order of logs and time.
+    list: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    /// The logs of both passes; absent of one log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    logs: Option<[String; 2]>,
+    lon: f64,
+    lat: f64,
+    time_s: [f64; 2],
+    depth_m: [f64; 2],
+    difference_m: f64,
+    angle_deg: f64,
+}
+
+impl Crosslines {
+    /// How late the positions of each log are; `None` where the crossings do not tell.
+    pub fn latencies(&self) -> &[Option<LogLatency>] {
+        &self.latencies
+    }
+}
+
+const SIGN: &str =
+    "elevation of the later pass minus that of the earlier, metres; positive is shallower";
+const SIGN_OF_LOGS: &str = "elevation of the later pass minus that of the earlier, or of the second log minus that of the first, metres; \
+     positive is shallower";
+/// More than this are not listed one by one.
+const MOST_LISTED: usize = 10_000;
+
+/// The crossings of the tracks of some logs in one frame; `names` are what they are called. `None` where no track crosses itself or
+/// another over depths.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn crosslines(
+    logs: &[ProcessedLog],
+    names: &[String],
+    progress: &Progress,
+) -> Result<Option<Crosslines>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    let found = crossings(&tracks, progress)?;
+    let is_of_several = logs.len() > 1;
+    let listed = |one: &Crossing| {
+        let [east_m, north_m] = one.place;
+        let tracks = one.passes.map(|pass| pass.track);
+        let ProcessedLog { survey, products } = logs.get(tracks[0])?;
+        let at = products
+            .navigation
+            .to_lon_lat(&survey.track, east_m, north_m);
+        let name = |log: usize| names.get(log).cloned().unwrap_or_default();
+        Some(Listed {
+            logs: is_of_several.then(|| tracks.map(name)),
+            lon: at.lon_deg,
+            lat: at.lat_deg,
+            time_s: one.passes.map(|pass| pass.time_s),
+            depth_m: one.passes.map(|pass| pass.depth_m),
+            difference_m: one.difference_m(),
+            angle_deg: one.angle_deg,
+        })
+    };
+    let of_logs = latencies(logs, progress)?;
+    let residuals = |of: &dyn Fn(&&Crossing) -> bool| {
+        let chosen = found.iter().filter(of);
+        Residuals::of(&mut chosen.map(Crossing::difference_m).collect::<Vec<f64>>())
+    };
+    let is_between = |one: &&Crossing| one.passes[0].track != one.passes[1].track;
+    Ok(residuals(&|_| true).map(|all| Crosslines {
+        sign: if is_of_several { SIGN_OF_LOGS } else { SIGN },
+        least_angle_deg: LEAST_ANGLE_DEG,
+        reach_m: REACH_M,
+        residuals: all,
+        between_logs: residuals(&is_between),
+        latencies: of_logs,
+        list: found.iter().take(MOST_LISTED).filter_map(listed).collect(),
+    }))
+}

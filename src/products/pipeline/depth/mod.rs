@@ -1,0 +1,25 @@
+//! What the depths give: the surface, isobaths, the agreement of side-scan with soundings, the crossline analysis. All in the system
+//! that `crs` names.
+//!
+//! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
+//! It uses `bottom`, `sonar`, `survey` and `support`.
+
+mod choices;
+mod contours;
+mod crosslines;
+mod plane;
+mod points;
+mod residuals;
+mod surface;
+mod swath;
+mod uncertainty;
+
+pub use choices::{GeometryChoice, choices};
+pub use contours::Contours;
+pub use crosslines::{Crosslines, crosslines};
+pub use plane::CloudPlane;
+pub use points::depth_points;
+pub use residuals::{NamedComparison, comparisons};
+pub use surface::{joint_depth_points, joint_depth_surface};
+pub use swath::log_echoes;
+pub use uncertainty::CommonUncertainty;

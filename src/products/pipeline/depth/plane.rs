@@ -1,0 +1,81 @@
+//! The cloud in the metres of a map.
+
+use super::points::{depth_points, is_finite};
+use crate::pipeline::Products;
+use crate::pipeline::map_plane;
+use bathyscope_bottom::bathymetry::DepthPoint;
+use bathyscope_bottom::cloud::CloudPoint;
+use bathyscope_log::support::geo::{Crs, CrsError, LonLat, MapPlane};
+use bathyscope_log::survey::{Navigation, Survey, Track};
+
+/// The cloud and the plane that its maps are drawn in.
+#[derive(Clone)]
+pub struct CloudPlane<'a> {
+    /// The plane.
+    pub map: MapPlane,
+    /// The log.
+    pub survey: &'a Survey,
+    track: &'a Track,
+    navigation: &'a Navigation,
+}
+
+impl<'a> CloudPlane<'a> {
+    /// The plane of the system that `crs` names.
+    ///
+    /// # Errors
+    /// When the system is not known, or does not fit the place.
+    pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
+        let map = map_plane(survey, &products.settings)?;
+        Ok(Self::new(survey, products, map))
+    }
+
+    /// The same, in the UTM zone where the system does not fit.
+    pub fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
+        let origin = survey.track.frame.origin();
+        let utm = |_| MapPlane::new(Crs::utm(origin), origin);
+        let map = map_plane(survey, &products.settings).unwrap_or_else(utm);
+        Self::new(survey, products, map)
+    }
+
+    /// The cloud of one of several logs, in the plane that all of them share.
+    pub fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
+        Self {
+            map,
+            survey,
+            track: &survey.track,
+            navigation: &products.navigation,
+        }
+    }
+
+    /// Longitude and latitude of a place in the plane.
+    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+        self.map.to_lon_lat(place)
+    }
+
+    /// Some of the kept points, each with its easting, northing and elevation, metres.
+    pub(super) fn points<'p>(
+        &self,
+        products: &'p Products,
+        chosen: impl Fn(&CloudPoint) -> bool,
+    ) -> impl Iterator<Item = ([f64; 3], &'p CloudPoint)> {
+        let chosen = products.kept_points().filter(move |point| chosen(point));
+        let placed = chosen.map(|point| (self.place(point), point));
+        placed.filter(|(place, _)| is_finite(place))
+    }
+
+    /// The kept points that count for the surface, as weighted depths.
+    pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
+        let (cloud, classes) = (&products.cloud, &products.classes);
+        depth_points(cloud, classes, &products.settings.surface, |p| {
+            self.place(p)
+        })
+    }
+
+    fn place(&self, point: &CloudPoint) -> [f64; 3] {
+        let position = self
+            .navigation
+            .to_lon_lat(self.track, point.east_m, point.north_m);
+        let [east_m, north_m] = self.map.place(position);
+        [east_m, north_m, point.z_m]
+    }
+}

@@ -1,0 +1,129 @@
+//! Side-scan points, and those of a swath, against the soundings of the same survey.
+
+use super::plane::CloudPlane;
+use crate::pipeline::{ProcessedLog, Products};
+use bathyscope_bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
+use bathyscope_bottom::cloud::{CloudPoint, PointSource};
+use bathyscope_log::support::geo::MapPlane;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Survey;
+use serde::Serialize;
+
+/// Farthest sounding that a side-scan point is compared with by place, metres.
+const RADIUS_M: f64 = 1.0;
+
+/// How the depths of one source agree with those of another.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedComparison {
+    /// What was measured.
+    pub source: &'static str,
+    /// What it is compared with.
+    pub reference: String,
+    /// How a point finds its reference, in words.
+    pub matching: String,
+    /// The statistics.
+    #[serde(flatten)]
+    pub comparison: Comparison,
+}
+
+/// Port, starboard, both and the swath against the surface of the soundings at their place, and against the nearest sounding, of all logs
+/// together in the plane of a map; empty where there is no side-scan point or no sounding.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn comparisons(
+    logs: &[ProcessedLog],
+    map: &MapPlane,
+    progress: &Progress,
+) -> Result<Vec<NamedComparison>, Cancelled> {
+    let Some(first) = logs.first() else {
+        return Ok(Vec::new());
+    };
+    let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
+    let (reference, _) = points(logs, map, is_sounding, |_, _| ());
+    let (measured, kinds) = points(logs, map, |point| !is_sounding(point), kind);
+    let max_gap_m = first.products.settings.surface.max_gap_m;
+    let ways = [
+        Matching::Surface { max_gap_m },
+        Matching::Nearest { radius_m: RADIUS_M },
+    ];
+    let level_m = first.products.correction.middle_level_m();
+    let mut found = Vec::new();
+    for matching in ways {
+        // Each point is matched once, whichever lists it is in.
+        let all = match_points(&measured, &reference, matching, progress)?;
+        for (source, counts) in LISTS {
+            let matches: Vec<Match> = all
+                .iter()
+                .filter(|one| counts(kinds[one.measured]))
+                .copied()
+                .collect();
+            if !matches.is_empty() {
+                let measured = kinds.iter().filter(|kind| counts(**kind)).count();
+                found.push(NamedComparison {
+                    source,
+                    reference: "down-scan".to_owned(),
+                    matching: matching.in_words(),
+                    comparison: Comparison::new(measured, &matches, level_m),
+                });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// What decides which lists a point is in.
+#[derive(Clone, Copy)]
+struct PointKind {
+    source: PointSource,
+    /// Whether the recorder had lost the bottom: depth comes from side-scan alone there, and nearby soundings are compared with it.
+    is_lost: bool,
+}
+
+/// Whether a list has a point.
+type PointTest = fn(PointKind) -> bool;
+
+/// The lists of points, each with a name.
+const LISTS: [(&str, PointTest); 5] = [
+    ("side-scan", |kind| kind.source.is_side_scan()),
+    ("port", |kind| kind.source == PointSource::Port),
+    ("starboard", |kind| kind.source == PointSource::Starboard),
+    ("side-scan where the bottom was lost", |kind| {
+        kind.source.is_side_scan() && kind.is_lost
+    }),
+    ("swath", |kind| kind.source == PointSource::Swath),
+];
+
+/// Kept points of all logs in the plane of a map, log by log, each with what `read` says of it.
+fn points<T>(
+    logs: &[ProcessedLog],
+    map: &MapPlane,
+    counts: impl Fn(&CloudPoint) -> bool,
+    read: impl Fn(&Survey, &CloudPoint) -> T,
+) -> (Vec<[f64; 3]>, Vec<T>) {
+    let mut found = (Vec::new(), Vec::new());
+    for log in logs {
+        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
+        for (place, point) in plane.points(&log.products, &counts) {
+            found.0.push(place);
+            found.1.push(read(&log.survey, point));
+        }
+    }
+    found
+}
+
+/// Which lists a point is in.
+fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
+    PointKind {
+        source: point.source,
+        is_lost: survey.locked_depth_m(point.ping as usize).is_nan(),
+    }
+}
+
+/// Kept points of some sources, in the cloud's order.
+pub(super) fn kept_of<'a>(products: &'a Products, sources: &[PointSource]) -> Vec<&'a CloudPoint> {
+    let chosen = || (products.kept_points()).filter(|point| sources.contains(&point.source));
+    let mut points = Vec::with_capacity(chosen().count());
+    points.extend(chosen());
+    points
+}

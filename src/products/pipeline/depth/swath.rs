@@ -1,0 +1,72 @@
+//! The echoes of a log in the plane of a map, for the depth between the lines.
+
+use crate::pipeline::Products;
+use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes};
+use bathyscope_log::survey::{PingNav, Side, Survey};
+
+/// What depths from levels read of a log; `place` gives east and north in the plane for those of the survey, metres. Pings that count for
+/// nothing have no place. Without usable side-scan there is none.
+pub fn log_echoes<'a>(
+    survey: &'a Survey,
+    products: &Products,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> LogEchoes<'a> {
+    let count = if survey.has_side_scan() {
+        survey.side_scan.len()
+    } else {
+        0
+    };
+    let of_ping = |ping: usize| {
+        let time_s = survey
+            .side_scan
+            .get(ping)
+            .map_or(f64::NAN, |ping| ping.time_s);
+        let navigation = products.navigation.pings.get(ping);
+        let counts = products.exclusions.ping(ping).is_none();
+        let (place_m, starboard) = navigation
+            .filter(|_| counts)
+            .and_then(|navigation| placed(navigation, &place))
+            .unwrap_or(([f64::NAN; 2], [f64::NAN; 2]));
+        PingPlace {
+            time_s,
+            place_m,
+            starboard,
+            transducer_m: -products.correction.z_m(time_s, 0.0),
+            sides: Side::BOTH.map(|side| side_echoes(survey, products, ping, side)),
+        }
+    };
+    LogEchoes {
+        levels: survey,
+        pings: (0..count).map(of_ping).collect(),
+    }
+}
+
+/// Where a ping is, and which way starboard points there: north of two planes may differ.
+fn placed(
+    navigation: &PingNav,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> Option<([f64; 2], [f64; 2])> {
+    let starboard = navigation.starboard()?;
+    let from = navigation.place();
+    let here = place(from);
+    let beside = place([from[0] + starboard[0], from[1] + starboard[1]]);
+    let across = [beside[0] - here[0], beside[1] - here[1]];
+    let length_m = across[0].hypot(across[1]);
+    (length_m > 0.0).then(|| (here, across.map(|part| part / length_m)))
+}
+
+fn side_echoes(survey: &Survey, products: &Products, ping: usize, side: Side) -> SideEchoes {
+    let reduction = products.reduction();
+    let range_m = |sample: f64| {
+        let span = survey.span(ping, side);
+        span.map_or(f64::NAN, |span| reduction.range_m(span, sample))
+    };
+    let pick = products.returns.side(side).get(ping);
+    let near_m = range_m(0.0);
+    SideEchoes {
+        near_m,
+        step_m: range_m(1.0) - near_m,
+        first_return: pick.map_or(f64::NAN, |pick| f64::from(pick.sample)),
+        above_bottom: pick.is_some_and(|pick| pick.above_bottom),
+    }
+}

@@ -1,0 +1,126 @@
+//! What is uncertain in all depths of a survey alike. Depths that are left out do not show it, since the others have it, too.
+
+use crate::pipeline::joint::crossline_analysis;
+use crate::pipeline::{ProcessedLog, Products};
+use bathyscope_bottom::bathymetry::{Spread, Surface};
+use bathyscope_bottom::calibration::Calibration;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Survey, position_resolution_m};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Of a sound speed that is given, as a share of it: a degree of water temperature makes 3 m/s.
+const SPEED_SHARE: f64 = 0.002;
+/// Of a draft and of a water level that are given, metres: as both are read off.
+const READING_M: f64 = 0.02;
+/// The edge of a first return is found to this share of a sample at best.
+const EDGE_SAMPLES: f64 = 0.25;
+
+/// The parts of a depth's uncertainty that are common to a survey, one standard deviation each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CommonUncertainty {
+    /// Side-scan against soundings: what is left of the constant between first-return ranges and recorded depths, metres, and how
+    /// uncertain what was taken off is.
+    pub range_offset_m: f64,
+    /// Sound speed, as a share of the depth; 0 where none is given, and depths are as the recorder computed them.
+    pub sound_speed_share: f64,
+    /// Draft, metres; 0 where none is given, and depths count from the transducer.
+    pub draft_m: f64,
+    /// Water level, metres; 0 where none is given.
+    pub water_level_m: f64,
+    /// Several logs against each other where they cross, metres: levels, positions and clocks together.
+    pub between_logs_m: f64,
+    /// Positions, metres along the ground, as the recorder rounds them: times the slope of the bottom it is a depth.
+    pub position_m: f64,
+}
+
+impl CommonUncertainty {
+    /// Of one log.
+    pub fn of_log(survey: &Survey, products: &Products) -> Self {
+        let Products {
+            calibration,
+            correction,
+            ..
+        } = products;
+        let where_given = |sigma: f64, is_given: bool| if is_given { sigma } else { 0.0 };
+        Self {
+            range_offset_m: range_offset_m(calibration),
+            sound_speed_share: where_given(SPEED_SHARE, correction.knows_sound_speed()),
+            draft_m: where_given(READING_M, correction.knows_draft()),
+            water_level_m: where_given(READING_M, correction.knows_level()),
+            between_logs_m: 0.0,
+            // Of rounding, evenly distributed.
+            position_m: position_resolution_m(&survey.track) / 12f64.sqrt(),
+        }
+    }
+
+    /// Of the logs of a survey: the root mean square of theirs, and what they differ by.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn of(logs: &[ProcessedLog], progress: &Progress) -> Result<Self, Cancelled> {
+        let each = logs
+            .iter()
+            .map(|log| Self::of_log(&log.survey, &log.products));
+        let each: Vec<Self> = each.collect();
+        let rms = |of: fn(&Self) -> f64| {
+            let squares: f64 = each.iter().map(|one| of(one).powi(2)).sum();
+            (squares / each.len().max(1) as f64).sqrt()
+        };
+        let crossings = match logs.len() {
+            0 | 1 => None,
+            _ => crossline_analysis(logs, progress)?,
+        };
+        let between = crossings.and_then(|found| found.between_logs);
+        Ok(Self {
+            range_offset_m: rms(|one| one.range_offset_m),
+            sound_speed_share: rms(|one| one.sound_speed_share),
+            draft_m: rms(|one| one.draft_m),
+            water_level_m: rms(|one| one.water_level_m),
+            // Half of the square of a difference is that of either log.
+            between_logs_m: between.map_or(0.0, |found| found.rms_m / 2f64.sqrt()),
+            position_m: rms(|one| one.position_m),
+        })
+    }
+
+    /// Standard deviation at a depth on a slope (metres a metre), metres: the root of the sum of squares, as in the total vertical uncertainty
+    /// of IHO S-44.
+    pub fn at(&self, depth_m: f64, slope: f64) -> f64 {
+        let parts = [
+            self.range_offset_m,
+            self.sound_speed_share * depth_m,
+            self.draft_m,
+            self.water_level_m,
+            self.between_logs_m,
+            self.position_m * slope,
+        ];
+        parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+
+    /// Adds it to the stated error of every cell of a surface; spreads that are no errors stay.
+    pub fn add_to(&self, surface: &mut Surface) {
+        if surface.spread_is != Spread::OfError {
+            return;
+        }
+        let columns = surface.grid.columns;
+        let spreads_m = (0..surface.spread_m.len()).into_par_iter().map(|cell| {
+            if surface.spread_m[cell].is_nan() {
+                return f32::NAN;
+            }
+            let [east, north, up] = surface.normal(cell / columns, cell % columns);
+            let slope = f64::from(east.hypot(north) / up);
+            let common_m = self.at(f64::from(surface.depth_m[cell]), slope);
+            f64::from(surface.spread_m[cell]).hypot(common_m) as f32
+        });
+        surface.spread_m = spreads_m.collect();
+    }
+}
+
+/// What is left between first returns and recorded depths, and how uncertain it is.
+fn range_offset_m(calibration: &Calibration) -> f64 {
+    let Some([left_m, two_sigma_m]) = calibration.remaining_offset_m() else {
+        return 0.0;
+    };
+    let edge_m = (calibration.header).map_or(0.0, |scale| EDGE_SAMPLES / scale.px_per_m);
+    left_m.hypot(0.5 * two_sigma_m).hypot(edge_m)
+}

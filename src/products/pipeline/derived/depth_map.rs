@@ -1,0 +1,204 @@
+//! The depth map of a survey, as the files hold it and the window draws it.
+
+use crate::pipeline::{
+    CloudPlane, CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m,
+    joint_depth_points, joint_depth_surface,
+};
+use bathyscope_bottom::bathymetry::isobaths::{
+    ClipArea, IsobathSettings, NoIsobaths, with_shoalest,
+};
+use bathyscope_bottom::bathymetry::{
+    self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
+};
+use bathyscope_bottom::cloud::{PointClass, PointCloud};
+use bathyscope_log::support::geo::{CrsChoice, MapPlane, bounds_deg};
+use bathyscope_log::support::outline::bounds;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Navigation, Survey};
+use std::sync::{Arc, OnceLock};
+
+/// What a depth map is made of; equal keys give equal maps.
+#[derive(Clone, PartialEq)]
+pub struct DepthMapKey(Vec<DepthMapLogKey>);
+
+#[derive(Clone, PartialEq)]
+struct DepthMapLogKey {
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+    cloud: Same<PointCloud>,
+    classes: Same<Vec<PointClass>>,
+    crs: CrsChoice,
+    surface: SurfaceSettings,
+}
+
+impl DepthMapKey {
+    /// Of the results of some logs.
+    pub fn of(logs: &[ProcessedLog]) -> Self {
+        let key = |ProcessedLog { survey, products }: &ProcessedLog| DepthMapLogKey {
+            survey: Same(survey.clone()),
+            navigation: Same(products.navigation.clone()),
+            cloud: Same(products.cloud.clone()),
+            classes: Same(products.classes.clone()),
+            crs: products.settings.crs,
+            surface: products.settings.surface.clone(),
+        };
+        Self(logs.iter().map(key).collect())
+    }
+}
+
+/// The depth map of a survey.
+pub struct DepthMap {
+    /// The depths, in the metres of a plane.
+    pub surface: Surface,
+    /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the survey.
+    pub map: MapPlane,
+    /// Where the light of the hill-shade comes from.
+    pub light: Light,
+    /// Ends of the colour scale of depth on the screen, metres ([`crate::pipeline::Products::depth_range_m`]).
+    pub colour_range_m: [f32; 2],
+    /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell is looked at for it.
+    pub usual_error_m: Option<[f64; 2]>,
+    /// Nothing is interpolated farther than this from a depth, metres.
+    pub gap_m: f64,
+    bounds_m: OnceLock<[f64; 4]>,
+    shade: OnceLock<Vec<u8>>,
+    shoalest: OnceLock<Surface>,
+    logs: Vec<ProcessedLog>,
+    survey: Arc<Survey>,
+    navigation: Arc<Navigation>,
+}
+
+impl DepthMap {
+    /// Of all logs of a survey ([`joint_depth_surface`]), which lie in the frame of the first; `None` where the depths span no surface.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(logs: &[ProcessedLog], progress: &Progress) -> Result<Option<Self>, Cancelled> {
+        let Some(ProcessedLog { survey, products }) = logs.first() else {
+            return Ok(None);
+        };
+        let map = CloudPlane::or_utm(survey, products).map;
+        let Some(mut surface) = joint_depth_surface(logs, &map, progress)? else {
+            return Ok(None);
+        };
+        CommonUncertainty::of(logs, progress)?.add_to(&mut surface);
+        let of_surface = || bathymetry::depth_range(surface.depth_m.iter().copied());
+        let range_m = colour_range_m(logs.iter().map(|log| &log.products)).or_else(of_surface);
+        Ok(range_m.map(|colour_range_m| Self {
+            light: Light::suited(&surface),
+            usual_error_m: surface.usual_error_m(),
+            surface,
+            map,
+            colour_range_m,
+            gap_m: products.settings.surface.max_gap_m,
+            bounds_m: OnceLock::new(),
+            shade: OnceLock::new(),
+            shoalest: OnceLock::new(),
+            logs: logs.to_vec(),
+            survey: survey.clone(),
+            navigation: products.navigation.clone(),
+        }))
+    }
+
+    /// Brightness of every cell under [`DepthMap::light`], 0 where it is unknown; made when it is first asked for.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn shade(&self, progress: &Progress) -> Result<&[u8], Cancelled> {
+        if let Some(shade) = self.shade.get() {
+            return Ok(shade);
+        }
+        let shade = hill_shade(&self.surface, &self.light, progress)?;
+        Ok(self.shade.get_or_init(|| shade))
+    }
+
+    /// The depths that it was made of, in its plane.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn depth_points(&self, progress: &Progress) -> Result<Vec<DepthPoint>, Cancelled> {
+        joint_depth_points(&self.logs, &self.map, progress)
+    }
+
+    /// The surface whose isobaths understate no depth that it was made of ([`with_shoalest`]); made when it is first asked for.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn shoalest(&self, progress: &Progress) -> Result<&Surface, Cancelled> {
+        if let Some(shoalest) = self.shoalest.get() {
+            return Ok(shoalest);
+        }
+        let made = with_shoalest(&self.surface, &self.depth_points(progress)?);
+        Ok(self.shoalest.get_or_init(|| made))
+    }
+
+    /// The area that `isobaths.clip` names, in its plane; `None` where none is named.
+    ///
+    /// # Errors
+    /// When the file has not been read, or its area is nowhere near the depths.
+    pub fn clip_area(&self, settings: &IsobathSettings) -> Result<Option<ClipArea>, NoIsobaths> {
+        let area = clip_area(settings, self.bounds_deg(), |at| self.map.place(at))?;
+        match (area, &settings.clip) {
+            (Some(area), Some(path)) if area.is_empty() => {
+                Err(NoIsobaths::AreaElsewhere { path: path.clone() })
+            }
+            (area, _) => Ok(area),
+        }
+    }
+
+    /// West, south, east and north of the grid, degrees: its edges are bent, and their middles count too.
+    pub fn bounds_deg(&self) -> [f64; 4] {
+        let grid = &self.surface.grid;
+        let steps = [0.0, 0.5, 1.0];
+        let shares = steps
+            .into_iter()
+            .flat_map(|across| steps.map(|down| [across, down]));
+        bounds_deg(shares.map(|[across, down]| {
+            self.map.to_lon_lat([
+                grid.west_m + across * grid.columns as f64 * grid.cell_m,
+                grid.north_m - down * grid.rows as f64 * grid.cell_m,
+            ])
+        }))
+    }
+
+    /// The place in the plane of one that is given east and north of the survey's origin, metres.
+    pub fn to_map(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        let track = &self.survey.track;
+        self.map
+            .place(self.navigation.to_lon_lat(track, east_m, north_m))
+    }
+
+    /// Inverse of [`DepthMap::to_map`].
+    pub fn to_survey(&self, place: [f64; 2]) -> [f64; 2] {
+        let position = self.map.to_lon_lat(place);
+        self.navigation.to_plane(&self.survey.track, position)
+    }
+
+    /// Depth at a place east and north of the survey's origin and the distance from its cell to the nearest depth, metres;
+    /// `None` where nothing is known.
+    pub fn at(&self, place: [f64; 2]) -> Option<(f32, f32)> {
+        let [easting_m, northing_m] = self.to_map(place);
+        self.surface.at(easting_m, northing_m)
+    }
+
+    /// Depth between the cells at a place east and north of the survey's origin, metres.
+    pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
+        self.surface.depth_at(self.to_map(place))
+    }
+
+    /// West, south, east and north in the plane of the survey, metres. A map asks for them in every frame.
+    pub fn bounds_m(&self) -> [f64; 4] {
+        *self.bounds_m.get_or_init(|| self.bounds_in_survey_m())
+    }
+
+    fn bounds_in_survey_m(&self) -> [f64; 4] {
+        let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
+        // The edges of a zone are bent by centimetres in the plane of the survey: their middles count too.
+        let middle_east_m = 0.5 * (west_m + east_m);
+        let middle_north_m = 0.5 * (north_m + south_m);
+        let eastings_m = [west_m, middle_east_m, east_m].into_iter();
+        let northings_m = [south_m, middle_north_m, north_m];
+        let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
+        bounds(places.map(|place| self.to_survey(place)))
+    }
+}

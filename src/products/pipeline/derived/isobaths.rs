@@ -1,0 +1,116 @@
+//! Lines of equal depth through a depth map.
+
+use super::DepthMap;
+use crate::pipeline::Same;
+use bathyscope_bottom::bathymetry::Surface;
+use bathyscope_bottom::bathymetry::isobaths::{
+    ClipArea, Isobath, IsobathSettings, NoIsobaths, isobaths, smoothed,
+};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Lines shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
+const LEAST_LENGTH_M: f64 = 0.01;
+
+/// What isobaths are made of; equal keys give equal lines.
+#[derive(Clone, PartialEq)]
+pub struct IsobathKey {
+    depth_map: Same<DepthMap>,
+    settings: IsobathSettings,
+}
+
+impl IsobathKey {
+    /// Of a depth map by `isobaths.*`.
+    pub fn of(depth_map: &Arc<DepthMap>, settings: &IsobathSettings) -> Self {
+        Self {
+            depth_map: Same(depth_map.clone()),
+            settings: settings.clone(),
+        }
+    }
+}
+
+/// The isobaths of a depth map.
+#[derive(Clone, Debug, Default)]
+pub struct Isobaths {
+    /// Their depths from shallow to deep, metres.
+    pub levels_m: Vec<f64>,
+    /// The lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of the area.
+    pub lines: Vec<Isobath>,
+    /// Whether every depth that is shallower than a line lies on its shallow side.
+    pub shoal_safe: bool,
+    /// The area that they end at, in the plane of the depth map.
+    pub clip: Option<Arc<ClipArea>>,
+}
+
+impl Isobaths {
+    /// By `isobaths.*`; the inner error says why there are none.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        depth_map: &DepthMap,
+        settings: &IsobathSettings,
+        progress: &Progress,
+    ) -> Result<Result<Self, NoIsobaths>, Cancelled> {
+        let levels_m = settings.levels_m(depth_map.surface.range_m());
+        let clip = depth_map.clip_area(settings);
+        let (levels_m, clip) = match levels_m.and_then(|levels_m| Ok((levels_m, clip?))) {
+            Ok(parts) => parts,
+            Err(error) => return Ok(Err(error)),
+        };
+        let shoal_safe = settings.shoal_safe;
+        let surface = drawn_on(depth_map, shoal_safe, progress)?;
+        let mut lines = isobaths(surface, &levels_m, progress)?;
+        lines.retain(|line| line.length_m() > LEAST_LENGTH_M);
+        for line in &mut lines {
+            line.points = smoothed(&line.points, settings.smoothing());
+        }
+        if let Some(area) = &clip {
+            progress.check()?;
+            lines = lines
+                .par_iter()
+                .flat_map_iter(|line| area.parts_of(line))
+                .collect();
+        }
+        Ok(Ok(Self {
+            levels_m,
+            lines,
+            shoal_safe,
+            clip: clip.map(Arc::new),
+        }))
+    }
+
+    /// The surface that the lines run through.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn surface<'a>(
+        &self,
+        depth_map: &'a DepthMap,
+        progress: &Progress,
+    ) -> Result<&'a Surface, Cancelled> {
+        drawn_on(depth_map, self.shoal_safe, progress)
+    }
+
+    /// The lines, each as places in the plane of the survey, metres.
+    pub fn on_ground(&self, depth_map: &DepthMap) -> Vec<Vec<[f64; 2]>> {
+        let on_ground = |line: &Isobath| {
+            let places = line.points.iter();
+            places.map(|place| depth_map.to_survey(*place)).collect()
+        };
+        self.lines.par_iter().map(on_ground).collect()
+    }
+}
+
+/// The surface that isobaths are drawn on.
+fn drawn_on<'a>(
+    depth_map: &'a DepthMap,
+    shoal_safe: bool,
+    progress: &Progress,
+) -> Result<&'a Surface, Cancelled> {
+    match shoal_safe {
+        true => depth_map.shoalest(progress),
+        false => Ok(&depth_map.surface),
+    }
+}

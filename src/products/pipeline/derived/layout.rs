@@ -1,0 +1,27 @@
+//! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search for passes share.
+
+use super::gain::SideScanKey;
+use crate::pipeline::{ProcessedLog, Same};
+use bathyscope_log::survey::Relief;
+
+/// What a log is laid out by; equal keys give equal layouts.
+#[derive(Clone, PartialEq)]
+pub(super) struct LayoutKey {
+    side_scan: SideScanKey,
+    relief: Same<Relief>,
+    most_turn_deg_s: f64,
+    water_column: bool,
+}
+
+impl LayoutKey {
+    /// Of the results of a log.
+    pub(super) fn of(log: &ProcessedLog) -> Self {
+        let settings = &log.products.settings.mosaic;
+        Self {
+            side_scan: SideScanKey::of(log),
+            relief: Same(log.products.relief.clone()),
+            most_turn_deg_s: settings.most_turn_deg_s,
+            water_column: settings.water_column,
+        }
+    }
+}

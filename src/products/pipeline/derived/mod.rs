@@ -1,0 +1,214 @@
+//! Results over all logs of a survey that are made on demand.
+//!
+//! In: the results of logs, and settings. Out: the depth map, isobaths, the bottom in 3D, mosaic and pictures, each made once.
+//! It uses `imagery`, `bottom`, `sonar`, `survey` and `support`.
+//!
+//! ```text
+//! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths
+//!                     |                                     '--colours--> Bottom
+//!                     --layout--> GainTable of each log --> Mosaic
+//!                     |                                 '--> LogPicture
+//!                     '--layout--> MosaicLayout of each log, for the Mosaic on the screen and for passes
+//! ```
+//!
+//! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
+//! files or the report. Nobody else makes one.
+
+mod bottom;
+mod depth_map;
+mod gain;
+mod isobaths;
+mod layout;
+mod mosaic;
+mod node;
+mod picture;
+
+pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
+pub use depth_map::DepthMap;
+pub use depth_map::DepthMapKey;
+pub use isobaths::{IsobathKey, Isobaths};
+pub use mosaic::{FINEST, MosaicKey};
+pub use mosaic::{Mosaic, MosaicPlane};
+pub use picture::PictureKey;
+
+use crate::pipeline::{ProcessedLog, mosaic_layout_by};
+use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
+use bathyscope_bottom::mosaic::{GainTable, MosaicLayout};
+use bathyscope_bottom::picture::LogPicture;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use gain::GainKey;
+use layout::LayoutKey;
+use node::DerivedNode;
+use std::sync::Arc;
+
+/// Gain tables of so many logs are kept; each is small.
+const GAIN_TABLES: usize = 32;
+/// Layouts of so many pings together are kept: some 100 bytes each.
+const LAID_OUT_PINGS: usize = 1_000_000;
+
+/// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
+pub struct Derived {
+    depth_map: DerivedNode<DepthMapKey, Option<Arc<DepthMap>>>,
+    isobaths: DerivedNode<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
+    gain: DerivedNode<GainKey, Option<Arc<GainTable>>>,
+    layout: DerivedNode<LayoutKey, Arc<MosaicLayout>>,
+    mosaic: DerivedNode<MosaicKey, Option<Arc<Mosaic>>>,
+    picture: DerivedNode<PictureKey, Arc<LogPicture>>,
+    bottom: DerivedNode<BottomKey, Arc<Bottom>>,
+}
+
+impl Default for Derived {
+    fn default() -> Self {
+        Self {
+            depth_map: DerivedNode::keeping(1),
+            isobaths: DerivedNode::keeping(1),
+            gain: DerivedNode::keeping(GAIN_TABLES),
+            layout: DerivedNode::weighing(LAID_OUT_PINGS, |layout| layout.len()),
+            picture: DerivedNode::keeping(2),
+            bottom: DerivedNode::keeping(1),
+            // In the plane of the survey on the screen, in that of the map in files.
+            mosaic: DerivedNode::keeping(2),
+        }
+    }
+}
+
+impl Derived {
+    /// The depth map of some logs; `None` where the depths span no surface.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn depth_map(
+        &self,
+        logs: &[ProcessedLog],
+        progress: &Progress,
+    ) -> Result<Option<Arc<DepthMap>>, Cancelled> {
+        self.depth_map.get(DepthMapKey::of(logs), progress, || {
+            Ok(DepthMap::new(logs, progress)?.map(Arc::new))
+        })
+    }
+
+    /// The isobaths of a depth map; the inner error says why the settings give none.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn isobaths(
+        &self,
+        depth_map: &Arc<DepthMap>,
+        settings: &IsobathSettings,
+        progress: &Progress,
+    ) -> Result<Result<Arc<Isobaths>, NoIsobaths>, Cancelled> {
+        let key = IsobathKey::of(depth_map, settings);
+        self.isobaths.get(key, progress, || {
+            Ok(Isobaths::new(depth_map, settings, progress)?.map(Arc::new))
+        })
+    }
+
+    /// The bottom as a body of so many corners at most; `None` where the depths span no surface.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn bottom(
+        &self,
+        logs: &[ProcessedLog],
+        colour: BottomColour,
+        most_corners: usize,
+        progress: &Progress,
+    ) -> Result<Option<Arc<Bottom>>, Cancelled> {
+        let Some(depth_map) = self.depth_map(logs, progress)? else {
+            return Ok(None);
+        };
+        let key = BottomKey::of(&depth_map, logs, colour, most_corners);
+        let made = self.bottom.get(key, progress, || {
+            let made = Bottom::new(self, &depth_map, logs, colour, most_corners, progress)?;
+            Ok(Arc::new(made))
+        })?;
+        Ok(Some(made))
+    }
+
+    /// The mosaic of some logs in a plane; `None` where nothing is shown.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn mosaic(
+        &self,
+        logs: &[ProcessedLog],
+        plane: MosaicPlane,
+        progress: &Progress,
+    ) -> Result<Option<Arc<Mosaic>>, Cancelled> {
+        let key = MosaicKey::of(logs, plane.clone());
+        self.mosaic.get(key, progress, || {
+            Ok(Mosaic::new(logs, &plane, self, progress)?.map(Arc::new))
+        })
+    }
+
+    /// Where the echoes of a log lie in its own plane.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn layout(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Arc<MosaicLayout>, Cancelled> {
+        let make = || {
+            progress.check()?;
+            Ok(Arc::new(mosaic_layout_by(
+                &log.survey,
+                &log.products,
+                |place| place,
+            )))
+        };
+        self.layout.get(LayoutKey::of(log), progress, make)
+    }
+
+    /// The gain normalisation of a log; `None` where nothing of it is known to lie on the ground.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn gain(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Option<Arc<GainTable>>, Cancelled> {
+        let make = || Ok(gain::made(log, progress)?.map(Arc::new));
+        self.gain.get(GainKey::of(log), progress, make)
+    }
+
+    /// What the picture of a log is shown with.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn picture(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Arc<LogPicture>, Cancelled> {
+        let key = PictureKey::of(log);
+        let make = || {
+            let gain = match key.is_normalised() {
+                true => self.gain(log, progress)?,
+                false => None,
+            };
+            Ok(Arc::new(picture::made(log, gain, key.is_even(), progress)?))
+        };
+        self.picture.get(key.clone(), progress, make)
+    }
+
+    /// As [`Derived::picture`], of a log that grew since its last results as a `whole`: with the gain of those, and without the stripe
+    /// filter, which is of all pings.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn growing_picture(
+        &self,
+        log: &ProcessedLog,
+        whole: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Arc<LogPicture>, Cancelled> {
+        let gain = match PictureKey::of(log).is_normalised() {
+            true => self.gain(whole, progress)?,
+            false => None,
+        };
+        Ok(Arc::new(picture::made(log, gain, false, progress)?))
+    }
+}

@@ -1,0 +1,88 @@
+//! The stages of one log behind the window: one worker, the newest request wins, the last result stays on screen.
+
+use super::{Jobs, Products, Settings, Stage, Task, TaskOutcome, run};
+use bathyscope_log::survey::Survey;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What the engine is doing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum EngineStatus {
+    /// Nothing to do.
+    #[default]
+    Idle,
+    /// A stage runs.
+    Running {
+        /// Which.
+        stage: Stage,
+        /// Its done share, 0 to 1.
+        fraction: f32,
+    },
+}
+
+/// A stage ended in a panic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a processing step failed unexpectedly; the last result stays")]
+pub struct StageFailed;
+
+/// Runs [`run`] in a background thread. A new request cancels the one under way.
+pub struct Engine {
+    jobs: Jobs,
+    running: Option<Running>,
+}
+
+struct Running {
+    stage: Arc<Mutex<Stage>>,
+    task: Task<Option<Products>>,
+}
+
+impl Engine {
+    /// Works as `jobs` says.
+    pub fn new(jobs: Jobs) -> Self {
+        Self {
+            jobs,
+            running: None,
+        }
+    }
+
+    /// Starts over with these inputs; stages whose settings equal those of `previous` are not run again.
+    pub fn request(&mut self, survey: Arc<Survey>, settings: Settings, previous: Option<Products>) {
+        self.cancel();
+        let stage = Arc::new(Mutex::new(Stage::Navigation));
+        let (now, jobs) = (stage.clone(), self.jobs.clone());
+        let task = Task::start(&self.jobs, move |progress| {
+            let on_stage = |stage| {
+                *now.lock().unwrap_or_else(PoisonError::into_inner) = stage;
+                jobs.wake();
+            };
+            run(&survey, &settings, previous.as_ref(), progress, on_stage).ok()
+        });
+        self.running = Some(Running { stage, task });
+    }
+
+    /// Stops the work under way; its result is dropped.
+    pub fn cancel(&mut self) {
+        self.running = None;
+    }
+
+    /// The result of the last request, once, when it is there. `Err` when its worker died.
+    pub fn poll(&mut self) -> Option<Result<Products, StageFailed>> {
+        let outcome = match self.running.as_ref()?.task.poll() {
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(products) => products.map(Ok),
+            TaskOutcome::Failed => Some(Err(StageFailed)),
+        };
+        self.running = None;
+        outcome
+    }
+
+    /// What is going on.
+    pub fn status(&self) -> EngineStatus {
+        let running = self.running.as_ref();
+        running.map_or(EngineStatus::Idle, |Running { stage, task }| {
+            EngineStatus::Running {
+                stage: *stage.lock().unwrap_or_else(PoisonError::into_inner),
+                fraction: task.fraction(),
+            }
+        })
+    }
+}

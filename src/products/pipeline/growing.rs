@@ -1,0 +1,305 @@
+//! Results of a log that is still being written: the stages are run over its last pings, and what they find is joined to what was there.
+//!
+//! Nothing is measured anew that belongs to the log as a whole: calibration, flat stretches, correction of depths and the scale of the
+//! picture stay those of the last run over all of it. The results are good for looking at the log while it grows; those that stay come
+//! from [`run`](super::run) over the whole log.
+
+use super::Products;
+use super::run_stages::bottom_line;
+use crate::pipeline::Settings;
+use bathyscope_bottom::bathymetry;
+use bathyscope_bottom::cloud::{
+    self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointRecord, PointScales,
+    PointSource, RecordIndex, Reduction,
+};
+use bathyscope_bottom::first_return::{self, FirstReturns, Normalisation, Pick};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::wider;
+use bathyscope_log::support::versions::Versions;
+use bathyscope_log::survey::{
+    Exclusions, Navigation, PingNav, Side, StretchStart, Survey, navigate_with,
+};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Pings before the first new one whose results are made again: they had no neighbours behind them.
+const AGAIN: usize = 128;
+/// Pings before those that the stages look at as well.
+const CONTEXT: usize = 384;
+/// The line of first returns is found in stretches that begin at multiples of this: here as over the whole log.
+const ALIGNED: usize = 512;
+
+/// What the results of a growing log go on with.
+#[derive(Debug)]
+pub struct GrowingResults {
+    /// The scale of its picture, measured over all of it.
+    normalisation: Normalisation,
+    versions: ResultVersions,
+}
+
+/// The lists of the results, each of which goes on from the one before.
+#[derive(Debug, Default)]
+struct ResultVersions {
+    pings: Versions<PingNav>,
+    soundings: Versions<PingNav>,
+    swath: Versions<PingNav>,
+    antenna: Versions<[f64; 2]>,
+    port: Versions<Pick>,
+    starboard: Versions<Pick>,
+    points: [Versions<CloudPoint>; PointSource::ALL.len()],
+    depths: Versions<PingDepth>,
+}
+
+impl GrowingResults {
+    /// Of a log as it is now.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn measure(
+        survey: &Survey,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let dead_zone_m = settings.first_return.dead_zone_m;
+        let normalisation = Normalisation::measure(survey, &settings.image, dead_zone_m, progress)?;
+        Ok(Self {
+            normalisation,
+            versions: ResultVersions::default(),
+        })
+    }
+}
+
+/// Pings whose results are made again, and those that are looked at for it; both reach to the end of the log.
+struct Part {
+    first: usize,
+    context: usize,
+    /// Where each begins in the other records.
+    first_start: StretchStart,
+    context_start: StretchStart,
+}
+
+/// The results of `before`, of the same log when it was shorter, with those of what was added. All pings before `unchanged` are as they
+/// were. Takes time for the new pings; of the rest only the classes of points are copied, and what lies under bottom edits and excluded
+/// stretches is found anew.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn extend(
+    survey: &Survey,
+    unchanged: usize,
+    before: &Products,
+    settings: &Arc<Settings>,
+    growing: &mut GrowingResults,
+    progress: &Progress,
+) -> Result<Products, Cancelled> {
+    let known = unchanged.min(before.navigation.pings.len());
+    let first = known.saturating_sub(AGAIN);
+    let context = first.saturating_sub(CONTEXT) / ALIGNED * ALIGNED;
+    let (stretch, context_start) = survey.stretch_from(context);
+    let part = Part {
+        first,
+        context,
+        first_start: survey.stretch_start(first),
+        context_start,
+    };
+    let navigation = navigate_with(&stretch, settings.position_settings(), progress)?;
+    let found = found(&stretch, &part, before, settings, growing, progress)?;
+    let mut returns = found.clone();
+    settings.bottom.apply(survey, &mut returns);
+    let versions = &mut growing.versions;
+    let all_navigation = part.join_navigation(&before.navigation, &navigation, versions);
+    let exclusions = Exclusions::new(survey, &all_navigation, &settings.excluded);
+    let counted = counted_of(&returns, part.context..survey.side_scan.len(), &exclusions);
+    let correction = &before.correction;
+    let cloud = cloud::build(
+        &stretch,
+        &navigation,
+        &counted,
+        &before.calibration,
+        &settings.cloud,
+        correction,
+        progress,
+    )?;
+    let classes = cloud::classify(&cloud, &settings.class_rules(), progress)?;
+    let depths = cloud::ping_depths(&stretch, &cloud, &classes, correction);
+    let new_depths = &depths[part.first - part.context..];
+    let all_depths =
+        (versions.depths).next_changed(&before.depths, part.first, new_depths, |all| {
+            let first = part.first.min(all.len());
+            cloud::clear_excluded_depths(&mut all[first..], first, &exclusions);
+            first
+        });
+    let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
+    let depth_range_m = wider(before.depth_range_m, bathymetry::depth_range(new_depths));
+    let reduction = Reduction::new(&before.calibration, correction);
+    let returns = Arc::new(returns);
+    let bottom_line = bottom_line(survey, settings, &returns, &reduction);
+    let new_scales = PointScales::of(&stretch, &cloud, &classes, &reduction);
+    let points = &mut versions.points;
+    let (points, classes) = part.join_points(before, &cloud.points, &classes, &exclusions, points);
+    let cloud = PointCloud {
+        points,
+        zero_heading: all_navigation.zero_heading,
+    };
+    Ok(Products {
+        settings: settings.clone(),
+        navigation: Arc::new(all_navigation),
+        exclusions: Arc::new(exclusions),
+        flat_spots: before.flat_spots.clone(),
+        found: Arc::new(found),
+        returns,
+        bottom_line,
+        calibration: before.calibration.clone(),
+        correction: correction.clone(),
+        cloud: Arc::new(cloud),
+        classes: Arc::new(classes),
+        depths: all_depths,
+        // Level under what is new: the surface is that of the whole log.
+        relief: before.relief.clone(),
+        depth_range_m,
+        scales: before.scales.with(new_scales),
+    })
+}
+
+/// First returns of all pings, those of the part anew.
+fn found(
+    stretch: &Survey,
+    part: &Part,
+    before: &Products,
+    settings: &Settings,
+    growing: &mut GrowingResults,
+    progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    let dead_zone_m = settings.first_return.dead_zone_m;
+    let here = Normalisation::measure(stretch, &settings.image, dead_zone_m, progress)?;
+    growing.normalisation = growing.normalisation.widened(&here);
+    let new = first_return::detect_with(
+        stretch,
+        &settings.image,
+        &settings.first_return,
+        &growing.normalisation,
+        progress,
+    )?;
+    let from = part.first - part.context;
+    let (known, versions) = (&before.found, &mut growing.versions);
+    Ok(FirstReturns {
+        port: (versions.port).next(&known.port, part.first, &new.port[from..]),
+        starboard: (versions.starboard).next(&known.starboard, part.first, &new.starboard[from..]),
+        warnings: new.warnings,
+        drawn: Vec::new(),
+    })
+}
+
+/// The picks of a stretch of pings that count.
+fn counted_of(
+    returns: &FirstReturns,
+    pings: Range<usize>,
+    exclusions: &Exclusions,
+) -> FirstReturns {
+    let counted = |side: Side| {
+        let picks = pings.clone().map(|ping| match exclusions.ping(ping) {
+            Some(_) => Pick::NONE,
+            None => returns.side(side)[ping],
+        });
+        Arc::new(picks.collect())
+    };
+    FirstReturns {
+        port: counted(Side::Port),
+        starboard: counted(Side::Starboard),
+        ..FirstReturns::default()
+    }
+}
+
+impl Part {
+    fn join_navigation(
+        &self,
+        before: &Navigation,
+        new: &Navigation,
+        versions: &mut ResultVersions,
+    ) -> Navigation {
+        let without_heading = |pings: &[PingNav]| {
+            let without = pings.iter().filter(|ping| ping.heading_rad.is_nan());
+            without.count()
+        };
+        let (again, added) = (
+            &before.pings[self.first..],
+            &new.pings[self.first - self.context..],
+        );
+        let known = self.first_start.sounding.min(before.soundings.len());
+        let new_soundings = &new.soundings[known - self.context_start.sounding..];
+        let known_swath = self.first_start.swath.min(before.swath.len());
+        let new_swath = &new.swath[known_swath - self.context_start.swath..];
+        // How many pings of the part move is not told apart from how many of the context do.
+        let share = added.len() as f64 / new.pings.len().max(1) as f64;
+        let known_share = self.first as f64 / before.pings.len().max(1) as f64;
+        let moving = before.moving as f64 * known_share + new.moving as f64 * share;
+        // Neither has one, or both have one for each ping.
+        let antenna = new.antenna.get(self.first - self.context..);
+        Navigation {
+            antenna: (versions.antenna).next(
+                &before.antenna,
+                self.first,
+                antenna.unwrap_or_default(),
+            ),
+            zero_heading: before.zero_heading - without_heading(again) + without_heading(added),
+            moving: moving.round() as usize,
+            pings: versions.pings.next(&before.pings, self.first, added),
+            soundings: (versions.soundings).next(&before.soundings, known, new_soundings),
+            swath: (versions.swath).next(&before.swath, known_swath, new_swath),
+            projection: new.projection,
+        }
+    }
+
+    /// The points of before that lie before the part, and the new ones of the part; with their classes.
+    fn join_points(
+        &self,
+        before: &Products,
+        new: &BySource<CloudPoint>,
+        classes: &[PointClass],
+        exclusions: &Exclusions,
+        versions: &mut [Versions<CloudPoint>; PointSource::ALL.len()],
+    ) -> (BySource<CloudPoint>, Vec<PointClass>) {
+        let mut joined = Vec::with_capacity(before.classes.len() + classes.len());
+        let points = BySource::from_parts(|source| {
+            let old = before.cloud.points.of(source);
+            let known = old.partition_point(|point| !self.is_new(point.record()));
+            let start = before.cloud.points.start(source);
+            joined.extend_from_slice(&before.classes[start..start + known]);
+            let of_source = new.of(source).iter().zip(&classes[new.start(source)..]);
+            let added = of_source.filter_map(|(point, class)| {
+                let point = self.counted_point(point, exclusions)?;
+                joined.push(*class);
+                Some(point)
+            });
+            let added: Vec<CloudPoint> = added.collect();
+            versions[source as usize].next(old, known, &added)
+        });
+        (points, joined)
+    }
+
+    /// A point of the stretch as one of the log; `None` where it lies before the part, or is excluded.
+    fn counted_point(&self, point: &CloudPoint, exclusions: &Exclusions) -> Option<CloudPoint> {
+        let StretchStart { sounding, swath } = self.context_start;
+        let record = match point.record() {
+            PointRecord::Sounding(index) => RecordIndex::new(index + sounding),
+            PointRecord::Swath(index) => RecordIndex::new(index + swath),
+            PointRecord::Ping(_) => None,
+        };
+        let point = CloudPoint {
+            ping: (point.ping as usize + self.context) as u32,
+            record,
+            ..*point
+        };
+        let counts = self.is_new(point.record()) && point.record().exclusion(exclusions).is_none();
+        counts.then_some(point)
+    }
+
+    /// Whether a record of the log belongs to the part.
+    fn is_new(&self, record: PointRecord) -> bool {
+        match record {
+            PointRecord::Ping(index) => index >= self.first,
+            PointRecord::Sounding(index) => index >= self.first_start.sounding,
+            PointRecord::Swath(index) => index >= self.first_start.swath,
+        }
+    }
+}

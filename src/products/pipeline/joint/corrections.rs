@@ -1,0 +1,209 @@
+//! Corrections of a log's positions and heights that were asked for: what was found, and why it is not in force where it is not.
+
+use super::LogPositions;
+use bathyscope_bottom::bathymetry::position_offsets::{Shift, Wanted};
+use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
+
+/// A correction of a log that was asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RequestedCorrection {
+    /// What the log is called.
+    pub log: String,
+    /// Which correction.
+    #[serde(flatten)]
+    pub found: FoundCorrection,
+    /// Why what was found is not in force; absent where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<&'static str>,
+}
+
+/// What crossings show of a correction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "setting")]
+pub enum FoundCorrection {
+    /// A shift of all positions.
+    #[serde(rename = "position_shift")]
+    Shift {
+        /// To be added to positions, metres to the east.
+        east_m: f64,
+        /// The same to the north.
+        north_m: f64,
+        /// The larger standard error of both, metres.
+        standard_error_m: f64,
+    },
+    /// How late positions are.
+    #[serde(rename = "mounting.latency_s")]
+    Latency {
+        /// Seconds.
+        latency_s: f64,
+        /// Its standard error, seconds.
+        standard_error_s: f64,
+    },
+    /// Nothing of the correction that a setting holds.
+    #[serde(untagged)]
+    Nothing {
+        /// The key of the setting.
+        setting: &'static str,
+    },
+}
+
+/// A larger standard error says no more than is assumed of any receiver, metres.
+const TOLD_M: f64 = 1.0;
+
+const NO_SLOPE: &str = "no tracks cross over a slope in a way that shows it";
+const IN_FORCE: &str = "it differs from what is in force by less than two standard errors";
+const ONE_LOG: &str = "one log alone has no other to agree with";
+const NO_SOLUTION: &str = "the crossings of the tracks give no solution";
+
+impl RequestedCorrection {
+    /// What became of the positions of a log; `found` is `None` where the equations have no solution.
+    pub fn of_positions(log: &str, wanted: Wanted, found: Option<&LogPositions>) -> Vec<Self> {
+        let nothing = |setting| Self::nothing(log, setting, NO_SOLUTION);
+        let shift =
+            || found.map_or_else(|| nothing("position_shift"), |found| of_shift(log, found));
+        let latency = || {
+            found.map_or_else(
+                || nothing("mounting.latency_s"),
+                |found| of_latency(log, found),
+            )
+        };
+        let shift = wanted.shifts.then(shift);
+        shift
+            .into_iter()
+            .chain(wanted.latencies.then(latency))
+            .collect()
+    }
+
+    /// What a single log cannot show.
+    pub fn of_one_log(log: &str, wanted: Wanted) -> Vec<Self> {
+        let shift = wanted.shifts.then_some("position_shift");
+        let settings = ["height_offset_m"].into_iter().chain(shift);
+        settings
+            .map(|setting| Self::nothing(log, setting, ONE_LOG))
+            .collect()
+    }
+
+    fn nothing(log: &str, setting: &'static str, why: &'static str) -> Self {
+        Self {
+            log: log.to_owned(),
+            found: FoundCorrection::Nothing { setting },
+            refused: Some(why),
+        }
+    }
+}
+
+fn of_shift(log: &str, positions: &LogPositions) -> RequestedCorrection {
+    let Shift {
+        east_m, north_m, ..
+    } = positions.found.shift;
+    let standard_error_m = positions.found.shift_error_m;
+    RequestedCorrection {
+        log: log.to_owned(),
+        found: FoundCorrection::Shift {
+            east_m,
+            north_m,
+            standard_error_m,
+        },
+        refused: match positions.told_shift() {
+            Some(_) => None,
+            None if standard_error_m < TOLD_M => Some(IN_FORCE),
+            None => Some(NO_SLOPE),
+        },
+    }
+}
+
+fn of_latency(log: &str, positions: &LogPositions) -> RequestedCorrection {
+    let standard_error_s = positions.found.latency_error_s;
+    RequestedCorrection {
+        log: log.to_owned(),
+        found: FoundCorrection::Latency {
+            latency_s: positions.found.shift.latency_s,
+            standard_error_s,
+        },
+        refused: match positions.told_latency_s() {
+            Some(_) => None,
+            None if positions.is_latency_known() => Some(IN_FORCE),
+            None => Some(NO_SLOPE),
+        },
+    }
+}
+
+/// `lake-1: position_shift of +1.25 m east, -0.50 m north, standard error 0.21 m, applied`.
+impl Display for RequestedCorrection {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.log)?;
+        match self.found {
+            FoundCorrection::Shift {
+                east_m,
+                north_m,
+                standard_error_m,
+            } => write!(
+                f,
+                "position_shift of {east_m:+.2} m east, {north_m:+.2} m north, standard error {standard_error_m:.2} m"
+            ),
+            FoundCorrection::Latency {
+                latency_s,
+                standard_error_s,
+            } => write!(
+                f,
+                "mounting.latency_s of {latency_s:+.2} s, standard error {standard_error_s:.2} s"
+            ),
+            FoundCorrection::Nothing { setting } => write!(f, "{setting}"),
+        }?;
+        match self.refused {
+            None => write!(f, ", applied"),
+            Some(why) => write!(f, ", not applied: {why}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_bottom::bathymetry::position_offsets::FoundShift;
+
+    fn positions(east_m: f64, error: f64) -> LogPositions {
+        LogPositions {
+            found: FoundShift {
+                shift: Shift {
+                    east_m,
+                    north_m: -0.5,
+                    latency_s: 0.3,
+                },
+                shift_error_m: error,
+                latency_error_s: error,
+            },
+            in_force: Shift::default(),
+        }
+    }
+
+    #[test]
+    fn what_was_found_is_said_with_what_became_of_it() {
+        let wanted = Wanted {
+            shifts: true,
+            latencies: true,
+        };
+        let said = |positions: Option<&LogPositions>| {
+            let all = RequestedCorrection::of_positions("a", wanted, positions);
+            all.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            said(Some(&positions(1.25, 0.21))),
+            [
+                "a: position_shift of +1.25 m east, -0.50 m north, standard error 0.21 m, applied",
+                "a: mounting.latency_s of +0.30 s, standard error 0.21 s, not applied: it differs from what is in force by less than two standard errors",
+            ]
+        );
+        let unknown = said(Some(&positions(1.25, 1.9)));
+        assert!(
+            unknown.iter().all(|one| one.ends_with(NO_SLOPE)),
+            "{unknown:?}"
+        );
+        assert!(said(None)[0].ends_with(NO_SOLUTION));
+        let alone = RequestedCorrection::of_one_log("a", wanted);
+        assert_eq!(alone.len(), 2, "height offset and shift");
+        let text = serde_json::to_string(&alone[0]).expect("JSON");
+        assert!(text.contains("\"setting\":\"height_offset_m\""), "{text}");
+    }
+}

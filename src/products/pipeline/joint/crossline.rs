@@ -1,0 +1,244 @@
+//! What crossing tracks say about the depths of one log and of several.
+
+use crate::pipeline::ProcessedLog;
+use bathyscope_bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
+use bathyscope_bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
+use bathyscope_bottom::bathymetry::position_offsets::{
+    CorrectedLog, FoundShift, Shift, Wanted, settled_offsets, shifted,
+};
+use bathyscope_bottom::cloud::{PointSource, Residuals};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::PositionShift;
+use serde::Serialize;
+
+/// Crossings of all tracks with themselves and each other, in numbers: the later pass minus the earlier, or the second log minus the
+/// first, as elevations.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CrosslineAnalysis {
+    /// All crossings.
+    pub all: Residuals,
+    /// Those of two logs; `None` without any.
+    pub between_logs: Option<Residuals>,
+    /// Those of each log with itself: its repeatability; `None` for one that never crosses itself.
+    pub within_logs: Vec<Option<Residuals>>,
+}
+
+/// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings. A log without any gives the depths
+/// of its first returns.
+pub fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
+    let survey = &log.survey;
+    let soundings = log
+        .kept_points()
+        .filter(|point| point.source == PointSource::DownScan);
+    let depths = soundings.filter_map(|point| {
+        let time_s = survey.soundings.get(point.sounding()?)?.time_s;
+        let [east_m, north_m, z_m] = point.place();
+        Some(TrackDepth::new(time_s, [east_m, north_m], -z_m))
+    });
+    let depths: Vec<TrackDepth> = depths.filter(is_finite).collect();
+    if !depths.is_empty() {
+        return depths;
+    }
+    let pings = survey.side_scan.iter().zip(log.products.depths.iter());
+    let placed = pings.zip(log.products.navigation.pings.iter());
+    let depths = placed.map(|((ping, depth), at)| {
+        TrackDepth::new(ping.time_s, at.place(), f64::from(depth.depth_m))
+    });
+    depths.filter(is_finite).collect()
+}
+
+fn is_finite(depth: &TrackDepth) -> bool {
+    [depth.east_m, depth.north_m, depth.depth_m]
+        .iter()
+        .all(|value| value.is_finite())
+}
+
+/// The height offset of every log (`height_offset_m`) by the overlaps of their tracks, whatever offset is in force: what a log has
+/// already is part of what is found, so that applying it and asking again gives the same.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn height_offsets(
+    logs: &[ProcessedLog],
+    datum: Datum,
+    progress: &Progress,
+) -> Result<HeightOffsets, Cancelled> {
+    let without_offset = |log: &ProcessedLog| {
+        let in_force_m = log.products.correction.height_offset_m();
+        let mut depths = track_depths(log);
+        for depth in &mut depths {
+            depth.depth_m += in_force_m;
+        }
+        depths
+    };
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(without_offset).collect();
+    offsets::height_offsets(&tracks, datum, progress)
+}
+
+/// Crossings of all tracks; `None` where none crosses another or itself.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn crossline_analysis(
+    logs: &[ProcessedLog],
+    progress: &Progress,
+) -> Result<Option<CrosslineAnalysis>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    let found = crossings(&tracks, progress)?;
+    let residuals = |of: &dyn Fn([usize; 2]) -> bool| {
+        let chosen = found
+            .iter()
+            .filter(|one| of(one.passes.map(|pass| pass.track)));
+        let mut differences: Vec<f64> = chosen.map(Crossing::difference_m).collect();
+        Residuals::of(&mut differences)
+    };
+    let within_logs = (0..logs.len()).map(|log| residuals(&|tracks| tracks == [log, log]));
+    Ok(residuals(&|_| true).map(|all| CrosslineAnalysis {
+        all,
+        between_logs: residuals(&|[a, b]| a != b),
+        within_logs: within_logs.collect(),
+    }))
+}
+
+/// How the positions of a log are off, as crossings show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogPositions {
+    /// What should be in force.
+    pub found: FoundShift,
+    /// What is: the position shift and the latency of the log's settings.
+    pub in_force: Shift,
+}
+
+/// What differs from what is in force by more than so many of its standard errors is worth applying.
+const TELLING_SIGMAS: f64 = 2.0;
+
+impl LogPositions {
+    /// The position shift that is worth applying, metres: `None` where what is in force may be right.
+    pub fn told_shift(&self) -> Option<PositionShift> {
+        let Shift {
+            east_m, north_m, ..
+        } = self.found.shift;
+        let off_m = (east_m - self.in_force.east_m).hypot(north_m - self.in_force.north_m);
+        (off_m > TELLING_SIGMAS * self.found.shift_error_m).then_some(PositionShift {
+            east_m: in_hundredths(east_m),
+            north_m: in_hundredths(north_m),
+        })
+    }
+
+    /// The latency that is worth applying, seconds: `None` where what is in force may be right.
+    pub fn told_latency_s(&self) -> Option<f64> {
+        let latency_s = self.found.shift.latency_s;
+        let off_s = (latency_s - self.in_force.latency_s).abs();
+        let tells = off_s > TELLING_SIGMAS * self.found.latency_error_s;
+        tells.then(|| in_hundredths(latency_s))
+    }
+
+    /// Whether crossings say how late positions are, be it not at all.
+    pub fn is_latency_known(&self) -> bool {
+        self.found.latency_error_s < TOLD_S
+    }
+}
+
+/// Centimetres and hundredths of a second: more is not known.
+fn in_hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0 + 0.0
+}
+
+/// How the positions of each log are off, by all crossings of their tracks with themselves and each other: what a log has in force is part of what is
+/// found, so that applying it and asking again gives about the same. `None` where the equations have no solution.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn position_offsets(
+    logs: &[ProcessedLog],
+    wanted: Wanted,
+    progress: &Progress,
+) -> Result<Option<Vec<LogPositions>>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    let found = settled_offsets(
+        &vec![CorrectedLog::default(); logs.len()],
+        wanted,
+        |placed| {
+            let moved = tracks.iter().zip(placed);
+            let moved: Vec<Vec<TrackDepth>> = moved
+                .map(|(track, placed)| shifted(track, &placed.shift))
+                .collect();
+            crossings(&moved, progress)
+        },
+    )?;
+    let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
+        let settings = &log.products.settings;
+        let PositionShift { east_m, north_m } = settings.position_shift;
+        let in_force = Shift {
+            east_m,
+            north_m,
+            latency_s: settings.mounting.latency_s,
+        };
+        LogPositions {
+            found: FoundShift {
+                shift: found.shift.plus(in_force.values()),
+                ..found
+            },
+            in_force,
+        }
+    };
+    Ok(found.map(|found| logs.iter().zip(found).map(of_log).collect()))
+}
+
+/// How late the positions of a log are, as its crossings show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LogLatency {
+    /// What `mounting.latency_s` should be, seconds.
+    pub latency_s: f64,
+    /// Its standard error, seconds.
+    pub standard_error_s: f64,
+    /// What is in force, seconds.
+    pub in_force_s: f64,
+}
+
+/// A latency is told from a standard error of this on, seconds: a larger one says no more than is assumed of any recorder.
+const TOLD_S: f64 = 0.5;
+/// What is in force is contradicted from so many seconds and standard errors on.
+const CONTRADICTED_S: f64 = 0.15;
+const CONTRADICTED_SIGMAS: f64 = 3.0;
+
+impl LogLatency {
+    /// Whether the crossings contradict what is in force.
+    pub fn contradicts(&self) -> bool {
+        let off_s = (self.latency_s - self.in_force_s).abs();
+        off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
+    }
+
+    /// `0.62 s, standard error 0.08 s`.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{:.2} s, standard error {:.2} s",
+            self.latency_s, self.standard_error_s
+        )
+    }
+}
+
+/// The latency of each log from the crossings of all tracks with themselves and each other; `None` of a log whose crossings say nothing.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn latencies(
+    logs: &[ProcessedLog],
+    progress: &Progress,
+) -> Result<Vec<Option<LogLatency>>, Cancelled> {
+    let wanted = Wanted {
+        shifts: false,
+        latencies: true,
+    };
+    let Some(found) = position_offsets(logs, wanted, progress)? else {
+        return Ok(vec![None; logs.len()]);
+    };
+    let of_log = |log: LogPositions| {
+        log.is_latency_known().then_some(LogLatency {
+            latency_s: log.found.shift.latency_s,
+            standard_error_s: log.found.latency_error_s,
+            in_force_s: log.in_force.latency_s,
+        })
+    };
+    Ok(found.into_iter().map(of_log).collect())
+}

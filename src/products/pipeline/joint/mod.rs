@@ -1,0 +1,24 @@
+//! Results over all logs of a survey.
+//!
+//! In: the results of several logs. Out: their differences, height offsets and one report.
+//! It uses `bottom`, `survey` and `support`.
+//!
+//! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
+//! ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` compares logs with each other where
+//! their tracks meet, and finds their height offsets, `corrections` says what became of those that were asked for, `comparison` compares them with each
+//! other by their points, `report` sums them up and lists them (`logs_report`).
+
+mod comparison;
+mod corrections;
+mod crossline;
+mod logs_report;
+mod report;
+
+pub use comparison::compare_logs;
+pub use corrections::RequestedCorrection;
+pub use crossline::{
+    CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
+    position_offsets, track_depths,
+};
+pub use logs_report::{LogReport, LogsReport};
+pub use report::{contradictions, joint_report};

@@ -1,0 +1,166 @@
+//! What `report.json` says of a survey of several logs.
+
+use super::logs_report::{LogReport, LogsReport};
+use super::{compare_logs, crossline_analysis, height_offsets};
+use crate::pipeline::{CommonUncertainty, ProcessedLog, Report, Settings, setting_values};
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, PairDifference};
+use bathyscope_bottom::cloud::{Residuals, same_ping_differences};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Survey, apart};
+use std::collections::BTreeMap;
+
+const DATUM: &str = "offset_m is what is to be added to the elevations of a log so that it agrees with those that it is connected with; \
+     the mean of connected logs is zero. Differences are elevations, the second log minus the first: positive is shallower.";
+
+/// The report of a survey of several logs: counts, track and residuals are those of all of them, `format`, `start_unix_s`, settings and `calibration` those of the first,
+/// and what belongs to one log stands with it. `names` are what the logs are called. `None` without a log.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_report(
+    logs: &[ProcessedLog],
+    names: &[String],
+    progress: &Progress,
+) -> Result<Option<Report>, Cancelled> {
+    let single = |log: &ProcessedLog| Report::new(&log.survey, &log.products, progress);
+    let singles = logs.iter().map(single).collect::<Result<Vec<_>, _>>()?;
+    let Some(mut all) = singles.first().cloned() else {
+        return Ok(None);
+    };
+    let found = height_offsets(logs, Datum::Mean, progress)?;
+    all.inputs = Vec::new();
+    all.excluded = Vec::new();
+    all.residuals = Residuals::of(&mut same_ping(logs));
+    all.uncertainty = CommonUncertainty::of(logs, progress)?;
+    all.warnings = Vec::new();
+    let mut listed = Vec::new();
+    for (index, (single, offset)) in singles.into_iter().zip(found.logs).enumerate() {
+        if index > 0 {
+            all.counts.add(&single.counts);
+            all.track.add(&single.track);
+        }
+        all.inputs.extend(single.inputs.iter().cloned());
+        let warnings = single.warnings.iter();
+        all.warnings
+            .extend(warnings.map(|warning| format!("{}: {warning}", names[index])));
+        let others: Vec<&ProcessedLog> = logs
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+            .map(|(_, log)| log)
+            .collect();
+        listed.push(LogReport {
+            log: names[index].clone(),
+            inputs: single.inputs,
+            format: single.format,
+            start_unix_s: single.start_unix_s,
+            own_settings: own_settings(&logs[0].products.settings, &logs[index].products.settings),
+            height_offset_in_force_m: logs[index].products.correction.height_offset_m(),
+            offset,
+            against_the_others: compare_logs(&[&logs[index]], &others, progress)?,
+            counts: single.counts,
+            excluded: single.excluded,
+            calibration: single.calibration,
+            track: single.track,
+            residuals: single.residuals,
+            positions: single.positions,
+            statement: single.statement,
+        });
+    }
+    all.positions = String::new();
+    all.statement = statement(&listed);
+    all.warnings.extend(not_one_survey(logs, names));
+    all.warnings.extend(not_connected(&listed));
+    all.warnings.extend(contradictions(&found.pairs, names));
+    all.logs = Some(LogsReport {
+        datum: DATUM,
+        logs: listed,
+        pairs: found.pairs,
+        crosslines: crossline_analysis(logs, progress)?,
+    });
+    Ok(Some(all))
+}
+
+/// What the depths of all logs are: once where it is the same of all.
+fn statement(logs: &[LogReport]) -> String {
+    let first = logs.first().map_or("", |log| log.statement.as_str());
+    if logs.iter().all(|log| log.statement == first) {
+        return first.to_owned();
+    }
+    let each = logs
+        .iter()
+        .map(|log| format!("{}: {}", log.log, log.statement));
+    each.collect::<Vec<_>>().join(" ")
+}
+
+/// Elevations of the side-scan points of all logs minus those of the recorded depths at the same pings.
+fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
+    let of_log = |log: &ProcessedLog| {
+        let made = &log.products;
+        same_ping_differences(&log.survey, &made.cloud, &made.correction, &made.classes)
+    };
+    logs.iter().flat_map(of_log).collect()
+}
+
+/// What another log is set to where that differs from the first: `None` where it leaves a setting without a value.
+fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<toml::Value>> {
+    let [values, others] = [first, own].map(setting_values);
+    let keys = values.keys().chain(others.keys());
+    // Which log the stretches were named for is known where they stand here.
+    let keys = keys.filter(|key| key.as_str() != "excluded.log");
+    let differ = keys.filter(|key| values.get(*key) != others.get(*key));
+    let differ = differ.map(|key| (key.clone(), others.get(key).cloned()));
+    let mut differ: BTreeMap<_, _> = differ.collect();
+    if own.bottom.lines != first.bottom.lines {
+        let edits = Some(&own.bottom).filter(|bottom| !bottom.is_empty());
+        let edits = edits.and_then(|bottom| toml::Value::try_from(bottom).ok());
+        differ.insert("bottom".to_owned(), edits);
+    }
+    differ
+}
+
+/// Says which logs cannot be compared in height with the first.
+fn not_connected(logs: &[LogReport]) -> Option<String> {
+    let apart: Vec<&str> = logs
+        .iter()
+        .filter(|log| log.offset.group != 0)
+        .map(|log| log.log.as_str())
+        .collect();
+    (!apart.is_empty()).then(|| {
+        format!(
+            "heights cannot be compared with the first log, since no track leads there by crossings: {}",
+            apart.join(", ")
+        )
+    })
+}
+
+/// A warning for every log that makes no survey with the others; `names` are what the logs are called.
+fn not_one_survey<'a>(
+    logs: &[ProcessedLog],
+    names: &'a [String],
+) -> impl Iterator<Item = String> + 'a {
+    let surveys: Vec<&Survey> = logs.iter().map(|log| log.survey.as_ref()).collect();
+    let why = apart(&surveys, &vec![false; surveys.len()]);
+    let why = names.iter().zip(why);
+    why.filter_map(|(name, why)| {
+        Some(format!(
+            "{name} is no part of this survey, {}: process it by itself",
+            why?
+        ))
+    })
+}
+
+/// A warning for every two logs that no height offsets bring together; `names` are what the logs are called.
+pub fn contradictions<'a>(
+    pairs: &'a [PairDifference],
+    names: &'a [String],
+) -> impl Iterator<Item = String> + 'a {
+    let left = pairs.iter().filter(|pair| pair.is_contradiction());
+    left.map(|pair| {
+        let [one, other] = pair.logs.map(|log| names.get(log).map_or("", String::as_str));
+        let (left_m, places) = (pair.residual_m, pair.n);
+        format!(
+            "{one} and {other} differ by {left_m:+.2} m at {places} places after all height offsets: look for a clock, a water level or a bottom that changed, and exclude what is wrong"
+        )
+    })
+}

@@ -1,0 +1,466 @@
+//! Settings of several logs: those that all share, and those that one log has for itself.
+//!
+//! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the pipeline takes the result as it
+//! takes the settings of a single log. Keys are those of `--set`: `draft_m`, `first_return.threshold`.
+
+use super::settings::{in_one_line, renamed, row};
+use super::{Settings, SettingsError};
+use bathyscope_bottom::first_return::BottomSettings;
+use bathyscope_log::survey::{Gauge, Identity, Survey, WaterArea};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use toml::{Table, Value};
+
+/// Settings by their dotted keys.
+pub type SettingValues = BTreeMap<String, Value>;
+
+/// Keys that say nothing about another log, so that they cannot be shared.
+const NEVER_SHARED: [&str; 14] = [
+    "calibration.pings",
+    "excluded.log",
+    "excluded.stretches",
+    "height_offset_m",
+    "mounting.clock_offset_s",
+    "mounting.forward_m",
+    "mounting.heading_offset_deg",
+    "mounting.latency_s",
+    "mounting.right_m",
+    "mounting.swap_sides",
+    "position_shift.east_m",
+    "position_shift.north_m",
+    "track.file",
+    "track.offset_s",
+];
+/// Other keys that belong to one log by their nature: a change of them never concerns another log.
+const SELDOM_SHARED: [&str; 14] = [
+    "draft_m",
+    "picture.absorption_db_m",
+    "picture.balance_db",
+    "picture.black",
+    "picture.despeckle",
+    "picture.flip",
+    "picture.gain",
+    "picture.gamma",
+    "picture.spreading_db",
+    "picture.starboard_first",
+    "picture.stripe_filter",
+    "picture.white",
+    "water_level.file",
+    "water_level_m",
+];
+/// Kept by itself: it is made of many strokes.
+const BOTTOM: &str = "bottom";
+/// The log that excluded stretches are of.
+const EXCLUDED_LOG: &str = "excluded.log";
+
+/// Reads values that any version wrote, under the keys of this one.
+///
+/// # Errors
+/// When they are no table of values.
+pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingValues, D::Error> {
+    let values = SettingValues::deserialize(from)?.into_iter();
+    let current = |(key, value): (String, Value)| match renamed(&key) {
+        Some(now) => (now.to_owned(), value),
+        None => (key, value),
+    };
+    Ok(values.map(current).collect())
+}
+
+/// Whether there is a setting of this key; the bottom edits are none.
+pub fn is_setting(key: &str) -> bool {
+    row(key).is_some()
+}
+
+/// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
+/// track and its clock, mounting, position shift, flat spot, excluded stretches, and how its picture is shown.
+pub fn is_of_one_log(key: &str) -> bool {
+    NEVER_SHARED.contains(&key) || SELDOM_SHARED.contains(&key)
+}
+
+/// All settings that have a value, by their keys, but for the bottom edits.
+pub fn setting_values(settings: &Settings) -> SettingValues {
+    let mut table = table_of(settings);
+    table.remove(BOTTOM);
+    let mut values = SettingValues::new();
+    flatten("", table, &mut values);
+    values
+}
+
+/// Settings as a table. They are numbers, names and paths, which can be written; of a path that is no text, what is text of it.
+fn table_of(settings: &Settings) -> Table {
+    let mut settings = settings.clone();
+    let paths = [
+        &mut settings.detector.model,
+        &mut settings.isobaths.clip,
+        &mut settings.track.file,
+        &mut settings.water_level.file,
+    ];
+    for path in paths.into_iter().flatten() {
+        *path = path.to_string_lossy().into_owned().into();
+    }
+    Table::try_from(settings).unwrap_or_default()
+}
+
+fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
+    for (key, value) in table {
+        let key = match prefix {
+            "" => key,
+            prefix => format!("{prefix}.{key}"),
+        };
+        match value {
+            // A key with a table for its value: which log the stretches are of.
+            Value::Table(inner) if !is_of_one_log(&key) => {
+                flatten(&key, inner, values);
+            }
+            value => {
+                values.insert(key, shortest(value));
+            }
+        }
+    }
+}
+
+/// A number as it was given: one that a setting keeps in 32 bits is `0.41`, not what these are in 64.
+fn shortest(value: Value) -> Value {
+    match value {
+        Value::Float(number) if number.is_finite() && f64::from(number as f32) == number => {
+            let text = (number as f32).to_string();
+            Value::Float(text.parse().unwrap_or(number))
+        }
+        other => other,
+    }
+}
+
+/// Settings with the given values over them. What was loaded from a file stays where the file stays.
+///
+/// # Errors
+/// A sentence that names the key, when it is none or cannot have that value.
+pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, SettingsError> {
+    if values.is_empty() {
+        return Ok(settings.clone());
+    }
+    let mut table = table_of(settings);
+    for (key, value) in values {
+        insert(&mut table, key, value.clone());
+    }
+    let mut made: Settings = table
+        .try_into()
+        .map_err(|error: toml::de::Error| SettingsError(in_one_line(&error.to_string())))?;
+    if made.water_level.file == settings.water_level.file {
+        made.water_level.gauge = settings.water_level.gauge.clone();
+    }
+    if made.isobaths.clip == settings.isobaths.clip {
+        made.isobaths.area = settings.isobaths.area.clone();
+    }
+    Ok(made)
+}
+
+fn insert(table: &mut Table, key: &str, value: Value) {
+    let Some((first, rest)) = key.split_once('.') else {
+        table.insert(key.to_owned(), value);
+        return;
+    };
+    let inner = table
+        .entry(first)
+        .or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(inner) = inner {
+        insert(inner, rest, value);
+    }
+}
+
+/// What is set for one log only.
+#[derive(Clone, Debug, Default)]
+pub struct LogSettings {
+    own: SettingValues,
+    /// The bottom edits of this log.
+    pub bottom: BottomSettings,
+    /// What its own `water_level.file` holds, once somebody has read it. It follows from the key, and is no difference by itself.
+    pub gauge: Option<Arc<Gauge>>,
+    /// Likewise what its own `isobaths.clip` holds.
+    pub area: Option<Arc<WaterArea>>,
+}
+
+impl PartialEq for LogSettings {
+    fn eq(&self, other: &Self) -> bool {
+        self.own == other.own && self.bottom == other.bottom
+    }
+}
+
+impl LogSettings {
+    /// The log's own values, by key.
+    pub fn own(&self) -> &SettingValues {
+        &self.own
+    }
+
+    /// Whether the log has its own value of a setting.
+    pub fn is_own(&self, key: &str) -> bool {
+        self.own.contains_key(key)
+    }
+
+    /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else the shared one.
+    pub fn swaps_sides(&self, shared: &Settings) -> bool {
+        let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
+        own.unwrap_or(shared.mounting.swap_sides)
+    }
+
+    /// Gives the log its own value of a setting.
+    pub fn set(&mut self, key: &str, value: Value) {
+        self.own.insert(key.to_owned(), value);
+    }
+
+    /// Leaves a setting to what all logs share.
+    pub fn unset(&mut self, key: &str) {
+        self.own.remove(key);
+    }
+
+    /// The settings that the log is processed with: the shared ones, and its own over them. Its gauge is in them when
+    /// [`LogSettings::gauge`] is there, and so is its area; otherwise [`Settings::load_files`] reads them.
+    ///
+    /// # Errors
+    /// A sentence that names the key, when an own value cannot be used.
+    pub fn compose(&self, shared: &Settings) -> Result<Settings, SettingsError> {
+        let mut settings = with_values(shared, &self.own)?;
+        if self.is_own("water_level.file") {
+            settings.water_level.gauge = self.gauge.clone();
+        }
+        if self.is_own("isobaths.clip") {
+            settings.isobaths.area = self.area.clone();
+        }
+        settings.bottom = self.bottom.clone();
+        Ok(settings)
+    }
+
+    /// The same with what its own files hold, as settings that it was composed into have it once they are loaded
+    /// ([`Settings::load_files`]): composed anew, these files count still.
+    #[must_use]
+    pub fn with_files_of(self, loaded: &Settings) -> Self {
+        Self {
+            gauge: loaded.water_level.gauge.clone(),
+            area: loaded.isobaths.area.clone(),
+            ..self
+        }
+    }
+
+    /// Shared settings and this log's own after the log's composed settings became `after`: what belongs to one log, and what was its
+    /// own already, stays with the log; every other change is one of the shared settings.
+    ///
+    /// # Errors
+    /// As [`LogSettings::compose`].
+    pub fn change(
+        &self,
+        shared: &Settings,
+        after: &Settings,
+    ) -> Result<(Settings, LogSettings), SettingsError> {
+        let (before, now) = (
+            setting_values(&self.compose(shared)?),
+            setting_values(after),
+        );
+        let mut own = self.clone();
+        let mut all = setting_values(shared);
+        let keys = before.keys().chain(now.keys());
+        for key in keys.filter(|key| before.get(*key) != now.get(*key)) {
+            let stays = is_of_one_log(key) || self.is_own(key);
+            let values = if stays { &mut own.own } else { &mut all };
+            match now.get(key) {
+                Some(value) => values.insert(key.clone(), value.clone()),
+                None => values.remove(key),
+            };
+        }
+        own.bottom = after.bottom.clone();
+        let own = own.with_files_of(after);
+        let mut changed = from_values(&all)?;
+        if changed.water_level.file == shared.water_level.file {
+            changed.water_level.gauge = shared.water_level.gauge.clone();
+        }
+        changed.isobaths.area = match own.is_own("isobaths.clip") {
+            true => shared.isobaths.area.clone(),
+            false => after.isobaths.area.clone(),
+        };
+        Ok((changed, own))
+    }
+
+    /// The same for a log of which more was written since: bottom edits and excluded stretches belong to it still. `None` where nothing
+    /// has to be said anew.
+    pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
+        let own = Identity::of(survey);
+        let mut carried = self.clone();
+        let BottomSettings {
+            log_bytes, pings, ..
+        } = self.bottom;
+        if !self.bottom.is_empty() && survey.was(log_bytes, pings) {
+            carried.bottom.log_bytes = own.byte_count;
+            carried.bottom.pings = own.pings;
+        }
+        let named = self.own.get(EXCLUDED_LOG).cloned();
+        let named = named.and_then(|value| value.try_into::<Identity>().ok());
+        if let Some(log) = named.filter(|log| survey.is_or_was(log))
+            && let Ok(value) = Value::try_from(Identity {
+                file: log.file,
+                ..own
+            })
+        {
+            carried.own.insert(EXCLUDED_LOG.to_owned(), value);
+        }
+        (carried != *self).then_some(carried)
+    }
+
+    /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs, with the value that they have. `None`
+    /// when that changes nothing, or cannot be: a flat spot, a track and a mounting say nothing about another log.
+    pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
+        if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
+            return None;
+        }
+        let mut changed = self.clone();
+        match own {
+            true => {
+                let value = setting_values(shared).remove(key)?;
+                changed.own.insert(key.to_owned(), value);
+            }
+            false => changed.unset(key),
+        }
+        Some(changed)
+    }
+}
+
+/// Settings that have these values and no other: an optional key that is missing has none.
+///
+/// # Errors
+/// A sentence that names the key, when it is none or cannot have that value.
+pub fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
+    with_values(&Settings::default(), values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::Preset;
+    use bathyscope_bottom::first_return::BottomEdit;
+    use bathyscope_log::survey::{ExclusionReason, Side, Stretch};
+
+    fn settings(assignments: &[&str]) -> Settings {
+        let apply = |settings: Settings, text: &&str| settings.with_assignment(text);
+        let made = assignments.iter().try_fold(Settings::default(), apply);
+        made.expect("settings")
+    }
+
+    #[test]
+    fn values_of_an_earlier_version_have_the_keys_of_this_one() {
+        #[derive(Deserialize)]
+        struct Record(#[serde(deserialize_with = "deserialize_values")] SettingValues);
+        let json = r#"{ "draft_m": 0.5, "left_out.min_duration_s": 4.0 }"#;
+        let Record(values) = serde_json::from_str(json).unwrap();
+        let keys: Vec<&str> = values.keys().map(String::as_str).collect();
+        assert_eq!(keys, ["draft_m", "excluded.min_duration_s"]);
+        let settings = from_values(&values).unwrap();
+        assert_eq!(settings.excluded.min_duration_s, 4.0);
+    }
+
+    #[test]
+    fn a_change_goes_to_the_log_or_to_all_by_what_it_belongs_to() {
+        let shared = Settings::preset(Preset::Recommended);
+        let mut own = LogSettings::default();
+        own.set("first_return.threshold", Value::Float(0.4));
+        let before = own.compose(&shared).expect("settings");
+        assert_eq!(before.first_return.threshold, 0.4);
+        let mut after = before.clone();
+        after.draft_m = 0.25;
+        after.first_return.threshold = 0.5;
+        after.outliers.min_neighbors = 3;
+        after.surface.cell_m = Some(0.5);
+        after.bottom.lines.push(BottomEdit {
+            side: Side::Port,
+            pings: [1, 2],
+            corners: Vec::new(),
+            accepted: false,
+        });
+        after.excluded.log = Some(Identity {
+            file: "pond.sl2".to_owned(),
+            byte_count: 9,
+            pings: 5,
+            swapped_sides: false,
+        });
+        after.excluded.stretches.push(Stretch {
+            pings: Some([2, 3]),
+            time_s: None,
+            reason: Some(ExclusionReason::Drawn),
+        });
+        let (all, one) = own.change(&shared, &after).expect("settings");
+        assert_eq!(one.compose(&all).expect("settings"), after);
+        assert!(all.excluded.is_empty() && all.excluded.log.is_none());
+        assert_eq!(
+            one.own().keys().collect::<Vec<_>>(),
+            [
+                "draft_m",
+                "excluded.log",
+                "excluded.stretches",
+                "first_return.threshold"
+            ]
+        );
+        assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));
+        assert_eq!(all.surface.cell_m, Some(0.5));
+        assert_eq!(all.first_return.threshold, shared.first_return.threshold);
+        assert!(all.bottom.is_empty());
+        // Back to no value.
+        let mut back = after.clone();
+        back.surface.cell_m = None;
+        let (all, _) = one.change(&all, &back).expect("settings");
+        assert_eq!(all.surface.cell_m, None);
+    }
+
+    #[test]
+    fn a_setting_is_made_a_logs_own_and_left_to_all_again() {
+        let shared = settings(&["outliers.min_neighbors=7", "draft_m=0.3"]);
+        let none = LogSettings::default();
+        let own = none.owning(&shared, "outliers.min_neighbors", true);
+        let own = own.expect("a change");
+        assert!(own.is_own("outliers.min_neighbors"));
+        let changed = settings(&["outliers.min_neighbors=9", "draft_m=0.3"]);
+        assert_eq!(
+            own.compose(&changed)
+                .expect("settings")
+                .outliers
+                .min_neighbors,
+            7
+        );
+        assert_eq!(own.owning(&shared, "outliers.min_neighbors", true), None);
+        let back = own.owning(&shared, "outliers.min_neighbors", false);
+        assert_eq!(back, Some(none.clone()));
+        let mut tracked = none;
+        tracked.set("track.offset_s", Value::Float(2.0));
+        assert_eq!(tracked.owning(&shared, "track.offset_s", false), None);
+    }
+
+    #[test]
+    fn an_own_value_that_cannot_be_is_named() {
+        let mut own = LogSettings::default();
+        own.set("cloud.geometry", Value::String("flat".to_owned()));
+        let error = own.compose(&Settings::default()).expect_err("no geometry");
+        assert!(error.0.contains("flat"), "{error}");
+    }
+
+    #[test]
+    fn the_area_of_the_isobaths_comes_along_and_another_content_is_another_setting() {
+        let of = |sha256: &str| {
+            let mut settings = settings(&["isobaths.clip=shore.kml"]);
+            settings.isobaths.area = Some(Arc::new(WaterArea {
+                path: "shore.kml".into(),
+                sha256: sha256.to_owned(),
+                ..WaterArea::default()
+            }));
+            settings
+        };
+        let (one, other) = (of("1"), of("2"));
+        assert_ne!(one, other);
+        let mut own = LogSettings::default();
+        own.set("draft_m", Value::Float(0.3));
+        assert_eq!(own.compose(&one).unwrap().isobaths.area, one.isobaths.area);
+        let mut after = own.compose(&one).unwrap();
+        after.isobaths.area = other.isobaths.area.clone();
+        let (shared, own) = own.change(&one, &after).unwrap();
+        assert_eq!(shared.isobaths.area, other.isobaths.area);
+        after.isobaths.clip = None;
+        after.isobaths.area = None;
+        let (shared, _) = own.change(&shared, &after).unwrap();
+        assert_eq!((shared.isobaths.clip, shared.isobaths.area), (None, None));
+    }
+}

@@ -1,0 +1,87 @@
+//! Runs the stages in order, keeps what is still valid, and knows what is stale.
+//!
+//! In: surveys and settings. Out: the results of every stage for each log, and what all logs give together.
+//! It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//!
+//! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `stage` the stages
+//! and which of them a change of settings makes stale, `run_stages` runs them, `products` is what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
+//! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
+//! `agreement` compares points with a reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
+//! up (`log_report` has what it says of each log), `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
+
+mod agreement;
+mod background;
+mod clip_area;
+mod depth;
+mod derived;
+mod engine;
+mod fingerprint;
+mod growing;
+pub mod joint;
+mod log_report;
+mod log_settings;
+mod mosaic;
+mod object_positions;
+mod objects;
+mod passes;
+mod processed_log;
+mod products;
+mod relief;
+mod report;
+mod run_stages;
+mod scale_trial;
+pub mod settings;
+mod source;
+mod stage;
+mod survey_coverage;
+mod task;
+
+pub use agreement::LogDifferences;
+pub use agreement::{Agreement, AgreementError, MissionLog, Reference, ResidualTables, positions};
+pub use background::{Background, Same};
+pub use clip_area::clip_area;
+pub use depth::{
+    CloudPlane, CommonUncertainty, Contours, Crosslines, GeometryChoice, NamedComparison, choices,
+    comparisons, crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
+};
+pub use derived::{
+    Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,
+    MosaicKey, PictureKey,
+};
+pub use derived::{DepthMap, Derived, Mosaic, MosaicPlane};
+pub use engine::{Engine, EngineStatus};
+pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
+pub use growing::{GrowingResults, extend};
+pub use log_report::CalibrationReport;
+pub use log_settings::{
+    LogSettings, SettingValues, deserialize_values, from_values, is_of_one_log, is_setting,
+    setting_values, with_values,
+};
+pub use mosaic::{mosaic_layout, mosaic_layout_by};
+pub use object_positions::ObjectLocator;
+pub use objects::{list_objects, object_shape};
+pub use passes::{Pass, passes_over, place_of};
+pub use processed_log::ProcessedLog;
+pub use products::Products;
+pub use products::colour_range_m;
+pub use report::Report;
+pub use run_stages::run;
+pub use scale_trial::{ScaleEffect, ScaleTrial};
+pub use settings::SettingsError;
+pub use settings::{Preset, Settings};
+pub use source::{SourceError, SourceKey, as_mounted, as_set};
+pub use stage::Stage;
+pub use survey_coverage::survey_coverage;
+pub use task::{Jobs, Task, TaskOutcome};
+
+use bathyscope_log::support::geo::{CrsError, MapPlane};
+use bathyscope_log::survey::Survey;
+
+/// The plane of the system that `crs` names.
+///
+/// # Errors
+/// When the system is not known, or does not fit the place.
+pub fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, CrsError> {
+    let origin = survey.track.frame.origin();
+    Ok(MapPlane::new(settings.crs.at(origin)?, origin))
+}

@@ -1,0 +1,143 @@
+//! The results of the stages, each tagged with the settings that made it.
+
+use super::Settings;
+use bathyscope_bottom::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
+use bathyscope_bottom::cloud::{
+    self, CloudPoint, CloudSettings, Correction, PickTraits, PingDepth, PointClass, PointCloud,
+    PointScales, Reduction,
+};
+use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{Exclusions, Navigation, Relief, Survey};
+use std::sync::Arc;
+
+/// What the pipeline made of a survey with some settings. Cheap to clone: every part is shared.
+#[derive(Clone, Debug)]
+pub struct Products {
+    /// The settings that made them.
+    pub settings: Arc<Settings>,
+    /// Position and heading of every ping.
+    pub navigation: Arc<Navigation>,
+    /// What counts for nothing: no point, depth, echo or box comes from there.
+    pub exclusions: Arc<Exclusions>,
+    /// Ranked flat stretches.
+    pub flat_spots: Arc<Vec<FlatSpot>>,
+    /// First returns as they were found.
+    pub found: Arc<FirstReturns>,
+    /// First returns with the bottom edits.
+    pub returns: Arc<FirstReturns>,
+    /// The bottom that the picture is laid out by: these first returns, or the recorded depths with the bottom edits.
+    pub bottom_line: Arc<FirstReturns>,
+    /// Scales.
+    pub calibration: Arc<Calibration>,
+    /// What was done to depths.
+    pub correction: Arc<Correction>,
+    /// All points.
+    pub cloud: Arc<PointCloud>,
+    /// The class of each point.
+    pub classes: Arc<Vec<PointClass>>,
+    /// The depth under the boat at every side-scan ping.
+    pub depths: Arc<Vec<PingDepth>>,
+    /// How the bottom lies across the track.
+    pub relief: Arc<Relief>,
+    /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
+    /// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives;
+    /// `None` where no depth is known.
+    pub depth_range_m: Option<[f32; 2]>,
+    /// Ends of the colour scales of echo level and slant range.
+    pub scales: PointScales,
+}
+
+impl Products {
+    /// What samples and recorded depths are in metres by these results: for every read-out.
+    pub fn reduction(&self) -> Reduction<'_> {
+        Reduction::new(&self.calibration, &self.correction)
+    }
+
+    /// The first returns that count: those of excluded pings do not.
+    pub(super) fn counted_returns(&self) -> Arc<FirstReturns> {
+        counted(&self.returns, &self.exclusions)
+    }
+
+    /// The first returns that a calibration may be based on.
+    pub(super) fn judged_returns(&self, survey: &Survey) -> Arc<FirstReturns> {
+        judged(
+            survey,
+            &self.settings,
+            &self.found,
+            &self.exclusions,
+            || self.counted_returns(),
+        )
+    }
+
+    /// The scales by other settings, from first returns that they may be based on ([`Self::judged_returns`]).
+    pub(super) fn calibrated(
+        &self,
+        survey: &Survey,
+        judged: &FirstReturns,
+        settings: &CalibrationSettings,
+        progress: &Progress,
+    ) -> Result<Calibration, Cancelled> {
+        let (navigation, spots) = (&self.navigation, &self.flat_spots);
+        calibration::calibrate(survey, navigation, judged, spots, settings, progress)
+    }
+
+    /// All points by another calibration and other settings, from the first returns that count ([`Self::counted_returns`])
+    /// and their traits.
+    pub(super) fn placed(
+        &self,
+        survey: &Survey,
+        counted: (&FirstReturns, &PickTraits),
+        calibration: &Calibration,
+        settings: &CloudSettings,
+        progress: &Progress,
+    ) -> Result<PointCloud, Cancelled> {
+        let cloud = cloud::place(
+            survey,
+            &self.navigation,
+            counted,
+            calibration,
+            settings,
+            &self.correction,
+            progress,
+        )?;
+        Ok(cloud.without(&self.exclusions))
+    }
+
+    /// The points that count for the map, in the order of the cloud.
+    pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> + Clone {
+        self.cloud.kept(&self.classes).map(|(_, point)| point)
+    }
+}
+
+/// Ends of the colour scale of depth over some results, metres: from the least to the greatest that one of them needs. `None` where no
+/// depth is known.
+pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
+    let each = all.filter_map(|products| products.depth_range_m);
+    each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
+}
+
+/// The first returns that count: those of excluded pings do not.
+pub(super) fn counted(returns: &Arc<FirstReturns>, exclusions: &Exclusions) -> Arc<FirstReturns> {
+    match exclusions.is_empty() {
+        true => returns.clone(),
+        false => Arc::new(returns.without(exclusions)),
+    }
+}
+
+/// The first returns that a calibration may be based on. What was accepted as bottom is flagged there as it was found: it is bottom beside the
+/// boat, at another depth than that of the soundings. `counted` are all that count.
+pub(super) fn judged(
+    survey: &Survey,
+    settings: &Settings,
+    found: &FirstReturns,
+    exclusions: &Exclusions,
+    counted: impl FnOnce() -> Arc<FirstReturns>,
+) -> Arc<FirstReturns> {
+    if !settings.bottom.has_accepted() {
+        return counted();
+    }
+    let mut returns = found.clone();
+    settings.bottom.drawn_only().apply(survey, &mut returns);
+    Arc::new(returns.without(exclusions))
+}

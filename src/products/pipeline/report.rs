@@ -1,0 +1,308 @@
+//! `report.json`: what went in, with which settings, what came out, and how far to trust it.
+
+use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
+use super::joint::{LogsReport, RequestedCorrection};
+use super::log_report::{CalibrationReport, RunCounts, SwathCounts};
+use super::{CommonUncertainty, Preset, Products, Settings};
+use bathyscope_bottom::cloud::{
+    ClassCounts, PointClass, PointCloud, PointSource, Residuals, TrackShare, residuals,
+};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{ExcludedStretch, HeadingSource, Side, Survey, Track};
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+/// Bytes of a hash that name a run.
+const RUN_BYTES: usize = 8;
+
+/// The record written beside the products. Field names are the contract of `report.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Program and version.
+    pub program: String,
+    /// Names the run, as the manifest and `report.html` do: the same inputs, settings and products have the same name. Empty
+    /// until [`Report::name_run`].
+    pub run: String,
+    /// The files read.
+    pub inputs: Vec<Input>,
+    /// Format in words.
+    pub format: String,
+    /// Unix seconds of the log's time zero.
+    pub start_unix_s: Option<f64>,
+    /// `published`, `recommended` or `changed`.
+    pub preset: &'static str,
+    /// Every setting.
+    pub settings: Settings,
+    /// Counts.
+    pub counts: RunCounts,
+    /// Stretches that count for nothing, in time order, and why.
+    pub excluded: Vec<ExcludedStretch>,
+    /// Scales.
+    pub calibration: CalibrationReport,
+    /// What the depths along the track come from.
+    pub track: TrackShare,
+    /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping: above 0 is shallower; absent
+    /// without any.
+    pub residuals: Option<Residuals>,
+    /// How recorded positions are corrected, in sentences; empty where they are not, and of several logs, each of which has its own.
+    pub positions: String,
+    /// What became of the corrections of positions and heights that were asked for.
+    pub corrections: Vec<RequestedCorrection>,
+    /// What is uncertain in all depths alike, one standard deviation each: it is in the stated error of the map.
+    pub uncertainty: CommonUncertainty,
+    /// What depths between the lines are, where a depth map was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depths_between_lines: Option<String>,
+    /// What these depths are, and what was not corrected.
+    pub statement: String,
+    /// The logs of a survey of several, and how they agree; absent of one log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub logs: Option<LogsReport>,
+    /// Warnings of the reader and of every stage.
+    pub warnings: Vec<String>,
+}
+
+const STATEMENT: &str = "Agreement with the recorded depth is repeatability within one \
+     instrument, not accuracy against a reference. first_returns.csv holds depths and ranges as recorded.";
+
+impl Report {
+    /// Collects the report; reads every input byte once for its hash.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        survey: &Survey,
+        products: &Products,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let Products {
+            settings,
+            navigation,
+            exclusions,
+            returns,
+            calibration,
+            correction,
+            cloud,
+            classes,
+            ..
+        } = products;
+        let found = |side| {
+            returns
+                .side(side)
+                .iter()
+                .filter(|pick| pick.is_some())
+                .count()
+        };
+        let classes_of = ClassCounts::of(cloud, classes);
+        let above_bottom = cloud.points.iter().filter(|point| point.above_bottom);
+        let above_bottom_kept = products.kept_points().filter(|point| point.above_bottom);
+        Ok(Self {
+            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            run: String::new(),
+            inputs: inputs(survey, products, progress)?,
+            format: survey.source.format.clone(),
+            start_unix_s: survey.start_unix_s,
+            preset: settings.matching_preset().map_or("changed", Preset::name),
+            settings: Settings::clone(settings),
+            counts: RunCounts {
+                pings: survey.side_scan.len(),
+                soundings: survey.soundings.len(),
+                soundings_without_bottom: lost_soundings(survey, cloud),
+                port_first_returns: found(Side::Port),
+                starboard_first_returns: found(Side::Starboard),
+                above_bottom: above_bottom.count(),
+                above_bottom_left_out: classes_of.count(PointClass::AboveBottom),
+                above_bottom_kept: above_bottom_kept.count(),
+                low_confidence: classes_of.count(PointClass::Unclassified),
+                moving: navigation.moving,
+                zero_heading: navigation.zero_heading,
+                excluded_pings: exclusions.ping_count(),
+                excluded_soundings: exclusions.sounding_count(),
+                points: classes_of.all(),
+                kept: classes_of.kept(),
+                classes: classes_of,
+                side_scan_points: classes_of.side_scan,
+                swath: SwathCounts::of(survey, navigation, classes_of.swath),
+                outliers_removed: classes_of.noise(),
+                outliers_removed_share: classes_of.noise_share(),
+            },
+            excluded: exclusions.stretches.clone(),
+            calibration: CalibrationReport::new(calibration),
+            track: TrackShare::of(&products.depths, &navigation.pings),
+            residuals: residuals(survey, cloud, correction, classes),
+            positions: corrected_positions(settings),
+            corrections: Vec::new(),
+            uncertainty: CommonUncertainty::of_log(survey, products),
+            depths_between_lines: None,
+            statement: [
+                settings.bottom.statement(survey).as_str(),
+                correction.statement().as_str(),
+                positions(survey, settings).as_str(),
+                STATEMENT,
+            ]
+            .join(" ")
+            .trim_start()
+            .to_owned(),
+            logs: None,
+            warnings: warnings(survey, products),
+        })
+    }
+
+    /// Takes over the products of the run, and names it after them and what they were made from.
+    ///
+    /// # Errors
+    /// When a setting cannot be written as text.
+    pub fn name_run(&mut self, products: &[Fingerprint]) -> Result<(), serde_json::Error> {
+        let made_of = (&self.program, &self.inputs, &self.settings, products);
+        let text = serde_json::to_vec(&made_of)?;
+        self.run = in_hexadecimal(&Sha256::digest(text)[..RUN_BYTES]);
+        Ok(())
+    }
+
+    /// What came out, in a few lines for people.
+    pub fn summary(&self) -> String {
+        let Self {
+            counts,
+            excluded,
+            calibration,
+            track,
+            residuals,
+            positions,
+            corrections,
+            logs,
+            ..
+        } = self;
+        let mut lines = vec![
+            format!(
+                "{} pings: first return port {}, starboard {}; {} above the bottom (weed, fish, boulders)",
+                counts.pings,
+                counts.port_first_returns,
+                counts.starboard_first_returns,
+                counts.above_bottom
+            ),
+            format!(
+                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} of low confidence, {} outliers ({:.1} % of {}), {} soundings without bottom; {} pings without heading",
+                counts.points,
+                counts.side_scan_points,
+                counts.kept,
+                counts.above_bottom_left_out,
+                counts.low_confidence,
+                counts.outliers_removed,
+                100.0 * counts.outliers_removed_share,
+                match counts.swath {
+                    Some(_) => "side-scan and swath",
+                    None => "side-scan",
+                },
+                counts.classes.count(PointClass::NoBottom),
+                counts.zero_heading
+            ),
+        ];
+        lines.extend(counts.swath.map(|swath| swath.summary()));
+        if counts.excluded_pings + counts.excluded_soundings > 0 {
+            let of_logs = logs.iter().flat_map(|all| &all.logs);
+            let stretches: usize = of_logs.map(|log| log.excluded.len()).sum();
+            lines.push(format!(
+                "excluded: {} stretches of {} pings and {} soundings",
+                excluded.len() + stretches,
+                counts.excluded_pings,
+                counts.excluded_soundings
+            ));
+        }
+        match logs {
+            Some(logs) => lines.push(logs.summary()),
+            None => lines.extend(calibration.summary()),
+        }
+        lines.extend((!positions.is_empty()).then(|| positions.clone()));
+        lines.extend(corrections.iter().map(ToString::to_string));
+        if track.side_scan_only_pings > 0 && counts.soundings > 0 {
+            lines.push(format!(
+                "depth comes from side-scan only over {:.0} of {:.0} m of track ({:.0} %): the recorder had no bottom there",
+                track.side_scan_only_m,
+                track.track_m,
+                100.0 * track.side_scan_only()
+            ));
+        }
+        if let Some(residuals) = residuals {
+            lines.push(format!(
+                "side-scan minus recorded elevation at the same ping: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
+                residuals.n, residuals.median_m, residuals.sd_m, residuals.p95_m
+            ));
+        }
+        lines.join("\n")
+    }
+}
+
+/// Soundings without bottom lock that do not count.
+fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
+    let lost = survey.soundings.iter().filter(|sounding| !sounding.locked);
+    let points = cloud.points.of(PointSource::DownScan).iter();
+    let counts = points.filter(|point| point.reliable);
+    let of_lost = counts.filter(|point| {
+        point
+            .sounding()
+            .is_some_and(|index| !survey.soundings[index].locked)
+    });
+    lost.count() - of_lost.count()
+}
+
+/// All warnings of the reader and the stages, for the report and the window.
+pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
+    let read = survey.warnings.iter().map(|warning| warning.text.clone());
+    read.chain(products.bottom_line.warnings.iter().cloned())
+        .chain(products.calibration.warnings.iter().cloned())
+        .chain(products.correction.refused().map(ToString::to_string))
+        .chain(products.exclusions.warnings.iter().cloned())
+        .collect()
+}
+
+/// Whose positions they are, and how the recorder is mounted.
+fn positions(survey: &Survey, settings: &Settings) -> String {
+    let mut said = whose(&survey.track);
+    let system = survey.track.projected.as_ref();
+    if let Some(system) = system.and_then(|projected| projected.system.as_ref()) {
+        said += &format!(" Its metres are taken for those of {system}.");
+    }
+    format!("{said} {}", corrected_positions(settings))
+        .trim_end()
+        .to_owned()
+}
+
+/// How recorded positions are corrected; empty where they are not.
+fn corrected_positions(settings: &Settings) -> String {
+    let compass = settings.heading.source == HeadingSource::Compass;
+    let mounting = settings.mounting.statement(compass);
+    let both = [mounting, settings.position_shift.statement()].join(" ");
+    both.trim().to_owned()
+}
+
+fn whose(track: &Track) -> String {
+    match &track.external {
+        Some(external) => format!(
+            "Positions are those of {}, {} s later than it says.",
+            external.path.file_name().unwrap_or_default().display(),
+            external.offset_s
+        ),
+        None => "Positions are the recorder's GPS.".to_owned(),
+    }
+}
+
+/// The log's files, and the readings of the water level and the area of the isobaths where they are in force.
+fn inputs(
+    survey: &Survey,
+    products: &Products,
+    progress: &Progress,
+) -> Result<Vec<Input>, Cancelled> {
+    let mut inputs = hash_inputs(survey, progress)?;
+    inputs.extend(products.correction.gauge().map(|gauge| Input {
+        file: gauge.path.display().to_string(),
+        bytes: gauge.bytes,
+        sha256: gauge.sha256.clone(),
+    }));
+    let area = products.settings.isobaths.area.as_deref();
+    inputs.extend(area.map(|area| Input {
+        file: area.path.display().to_string(),
+        bytes: area.bytes,
+        sha256: area.sha256.clone(),
+    }));
+    Ok(inputs)
+}

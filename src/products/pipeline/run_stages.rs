@@ -1,0 +1,337 @@
+//! A run over a survey: the stages in order, each with what it is made of and what it makes.
+
+use super::Settings;
+use super::products::{Products, counted, judged};
+use super::relief::relief;
+use super::stage::Stage;
+use bathyscope_bottom::bathymetry;
+use bathyscope_bottom::calibration::{self, Calibration, FlatSpot};
+use bathyscope_bottom::cloud::{
+    self, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction,
+};
+use bathyscope_bottom::first_return::{self, BottomLine, FirstReturns};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{
+    Exclusions, Navigation, Relief, SideSpan, Sounding, Survey, navigate_with,
+};
+use std::sync::Arc;
+
+/// How many flat stretches are ranked.
+const FLAT_SPOTS: usize = 8;
+
+/// Runs the stages whose results differ from `previous` (same survey), or all of them.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn run(
+    survey: &Survey,
+    settings: &Settings,
+    previous: Option<&Products>,
+    progress: &Progress,
+    on_stage: impl FnMut(Stage),
+) -> Result<Products, Cancelled> {
+    let stale = match previous {
+        Some(previous) => Stage::first_stale(&previous.settings, settings),
+        None => Some(Stage::Navigation),
+    };
+    let mut run = Run {
+        survey,
+        settings,
+        previous,
+        stale,
+        progress,
+        on_stage,
+    };
+    let navigation = run.navigation()?;
+    let exclusions = run.exclusions(&navigation);
+    let found = run.found()?;
+    let returns = run.returns(&found);
+    let counted = counted(&returns, &exclusions);
+    let (flat_spots, calibration) =
+        run.calibration(&navigation, &exclusions, &found, &returns, &counted)?;
+    let correction = run.correction();
+    let reduction = Reduction::new(&calibration, &correction);
+    let bottom_line = run.bottom_line(&returns, &calibration, &reduction);
+    let cloud = run.cloud(
+        &navigation,
+        &exclusions,
+        &counted,
+        &calibration,
+        &correction,
+    )?;
+    let point_results = run.point_results(&cloud, &exclusions, &correction, &reduction)?;
+    let relief = run.relief(&navigation, &cloud, &point_results.classes)?;
+    Ok(Products {
+        settings: Arc::new(settings.clone()),
+        navigation,
+        exclusions,
+        flat_spots,
+        found,
+        returns,
+        bottom_line,
+        calibration,
+        correction,
+        cloud,
+        classes: point_results.classes,
+        depths: point_results.depths,
+        relief,
+        depth_range_m: point_results.depth_range_m,
+        scales: point_results.scales,
+    })
+}
+
+/// What all stages of a run share.
+struct Run<'a, OnStage> {
+    survey: &'a Survey,
+    settings: &'a Settings,
+    /// Results of the same survey; those that are still valid are taken over.
+    previous: Option<&'a Products>,
+    /// The first stage whose result differs from that of `previous`.
+    stale: Option<Stage>,
+    progress: &'a Progress,
+    /// Called at the beginning of each stage that runs.
+    on_stage: OnStage,
+}
+
+/// What the classes of the points decide.
+struct PointResults {
+    classes: Arc<Vec<PointClass>>,
+    depths: Arc<Vec<PingDepth>>,
+    depth_range_m: Option<[f32; 2]>,
+    scales: PointScales,
+}
+
+impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
+    /// The results of before, where that of this stage is still valid.
+    fn reusable(&self, stage: Stage) -> Option<&'a Products> {
+        self.previous.filter(|old| match stage {
+            // The bottom edits are applied again, which costs next to nothing.
+            Stage::FirstReturn => finds_the_same(&old.settings, self.settings),
+            _ => self.stale.is_none_or(|first| stage < first),
+        })
+    }
+
+    fn begin(&mut self, stage: Stage) -> Result<(), Cancelled> {
+        (self.on_stage)(stage);
+        self.progress.check()
+    }
+
+    /// Position and heading of every ping.
+    fn navigation(&mut self) -> Result<Arc<Navigation>, Cancelled> {
+        if let Some(old) = self.reusable(Stage::Navigation) {
+            return Ok(old.navigation.clone());
+        }
+        self.begin(Stage::Navigation)?;
+        let positions = self.settings.position_settings();
+        let navigation = navigate_with(self.survey, positions, self.progress)?;
+        Ok(Arc::new(navigation))
+    }
+
+    /// What counts for nothing.
+    fn exclusions(&self, navigation: &Arc<Navigation>) -> Arc<Exclusions> {
+        let excluded = &self.settings.excluded;
+        let is_same = |old: &&Products| {
+            Arc::ptr_eq(&old.navigation, navigation) && old.settings.excluded == *excluded
+        };
+        match self.previous.filter(is_same) {
+            Some(old) => old.exclusions.clone(),
+            None => Arc::new(Exclusions::new(self.survey, navigation, excluded)),
+        }
+    }
+
+    /// The first returns, without bottom edits.
+    fn found(&mut self) -> Result<Arc<FirstReturns>, Cancelled> {
+        if let Some(old) = self.reusable(Stage::FirstReturn) {
+            return Ok(old.found.clone());
+        }
+        self.begin(Stage::FirstReturn)?;
+        let (image, how) = (&self.settings.image, &self.settings.first_return);
+        let found = first_return::detect(self.survey, image, how, self.progress)?;
+        Ok(Arc::new(found))
+    }
+
+    /// The first returns with the bottom edits.
+    fn returns(&self, found: &Arc<FirstReturns>) -> Arc<FirstReturns> {
+        let edits = &self.settings.bottom;
+        if edits.is_empty() {
+            return found.clone();
+        }
+        let is_same =
+            |old: &&Products| Arc::ptr_eq(&old.found, found) && old.settings.bottom == *edits;
+        if let Some(old) = self.previous.filter(is_same) {
+            return old.returns.clone();
+        }
+        let mut returns = FirstReturns::clone(found);
+        edits.apply(self.survey, &mut returns);
+        Arc::new(returns)
+    }
+
+    /// The flat stretches, and the scales from one of them. `counted` are those of `returns` that count.
+    fn calibration(
+        &mut self,
+        navigation: &Arc<Navigation>,
+        exclusions: &Arc<Exclusions>,
+        found: &FirstReturns,
+        returns: &Arc<FirstReturns>,
+        counted: &Arc<FirstReturns>,
+    ) -> Result<(Arc<Vec<FlatSpot>>, Arc<Calibration>), Cancelled> {
+        if let Some(old) = self.reusable(Stage::Calibration) {
+            return Ok((old.flat_spots.clone(), old.calibration.clone()));
+        }
+        self.begin(Stage::Calibration)?;
+        let (survey, settings) = (self.survey, self.settings);
+        let judged = judged(survey, settings, found, exclusions, || counted.clone());
+        // Flat stretches depend on track and picks only: choosing one of them, or a scale, leaves the ranking as it is.
+        let same_spots = self.previous.filter(|old| {
+            Arc::ptr_eq(&old.navigation, navigation)
+                && Arc::ptr_eq(&old.returns, returns)
+                && Arc::ptr_eq(&old.exclusions, exclusions)
+        });
+        let progress = self.progress;
+        let spots = match same_spots {
+            Some(old) => old.flat_spots.clone(),
+            None => {
+                let rank = calibration::flat_spots;
+                Arc::new(rank(survey, navigation, &judged, FLAT_SPOTS, progress)?)
+            }
+        };
+        let how = &settings.calibration;
+        let made = calibration::calibrate(survey, navigation, &judged, &spots, how, progress)?;
+        Ok((spots, Arc::new(made)))
+    }
+
+    /// What is done to depths.
+    fn correction(&self) -> Arc<Correction> {
+        match self.reusable(Stage::Cloud) {
+            Some(old) => old.correction.clone(),
+            None => Arc::new(Correction::new(self.settings.depth(), self.survey)),
+        }
+    }
+
+    /// The bottom that the picture is laid out by.
+    fn bottom_line(
+        &self,
+        returns: &Arc<FirstReturns>,
+        calibration: &Arc<Calibration>,
+        reduction: &Reduction<'_>,
+    ) -> Arc<FirstReturns> {
+        let which = self.settings.first_return.bottom_line;
+        let is_same = |old: &&Products| {
+            Arc::ptr_eq(&old.returns, returns)
+                && Arc::ptr_eq(&old.calibration, calibration)
+                && old.settings.first_return.bottom_line == which
+        };
+        match self.previous.filter(is_same) {
+            Some(old) => old.bottom_line.clone(),
+            None => bottom_line(self.survey, self.settings, returns, reduction),
+        }
+    }
+
+    /// All points; excluded ones have no place in it.
+    fn cloud(
+        &mut self,
+        navigation: &Navigation,
+        exclusions: &Exclusions,
+        counted: &FirstReturns,
+        calibration: &Calibration,
+        correction: &Correction,
+    ) -> Result<Arc<PointCloud>, Cancelled> {
+        if let Some(old) = self.reusable(Stage::Cloud) {
+            return Ok(old.cloud.clone());
+        }
+        self.begin(Stage::Cloud)?;
+        let made = cloud::build(
+            self.survey,
+            navigation,
+            counted,
+            calibration,
+            &self.settings.cloud,
+            correction,
+            self.progress,
+        )?;
+        Ok(Arc::new(made.without(exclusions)))
+    }
+
+    /// The class of each point, and what follows from that: depths under the boat, and the ends of colour scales.
+    fn point_results(
+        &mut self,
+        cloud: &PointCloud,
+        exclusions: &Exclusions,
+        correction: &Correction,
+        reduction: &Reduction<'_>,
+    ) -> Result<PointResults, Cancelled> {
+        if let Some(old) = self.reusable(Stage::Outliers) {
+            return Ok(PointResults {
+                classes: old.classes.clone(),
+                depths: old.depths.clone(),
+                depth_range_m: old.depth_range_m,
+                scales: old.scales,
+            });
+        }
+        self.begin(Stage::Outliers)?;
+        let survey = self.survey;
+        let classes = cloud::classify(cloud, &self.settings.class_rules(), self.progress)?;
+        let mut depths = cloud::ping_depths(survey, cloud, &classes, correction);
+        cloud::clear_excluded_depths(&mut depths, 0, exclusions);
+        Ok(PointResults {
+            depth_range_m: depth_range_m(survey, correction, &depths),
+            scales: PointScales::of(survey, cloud, &classes, reduction),
+            classes: Arc::new(classes),
+            depths: Arc::new(depths),
+        })
+    }
+
+    /// How the bottom lies across the track.
+    fn relief(
+        &mut self,
+        navigation: &Navigation,
+        cloud: &PointCloud,
+        classes: &[PointClass],
+    ) -> Result<Arc<Relief>, Cancelled> {
+        if let Some(old) = self.reusable(Stage::Relief) {
+            return Ok(old.relief.clone());
+        }
+        self.begin(Stage::Relief)?;
+        let (survey, how) = (self.survey, &self.settings.surface);
+        let relief = relief(survey, navigation, cloud, classes, how, self.progress)?;
+        Ok(Arc::new(relief))
+    }
+}
+
+/// Whether the search for first returns finds the same with both settings. It depends on neither position nor heading: a change of heading
+/// source must not run the tracker again.
+fn finds_the_same(old: &Settings, new: &Settings) -> bool {
+    old.image == new.image
+        && old.mounting.swap_sides == new.mounting.swap_sides
+        && old.source.frequency_khz == new.source.frequency_khz
+        && old.first_return.finds_the_same(&new.first_return)
+}
+
+/// The bottom line by the settings.
+pub(super) fn bottom_line(
+    survey: &Survey,
+    settings: &Settings,
+    returns: &Arc<FirstReturns>,
+    reduction: &Reduction<'_>,
+) -> Arc<FirstReturns> {
+    if settings.first_return.bottom_line == BottomLine::Search {
+        return returns.clone();
+    }
+    let sample_at =
+        |span: &SideSpan, depth_m: f64| reduction.sample_at(span, reduction.altitude_m(depth_m));
+    Arc::new(first_return::at_recorded_depth(survey, returns, sample_at))
+}
+
+/// The percentiles of [`Products::depth_range_m`].
+fn depth_range_m(
+    survey: &Survey,
+    correction: &Correction,
+    depths: &[PingDepth],
+) -> Option<[f32; 2]> {
+    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let depth_m = |sounding: &Sounding| {
+        correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
+    };
+    let of_pings = || bathymetry::depth_range(depths.iter().map(|depth| depth.depth_m));
+    bathymetry::depth_range(locked.map(depth_m)).or_else(of_pings)
+}

@@ -1,0 +1,96 @@
+//! What would become of a log with another scale, before anything is changed.
+
+use super::{Products, Settings};
+use bathyscope_bottom::calibration::{
+    self, Calibration, CalibrationSettings, FlatSpot, PingRange, RangeAtDepth, ScaleMode,
+};
+use bathyscope_bottom::cloud::{self, DepthChange, PickTraits, Residuals};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::Survey;
+
+/// The scale that a stretch of pings gives, and what it changes.
+#[derive(Clone, Debug)]
+pub struct ScaleTrial {
+    /// The stretch and its scale.
+    pub spot: FlatSpot,
+    /// What speaks against it, in sentences.
+    pub objections: Vec<String>,
+    /// First returns of the whole log against recorded depths, by the recorder's scale.
+    pub points: Vec<RangeAtDepth>,
+    /// What it does to the depths; `None` where it gives no scale, or the log has no side-scan depths.
+    pub effect: Option<ScaleEffect>,
+}
+
+/// What another scale does to the depths of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleEffect {
+    /// How the depths change.
+    pub change: DepthChange,
+    /// Elevation of side-scan points minus that of the soundings of the same pings, now and then; `None` without soundings.
+    pub residuals: Option<[Residuals; 2]>,
+}
+
+/// The settings with the scale of a stretch.
+pub(super) fn with_stretch(settings: &Settings, pings: PingRange) -> CalibrationSettings {
+    CalibrationSettings {
+        mode: ScaleMode::FlatSpot,
+        pings: Some(pings),
+        ..settings.calibration.clone()
+    }
+}
+
+impl ScaleTrial {
+    /// Of a stretch of pings of a log with its results.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        survey: &Survey,
+        products: &Products,
+        pings: PingRange,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let returns = products.judged_returns(survey);
+        let stretch = pings.start..pings.end;
+        let spot = calibration::stretch(survey, &products.navigation, &returns, stretch);
+        let objections = spot.objections(survey, products.flat_spots.first());
+        progress.check()?;
+        let points = calibration::ranges_at_depths(survey, &returns);
+        let effect = match spot.ppd {
+            Some(_) => {
+                let settings = with_stretch(&products.settings, pings);
+                let made = products.calibrated(survey, &returns, &settings, progress)?;
+                effect(survey, products, &made, progress)?
+            }
+            None => None,
+        };
+        Ok(Self {
+            spot,
+            objections,
+            points,
+            effect,
+        })
+    }
+}
+
+/// What a calibration would change, by the points that it would give.
+fn effect(
+    survey: &Survey,
+    products: &Products,
+    calibration: &Calibration,
+    progress: &Progress,
+) -> Result<Option<ScaleEffect>, Cancelled> {
+    let (before, classes) = (&products.cloud, &products.classes);
+    let counted = products.counted_returns();
+    let settings = &products.settings.cloud;
+    let traits = PickTraits::new(survey, &products.navigation, &counted);
+    let counted = (&*counted, &traits);
+    let after = products.placed(survey, counted, calibration, settings, progress)?;
+    let change = DepthChange::between(before, classes, &after);
+    // The same first returns give the same points, each of which keeps its class.
+    let is_alike = after.points.len() == before.points.len();
+    let of = |cloud| cloud::residuals(survey, cloud, &products.correction, classes);
+    let then = is_alike.then(|| of(&after)).flatten();
+    let residuals = of(before).zip(then).map(|(now, then)| [now, then]);
+    Ok(change.map(|change| ScaleEffect { change, residuals }))
+}

@@ -1,0 +1,176 @@
+//! A number of the settings in the unit that the window shows: what its control spans, and what comes back from it. The setting itself
+//! stays in metres.
+
+use super::{Number, SettingKind, SettingRow, Settings};
+use bathyscope_bottom::presentation::units::Units;
+
+/// The slowest speed that is one of sound, metres a second: no boat reaches it.
+const SLOWEST_SOUND_MPS: f64 = 1000.0;
+
+/// A number as its control shows it.
+#[derive(Clone, Debug)]
+pub struct ShownNumber<'a> {
+    number: &'a Number,
+    /// What one of the shown unit is in the unit of the setting.
+    per: f64,
+    /// The ends of the control, in the shown unit: wider by less than a step than what is allowed.
+    pub ends: [f64; 2],
+    /// Smallest step of the control, in the shown unit.
+    pub step: f64,
+    /// Digits behind the point.
+    pub decimals: usize,
+    /// The unit behind a number, ` ft` or `°`.
+    pub suffix: String,
+}
+
+impl Number {
+    /// The number in the units that are shown.
+    pub fn shown_in(&self, units: Units) -> ShownNumber<'_> {
+        let (per, symbol) = match self.unit {
+            "m" => (units.length.metres(), units.symbol()),
+            "m/s" if self.range[0] >= SLOWEST_SOUND_MPS => units.sound_speed(),
+            "m/s" => (units.speed.metres_per_second(), units.speed.symbol()),
+            unit => (1.0, unit),
+        };
+        let [least, most] = self.ends();
+        if per == 1.0 {
+            return ShownNumber {
+                number: self,
+                per,
+                ends: [least, most],
+                step: self.step,
+                decimals: self.decimals,
+                suffix: self.suffix(),
+            };
+        }
+        // A power of ten, so that whatever has so many decimals can be typed.
+        let exponent = (self.step / per).log10().floor() as i32;
+        let step = 10f64.powi(exponent);
+        ShownNumber {
+            number: self,
+            per,
+            // A control counts its steps from its lower end.
+            ends: [
+                (least / per / step).floor() * step,
+                (most / per / step).ceil() * step,
+            ],
+            step,
+            decimals: self.decimals.max(exponent.min(0).unsigned_abs() as usize),
+            suffix: format!(" {symbol}"),
+        }
+    }
+}
+
+impl ShownNumber<'_> {
+    /// The value at its control; 0 without one.
+    pub fn value(&self, settings: &Settings) -> f64 {
+        (self.number.get)(settings).unwrap_or(0.0) / self.per
+    }
+
+    /// Takes over the value of its control; hundredths of what is shown stay hundredths.
+    pub fn take(&self, settings: &mut Settings, value: f64) {
+        let [least, most] = self.number.range;
+        let per_unit = 10f64.powi(self.decimals as i32);
+        let rounded = (value * per_unit).round() / per_unit * self.per;
+        let is_none = self.number.zero_is_none() && rounded < least && value * self.per < least;
+        // Rounding must not carry what is allowed over its limit.
+        (self.number.set)(settings, (!is_none).then_some(rounded.clamp(least, most)));
+    }
+
+    /// A value of the setting in words, as its control writes it: `5.00 ft`.
+    pub fn said(&self, value: f64) -> String {
+        format!("{:.*}{}", self.decimals, value / self.per, self.suffix)
+    }
+}
+
+impl SettingRow {
+    /// Its value as its control writes it, in the units that are shown; empty where a file or a list is none.
+    pub fn value_in_words(&self, settings: &Settings, units: Units) -> String {
+        match &self.kind {
+            SettingKind::Number(number) => match (number.get)(settings) {
+                Some(value) => number.shown_in(units).said(value),
+                None => number.none_word().unwrap_or_default().to_owned(),
+            },
+            SettingKind::Choice(choice) => {
+                let value = (choice.get)(settings);
+                let named = choice.names.iter().find(|name| name.value == value);
+                named.map_or(value, |name| name.label.to_owned())
+            }
+            SettingKind::Numbers { .. } | SettingKind::Text(_) => String::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::rows;
+    use crate::pipeline::settings::rows::ROWS;
+    use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
+
+    fn number(row: &'static crate::pipeline::settings::SettingRow) -> &'static Number {
+        match &row.kind {
+            SettingKind::Number(number) => number,
+            _ => panic!("{} is no number", row.key),
+        }
+    }
+
+    #[test]
+    fn feet_set_metres_and_show_as_they_were_typed() {
+        let feet = Units {
+            length: LengthUnit::Feet,
+            speed: SpeedUnit::Knots,
+        };
+        let mut settings = Settings::default();
+        let draft = number(&rows::DRAFT).shown_in(feet);
+        draft.take(&mut settings, 5.0);
+        assert!((settings.draft_m - 1.524).abs() < 1e-12);
+        assert_eq!(draft.said(settings.draft_m), "5.00 ft");
+        assert_eq!([draft.step, draft.ends[0]], [0.01, 0.0]);
+        let stops = number(&rows::MIN_SPEED).shown_in(feet);
+        stops.take(&mut settings, 1.0);
+        let mps = settings.excluded.min_speed_mps.unwrap();
+        assert!((mps - 1852.0 / 3600.0).abs() < 1e-12);
+        stops.take(&mut settings, 0.0);
+        assert_eq!(settings.excluded.min_speed_mps, None);
+        let recorder = number(&rows::RECORDER_SPEED).shown_in(feet);
+        recorder.take(&mut settings, 4800.0);
+        assert!((settings.sound_speed.recorder_m_s - 1463.04).abs() < 1e-9);
+        assert_eq!(recorder.suffix, " ft/s");
+    }
+
+    #[test]
+    fn a_value_is_written_as_its_control_writes_it() {
+        let units = Units::default();
+        let mut settings = Settings {
+            draft_m: 0.3,
+            ..Settings::default()
+        };
+        assert_eq!(rows::DRAFT.value_in_words(&settings, units), "0.30 m");
+        let scale = rows::SCALE.value_in_words(&settings, units);
+        assert_eq!(scale, "recorded range");
+        settings.excluded.min_speed_mps = None;
+        assert_eq!(rows::MIN_SPEED.value_in_words(&settings, units), "none");
+    }
+
+    #[test]
+    fn the_ends_of_every_control_are_allowed_in_every_unit() {
+        for length in LengthUnit::ALL {
+            for speed in SpeedUnit::ALL {
+                for row in ROWS {
+                    let SettingKind::Number(number) = &row.kind else {
+                        continue;
+                    };
+                    let shown = number.shown_in(Units { length, speed });
+                    for end in shown.ends {
+                        let mut settings = Settings::default();
+                        shown.take(&mut settings, end);
+                        assert!(row.check(&settings).is_ok(), "{} at {end}", row.key);
+                        let none = end == 0.0 && number.zero_is_none();
+                        assert_eq!((number.get)(&settings).is_none(), none, "{}", row.key);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! Settings by their keys: files and `--set` laid over others, and what to say of a key that is none.
+
+use super::help::row;
+use super::rows::ROWS;
+use super::{SettingKind, SettingRow, Settings, SettingsError};
+use toml::{Table, Value};
+
+/// Key of the bottom edits, which are made of strokes and have no row.
+const BOTTOM: &str = "bottom";
+/// So many letters off, and a key is still taken for a slip of the pen.
+const SLIP: usize = 3;
+
+impl Settings {
+    /// Lays the keys of a TOML text over these settings.
+    ///
+    /// # Errors
+    /// A sentence that names the line or the key.
+    pub fn with_toml(&self, text: &str) -> Result<Self, SettingsError> {
+        let refused = |error| SettingsError(format!("settings: {error}"));
+        let over: Table = (text.parse()).map_err(|error| refused(not_toml(&error, text)))?;
+        self.with_overrides(over).map_err(|error| refused(error.0))
+    }
+
+    fn with_overrides(&self, mut over: Table) -> Result<Self, SettingsError> {
+        rename_group(&mut over);
+        if let Some(sentence) = unknown_in(&over) {
+            return Err(SettingsError(sentence));
+        }
+        let mut table = Table::try_from(self).map_err(|error| SettingsError(error.to_string()))?;
+        merge(&mut table, over.clone());
+        table.try_into().map_err(|error: toml::de::Error| {
+            let sentence = misfit_in(&over).unwrap_or_else(|| in_one_line(error.message()));
+            SettingsError(sentence)
+        })
+    }
+
+    /// Applies one `key=value`, for example `first_return.threshold=0.35`.
+    ///
+    /// # Errors
+    /// A sentence that names the key.
+    pub fn with_assignment(&self, assignment: &str) -> Result<Self, SettingsError> {
+        let (key, value) = assignment.split_once('=').ok_or_else(|| {
+            SettingsError(format!(
+                "a setting is written key=value; got `{assignment}`"
+            ))
+        })?;
+        let (key, value) = (key.trim(), value.trim());
+        // A bare word is a string; numbers and booleans stay what TOML says they are.
+        let quoted = Value::String(value.to_owned());
+        let table = format!("{key} = {value}").parse::<Table>();
+        let table = table.or_else(|_| format!("{key} = {quoted}").parse());
+        let over = table.map_err(|error| {
+            let reason = in_one_line(error.message());
+            SettingsError(format!("`{key}` cannot be `{value}`: {reason}"))
+        })?;
+        self.with_overrides(over)
+    }
+}
+
+pub fn in_one_line(text: &str) -> String {
+    text.lines().collect::<Vec<_>>().join(" ")
+}
+
+/// What of a text is not TOML, with its line.
+fn not_toml(error: &toml::de::Error, text: &str) -> String {
+    let reason = in_one_line(error.message());
+    let before = error.span().and_then(|span| text.get(..span.start));
+    let Some(before) = before else {
+        return reason;
+    };
+    let line = before.matches('\n').count();
+    let value = text.lines().nth(line).and_then(|text| text.split_once('='));
+    let hint = value.and_then(|(_, value)| decimal_comma(value));
+    format!("line {}: {reason}{}", line + 1, hint.unwrap_or_default())
+}
+
+/// What to do about a number that is written with a comma.
+fn decimal_comma(value: &str) -> Option<String> {
+    let written = value.trim().replacen(',', ".", 1);
+    let is_number = written != value.trim() && written.parse::<f64>().is_ok();
+    is_number.then(|| format!("; write {written}: decimals take a point"))
+}
+
+/// What to say of the first value that its setting cannot have.
+fn misfit_in(over: &Table) -> Option<String> {
+    let mut values = Vec::new();
+    flatten("", over, &mut values);
+    values.into_iter().find_map(|(key, value)| {
+        let row = row(&key)?;
+        let alone = match key.split_once('.') {
+            Some((group, name)) => {
+                let inner = Table::from_iter([(name.to_owned(), value.clone())]);
+                (group, Value::Table(inner))
+            }
+            None => (key.as_str(), value.clone()),
+        };
+        let alone = Table::from_iter([(alone.0.to_owned(), alone.1)]);
+        let error = alone.try_into::<Settings>().err()?;
+        Some(misfit(row, value, error.message()))
+    })
+}
+
+/// That a setting cannot have a value, and what it may be; `reason` is what its own type said.
+fn misfit(row: &SettingRow, value: &Value, reason: &str) -> String {
+    let value = value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned);
+    // What serde says is meant for programmers; what the settings' own types say is not.
+    let is_serdes = ["invalid ", "unknown ", "missing ", "data did not match"]
+        .iter()
+        .any(|start| reason.starts_with(start));
+    let hint = match row.kind {
+        SettingKind::Number(_) => decimal_comma(&value).unwrap_or_default(),
+        _ => String::new(),
+    };
+    let needed = match is_serdes {
+        true => format!("it is {}", row.in_words()),
+        false => in_one_line(reason),
+    };
+    format!("`{}` cannot be `{value}`: {needed}{hint}", row.key)
+}
+
+fn merge(base: &mut Table, over: Table) {
+    for (key, value) in over {
+        match (base.get_mut(&key), value) {
+            (Some(Value::Table(inner)), Value::Table(value)) => merge(inner, value),
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+}
+
+/// What to say of the first key that is no setting.
+fn unknown_in(table: &Table) -> Option<String> {
+    let mut values = Vec::new();
+    flatten("", table, &mut values);
+    let unknown = values.iter().find(|(key, _)| row(key).is_none());
+    unknown.map(|(key, _)| no_setting(key))
+}
+
+fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Value)>) {
+    for (name, value) in table {
+        let key = format!("{prefix}{name}");
+        match value {
+            _ if key == BOTTOM => {}
+            Value::Table(inner) if row(&key).is_none() => {
+                flatten(&format!("{key}."), inner, values);
+            }
+            _ => values.push((key, value)),
+        }
+    }
+}
+
+/// A group of settings that is read under the name of an earlier version as well: then and now.
+const RENAMED_GROUP: (&str, &str) = ("left_out", "excluded");
+
+/// Gives the group its present name, unless the table has that too.
+fn rename_group(table: &mut Table) {
+    let (then, now) = RENAMED_GROUP;
+    if !table.contains_key(now)
+        && let Some(group) = table.remove(then)
+    {
+        table.insert(now.to_owned(), group);
+    }
+}
+
+/// Settings that were called otherwise in an earlier version: then and now.
+const RENAMED: [(&str, &str); 7] = [
+    ("left_out.log", "excluded.log"),
+    ("left_out.max_turn_deg_s", "excluded.max_turn_deg_s"),
+    ("left_out.min_duration_s", "excluded.min_duration_s"),
+    ("left_out.min_speed_mps", "excluded.min_speed_mps"),
+    ("left_out.stretches", "excluded.stretches"),
+    ("picture.swap_sides", "picture.starboard_first"),
+    ("water_level.clock_offset_s", "mounting.clock_offset_s"),
+];
+
+/// What a setting of an earlier version is called now; `None` where no version had one of this name.
+pub fn renamed(key: &str) -> Option<&'static str> {
+    let found = RENAMED.iter().find(|(then, _)| *then == key);
+    found.map(|(_, now)| *now)
+}
+
+/// That a key is none, and which it may have been meant for.
+fn no_setting(key: &str) -> String {
+    if let Some(now) = renamed(key) {
+        return format!("`{key}` is called `{now}` now");
+    }
+    let group = key.split_once('.').map_or(key, |(group, _)| group);
+    let of_group: Vec<&str> = (ROWS.iter().map(|row| row.key))
+        .filter(|key| key.split_once('.').is_some_and(|(first, _)| first == group))
+        .collect();
+    let listed = of_group.join(", ");
+    if key == group && !of_group.is_empty() {
+        return format!("`{key}` is no setting but a group of them: {listed}");
+    }
+    let near = ROWS.iter().map(|row| (slips(row.key, key), row.key));
+    if let Some((_, near)) = near.min().filter(|(slips, _)| *slips <= SLIP) {
+        return format!("there is no setting `{key}`; is `{near}` meant?");
+    }
+    match of_group.is_empty() {
+        true => format!("there is no setting `{key}`; process --help lists all"),
+        false => format!("there is no setting `{key}`; those of `{group}` are {listed}"),
+    }
+}
+
+/// Letters to change, insert or drop between two words (Levenshtein).
+pub fn slips(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (index, letter) in from.chars().enumerate() {
+        let mut corner = row[0];
+        row[0] = index + 1;
+        for (column, other) in to.iter().enumerate() {
+            let changed = corner + usize::from(letter != *other);
+            corner = row[column + 1];
+            row[column + 1] = changed.min(corner + 1).min(row[column] + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_bottom::first_return::Method;
+
+    #[test]
+    fn assignments_take_bare_words_numbers_and_ranges() {
+        let settings = Settings::default()
+            .with_assignment("first_return.method=threshold")
+            .and_then(|s| s.with_assignment("first_return.threshold = 0.41"))
+            .and_then(|s| s.with_assignment("calibration.pings=400..600"))
+            .and_then(|s| s.with_assignment("outliers.min_neighbors=4"))
+            .unwrap();
+        assert_eq!(settings.first_return.method, Method::Threshold);
+        assert_eq!(settings.first_return.threshold, 0.41);
+        assert_eq!(
+            settings.calibration.pings.map(String::from),
+            Some("400..600".to_owned())
+        );
+        assert_eq!(settings.outliers.min_neighbors, 4);
+    }
+
+    #[test]
+    fn unknown_keys_and_bad_values_are_named() {
+        let refused = |assignment| {
+            let result = Settings::default().with_assignment(assignment);
+            result.unwrap_err().0
+        };
+        assert_eq!(
+            refused("first_return.treshold=0.3"),
+            "there is no setting `first_return.treshold`; is `first_return.threshold` meant?"
+        );
+        assert_eq!(
+            refused("cloud.colour=3"),
+            "there is no setting `cloud.colour`; those of `cloud` are cloud.geometry, cloud.alpha2_deg, cloud.down_scan"
+        );
+        assert_eq!(
+            refused("water_level.clock_offset_s=3"),
+            "`water_level.clock_offset_s` is called `mounting.clock_offset_s` now"
+        );
+        assert!(RENAMED.iter().all(|(_, now)| row(now).is_some()));
+        let settings = Settings::default().with_assignment("left_out.min_duration_s=4");
+        assert_eq!(settings.map(|one| one.excluded.min_duration_s), Ok(4.0));
+        let file = Settings::default().with_toml("[left_out]\nmin_duration_s = 5.0\n");
+        assert_eq!(file.map(|one| one.excluded.min_duration_s), Ok(5.0));
+        assert!(refused("nothing_alike=3").contains("--help"));
+        assert_eq!(
+            refused("cloud=3"),
+            "`cloud` is no setting but a group of them: cloud.geometry, cloud.alpha2_deg, cloud.down_scan"
+        );
+        assert!(refused("nonsense").contains("key=value"));
+        let file = Settings::default().with_toml("[surface]\nmax_gap = 3\n");
+        assert_eq!(
+            file.unwrap_err().0,
+            "settings: there is no setting `surface.max_gap`; is `surface.max_gap_m` meant?"
+        );
+        assert!(
+            Settings::default()
+                .with_toml("[bottom]\npings = 4\n")
+                .is_ok()
+        );
+    }
+
+    #[test]
+    fn a_value_that_does_not_fit_is_refused_in_an_analysts_words() {
+        for (assignment, expected) in [
+            (
+                "draft_m=1,5",
+                "`draft_m` cannot be `1,5`: it is a number, 0 to 20 m; write 1.5: decimals take a point",
+            ),
+            (
+                "draft_m=deep",
+                "`draft_m` cannot be `deep`: it is a number, 0 to 20 m",
+            ),
+            (
+                "outliers.min_neighbors=2.5",
+                "`outliers.min_neighbors` cannot be `2.5`: it is a whole number, 1 to 10000",
+            ),
+            (
+                "outliers.min_neighbors=-3",
+                "`outliers.min_neighbors` cannot be `-3`: it is a whole number, 1 to 10000",
+            ),
+            (
+                "isobaths.depths_m=2",
+                "`isobaths.depths_m` cannot be `2`: it is a list of numbers, [A, B, ...], each -10000 to 12000 m",
+            ),
+            (
+                "projection=flat",
+                "`projection` cannot be `flat`: it is enu | mercator",
+            ),
+            (
+                "points.las=perhaps",
+                "`points.las` cannot be `perhaps`: it is false | true",
+            ),
+            (
+                "track.file=3",
+                "`track.file` cannot be `3`: it is a file, CSV or GPX",
+            ),
+            (
+                "source.crs=33",
+                "`source.crs` cannot be `33`: it is EPSG:NUMBER",
+            ),
+        ] {
+            let refused = Settings::default().with_assignment(assignment);
+            assert_eq!(refused.unwrap_err().0, expected);
+        }
+        for (file, expected) in [
+            (
+                "[surface]\nmax_side = \"big\"\n",
+                "settings: `surface.max_side` cannot be `big`: it is a whole number, 16 to 32768",
+            ),
+            ("\ndraft_m = 1,5\n", "; write 1.5: decimals take a point"),
+        ] {
+            let refused = Settings::default().with_toml(file).unwrap_err().0;
+            assert!(refused.ends_with(expected), "{refused}");
+        }
+    }
+
+    #[test]
+    fn slips_are_counted_in_letters() {
+        assert_eq!(slips("draft_m", "draft_m"), 0);
+        assert_eq!(slips("draft_m", "draugth_m"), 3);
+        assert_eq!(slips("", "abc"), 3);
+    }
+}

@@ -1,0 +1,328 @@
+//! All settings of the pipeline under the keys that scripts use, and the two presets.
+//!
+//! In: keys with values, as text. Out: checked settings, and the words that explain them.
+//! It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//!
+//! `rows` is the table of them: key, range, unit, words. `table` says what a row is and checks by it, `help` makes the help and the
+//! manual's page, `keys` lays files and assignments over settings, `display_units` has a number in the unit of the window.
+
+mod display_units;
+mod help;
+mod keys;
+pub mod rows;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use display_units::ShownNumber;
+pub use help::{help, markdown, row};
+pub use keys::slips;
+pub use keys::{in_one_line, renamed};
+pub use table::{Control, Number, SettingChoice, SettingKind, SettingRow};
+
+use bathyscope_bottom::bathymetry::SurfaceSettings;
+use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;
+use bathyscope_bottom::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
+use bathyscope_bottom::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
+use bathyscope_bottom::cloud::{
+    ClassRules, CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings,
+};
+use bathyscope_bottom::first_return::{
+    BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode,
+};
+use bathyscope_bottom::mosaic::MosaicSettings;
+use bathyscope_bottom::picture::PictureSettings;
+use bathyscope_log::formats::{read_area, read_gauge};
+use bathyscope_log::support::geo::{CrsChoice, SourceCrs};
+use bathyscope_log::survey::{
+    ExclusionSettings, HeadingSettings, HeadingSource, MountingSettings, PositionSettings,
+    PositionShift, Projection, TrackSettings,
+};
+use bathyscope_objects::{DetectorSettings, ReviewSettings};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Settings that cannot be understood, in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SettingsError(pub String);
+
+/// A named set of settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// The paper's formulas to the digit, so that its figures can be reproduced.
+    Published,
+    /// What measures best on surveys of known truth.
+    #[default]
+    Recommended,
+}
+
+impl Preset {
+    /// `published` or `recommended`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Preset::Published => "published",
+            Preset::Recommended => "recommended",
+        }
+    }
+}
+
+/// Everything that decides what the pipeline computes. The field names are the setting keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// `projection`.
+    pub projection: Projection,
+    /// `crs`: the system of maps and of the point files for other programs.
+    pub crs: CrsChoice,
+    /// How deep the transducer hangs below the water's surface, metres: added to every depth.
+    pub draft_m: f64,
+    /// Height of the water's surface above the level that depths count from, metres: taken off every one. With readings, the
+    /// height of their zero.
+    pub water_level_m: f64,
+    /// `water_level.*`: readings over time.
+    pub water_level: WaterLevelSettings,
+    /// What is added to every elevation of the log, metres, so that it agrees with others of its survey: `height_offsets` finds it
+    /// from crossings.
+    pub height_offset_m: f64,
+    /// `sound_speed.*`.
+    pub sound_speed: SoundSpeedSettings,
+    /// `image.*`.
+    pub image: ImageSettings,
+    /// `first_return.*`.
+    pub first_return: FirstReturnSettings,
+    /// `bottom.*`: the bottom edits.
+    #[serde(skip_serializing_if = "BottomSettings::is_empty")]
+    pub bottom: BottomSettings,
+    /// `calibration.*`.
+    pub calibration: CalibrationSettings,
+    /// `cloud.*`.
+    pub cloud: CloudSettings,
+    /// `heading.*`.
+    pub heading: HeadingSettings,
+    /// `mounting.*`; sides and clock act on the log before any stage, the rest where pings are placed.
+    pub mounting: MountingSettings,
+    /// `position_shift.*`.
+    pub position_shift: PositionShift,
+    /// `source.*`: what the log itself does not say; it acts before any stage.
+    pub source: SourceSettings,
+    /// `track.*`, for a track from another receiver; it acts when the track is applied to the log, before any stage.
+    pub track: TrackSettings,
+    /// `excluded.*`, once `left_out.*`: turns, stops and other stretches that count for nothing.
+    #[serde(alias = "left_out")]
+    pub excluded: ExclusionSettings,
+    /// `outliers.*`.
+    pub outliers: OutlierSettings,
+    /// `detector.*`, for `process`. The window has its own choice of model and confidence.
+    pub detector: DetectorSettings,
+    /// `review.*`: the analyst's classes. What is detected does not depend on them.
+    pub review: ReviewSettings,
+    /// `picture.*`, for the waterfall and the pictures that are written of it; no result depends on it.
+    pub picture: PictureSettings,
+    /// `mosaic.*`.
+    pub mosaic: MosaicSettings,
+    /// `surface.*`.
+    pub surface: SurfaceSettings,
+    /// `isobaths.*`.
+    pub isobaths: IsobathSettings,
+    /// `points.*`.
+    pub points: PointFileSettings,
+    /// `report.*`.
+    pub report: ReportSettings,
+}
+
+/// `source.*` settings: what is to be known of a log that it does not say.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SourceSettings {
+    /// The system of positions that a log has in metres; logs whose positions are degrees need none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crs: Option<SourceCrs>,
+    /// The frequency of the side-scan that is shown, kHz, where a log holds several; none: the one that the reader chooses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency_khz: Option<f64>,
+}
+
+/// `points.*` settings: which files of points are written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PointFileSettings {
+    /// `cloud.las` beside `cloud.copc.laz`, for programs that cannot unpack LAZ.
+    pub las: bool,
+}
+
+/// `report.*` settings: what the report shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReportSettings {
+    /// Proposals that nobody has decided about have a section each, as targets have.
+    pub proposals: bool,
+}
+
+impl Settings {
+    /// Reads what they name: the water levels of `water_level.file`, and the area of `isobaths.clip` where it is not there yet. What can
+    /// be read is there also where the other cannot.
+    ///
+    /// # Errors
+    /// A sentence when a file cannot be read, or holds something else.
+    pub fn load_files(&mut self) -> Result<(), SettingsError> {
+        let area = self.load_area();
+        let file = self.water_level.file.as_deref();
+        let gauge = file.map(read_gauge).transpose();
+        let gauge = gauge.map_err(|error| SettingsError(error.to_string()));
+        self.water_level.gauge = gauge?.map(Arc::new);
+        area
+    }
+
+    /// Reads the area of `isobaths.clip` where it is not there yet.
+    ///
+    /// # Errors
+    /// A sentence when the file cannot be read, or holds no area.
+    pub fn load_area(&mut self) -> Result<(), SettingsError> {
+        let isobaths = &mut self.isobaths;
+        let Some(file) = isobaths.clip.as_deref().filter(|_| isobaths.area.is_none()) else {
+            return Ok(());
+        };
+        let area = read_area(file).map_err(|error| SettingsError(error.to_string()))?;
+        isobaths.area = Some(Arc::new(area));
+        Ok(())
+    }
+
+    /// The settings of a preset.
+    pub fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Recommended => Self::default(),
+            Preset::Published => Self {
+                projection: Projection::Mercator,
+                image: ImageSettings {
+                    samples: SampleMode::Words,
+                },
+                first_return: FirstReturnSettings {
+                    method: Method::Threshold,
+                    threshold: 0.30,
+                    // 24 of the published picture's pixels, at its 0.033977 m a pixel, on either side of the middle.
+                    dead_zone_m: 0.815,
+                    min_confidence: 0.0,
+                    ..FirstReturnSettings::default()
+                },
+                calibration: CalibrationSettings {
+                    mode: ScaleMode::FlatSpot,
+                    pings: None,
+                    ppd: PpdReach::Constant,
+                    offset: OffsetMode::None,
+                },
+                cloud: CloudSettings {
+                    geometry: Geometry::Published,
+                    alpha2_deg: 16.0,
+                    down_scan: DownScan::All,
+                },
+                heading: HeadingSettings {
+                    source: HeadingSource::Steps,
+                    ..HeadingSettings::default()
+                },
+                outliers: OutlierSettings {
+                    radius_m: 3.011,
+                    min_neighbors: 10,
+                },
+                detector: DetectorSettings::default(),
+                mosaic: MosaicSettings::default(),
+                surface: SurfaceSettings {
+                    above_bottom: true,
+                    ..SurfaceSettings::default()
+                },
+                ..Self::default()
+            },
+        }
+    }
+
+    /// What decides where pings lie.
+    pub fn position_settings(&self) -> PositionSettings<'_> {
+        PositionSettings {
+            heading: &self.heading,
+            mounting: &self.mounting,
+            shift: &self.position_shift,
+            projection: self.projection,
+        }
+    }
+
+    /// What decides about the class of each point.
+    pub fn class_rules(&self) -> ClassRules<'_> {
+        ClassRules {
+            min_confidence: self.first_return.min_confidence,
+            above_bottom: self.surface.above_bottom,
+            longest_above_bottom_m: self.surface.longest_above_bottom_m,
+            outliers: &self.outliers,
+        }
+    }
+
+    /// What is known of water and transducer.
+    pub fn depth(&self) -> DepthSettings {
+        DepthSettings {
+            draft_m: self.draft_m,
+            water_level_m: self.water_level_m,
+            water_level: self.water_level.clone(),
+            height_offset_m: self.height_offset_m,
+            sound_speed: self.sound_speed.clone(),
+        }
+    }
+
+    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water and shore, its transducer, its
+    /// classes of objects, its picture) from others.
+    pub fn with_survey_of(&self, other: &Self) -> Self {
+        let mut settings = self.clone();
+        settings.bottom = other.bottom.clone();
+        settings.calibration.pings = other.calibration.pings;
+        settings.track = other.track.clone();
+        settings.mounting = other.mounting;
+        settings.position_shift = other.position_shift;
+        settings.source = other.source.clone();
+        settings.excluded.log = other.excluded.log.clone();
+        settings.excluded.stretches = other.excluded.stretches.clone();
+        settings.draft_m = other.draft_m;
+        settings.water_level_m = other.water_level_m;
+        settings.water_level = other.water_level.clone();
+        settings.height_offset_m = other.height_offset_m;
+        settings.sound_speed = other.sound_speed.clone();
+        settings.review = other.review.clone();
+        settings.picture = other.picture.clone();
+        settings.isobaths.clip = other.isobaths.clip.clone();
+        settings.isobaths.area = other.isobaths.area.clone();
+        settings
+    }
+
+    /// The preset that these settings are, if any; what holds for one survey, and the choices of detector and maps, do not count.
+    pub fn matching_preset(&self) -> Option<Preset> {
+        let mut plain = self.with_survey_of(&Self::default());
+        plain.detector = DetectorSettings::default();
+        plain.mosaic = MosaicSettings::default();
+        plain.surface = SurfaceSettings {
+            above_bottom: self.surface.above_bottom,
+            longest_above_bottom_m: self.surface.longest_above_bottom_m,
+            ..SurfaceSettings::default()
+        };
+        plain.isobaths = IsobathSettings::default();
+        plain.points = PointFileSettings::default();
+        plain.report = ReportSettings::default();
+        plain.crs = CrsChoice::default();
+        [Preset::Recommended, Preset::Published]
+            .into_iter()
+            .find(|&preset| plain == Self::preset(preset))
+    }
+
+    /// Refuses values that no stage can work with.
+    ///
+    /// # Errors
+    /// A sentence that names the key.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        rows::ROWS.iter().try_for_each(|row| row.check(self))?;
+        let rules = self.sound_speed.check().and_then(|()| self.bottom.check());
+        let rules = rules.and_then(|()| self.excluded.check());
+        let rules = rules.and_then(|()| self.review.check());
+        rules.map_err(|rule| SettingsError(rule.to_owned()))?;
+        let crs = self.crs.check();
+        let source = self.source.crs.map(SourceCrs::system).transpose();
+        let systems = crs.and_then(|()| source.map(|_| ()));
+        systems.map_err(|error| SettingsError(error.to_string()))
+    }
+}

@@ -1,0 +1,317 @@
+//! Where the logs of a project lie now: at their place, or where they were moved to with it or within its folder.
+
+use super::log::{LogFile, LogKey};
+use super::{Project, paths};
+use crate::pipeline::sha256_of;
+use bathyscope_log::formats::{self, FileRole};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::regular_file;
+use std::collections::VecDeque;
+use std::fs;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// Folders below the project's that are looked into, one in another.
+const DEEPEST: usize = 5;
+/// Files that are looked at. A folder with more is somebody's whole disk.
+const MOST_FILES: usize = 50_000;
+
+/// Where a log lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LogLocation {
+    /// At its place.
+    Here,
+    /// Elsewhere: [`super::ProjectLog::at`] takes it from there.
+    Moved(PathBuf),
+    /// At its place lies a file as long as it, with other bytes, and it is nowhere else.
+    Changed,
+    /// Another recording lies at its place, and it is nowhere else.
+    Replaced,
+    /// Nowhere: the analyst is asked.
+    Missing,
+}
+
+/// Looks for the logs of a project in a folder: at their place; by name in the project's folder and the folders below it; by their bytes
+/// under any name there. Elsewhere than at its place, a log counts by its hash only.
+pub fn find(
+    project: &Project,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Vec<(LogKey, LogLocation)>, Cancelled> {
+    let mut below: Option<Vec<PathBuf>> = None;
+    let mut found = Vec::new();
+    for log in project.logs() {
+        progress.check()?;
+        let place = match at_its_place(&log.file, progress)? {
+            LogLocation::Here => LogLocation::Here,
+            otherwise => {
+                let files = below.get_or_insert_with(|| files_below(folder));
+                let elsewhere = search(&log.file, files, progress)?;
+                elsewhere.map_or(otherwise, LogLocation::Moved)
+            }
+        };
+        found.push((log.key.clone(), place));
+    }
+    Ok(found)
+}
+
+fn search(
+    log: &LogFile,
+    files: &[PathBuf],
+    progress: &Progress,
+) -> Result<Option<PathBuf>, Cancelled> {
+    let name = log.path.file_name().unwrap_or_default().to_string_lossy();
+    // A path that another system wrote is one long name here.
+    let name = paths::name_from_text(&name);
+    let (named, others): (Vec<_>, Vec<_>) = files
+        .iter()
+        .partition(|path| path.file_name() == Some(name.as_os_str()));
+    for path in named.into_iter().chain(others) {
+        progress.check()?;
+        if *path != log.path && is_log(log, path, progress)? {
+            return Ok(Some(path.clone()));
+        }
+    }
+    Ok(None)
+}
+
+/// What lies at the log's own place. It may have grown since.
+fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cancelled> {
+    let path = &log.path;
+    if is_log(log, path, progress)? || has_grown(log, path, progress)? {
+        return Ok(LogLocation::Here);
+    }
+    if is_as_long(log, path) {
+        return Ok(LogLocation::Changed);
+    }
+    let there = match starts_recording(log, path) {
+        true => opened(path, progress)?,
+        false => None,
+    };
+    let there = there.filter(|survey| survey.is_or_was(&log.identity()));
+    Ok(match there {
+        Some(survey) if survey.source.byte_count > log.byte_count => LogLocation::Here,
+        Some(_) => LogLocation::Changed,
+        None if path.exists() => LogLocation::Replaced,
+        None => LogLocation::Missing,
+    })
+}
+
+/// Whether a file is the log, by its hash.
+fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
+    if is_as_long(log, path) {
+        let hash = regular_file::open(path).and_then(|file| sha256_of(file, progress));
+        progress.check()?;
+        return Ok(hash.is_ok_and(|(_, sha256)| sha256 == log.sha256));
+    }
+    match starts_recording(log, path) {
+        true => match opened(path, progress)? {
+            Some(survey) => log.is_of(&survey, progress),
+            None => Ok(false),
+        },
+        false => Ok(false),
+    }
+}
+
+/// Whether a file begins with the log: more of it was written since.
+fn has_grown(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
+    let is_longer =
+        fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > log.byte_count);
+    if !is_longer {
+        return Ok(false);
+    }
+    let beginning = regular_file::open(path).map(|file| file.take(log.byte_count));
+    let hash = beginning.and_then(|beginning| sha256_of(beginning, progress));
+    progress.check()?;
+    Ok(hash.is_ok_and(|(_, sha256)| sha256 == log.sha256))
+}
+
+fn is_as_long(log: &LogFile, path: &Path) -> bool {
+    let there = fs::metadata(path);
+    there.is_ok_and(|there| there.is_file() && there.len() == log.byte_count)
+}
+
+/// Whether a file may be the first of a recording in several: it is shorter than the whole, and ends as the log's does.
+fn starts_recording(log: &LogFile, path: &Path) -> bool {
+    let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
+    let role = formats::role_by_name(&log.path);
+    let is_several = matches!(
+        role,
+        Some(FileRole::Description | FileRole::Part | FileRole::Paired)
+    );
+    let there = fs::metadata(path);
+    is_several
+        && ending(path) == ending(&log.path)
+        && there.is_ok_and(|there| there.is_file() && there.len() < log.byte_count)
+}
+
+/// The log in a file, if it is one.
+fn opened(
+    path: &Path,
+    progress: &Progress,
+) -> Result<Option<bathyscope_log::survey::Survey>, Cancelled> {
+    match formats::open(path, progress) {
+        Ok(survey) => Ok(Some(survey)),
+        Err(formats::OpenError::Cancelled(cancelled)) => Err(cancelled),
+        Err(_) => Ok(None),
+    }
+}
+
+/// The files in a folder and the folders below it, the nearest first. Links to folders are not followed: they may lead in a circle.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders = VecDeque::from([(folder.to_owned(), 0)]);
+    while let Some((folder, depth)) = folders.pop_front() {
+        let mut entries: Vec<_> = fs::read_dir(&folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .collect();
+        entries.sort_by_key(fs::DirEntry::file_name);
+        for entry in entries {
+            let Ok(kind) = entry.file_type() else {
+                continue;
+            };
+            if files.len() >= MOST_FILES {
+                return files;
+            }
+            if kind.is_dir() && depth < DEEPEST {
+                folders.push_back((entry.path(), depth + 1));
+            } else if !kind.is_dir() {
+                files.push(entry.path());
+            }
+        }
+    }
+    files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::log::ProjectLog;
+    use super::*;
+    use bathyscope_log::survey::Survey;
+
+    fn survey(path: &Path) -> Survey {
+        formats::open(path, &Progress::new()).expect("a log")
+    }
+
+    fn places(project: &Project, folder: &Path) -> Vec<LogLocation> {
+        let found = find(project, folder, &Progress::new()).expect("places");
+        found.into_iter().map(|(_, found)| found).collect()
+    }
+
+    #[test]
+    fn a_log_is_found_where_it_was_moved_to_and_only_by_its_bytes() {
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = fs::canonicalize(temporary.path()).expect("a folder");
+        let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2");
+        let log = folder.join("pond.sl2");
+        fs::copy(&demo, &log).expect("a log");
+        let file = LogFile::of(&survey(&log), &Progress::new()).expect("a log");
+        let bytes = fs::read(&log).expect("a log");
+        let (length, hash) = sha256_of(&bytes[..], &Progress::new()).expect("a log");
+        assert_eq!((file.byte_count, &file.sha256), (length, &hash));
+        let project = Project::default()
+            .with_log(ProjectLog::new(file))
+            .expect("a log");
+        assert_eq!(places(&project, &folder), [LogLocation::Here]);
+
+        // Elsewhere with the same name lies another recording of the same size.
+        let [day, other] = ["day 1", "day 2"].map(|name| folder.join(name));
+        fs::create_dir_all(&day).expect("a folder");
+        fs::create_dir_all(&other).expect("a folder");
+        let mut spoilt = bytes.clone();
+        spoilt[bytes.len() / 2] ^= 1;
+        fs::write(day.join("pond.sl2"), &spoilt).expect("a log");
+        fs::remove_file(&log).expect("a log");
+        assert_eq!(places(&project, &folder), [LogLocation::Missing]);
+        let moved = other.join("renamed.sl2");
+        fs::write(&moved, &bytes).expect("a log");
+        assert_eq!(
+            places(&project, &folder),
+            [LogLocation::Moved(moved.clone())]
+        );
+        let named = other.join("pond.sl2");
+        fs::write(&named, &bytes).expect("a log");
+        assert_eq!(places(&project, &folder), [LogLocation::Moved(named)]);
+
+        // Other bytes at its place, as many.
+        fs::write(&log, &spoilt).expect("a log");
+        assert!(matches!(
+            places(&project, &folder)[0],
+            LogLocation::Moved(_)
+        ));
+        for moved in [&moved, &other.join("pond.sl2")] {
+            fs::rename(moved, moved.with_extension("kept")).expect("a log");
+        }
+        fs::remove_dir_all(&day).expect("a folder");
+        for kept in ["renamed.kept", "pond.kept"] {
+            fs::write(other.join(kept), b"").expect("a file");
+        }
+        assert_eq!(places(&project, &folder), [LogLocation::Changed]);
+        fs::create_dir(&day).expect("a folder");
+        fs::write(&moved, &bytes).expect("a log");
+
+        // Another recording at its place.
+        fs::write(&log, &bytes[..bytes.len() - 1000]).expect("a log");
+        assert!(matches!(
+            places(&project, &folder)[0],
+            LogLocation::Moved(_)
+        ));
+        fs::remove_dir_all(&other).expect("a folder");
+        assert_eq!(places(&project, &folder), [LogLocation::Replaced]);
+
+        // As Windows wrote it.
+        fs::remove_file(&log).expect("a log");
+        fs::write(day.join("pond.sl2"), &bytes).expect("a log");
+        let text = project
+            .to_text(&folder)
+            .replace("file = \"pond.sl2\"", "file = \"D:\\\\lake\\\\pond.sl2\"");
+        let foreign = Project::from_text(&text, &folder).expect("a project");
+        assert_eq!(
+            places(&foreign, &folder),
+            [LogLocation::Moved(day.join("pond.sl2"))]
+        );
+        assert!(find(&project, &folder, &Progress::new()).is_ok());
+    }
+
+    #[test]
+    fn a_picture_is_found_with_its_table() {
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = fs::canonicalize(temporary.path()).expect("a folder");
+        let [picture, table] = ["pond.png", "pond.csv"].map(|name| folder.join(name));
+        let pixels = image::GrayImage::from_fn(8, 2, |x, y| image::Luma([(x + y) as u8]));
+        pixels.save(&picture).expect("a picture");
+        fs::write(&table, "lon,lat,range_m\n11.5,48.1,20\n11.5,48.2,20\n").expect("a table");
+        let file = LogFile::of(&survey(&table), &Progress::new()).expect("a log");
+        assert_eq!(file.path, picture);
+        let project = Project::default().with_log(ProjectLog::new(file));
+        let project = project.expect("a log");
+        assert_eq!(places(&project, &folder), [LogLocation::Here]);
+        let day = folder.join("day");
+        fs::create_dir(&day).expect("a folder");
+        let moved = day.join("lake.png");
+        fs::rename(&picture, &moved).expect("a picture");
+        assert_eq!(places(&project, &folder), [LogLocation::Missing]);
+        fs::rename(&table, day.join("lake.csv")).expect("a table");
+        assert_eq!(places(&project, &folder), [LogLocation::Moved(moved)]);
+    }
+
+    #[test]
+    fn a_search_of_folders_ends() {
+        let temporary = tempfile::tempdir().expect("a folder");
+        let mut deep = temporary.path().to_owned();
+        for level in 0..DEEPEST + 3 {
+            fs::write(deep.join(format!("{level}.txt")), b"x").expect("a file");
+            deep.push("below");
+            fs::create_dir(&deep).expect("a folder");
+        }
+        assert_eq!(files_below(temporary.path()).len(), DEEPEST + 1);
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(temporary.path(), temporary.path().join("circle"))
+                .expect("a link");
+            assert_eq!(files_below(temporary.path()).len(), DEEPEST + 2);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! One window a project: the journal beside the file is locked by the window that has it open. On Windows nobody else can open it for
+//! writing, which is the lock.
+//!
+//! The system lets go of the lock when the program ends in whatever way, so none is ever left over. Where a file system knows no locks,
+//! the journal's last line about its owner counts instead: a program of this computer that runs no more owns nothing.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::Path;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// The program that has a project open.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Owner {
+    /// Its process number.
+    pub pid: u32,
+    /// The computer that it runs on; empty where that has no name.
+    pub host: String,
+    /// When it opened the project, Unix seconds.
+    pub since_unix_s: u64,
+}
+
+impl Owner {
+    /// This program, now.
+    pub fn now() -> Self {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH);
+        Self {
+            pid: std::process::id(),
+            host: host(),
+            since_unix_s: since.map_or(0, |since| since.as_secs()),
+        }
+    }
+
+    /// Whether it may still run. Of another computer that cannot be known.
+    pub fn may_run(&self) -> bool {
+        let is_here = self.host == host();
+        !is_here || !cfg!(target_os = "linux") || process_exists(self.pid)
+    }
+}
+
+impl fmt::Display for Owner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "process {}", self.pid)?;
+        if self.host != host() {
+            write!(f, " on {}", self.host)?;
+        }
+        Ok(())
+    }
+}
+
+fn process_exists(pid: u32) -> bool {
+    Path::new("/proc").join(pid.to_string()).exists()
+}
+
+fn host() -> String {
+    let told = fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let named = || {
+        ["COMPUTERNAME", "HOSTNAME"]
+            .into_iter()
+            .find_map(|name| std::env::var(name).ok())
+    };
+    told.or_else(named).unwrap_or_default().trim().to_owned()
+}
+
+/// What came of asking for a lock.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Locked {
+    /// It is ours.
+    Ours,
+    /// Another window has it.
+    Taken,
+    /// The file system knows no locks.
+    Unknown,
+}
+
+/// How often, and how long apart, a lock is asked for that another has: a program that this one starts holds a copy of each of its open
+/// files, and with it of a lock that was just given up, until it runs its own code.
+const ATTEMPTS: u32 = 6;
+const APART: Duration = Duration::from_millis(20);
+
+/// Asks for the lock of an open file; where another has it, for a tenth of a second.
+pub(super) fn lock(file: &File) -> io::Result<Locked> {
+    for _ in 1..ATTEMPTS {
+        match try_lock(file)? {
+            Locked::Taken => std::thread::sleep(APART),
+            locked => return Ok(locked),
+        }
+    }
+    try_lock(file)
+}
+
+fn try_lock(file: &File) -> io::Result<Locked> {
+    if cfg!(windows) {
+        // Whoever could open it has it alone.
+        return Ok(Locked::Ours);
+    }
+    match file.try_lock() {
+        Ok(()) => Ok(Locked::Ours),
+        Err(TryLockError::WouldBlock) => Ok(Locked::Taken),
+        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
+            Ok(Locked::Unknown)
+        }
+        // What Linux says of file systems without locks.
+        Err(TryLockError::Error(error)) if matches!(error.raw_os_error(), Some(37 | 38 | 95)) => {
+            Ok(Locked::Unknown)
+        }
+        Err(TryLockError::Error(error)) => Err(error),
+    }
+}
+
+/// Whether an open file is still the one of that name: another window may have removed it between opening and locking.
+#[cfg(unix)]
+pub(super) fn is_still(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    let [open, there] = [file.metadata(), fs::metadata(path)];
+    matches!((open, there), (Ok(open), Ok(there)) if open.ino() == there.ino() && open.dev() == there.dev())
+}
+
+/// Whether an open file is still the one of that name: nobody can have removed it.
+#[cfg(not(unix))]
+pub(super) fn is_still(_: &File, path: &Path) -> bool {
+    path.exists()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_owner_that_ended_owns_nothing() {
+        let own = Owner::now();
+        assert!(own.may_run());
+        // No process has this number: it is above the most that Linux gives.
+        let ended = Owner {
+            pid: 4_294_967_294,
+            ..own.clone()
+        };
+        assert_eq!(ended.may_run(), !cfg!(target_os = "linux"));
+        let elsewhere = Owner {
+            host: "another computer".to_owned(),
+            ..ended
+        };
+        assert!(elsewhere.may_run());
+        assert_eq!(
+            elsewhere.to_string(),
+            "process 4294967294 on another computer"
+        );
+        assert_eq!(own.to_string(), format!("process {}", std::process::id()));
+    }
+}

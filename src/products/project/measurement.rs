@@ -1,0 +1,215 @@
+//! What was measured on the map and in the waterfall.
+
+use bathyscope_log::support::geo::{LonLat, area_m2, distance_m};
+use bathyscope_log::survey::{Identity, Side, Survey};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What a line was drawn for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeasurementKind {
+    /// Length along a line.
+    Distance,
+    /// Area of a polygon.
+    Area,
+    /// Depths along a line.
+    Profile,
+    /// Height of what casts a shadow in the waterfall, from the top to the end of its shadow.
+    Height,
+}
+
+impl MeasurementKind {
+    /// `distance`, `area`, `profile` or `height`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Distance => "distance",
+            Self::Area => "area",
+            Self::Profile => "profile",
+            Self::Height => "height",
+        }
+    }
+
+    /// Corners that there is something to measure between.
+    fn least_corners(self) -> usize {
+        match self {
+            Self::Distance | Self::Profile | Self::Height => 2,
+            Self::Area => 3,
+        }
+    }
+}
+
+/// Where in a log's side-scan a corner was set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pick {
+    /// The log.
+    pub log: Identity,
+    /// The side.
+    pub side: Side,
+    /// The side-scan ping.
+    pub ping: usize,
+    /// Slant range on the recorder's scale, metres.
+    pub slant_m: f64,
+}
+
+impl Pick {
+    /// Its side in a log: what was picked while the sides were exchanged lies on the other one when they are not.
+    pub fn side_in(&self, survey: &Survey) -> Side {
+        match self.log.swapped_sides == survey.swapped_sides {
+            true => self.side,
+            false => self.side.other(),
+        }
+    }
+}
+
+/// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It is kept as positions, so that it
+/// stays on its ground when the plane of the survey changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What it was drawn for.
+    pub kind: MeasurementKind,
+    /// Its corners in the order of drawing; an area is closed from the last to the first.
+    pub corners: Vec<LonLat>,
+    /// Where in the side-scan its corners were set, by their number from 0; those that were set on the map have no entry. A height
+    /// has both.
+    pub picks: BTreeMap<usize, Pick>,
+    /// The analyst's remark.
+    pub note: String,
+}
+
+impl Measurement {
+    /// Nothing drawn yet.
+    pub fn new(kind: MeasurementKind) -> Self {
+        Self {
+            kind,
+            corners: Vec::new(),
+            picks: BTreeMap::new(),
+            note: String::new(),
+        }
+    }
+
+    /// Metres along the line from its start to each of its corners, on the ellipsoid.
+    pub fn distances_m(&self) -> Vec<f64> {
+        let legs = self.corners.windows(2).scan(0.0, |sum_m, leg| {
+            *sum_m += distance_m(leg[0], leg[1]);
+            Some(*sum_m)
+        });
+        let start = self.corners.first().map(|_| 0.0);
+        start.into_iter().chain(legs).collect()
+    }
+
+    /// Metres along the line; around an area.
+    pub fn length_m(&self) -> f64 {
+        let along_m = self.distances_m().last().copied().unwrap_or(0.0);
+        match (self.kind, self.corners.first(), self.corners.last()) {
+            (MeasurementKind::Area, Some(first), Some(last)) => along_m + distance_m(*last, *first),
+            _ => along_m,
+        }
+    }
+
+    /// Square metres of an area, on the ellipsoid.
+    pub fn area_m2(&self) -> f64 {
+        area_m2(&self.corners)
+    }
+
+    /// The measurement with one more corner, and where in the side-scan it was set if it was there.
+    pub fn with(&self, corner: LonLat, pick: Option<Pick>) -> Self {
+        let mut longer = self.clone();
+        longer
+            .picks
+            .extend(pick.map(|pick| (longer.corners.len(), pick)));
+        longer.corners.push(corner);
+        longer
+    }
+
+    /// The measurement without its last corner.
+    pub fn without_last(&self) -> Self {
+        let mut shorter = self.clone();
+        shorter.corners.pop();
+        let kept = shorter.corners.len();
+        shorter.picks.retain(|corner, _| *corner < kept);
+        shorter
+    }
+
+    /// Both ends of a shadow: its side and ping, and the slant ranges of both ends on the recorder's scale, metres.
+    pub fn shadow(&self) -> Option<(&Pick, [f64; 2])> {
+        let [top, end] = [0, 1].map(|corner| self.picks.get(&corner));
+        let (top, end) = top
+            .zip(end)
+            .filter(|_| self.kind == MeasurementKind::Height)?;
+        Some((top, [top.slant_m, end.slant_m]))
+    }
+
+    /// Whether there is something between its corners.
+    pub fn is_measurable(&self) -> bool {
+        self.corners.len() >= self.kind.least_corners()
+    }
+}
+
+/// A measurement as the file keeps it.
+#[derive(Serialize, Deserialize)]
+pub(super) struct MeasurementRow {
+    kind: MeasurementKind,
+    /// Longitude and latitude, degrees.
+    corners: Vec<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    note: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    picks: Vec<PickRow>,
+}
+
+/// A [`Pick`] with the number of its corner.
+#[derive(Serialize, Deserialize)]
+struct PickRow {
+    corner: usize,
+    #[serde(flatten)]
+    pick: Pick,
+}
+
+impl MeasurementRow {
+    /// The fields of a row.
+    pub(super) const FIELDS: [&str; 4] = ["corners", "kind", "note", "picks"];
+
+    pub(super) fn of(measurement: &Measurement) -> Self {
+        let corners = measurement.corners.iter();
+        let picks = measurement.picks.clone().into_iter();
+        Self {
+            kind: measurement.kind,
+            corners: corners.map(|at| [at.lon_deg, at.lat_deg]).collect(),
+            note: measurement.note.clone(),
+            picks: picks
+                .map(|(corner, pick)| PickRow { corner, pick })
+                .collect(),
+        }
+    }
+
+    /// The measurement; the error says what no map has.
+    ///
+    /// # Errors
+    /// What no map has.
+    pub(super) fn read(self) -> Result<Measurement, &'static str> {
+        let corners = self.corners.into_iter();
+        let corners = corners.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg });
+        let corners: Vec<LonLat> = corners.collect();
+        if !corners.iter().all(LonLat::is_on_earth) {
+            return Err("corners are longitude and latitude in degrees");
+        }
+        let picks = self.picks.into_iter();
+        let picks: BTreeMap<usize, Pick> = picks.map(|row| (row.corner, row.pick)).collect();
+        let is_pick = |(corner, pick): (&usize, &Pick)| {
+            *corner < corners.len() && pick.slant_m.is_finite() && pick.slant_m >= 0.0
+        };
+        if !picks.iter().all(is_pick) {
+            return Err("picks are corners with their ping, side and slant range");
+        }
+        if self.kind == MeasurementKind::Height && (corners.len() != 2 || picks.len() != 2) {
+            return Err("a height has two corners with their picks");
+        }
+        Ok(Measurement {
+            kind: self.kind,
+            corners,
+            picks,
+            note: self.note,
+        })
+    }
+}

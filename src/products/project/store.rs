@@ -1,0 +1,546 @@
+//! Keeps a project on disk.
+//!
+//! - Saving writes the text aside, has the disk keep it, and renames it: there is always one whole file.
+//! - Every gesture goes into the journal beside the file ([`Store::record`]); opening takes in what was not saved. After a crash at most
+//!   the gesture under way is missing.
+//! - One window has a project open at a time. Where that cannot be known, a file that another program changed meanwhile is not written
+//!   over.
+
+use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
+use super::migrate::{VERSION, migrate};
+use super::past::{Past, PastStep};
+use super::row::Rows;
+use super::{Project, ProjectError, paths, rows, text};
+use crate::export::{self, is_same_file};
+use crate::pipeline::in_hexadecimal;
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::regular_file;
+use sha2::{Digest as _, Sha256};
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+pub use super::lock::Owner;
+
+/// End of a project's file name.
+pub const ENDING: &str = "bathyscope";
+/// What the journal's name has more than the project's.
+const JOURNAL: &str = "-journal";
+
+/// Why a project cannot be opened or saved, in one sentence that ends with the file.
+pub type StoreError = FileError<StoreFault>;
+
+/// Why a project cannot be opened or saved, in a sentence without the file.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreFault {
+    /// It cannot be read.
+    #[error("cannot read the project: {0}")]
+    Read(#[source] io::Error),
+    /// Its text is none of this program's: what is wrong, and in which line.
+    #[error("cannot use the project: {0}")]
+    Text(#[source] ProjectError),
+    /// Another window has it open, of this program.
+    #[error(
+        "the project is open in another window ({0}); close it there, or save this one under another name"
+    )]
+    Taken(Owner),
+    /// Nothing can be written beside it: [`read`] still shows it.
+    #[error("the project cannot be written here: {0}; save it under another name")]
+    NotWritable(#[source] io::Error),
+    /// Another program has changed it since it was read.
+    #[error(
+        "another program has changed the project since it was opened, so it is not written over; save this one under another name"
+    )]
+    Changed,
+    /// It would be written over a log, or is not called as a project is.
+    #[error("a project is kept in a file of its own, whose name ends in .bathyscope")]
+    Name,
+}
+
+/// A project that was opened.
+#[derive(Debug)]
+pub struct OpenedProject {
+    /// Where it is kept from now on.
+    pub store: Store,
+    /// What is in it, with the gestures that were not saved.
+    pub project: Project,
+    /// What to tell the analyst, in sentences: gestures that were taken in, or could not be.
+    pub notes: Vec<String>,
+    /// The changes that led to it, the oldest first, as far as they are known.
+    pub past: Vec<PastStep>,
+}
+
+/// Where an open project is kept. Dropped, it leaves the journal where something in it is not saved.
+#[derive(Debug)]
+pub struct Store {
+    path: PathBuf,
+    /// Gone only while it is being dropped.
+    journal: Option<ProjectJournal>,
+    /// Hash of the file as this window read or wrote it.
+    sha256: String,
+    /// The project that the file and the journal together hold.
+    recorded: Project,
+    /// The project that the file holds; `None` where it is not the whole of what was opened.
+    saved: Option<Project>,
+    /// The changes that led to what was recorded.
+    past: Past,
+}
+
+/// Reads a project without keeping it: to look at it, or to process it. What is in a journal beside it does not count.
+///
+/// # Errors
+/// A sentence when it cannot be read or makes no sense.
+pub fn read(path: &Path) -> Result<Project, StoreError> {
+    let (text, _) = text_of(path)?;
+    let read = Project::from_text(&text, &folder_of(path));
+    read.map_err(|error| StoreError::new(StoreFault::Text(error), path))
+}
+
+impl Store {
+    /// Opens a project, for this window alone, and takes in what was not saved when it was last open.
+    ///
+    /// # Errors
+    /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be written.
+    pub fn open(path: &Path) -> Result<OpenedProject, StoreError> {
+        // The file itself is renamed into place, whatever link leads to it, and has one journal.
+        let path = paths::canonical(path)
+            .map_err(|error| StoreError::new(StoreFault::Read(error), path))?;
+        // Before anything is written beside it: this may be no project at all.
+        let wrong = |error| StoreError::new(StoreFault::Text(error), &path);
+        text::read_as_written(&text_of(&path)?.0).map_err(wrong)?;
+        let (mut journal, mut read) = lock(&path)?;
+        // Once more, now that no other window can save it.
+        let (text, sha256) = text_of(&path)?;
+        let (written, version) = text::read_as_written(&text).map_err(wrong)?;
+        let folder = folder_of(&path);
+        let saved =
+            rows::read(migrate(written.clone(), version, VERSION), &folder).map_err(wrong)?;
+        let mut notes = Vec::new();
+        let mut project = saved.clone();
+        let rows = migrate(written.clone(), version, VERSION);
+        let mut past = Past::read(&path, (&saved, rows), &sha256, &folder);
+        match unsaved(&read, &sha256) {
+            Some((entries, entry_version)) if !entries.is_empty() => {
+                match replayed(written.clone(), version, entries, entry_version, &folder) {
+                    Ok(with_unsaved) => {
+                        project = with_unsaved;
+                        let rows = migrate(written, version, entry_version);
+                        past.replay(&saved, (rows, entry_version), entries, &folder);
+                        notes.extend(taken_in(entries, read.damaged));
+                    }
+                    Err(error) => {
+                        notes.push(aside(&path, journal, &format!("cannot be used: {error}"))?);
+                        (journal, read) = lock(&path)?;
+                    }
+                }
+            }
+            Some(_) => {}
+            None => {
+                let why =
+                    "belong to another version of the file, which was changed by another program";
+                notes.push(aside(&path, journal, why)?);
+                (journal, read) = lock(&path)?;
+            }
+        }
+        let is_saved = project == saved;
+        let begun = match is_saved || read.entries.is_empty() {
+            true => journal.restart(&sha256, VERSION),
+            false => journal.append(&Entry::Opened(Owner::now())),
+        };
+        begun.map_err(not_writable(&path))?;
+        let store = Self {
+            journal: Some(journal),
+            sha256,
+            recorded: project.clone(),
+            saved: Some(saved),
+            past: past.clone(),
+            path,
+        };
+        Ok(OpenedProject {
+            store,
+            project,
+            notes,
+            past: past.into_steps().collect(),
+        })
+    }
+
+    /// Begins to keep a project in a file, which is written over if it is there: whoever chose the name was asked.
+    ///
+    /// # Errors
+    /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when it cannot be written.
+    pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
+        Self::create_with_past(path, project, Vec::new())
+    }
+
+    /// [`Store::create`] of a project that these changes led to, the oldest first: undo takes them back when it is opened again.
+    ///
+    /// # Errors
+    /// As [`Store::create`].
+    pub fn create_with_past(
+        path: &Path,
+        project: &Project,
+        past: Vec<PastStep>,
+    ) -> Result<Self, StoreError> {
+        let ends = path.extension().is_some_and(|ending| ending == ENDING);
+        let is_log = || {
+            project
+                .logs()
+                .iter()
+                .any(|log| is_same_file(&log.file.path, path))
+        };
+        if !ends || is_log() {
+            return Err(StoreError::new(StoreFault::Name, path));
+        }
+        let path = match paths::canonical(path) {
+            Ok(path) => path,
+            Err(_) => paths::placed(path),
+        };
+        let (mut journal, read) = lock(&path)?;
+        if read
+            .entries
+            .iter()
+            .any(|entry| matches!(entry, Entry::Done { .. }))
+        {
+            // Somebody's work that was not saved, under the name of the file that goes.
+            aside(&path, journal, "")?;
+            (journal, _) = lock(&path)?;
+        }
+        let mut store = Self {
+            journal: Some(journal),
+            sha256: String::new(),
+            recorded: project.clone(),
+            saved: None,
+            past: Past::of_steps(past),
+            path,
+        };
+        let saving = store.saving(project, None)?;
+        store.end_save(saving.write())?;
+        Ok(store)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The folder that paths in it start from.
+    pub fn folder(&self) -> PathBuf {
+        folder_of(&self.path)
+    }
+
+    /// Whether the file holds another version than this one.
+    pub fn is_unsaved(&self, project: &Project) -> bool {
+        self.saved.as_ref() != Some(project)
+    }
+
+    /// Writes what changed since the last gesture into the journal, as one line; nothing where nothing changed. From then on it is not
+    /// lost when the program ends in whatever way. Takes as long as what changed is large: under a millisecond for a decision.
+    ///
+    /// # Errors
+    /// When it cannot be written; the next call tries again with all that is missing.
+    pub fn record(&mut self, project: &Project, label: &str) -> Result<(), StoreError> {
+        let (set, gone) = rows::changes(&self.recorded, project, &self.folder());
+        if !set.is_empty() || !gone.is_empty() {
+            let entry = Entry::done(label, &set, &gone);
+            let path = &self.path;
+            let journal = self.journal.as_mut().ok_or_else(|| closed(path))?;
+            journal.append(&entry).map_err(not_writable(path))?;
+            self.past.note(label, &self.recorded, project);
+        }
+        self.recorded = project.clone();
+        Ok(())
+    }
+
+    /// Writes the project into its file.
+    ///
+    /// # Errors
+    /// When another program has changed the file, or it cannot be written; what was done stays in the journal.
+    pub fn save(&mut self, project: &Project) -> Result<(), StoreError> {
+        let saving = self.begin_save(project)?;
+        self.end_save(saving.write())
+    }
+
+    /// Begins to write the project into its file. [`Saving::write`] does so, on another thread if it may take long;
+    /// [`Store::end_save`] ends it. What is recorded in between comes after it: whenever the program ends, the journal goes with the
+    /// file that lies there.
+    ///
+    /// # Errors
+    /// When the journal cannot be written.
+    pub fn begin_save(&mut self, project: &Project) -> Result<Saving, StoreError> {
+        self.record(project, "save")?;
+        self.saving(project, Some(self.sha256.clone()))
+    }
+
+    /// Takes over that the project was written, or was not.
+    ///
+    /// # Errors
+    /// Why it was not.
+    pub fn end_save(&mut self, written: SavingOutcome) -> Result<(), StoreError> {
+        let SavingOutcome {
+            result,
+            sha256,
+            project,
+        } = written;
+        result?;
+        self.sha256.clone_from(&sha256);
+        let is_all = self.recorded == project;
+        self.saved = Some(project);
+        // What was done since stays in the journal, behind the line that says that the file holds all before.
+        if is_all {
+            let path = &self.path;
+            let journal = self.journal.as_mut().ok_or_else(|| closed(path))?;
+            journal
+                .restart(&sha256, VERSION)
+                .map_err(not_writable(path))?;
+        }
+        Ok(())
+    }
+
+    /// What is written of a project into the file, which must have this hash if one is given.
+    fn saving(
+        &mut self,
+        project: &Project,
+        expected: Option<String>,
+    ) -> Result<Saving, StoreError> {
+        let text = project.to_text(&self.folder());
+        let sha256 = in_hexadecimal(&Sha256::digest(&text));
+        let path = self.path.clone();
+        let journal = self.journal.as_mut().ok_or_else(|| closed(&path))?;
+        // Ended between the renaming and the new journal, the file says by its hash that it holds all of this.
+        let about = Entry::Saved {
+            sha256: sha256.clone(),
+            version: VERSION,
+        };
+        journal.append(&about).map_err(not_writable(&path))?;
+        Ok(Saving {
+            journal: journal.syncing().map_err(not_writable(&path))?,
+            path,
+            expected,
+            text,
+            sha256,
+            project: project.clone(),
+            past: self.past.clone(),
+        })
+    }
+
+    /// Leaves the project. What was done since it was saved stays in the journal for the next time if `keep`, or is forgotten.
+    pub fn close(mut self, keep: bool) {
+        if !keep && let Some(journal) = self.journal.take() {
+            journal.remove();
+        }
+    }
+}
+
+/// A project that is to be written into its file.
+#[derive(Debug)]
+pub struct Saving {
+    path: PathBuf,
+    /// Hash that the file has unless another program changed it.
+    expected: Option<String>,
+    text: String,
+    sha256: String,
+    project: Project,
+    past: Past,
+    journal: Syncing,
+}
+
+/// What became of a [`Saving`].
+#[derive(Debug)]
+pub struct SavingOutcome {
+    result: Result<(), StoreError>,
+    sha256: String,
+    project: Project,
+}
+
+impl Saving {
+    /// Writes it: aside, kept by the disk, renamed.
+    pub fn write(self) -> SavingOutcome {
+        SavingOutcome {
+            result: self.try_write(),
+            sha256: self.sha256,
+            project: self.project,
+        }
+    }
+
+    fn try_write(&self) -> Result<(), StoreError> {
+        let path = &self.path;
+        // One that was removed can be written again; of one that cannot be read, the writing tells.
+        if let (Some(expected), Ok((_, sha256))) = (&self.expected, text_of(path))
+            && sha256 != *expected
+        {
+            return Err(StoreError::new(StoreFault::Changed, path));
+        }
+        self.journal.sync().map_err(not_writable(path))?;
+        let written = export::write_atomically(path, |mut file| {
+            file.write_all(self.text.as_bytes())?;
+            file.sync_all()
+        });
+        written.map_err(|error| not_writable(path)(error.source))?;
+        sync_folder(&folder_of(path));
+        (self.past).write(path, &self.project, &self.sha256, &folder_of(path));
+        Ok(())
+    }
+}
+
+fn not_writable(path: &Path) -> impl Fn(io::Error) -> StoreError + use<'_> {
+    |error| StoreError::new(StoreFault::NotWritable(error), path)
+}
+
+impl Drop for Store {
+    fn drop(&mut self) {
+        let is_saved = self.saved.as_ref() == Some(&self.recorded);
+        if is_saved && let Some(journal) = self.journal.take() {
+            journal.remove();
+        }
+    }
+}
+
+fn closed(path: &Path) -> StoreError {
+    not_writable(path)(io::Error::other("it was closed"))
+}
+
+/// The gestures of a journal that the file with this hash does not hold, and the layout of their rows; `None` when the journal knows no
+/// such file.
+fn unsaved<'a>(read: &'a Read, sha256: &str) -> Option<(&'a [Entry], u32)> {
+    let is_done = |entry: &Entry| matches!(entry, Entry::Done { .. });
+    if !read.entries.iter().any(is_done) {
+        return Some((&[], VERSION));
+    }
+    let version_at = |entry: &Entry| match entry {
+        Entry::Saved {
+            sha256: hash,
+            version,
+        } if hash == sha256 => Some(*version),
+        _ => None,
+    };
+    let at = read
+        .entries
+        .iter()
+        .rposition(|entry| version_at(entry).is_some())?;
+    let after = &read.entries[at + 1..];
+    let version = version_at(&read.entries[at])?;
+    let rest = if after.iter().any(is_done) {
+        after
+    } else {
+        &[]
+    };
+    Some((rest, version))
+}
+
+/// A project as [`Store::open`] reads it with the journal beside it, from memory, for the fuzzer. `sha256` is that of the text.
+///
+/// # Errors
+/// As [`Project::from_text`], and where the gestures make no sense.
+pub fn with_journal(
+    text: &str,
+    sha256: &str,
+    journal: &[u8],
+    folder: &Path,
+) -> Result<Project, ProjectError> {
+    let (written, version) = text::read_as_written(text)?;
+    let rows = migrate(written.clone(), version, VERSION);
+    let saved = rows::read(rows.clone(), folder)?;
+    let read = Read::of(journal);
+    let Some((entries, entry_version)) = unsaved(&read, sha256) else {
+        return Ok(saved);
+    };
+    let project = replayed(written, version, entries, entry_version, folder)?;
+    Past::default().replay(&saved, (rows, entry_version), entries, folder);
+    taken_in(entries, read.damaged);
+    Ok(project)
+}
+
+/// The project with gestures done again. Rows and gestures meet in the layout of the gestures.
+fn replayed(
+    written: Rows,
+    version: u32,
+    entries: &[Entry],
+    entry_version: u32,
+    folder: &Path,
+) -> Result<Project, ProjectError> {
+    if entry_version > VERSION {
+        return Err(ProjectError::Newer {
+            version: entry_version,
+        });
+    }
+    let mut rows = migrate(written, version, entry_version);
+    for entry in entries {
+        entry.replay(&mut rows);
+    }
+    rows::read(migrate(rows, entry_version, VERSION), folder)
+}
+
+/// What to tell of gestures that were taken in.
+fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
+    let mut labels = entries.iter().filter_map(|entry| match entry {
+        Entry::Done { label, .. } => Some(label.as_str()),
+        _ => None,
+    });
+    let count = labels.clone().count();
+    let last = labels.next_back().unwrap_or_default();
+    let changes = if count == 1 { "change" } else { "changes" };
+    let mut notes = vec![format!(
+        "{count} {changes} that were not saved when the project was last open were taken in; the last was: {last}"
+    )];
+    if damaged > 0 {
+        notes.push(format!("{damaged} more could not be read and are lost"));
+    }
+    notes
+}
+
+/// Puts a journal that cannot be used under another name, and says so.
+fn aside(path: &Path, journal: ProjectJournal, why: &str) -> Result<String, StoreError> {
+    drop(journal);
+    let kept = export::rename_older(&journal_of(path))
+        .map_err(|error| not_writable(path)(error.source))?;
+    Ok(format!(
+        "The changes that were not saved when the project was last open {why}; they are kept as {}",
+        kept.display()
+    ))
+}
+
+fn lock(path: &Path) -> Result<(ProjectJournal, Read), StoreError> {
+    let what = |error| match error {
+        NoJournal::Taken(owner) => StoreFault::Taken(owner),
+        NoJournal::Io(error) => StoreFault::NotWritable(error),
+    };
+    let opened = ProjectJournal::open(&journal_of(path));
+    opened.map_err(|error| StoreError::new(what(error), path))
+}
+
+fn journal_of(path: &Path) -> PathBuf {
+    let mut name = OsString::from(path.file_name().unwrap_or_default());
+    name.push(JOURNAL);
+    path.with_file_name(name)
+}
+
+/// The folder of a file, absolute.
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    // As logs are named, so that the way from one to the other is short.
+    let path = paths::placed(path);
+    path.parent().map(Path::to_owned).unwrap_or_default()
+}
+
+/// The text of a project's file and its hash.
+fn text_of(path: &Path) -> Result<(String, String), StoreError> {
+    let fail = StoreError::at(path);
+    let bytes =
+        regular_file::read(path, text::LONGEST).map_err(|error| fail(StoreFault::Read(error)))?;
+    let sha256 = in_hexadecimal(&Sha256::digest(&bytes));
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let what = ProjectError::line(line, "this is no text in UTF-8");
+        fail(StoreFault::Text(what))
+    })?;
+    Ok((text, sha256))
+}
+
+/// Has the disk keep the new name of a file.
+fn sync_folder(folder: &Path) {
+    // Not every system opens folders; the file itself is kept in any case.
+    if let Ok(folder) = File::open(folder) {
+        folder.sync_all().ok();
+    }
+}

@@ -1,0 +1,64 @@
+//! Simulated surveys of known truth, written as valid SL2.
+//!
+//! In: a scene and a seed. Out: a log as bytes, with its truth.
+//! It uses `formats`, `survey` and `support`.
+//!
+//! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a [`Simulated`] survey: the log as
+//! a Lowrance side-scan recorder would have written it, and for every ping the truth that the log hides: where the boat
+//! was, how deep the water under it, and the slant range of the nearest visible bed on each side.
+//!
+//! ```text
+//! Scene --path--> pings --echo--> acoustic power by range, true first return --recorder--> bytes --sl2--> log
+//!         bed, objects --^                  weed, fish, ... (artefacts) --^
+//! ```
+//!
+//! `training_scene` draws random scenes for a detector to learn from.
+//!
+//! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
+//! to its ping and purpose (`random`), and the arithmetic uses only operations that IEEE 754 fixes (`arithmetic`).
+
+// Their failure is the failure of the test.
+#![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
+
+mod arithmetic;
+mod artefacts;
+mod beam;
+mod bed;
+mod check;
+mod clutter;
+mod echo;
+mod ground;
+mod hull;
+mod limbs;
+mod listener;
+mod log;
+mod noise;
+mod object_kind;
+mod objects;
+mod path;
+mod presets;
+mod random;
+mod recorder;
+mod ripples;
+mod scene;
+mod shape;
+mod shoal;
+mod simulate;
+mod sonar;
+mod stones;
+mod training_scene;
+mod truth;
+mod visibility;
+mod weed;
+mod world;
+
+pub use object_kind::ObjectKind;
+pub use scene::Scene;
+pub use scene::{
+    Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectSettings, RecorderSettings, Terrace,
+    TrackSettings,
+};
+pub use simulate::{Simulated, simulate};
+pub use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
+pub use truth::ObjectPass;
+pub use truth::PingTruth;

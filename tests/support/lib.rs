@@ -1,0 +1,43 @@
+//! What tests of several crates need: where recordings lie, small logs written byte by byte from the format notes, not by
+//! Bathyscope's own writers, and random numbers that are the same in every run.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    missing_docs,
+    reason = "as in tests"
+)]
+
+pub mod cerulean;
+pub mod edgetech;
+pub mod garmin;
+pub mod handmade;
+pub mod klein;
+pub mod nmea;
+mod random;
+
+pub use random::{Moments, Random};
+
+use std::path::PathBuf;
+
+/// The folder of the repository.
+pub fn repository() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project.
+/// `None` (after a line on stderr) where there is none: the test then has nothing to look at and says so.
+pub fn real_data() -> Option<PathBuf> {
+    let beside = repository().join("../shared/data");
+    let folder = std::env::var_os("BATHYSCOPE_DATA").map_or(beside, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: no real recordings (set BATHYSCOPE_DATA to the folder that holds them)");
+    None
+}
+
+/// The bundled demo survey as a file.
+pub fn demo_log() -> PathBuf {
+    repository().join("assets/demo.sl2")
+}
