@@ -87,7 +87,7 @@ impl AboveBottom {
     }
 
     /// The stretch that a ping of a side lies in.
-    pub fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
+    pub(crate) fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
         let holds =
             |one: &&AboveStretch| one.side == side && (one.pings[0]..=one.pings[1]).contains(&ping);
         self.stretches.iter().find(holds)

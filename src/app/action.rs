@@ -234,7 +234,7 @@ impl Action {
     }
 
     /// A second key for it, where other programs have another one for the same, or the key is another one on many keyboards.
-    pub fn second_key(self) -> Option<Keys> {
+    pub(crate) fn second_key(self) -> Option<Keys> {
         match self {
             Action::Palette => Some("Ctrl+K"),
             // A digit names the class of the selected box.
@@ -252,7 +252,7 @@ impl Action {
 
     /// Whether a held key goes on doing it: stepping, and walking through the history. Everything else is done once per press;
     /// a held A would otherwise accept box after box before any of them has been looked at.
-    pub fn repeats(self) -> bool {
+    pub(crate) fn repeats(self) -> bool {
         matches!(
             self,
             Action::ZoomIn

@@ -5,7 +5,7 @@ use bathyscope_bottom::calibration::ScaleMode;
 
 impl App {
     /// Whether there is what an action takes away or leaves. All other actions say themselves what they lack.
-    pub fn has_what_it_takes(&self, action: Action) -> bool {
+    pub(crate) fn has_what_it_takes(&self, action: Action) -> bool {
         match action {
             Action::ShowTogether => self.logs().any(|log| log.apart.is_some()),
             Action::OpenExported => self.written_into.is_some(),

@@ -20,7 +20,7 @@ impl App {
     }
 
     /// Opens the base map that lay there when the window was closed; one that is gone is left, and that is said.
-    pub fn reopen_base_map(&mut self, path: PathBuf) {
+    pub(crate) fn reopen_base_map(&mut self, path: PathBuf) {
         if path.is_file() {
             self.start_base_map(path, true);
         } else {
@@ -51,7 +51,7 @@ impl App {
     }
 
     /// Done share of the base map that is being opened, 0 to 1.
-    pub fn base_map_fraction(&self) -> Option<f32> {
+    pub(crate) fn base_map_fraction(&self) -> Option<f32> {
         self.files
             .opening_base_map
             .as_ref()

@@ -10,16 +10,16 @@ use std::sync::Arc;
 const PICTURE: &str = "picture.";
 
 /// What a bare key may change, as it is before the key acts.
-pub struct BeforeKey(UndoStep);
+pub(crate) struct BeforeKey(UndoStep);
 
 impl App {
     /// Notes what a bare key may change.
-    pub fn before_key(&self) -> BeforeKey {
+    pub(crate) fn before_key(&self) -> BeforeKey {
         BeforeKey(self.step_now())
     }
 
     /// Says what a bare key has changed of depths and decisions since `before`, with undo. The next key takes the place of its notice.
-    pub fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
+    pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
         if !changes_results(&before.0, &self.step_now()) {
             return;
         }
@@ -28,7 +28,12 @@ impl App {
     }
 
     /// Whether a bare key must not act, and says why: it asks first, or what it is about is not selected or not in sight.
-    pub fn holds_key_back(&mut self, keys: &str, command: &Command, focus: KeyFocus) -> bool {
+    pub(crate) fn holds_key_back(
+        &mut self,
+        keys: &str,
+        command: &Command,
+        focus: KeyFocus,
+    ) -> bool {
         match *command {
             Command::Do(action) if action.asks_by_key() => self.ask_by_key(keys, action),
             Command::Do(Action::ThresholdDown | Action::ThresholdUp) => {

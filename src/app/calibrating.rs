@@ -138,7 +138,7 @@ impl App {
     }
 
     /// The stretch about a ping, as long as those that are ranked.
-    pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
+    pub(crate) fn stretch_around(&self, ping: usize) -> Option<PingRange> {
         let survey = self.log.survey.as_ref()?;
         let pings = match &self.log.products {
             Some(products) => calibration::stretch_around(survey, &products.navigation, ping),

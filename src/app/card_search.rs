@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Time between two lists of the drives.
-pub const LISTED_EVERY: Duration = Duration::from_secs(3);
+pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
 
 /// What lists the top folders of the drives.
 type Drives = fn() -> Vec<PathBuf>;

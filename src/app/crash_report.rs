@@ -27,7 +27,7 @@ struct Keeper {
 static KEEPER: Mutex<Option<Keeper>> = Mutex::new(None);
 
 /// Keeps reports of this process in a folder, which need not exist. The newest report there that no window has told of; the oldest of many are removed.
-pub fn keep_in(folder: PathBuf) -> Option<PathBuf> {
+pub(crate) fn keep_in(folder: PathBuf) -> Option<PathBuf> {
     let newest = tell(&folder);
     let keeper = Keeper {
         folder,
@@ -38,7 +38,7 @@ pub fn keep_in(folder: PathBuf) -> Option<PathBuf> {
 }
 
 /// Sets what kinds of logs are open, a line each.
-pub fn set_open(logs: Vec<String>) {
+pub(crate) fn set_open(logs: Vec<String>) {
     if let Ok(mut keeper) = KEEPER.lock()
         && let Some(keeper) = keeper.as_mut()
     {

@@ -241,13 +241,13 @@ impl App {
     }
 
     /// Ends of the colour scales of points over all visible logs.
-    pub fn point_scales(&self) -> PointScales {
+    pub(crate) fn point_scales(&self) -> PointScales {
         let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
         logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
     /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.
-    pub fn needs_depth_map(&self) -> bool {
+    pub(crate) fn needs_depth_map(&self) -> bool {
         let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
         FROM_DEPTH_MAP.iter().any(shows)
@@ -287,7 +287,7 @@ impl App {
     }
 
     /// What is being made of all logs, in words.
-    pub fn deriving(&self) -> impl Iterator<Item = &'static str> {
+    pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
             (
                 self.pipeline.deriving.depth_map.is_running(),

@@ -162,7 +162,7 @@ impl App {
     }
 
     /// The excluded stretch that a ping of a log lies in.
-    pub fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
+    pub(crate) fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
         let exclusions = &self.open_log(log)?.exclusions()?.exclusions;
         let stretch = exclusions.stretch_at(ping)?;
         exclusions.stretches.get(stretch).copied()
@@ -182,7 +182,7 @@ impl App {
     }
 
     /// How much a part of a log is.
-    pub fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
+    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
         let log = self.open_log(log)?;
         let survey = log.survey.as_ref()?;
         Some(ExcludedExtent {

@@ -129,7 +129,7 @@ impl App {
     }
 
     /// The folder that products go into unless another is named: the one that was written last, else one beside the project or the log.
-    pub fn export_folder(&self) -> PathBuf {
+    pub(crate) fn export_folder(&self) -> PathBuf {
         if let Some(folder) = &self.written_into {
             return folder.clone();
         }

@@ -54,7 +54,7 @@ pub struct External {
 
 impl External {
     /// Whether a file is being read.
-    pub fn is_reading(&self) -> bool {
+    pub(crate) fn is_reading(&self) -> bool {
         self.reading.is_some()
     }
 

@@ -35,7 +35,7 @@ pub(super) type Heights = LogsTask<FoundHeights>;
 
 impl App {
     /// Whether heights are being compared.
-    pub fn is_matching_heights(&self) -> bool {
+    pub(crate) fn is_matching_heights(&self) -> bool {
         self.findings.heights.is_busy()
     }
 
@@ -45,7 +45,7 @@ impl App {
     }
 
     /// A warning for every two logs that no height offsets bring together.
-    pub fn height_contradictions(&self) -> Vec<String> {
+    pub(crate) fn height_contradictions(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };

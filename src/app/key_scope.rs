@@ -119,12 +119,12 @@ impl Action {
 
     /// Whether its bare key only offers it, with a button that does it: it changes depths or places of the whole log, and a slip of the
     /// hand must not.
-    pub fn asks_by_key(self) -> bool {
+    pub(crate) fn asks_by_key(self) -> bool {
         matches!(self, Action::SwapSides)
     }
 
     /// Whether it decides about the selected box or changes it, so that the box must be in sight.
-    pub fn is_about_selected_box(self) -> bool {
+    pub(crate) fn is_about_selected_box(self) -> bool {
         use Action as A;
         matches!(
             self,

@@ -16,7 +16,7 @@ const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum LogOrigin {
+pub(crate) enum LogOrigin {
     /// A file or folder.
     Path(PathBuf),
     /// The bundled demo survey.
@@ -25,7 +25,7 @@ pub enum LogOrigin {
 
 impl LogOrigin {
     /// What to call it.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         match self {
             LogOrigin::Path(path) => path.file_name().map_or_else(
                 || path.display().to_string(),
@@ -36,7 +36,7 @@ impl LogOrigin {
     }
 
     /// Opens it.
-    pub fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
+    pub(crate) fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
             LogOrigin::Path(path) => formats::open(path, progress),
             LogOrigin::Demo => formats::open_bytes("demo.sl2", DEMO.to_vec(), progress),
@@ -46,7 +46,7 @@ impl LogOrigin {
 
 /// What is being opened, for the status line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LoadStatus {
+pub(crate) struct LoadStatus {
     /// Its name.
     pub name: String,
     /// Done share, 0 to 1.

@@ -441,7 +441,7 @@ impl App {
     }
 
     /// Whether a log is being processed.
-    pub fn is_processing(&self, id: LogId) -> bool {
+    pub(crate) fn is_processing(&self, id: LogId) -> bool {
         let processed = self
             .pipeline
             .requested

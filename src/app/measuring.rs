@@ -82,7 +82,7 @@ impl Measuring {
     }
 
     /// Whether a corner would go on with the figure there is.
-    pub fn is_drawing(&self) -> bool {
+    pub(crate) fn is_drawing(&self) -> bool {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
         open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)
     }
@@ -174,7 +174,7 @@ impl App {
     }
 
     /// A pick of a shadow's end lies on the ping and side of its top.
-    pub fn on_one_ping(&self, pick: Pick) -> Pick {
+    pub(crate) fn on_one_ping(&self, pick: Pick) -> Pick {
         let measuring = &self.map.measuring;
         let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
         let top = measuring.picks().get(&0).filter(|_| is_shadow);
@@ -189,7 +189,7 @@ impl App {
 
     /// The height of what casts the shadow between two slant ranges of a pick's ping, on the recorder's scale; `None` while its log is
     /// closed or not processed.
-    pub fn shadow_height(
+    pub(crate) fn shadow_height(
         &self,
         on: &Pick,
         recorded_m: [f64; 2],

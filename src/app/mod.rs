@@ -16,7 +16,7 @@ mod card_search;
 mod clip_box;
 mod command;
 mod comparing;
-pub mod crash_report;
+pub(crate) mod crash_report;
 mod deriving;
 mod drawn_figure;
 mod error;
@@ -60,13 +60,13 @@ mod saving_figure;
 mod state;
 mod step;
 mod swipe;
-pub mod system_words;
+pub(crate) mod system_words;
 mod work;
 
 pub use above_bottom::{AboveBottom, AboveStretch};
 pub use action::{Action, Keys};
 pub use bottom::{BottomStroke, Ink};
-pub use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
+pub(crate) use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
 pub use clip_box::ClipBox;
 pub use command::{Command, FileToOpen, FileToWrite};
 pub use comparing::ReferenceBy;
@@ -76,7 +76,7 @@ pub use figures::Figures;
 pub use following::FollowStatus;
 pub use given::GivenSettings;
 pub use key_scope::{KeyFocus, is_bare};
-pub use loader::{LoadStatus, LogOrigin};
+pub(crate) use loader::{LoadStatus, LogOrigin};
 pub use log_place::{CloseUp, Enlarged, LogPlace, Reveal};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
@@ -85,15 +85,16 @@ pub use mounting::Mountings;
 pub use notices::Notice;
 pub use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
 pub use open_log::OpenLog;
+pub(crate) use options::LayoutPreset;
 pub use options::{
-    CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
-    PanelOptions, PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions,
-    WaterfallOptions,
+    CloudColour, CloudOptions, ColourMap, EchogramChannel, MapOptions, Orientation, PanelOptions,
+    PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
 pub use passes::{PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines};
 pub use positions::FoundPositions;
-pub use print::{Paper, PrintOptions, Sheet};
+pub(crate) use print::Sheet;
+pub use print::{Paper, PrintOptions};
 pub use print_text::PrintText;
 pub use profile_line::ProfileLine;
 pub use project::is_project;

@@ -26,7 +26,7 @@ impl App {
     }
 
     /// How the recorder of the shown log is mounted as a rule, where that is known.
-    pub fn usual_mounting(&self) -> Option<MountingSettings> {
+    pub(crate) fn usual_mounting(&self) -> Option<MountingSettings> {
         self.document.mountings.get(&self.recorder()).copied()
     }
 

@@ -43,7 +43,7 @@ impl App {
     }
 
     /// Says where the report lies of a fault of the program itself, the last time that it ran.
-    pub fn tell_of_crash(&mut self, report: &Path) {
+    pub(crate) fn tell_of_crash(&mut self, report: &Path) {
         let text = format!(
             "A fault of Bathyscope stopped it, or part of its work, the last time it ran. What happened is in {}, and was sent to nobody; attach the file when you report the fault",
             report.display()

@@ -149,7 +149,7 @@ impl App {
     }
 
     /// The box that shows an object first: one of the log that is shown, and of several the surest.
-    pub fn best_box(&self, object: &SurveyObject) -> Option<LogBox> {
+    pub(crate) fn best_box(&self, object: &SurveyObject) -> Option<LogBox> {
         let rank = |id: &LogBox| {
             let score = self.log_box(*id).and_then(|one| one.score);
             (id.log == self.log.id, score.unwrap_or(1.0))

@@ -130,7 +130,7 @@ impl OpenLog {
     }
 
     /// The recording and its results as a whole: while it is followed, those of the last run over all of it.
-    pub fn settled(&self) -> Option<ProcessedLog> {
+    pub(crate) fn settled(&self) -> Option<ProcessedLog> {
         let now = || {
             Some(ProcessedLog {
                 survey: self.survey.clone()?,

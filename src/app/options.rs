@@ -26,7 +26,7 @@ impl View {
     /// All views in the order of their number keys.
     pub const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
     /// The views that are pictures, and can be printed.
-    pub const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
+    pub(crate) const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
 
     /// Title on the tab.
     pub fn title(self) -> &'static str {
@@ -41,7 +41,7 @@ impl View {
 
 /// An arrangement of the views to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LayoutPreset {
+pub(crate) enum LayoutPreset {
     /// Waterfall above, map and cloud below.
     Survey,
     /// A large waterfall above, map and cloud below.
@@ -339,7 +339,7 @@ pub struct CloudOptions {
 
 impl CloudOptions {
     /// Turns the clip box on, around everything, or off.
-    pub fn toggle_clip(&mut self) {
+    pub(crate) fn toggle_clip(&mut self) {
         self.clip = match self.clip {
             Some(_) => None,
             None => Some(ClipBox::WHOLE),
@@ -347,7 +347,7 @@ impl CloudOptions {
     }
 
     /// The light comes from an eighth of a turn farther clockwise.
-    pub fn turn_light(&mut self) {
+    pub(crate) fn turn_light(&mut self) {
         self.light_deg[0] = (self.light_deg[0] + 45.0).rem_euclid(360.0);
     }
 }
@@ -440,7 +440,7 @@ pub struct ViewOptions {
 impl ViewOptions {
     /// What a person likes, for a survey that is opened anew: what hides or transforms a part of the one before is as it is by default.
     #[must_use]
-    pub fn for_new_survey(&self) -> Self {
+    pub(crate) fn for_new_survey(&self) -> Self {
         let usual = WaterfallOptions::default();
         let mut options = self.clone();
         options.waterfall = WaterfallOptions {
@@ -459,7 +459,7 @@ impl ViewOptions {
     }
 
     /// Whether boxes are drawn in any view.
-    pub fn shows_boxes(&self) -> bool {
+    pub(crate) fn shows_boxes(&self) -> bool {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
     }
 

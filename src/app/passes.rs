@@ -109,7 +109,7 @@ impl App {
     }
 
     /// Done share of a search for passes under way, 0 to 1.
-    pub fn passes_fraction(&self) -> Option<f32> {
+    pub(crate) fn passes_fraction(&self) -> Option<f32> {
         self.findings.passes.fraction()
     }
 

@@ -68,7 +68,7 @@ pub struct Planning {
 
 impl Planning {
     /// Whether lines are being planned.
-    pub fn is_busy(&self) -> bool {
+    pub(crate) fn is_busy(&self) -> bool {
         self.task.is_some()
     }
 

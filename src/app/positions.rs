@@ -23,7 +23,7 @@ pub struct FoundPositions {
 
 impl FoundPositions {
     /// What is said where nothing of it is worth applying.
-    pub const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
+    pub(crate) const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
 
     /// Whether anything of it differs from what was in force by more than crossings leave open.
     pub fn tells(&self) -> bool {
@@ -38,7 +38,7 @@ pub(super) type Positions = LogsTask<FoundPositions>;
 
 impl App {
     /// Whether positions are being compared.
-    pub fn is_matching_positions(&self) -> bool {
+    pub(crate) fn is_matching_positions(&self) -> bool {
         self.findings.positions.is_busy()
     }
 

@@ -74,7 +74,7 @@ impl Default for PrintOptions {
 
 /// A picture's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sheet {
+pub(crate) struct Sheet {
     /// Width and height, pixels.
     pub size_px: [u32; 2],
     /// Pixels in a point of the screen: how much larger text and lines are drawn.
@@ -83,14 +83,14 @@ pub struct Sheet {
 
 impl PrintOptions {
     /// A point of the screen on paper, metres.
-    pub const POINT_M: f64 = INCH_MM / 1000.0 / POINTS_AN_INCH;
+    pub(crate) const POINT_M: f64 = INCH_MM / 1000.0 / POINTS_AN_INCH;
     /// Pixels in an inch that can be chosen.
-    pub const DPI: std::ops::RangeInclusive<u32> = 72..=600;
+    pub(crate) const DPI: std::ops::RangeInclusive<u32> = 72..=600;
     /// Widths that can be chosen, pixels.
-    pub const WIDTHS_PX: std::ops::RangeInclusive<u32> = 400..=8192;
+    pub(crate) const WIDTHS_PX: std::ops::RangeInclusive<u32> = 400..=8192;
 
     /// The picture of a view that takes `view` points of the screen.
-    pub fn sheet(&self, view: [f32; 2]) -> Sheet {
+    pub(crate) fn sheet(&self, view: [f32; 2]) -> Sheet {
         let Some([short_mm, long_mm]) = self.paper.sides_mm() else {
             let [width, height] = view.map(|side| f64::from(side.max(1.0)));
             let scale = f64::from(self.width_px) / width;
@@ -113,7 +113,7 @@ impl PrintOptions {
 
 impl App {
     /// What the views show of this state, to be drawn elsewhere: without buttons, and without what the pointer has selected.
-    pub fn for_picture(&self) -> App {
+    pub(crate) fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.view.is_picture = true;
         copy.log = self.log.for_picture();

@@ -21,7 +21,7 @@ pub struct PrintText {
 
 impl App {
     /// What stands around a print of a view. `scale` says how large it is on paper; printed at `now`.
-    pub fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
+    pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
         let facts = [
             self.recorded(now),
             self.system(view),

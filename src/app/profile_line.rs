@@ -23,7 +23,7 @@ pub struct ProfileLine {
 
 impl ProfileLine {
     /// Whether there is no depth map to look at.
-    pub fn lacks_map(&self) -> bool {
+    pub(crate) fn lacks_map(&self) -> bool {
         self.map.is_none()
     }
 

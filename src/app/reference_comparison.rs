@@ -129,7 +129,7 @@ impl App {
     }
 
     /// Whether depths are being compared with the reference.
-    pub fn is_comparing_with_reference(&self) -> bool {
+    pub(crate) fn is_comparing_with_reference(&self) -> bool {
         self.findings.reference_comparison.is_busy()
     }
 

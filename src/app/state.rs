@@ -243,7 +243,7 @@ impl App {
     }
 
     /// Whether results are missing or older than their settings and nothing is under way to change that.
-    pub fn is_stopped(&self) -> bool {
+    pub(crate) fn is_stopped(&self) -> bool {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
@@ -253,17 +253,17 @@ impl App {
     }
 
     /// What the engine does.
-    pub fn engine_status(&self) -> EngineStatus {
+    pub(crate) fn engine_status(&self) -> EngineStatus {
         self.pipeline.engine.status()
     }
 
     /// What is being opened.
-    pub fn load_status(&self) -> Option<LoadStatus> {
+    pub(crate) fn load_status(&self) -> Option<LoadStatus> {
         self.files.loading.as_ref().map(Loading::status)
     }
 
     /// Done share of the export under way, 0 to 1.
-    pub fn export_fraction(&self) -> Option<f32> {
+    pub(crate) fn export_fraction(&self) -> Option<f32> {
         self.files.exporting.as_ref().map(Exporting::fraction)
     }
 

@@ -65,7 +65,7 @@ impl Swipe {
     }
 
     /// Draws a layer on `side` from now on.
-    pub fn set_side(&mut self, layer: MapLayer, side: SwipeSide) {
+    pub(crate) fn set_side(&mut self, layer: MapLayer, side: SwipeSide) {
         self.sides.retain(|(other, _)| *other != layer);
         if side != SwipeSide::Both {
             self.sides.push((layer, side));

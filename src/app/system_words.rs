@@ -25,7 +25,7 @@ const TYPES: [(&str, &str); 9] = [
 
 /// A message in which the system's own words, `No such file or directory (os error 2)`, and the types of values are put plainly. They
 /// come from libraries, too, inside of whatever these say, so a message is mended where it is shown.
-pub fn in_plain_words(message: &str) -> Cow<'_, str> {
+pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
     let mut plain = Cow::Borrowed(message);
     for (said, words) in TYPES {
         if plain.contains(said) {

@@ -1,5 +1,47 @@
-//! What a log says of the bottom: first returns, calibration, points, surfaces, mosaics and pictures of echoes.
+//! Finds the bottom in a side-scan log, and makes maps of it.
 //!
+//! [`first_return`] finds the first echo of the bottom in each ping on both sides, [`calibration`]
+//! the scale from samples to metres. [`cloud`] places first returns and soundings on the ground,
+//! [`bathymetry`] makes surfaces, isobaths and comparisons of them, [`swath`] depths between the
+//! lines from echo levels, and [`planning`] the lines to survey next. [`waterfall`] and [`picture`]
+//! draw echoes by ping, [`mosaic`] on the ground.
+//!
+//! # Find the first returns
+//!
+//! ```
+//! use bathyscope_bottom::first_return::{FirstReturnSettings, ImageSettings, detect};
+//! use bathyscope_log::formats::open;
+//! use bathyscope_log::support::progress::Progress;
+//! use bathyscope_log::survey::Side;
+//!
+//! let progress = Progress::new();
+//! # let demo = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/demo.sl2");
+//! let survey = open(&demo, &progress)?;
+//! let (image, settings) = (ImageSettings::default(), FirstReturnSettings::default());
+//! let returns = detect(&survey, &image, &settings, &progress)?;
+//! let found = returns.side(Side::Port).iter().filter(|pick| pick.is_some());
+//! # assert!(found.clone().count() > 1000);
+//! println!("{} pings have a first return to port", found.count());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Interpolate depths
+//!
+//! ```
+//! use bathyscope_bottom::bathymetry::{DepthPoint, SurfaceSettings, surface};
+//! use bathyscope_log::support::progress::Progress;
+//!
+//! let corner = |east_m, north_m, depth_m| {
+//!     DepthPoint { east_m, north_m, depth_m, weight: 1.0, is_sounding: true }
+//! };
+//! let points = vec![corner(0.0, 0.0, 1.0), corner(10.0, 0.0, 2.0), corner(0.0, 10.0, 3.0)];
+//! let settings = SurfaceSettings::default();
+//! let surface = surface(points, &settings, &Progress::new())?.expect("three places");
+//! let [shallowest_m, deepest_m] = surface.range_m();
+//! assert!(1.0 <= shallowest_m && deepest_m <= 3.0);
+//! # Ok::<(), bathyscope_log::support::progress::Cancelled>(())
+//! ```
+
 // Their failure is the failure of the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 

@@ -3,24 +3,24 @@
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// Places that can be asked for the nearest one.
-pub struct Nearest(ImmutableKdTree<f64, 2>);
+pub(crate) struct Nearest(ImmutableKdTree<f64, 2>);
 
 impl Nearest {
     /// Of places; `None` without any.
-    pub fn of(places: &[[f64; 2]]) -> Option<Self> {
+    pub(crate) fn of(places: &[[f64; 2]]) -> Option<Self> {
         let index = (!places.is_empty()).then(|| ImmutableKdTree::new_from_slice(places))?;
         Some(Self(index.ok()?))
     }
 
     /// Index of the nearest place, and the square of its distance.
-    pub fn at(&self, place: [f64; 2]) -> (usize, f64) {
+    pub(crate) fn at(&self, place: [f64; 2]) -> (usize, f64) {
         let query = self.0.query(&place);
         let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
         (nearest.item as usize, nearest.distance)
     }
 
     /// Distance to the nearest place.
-    pub fn distance_m(&self, place: [f64; 2]) -> f64 {
+    pub(crate) fn distance_m(&self, place: [f64; 2]) -> f64 {
         self.at(place).1.sqrt()
     }
 }

@@ -18,7 +18,7 @@ const COLUMNS_AT_ONCE: usize = 64;
 
 /// Equations `sum of factor x unknown = goal`, each with a weight: the reciprocal of its standard deviation.
 #[derive(Clone, Debug, Default)]
-pub struct Equations {
+pub(crate) struct Equations {
     /// Where the terms of each begin, and the end of the last.
     starts: Vec<usize>,
     unknowns: Vec<u32>,
@@ -29,7 +29,7 @@ pub struct Equations {
 
 /// Where the terms of every unknown lie, the lower triangle of the normal matrix, and the order in which it is factorised: the same as long
 /// as only weights, factors and goals change.
-pub struct Pattern {
+pub(crate) struct Pattern {
     /// The triangle, its rows and columns in the order of elimination.
     starts: Vec<usize>,
     rows: Vec<usize>,
@@ -87,14 +87,19 @@ impl Occurrences {
 }
 
 /// A factorised normal matrix.
-pub struct Factor {
+pub(crate) struct Factor {
     elimination: Arc<Elimination>,
     values: Vec<f64>,
 }
 
 impl Equations {
     /// Adds one; terms of the same unknown are added up. One whose weight is no positive number is left out.
-    pub fn add(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, goal: f64, sd: f64) {
+    pub(crate) fn add(
+        &mut self,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        goal: f64,
+        sd: f64,
+    ) {
         let weight = 1.0 / sd;
         if !(weight > 0.0 && weight.is_finite() && goal.is_finite()) {
             return;
@@ -122,22 +127,22 @@ impl Equations {
     }
 
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.goals.len()
     }
 
     /// Gives one another standard deviation.
-    pub fn set_sd(&mut self, equation: usize, sd: f64) {
+    pub(crate) fn set_sd(&mut self, equation: usize, sd: f64) {
         self.weights[equation] = 1.0 / sd;
     }
 
     /// The reciprocal of the standard deviation of one.
-    pub fn weight(&self, equation: usize) -> f64 {
+    pub(crate) fn weight(&self, equation: usize) -> f64 {
         self.weights[equation]
     }
 
     /// Adds so many times the terms of one to what they say of each unknown.
-    pub fn add_times(&self, equation: usize, times: f64, out: &mut [f64]) {
+    pub(crate) fn add_times(&self, equation: usize, times: f64, out: &mut [f64]) {
         for (unknown, factor) in self.terms(equation) {
             out[unknown] += times * factor;
         }
@@ -164,7 +169,7 @@ impl Equations {
     }
 
     /// What is left of an equation at some values of the unknowns, in standard deviations.
-    pub fn residual(&self, equation: usize, values: &[f64]) -> f64 {
+    pub(crate) fn residual(&self, equation: usize, values: &[f64]) -> f64 {
         self.times(equation, values) - self.weights[equation] * self.goals[equation]
     }
 
@@ -181,7 +186,7 @@ impl Equations {
 
 impl Pattern {
     /// Of some equations of so many unknowns; `None` where their matrix cannot be analysed.
-    pub fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
+    pub(crate) fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
         let of_unknown = Occurrences::new(equations, unknowns);
         let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
         let order = neighbours.of_least_degree()?;
@@ -190,7 +195,7 @@ impl Pattern {
     }
 
     /// The same with unknowns eliminated in some order; `None` too where that is none.
-    pub fn in_order(equations: &Equations, order: Vec<u32>) -> Option<Self> {
+    pub(crate) fn in_order(equations: &Equations, order: Vec<u32>) -> Option<Self> {
         let unknowns = order.len();
         let of_unknown = Occurrences::new(equations, unknowns);
         let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
@@ -231,12 +236,12 @@ impl Pattern {
 
     /// Numbers that a factor of the normal matrix consists of.
     #[cfg(test)]
-    pub fn factor_len(&self) -> usize {
+    pub(crate) fn factor_len(&self) -> usize {
         self.elimination.symbolic.len_val()
     }
 
     /// Factorises the normal matrix of the equations; `None` where it is not positive definite.
-    pub fn factorise(&self, equations: &Equations) -> Option<Factor> {
+    pub(crate) fn factorise(&self, equations: &Equations) -> Option<Factor> {
         let unknowns = self.unknowns();
         let triangle = SymbolicSparseColMatRef::new_unsorted_checked(
             unknowns,
@@ -295,7 +300,7 @@ impl Pattern {
 impl Factor {
     /// The values of the unknowns, and `samples` draws from what is unknown of them: `A^-1 M^T z` has the covariance `A^-1` where `z` is
     /// standard normal. `draw` gives such a number.
-    pub fn solve(
+    pub(crate) fn solve(
         &self,
         pattern: &Pattern,
         equations: &Equations,
@@ -314,7 +319,7 @@ impl Factor {
     }
 
     /// Replaces the right sides of some equations `A x = b`, where `A` is the normal matrix, by their solutions.
-    pub fn solve_for(&self, columns: &mut [Vec<f64>]) {
+    pub(crate) fn solve_for(&self, columns: &mut [Vec<f64>]) {
         let Elimination { order, symbolic } = &*self.elimination;
         let mut sides = Mat::<f64>::zeros(order.len(), columns.len());
         for (side, column) in sides.col_iter_mut().zip(&*columns) {
@@ -337,7 +342,7 @@ impl Factor {
     }
 
     /// The variances of so many unknowns: the diagonal of the inverse of the normal matrix.
-    pub fn variances(&self, unknowns: usize) -> Vec<f64> {
+    pub(crate) fn variances(&self, unknowns: usize) -> Vec<f64> {
         let starts: Vec<usize> = (0..unknowns).step_by(COLUMNS_AT_ONCE).collect();
         let block = |start: &usize| {
             let ones = *start..(start + COLUMNS_AT_ONCE).min(unknowns);
@@ -354,14 +359,14 @@ impl Factor {
 }
 
 /// Standard normal numbers, the same for the same seed: SplitMix64 (Steele et al. 2014) and Box and Muller's transform.
-pub struct Normal {
+pub(crate) struct Normal {
     state: u64,
     spare: Option<f64>,
 }
 
 impl Normal {
     /// From a seed.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self {
             state: seed,
             spare: None,
@@ -369,7 +374,7 @@ impl Normal {
     }
 
     /// The next one.
-    pub fn draw(&mut self) -> f64 {
+    pub(crate) fn draw(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
         }

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 /// What is said wherever something would be drawn.
-pub const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
+pub(crate) const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
 
 /// `bathyscope snapshot`, with whatever it would take.
 #[derive(Debug, clap::Args)]
@@ -22,6 +22,6 @@ pub fn run(_: SnapshotArgs) -> Result<(), Failure> {
 }
 
 /// Says the same.
-pub fn draw_into(_: &LogOrigin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
+pub(crate) fn draw_into(_: &LogOrigin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
     Err(NO_WINDOW.into())
 }

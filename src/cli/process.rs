@@ -14,7 +14,7 @@ use bathyscope_products::outputs::Product;
 use requested::Requested;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-pub use survey::{How, all_processed};
+pub(crate) use survey::{How, all_processed};
 
 /// `bathyscope process SURVEY... [-o DIR]`.
 #[derive(Debug, clap::Args)]

@@ -79,7 +79,7 @@ pub(super) fn is_name(name: &str) -> bool {
 }
 
 /// Index of a class by its name; appended when it is new.
-pub fn class_index(names: &mut Vec<String>, name: &str) -> usize {
+pub(crate) fn class_index(names: &mut Vec<String>, name: &str) -> usize {
     let known = names.iter().position(|known| known == name);
     known.unwrap_or_else(|| {
         names.push(name.to_owned());

@@ -1,8 +1,5 @@
 //! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in the survey.
 //!
-//! In: a survey with first returns and calibration, and a model. Out: boxes, decisions about them, and objects with places and sizes.
-//! It uses `sonar`, `survey` and `support`.
-//!
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
 //! box in the survey's own terms (side, pings, slant range), `extent` how the size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
@@ -13,6 +10,25 @@
 //! `review` holds what the analyst decides about the boxes.
 //! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
 //! `targets` places boxes in the world. `truth` is what is known to lie in a survey, and what the boxes make of it.
+//!
+//! # Search a log for objects
+//!
+//! ```no_run
+//! use bathyscope_log::formats::open;
+//! use bathyscope_log::support::progress::Progress;
+//! use bathyscope_log::survey::{HeadingSettings, Projection, navigate};
+//! use bathyscope_objects::{DetectorSettings, Model, find};
+//!
+//! let progress = Progress::new();
+//! let survey = open("pond.sl2".as_ref(), &progress)?;
+//! let navigation = navigate(&survey, &HeadingSettings::default(), Projection::Enu, &progress)?;
+//! let model = Model::load("assets/detector/default.onnx".as_ref())?;
+//! let settings = DetectorSettings::default();
+//! for object in find(&survey, &navigation, &model, &settings, &progress, |_| ())? {
+//!     println!("{:.2} at ping {}", object.score, object.mark.pings.start);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 // Their failure is the failure of the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
@@ -41,7 +57,8 @@ mod testing;
 pub mod truth;
 mod vote;
 
-pub use class::{NAMELESS_CLASS, ReviewSettings, class_index};
+pub(crate) use class::class_index;
+pub use class::{NAMELESS_CLASS, ReviewSettings};
 pub use extent::{MeasuredShadow, ObjectExtent};
 pub use find::{DetectorSettings, find};
 pub use find::{SoFar, find_in_picture};
@@ -49,8 +66,9 @@ pub use level::level;
 pub use mark::{Detection, Mark};
 pub use model::Model;
 pub use model::{DetectError, ModelError};
-pub use nms::{Nms, OverlapMeasure, suppress};
+pub(crate) use nms::suppress;
+pub use nms::{Nms, OverlapMeasure};
 pub use picture::Picture;
 pub use raster::{Raster, RasterTile, TILE_PX};
 pub use rect::{Labelled, Rect, Scored};
-pub use vote::vote;
+pub(crate) use vote::vote;

@@ -22,15 +22,11 @@ pub struct Nms {
     pub across_classes: bool,
 }
 
+#[cfg(test)]
 impl Nms {
     /// Plain IoU within each class.
-    pub const PLAIN: Nms = Nms {
+    pub(crate) const PLAIN: Nms = Nms {
         overlap: OverlapMeasure::Plain,
-        across_classes: false,
-    };
-    /// Darknet's rule within each class.
-    pub const DARKNET: Nms = Nms {
-        overlap: OverlapMeasure::Darknet,
         across_classes: false,
     };
 }
@@ -64,7 +60,7 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
 /// Greedy non-maximum suppression: the surest box drops every later one that it overlaps by more than `iou` (0 to 1), then
 /// the surest of the rest does. `boxes` come back by falling score, equal scores in their first order; boxes whose score or
 /// edges are not finite are dropped.
-pub fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
+pub(crate) fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
     boxes.retain(|proposed| {
         let Rect { x0, y0, x1, y1 } = proposed.rect;
         [proposed.score, x0, y0, x1, y1]

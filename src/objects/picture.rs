@@ -44,7 +44,7 @@ impl Picture {
     }
 
     /// The picture without its colours.
-    pub fn to_grey(&self) -> Picture {
+    pub(crate) fn to_grey(&self) -> Picture {
         if self.channels == 1 {
             return self.clone();
         }

@@ -138,7 +138,7 @@ impl Raster {
     }
 
     /// A box in the whole picture as a mark of at least one ping.
-    pub fn mark_of(&self, side: Side, rect: &Rect) -> Mark {
+    pub(crate) fn mark_of(&self, side: Side, rect: &Rect) -> Mark {
         let start = self.ping_of(f64::from(rect.y0)).round().max(0.0) as usize;
         let end = self.ping_of(f64::from(rect.y1)).round() as usize;
         let last = self.along_m.len().saturating_sub(1);
@@ -153,7 +153,7 @@ impl Raster {
     }
 
     /// Row and column at which a tile about the middle of a box starts, held to the picture.
-    pub fn start_about(&self, rect: &Rect) -> [usize; 2] {
+    pub(crate) fn start_about(&self, rect: &Rect) -> [usize; 2] {
         let start = |from: f32, to: f32, count: usize| {
             let requested = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
             requested.min(count.saturating_sub(TILE_PX))
@@ -166,7 +166,13 @@ impl Raster {
 
     /// Whether most pings of a tile were recorded to the middle of its columns at least. A network sees nothing in rows of
     /// which most are dark, and a few pings of a long range must not make a survey wide.
-    pub fn is_recorded(&self, survey: &Survey, side: Side, row: usize, column: usize) -> bool {
+    pub(crate) fn is_recorded(
+        &self,
+        survey: &Survey,
+        side: Side,
+        row: usize,
+        column: usize,
+    ) -> bool {
         let ping_at = |row: usize| {
             let goal_m = row as f64 * self.pixel_m;
             self.along_m.partition_point(|&along_m| along_m < goal_m)

@@ -75,7 +75,7 @@ impl Rect {
     }
 
     /// The box moved.
-    pub fn shifted(&self, dx: f32, dy: f32) -> Rect {
+    pub(crate) fn shifted(&self, dx: f32, dy: f32) -> Rect {
         Self::new([self.x0 + dx, self.y0 + dy], [self.x1 + dx, self.y1 + dy])
     }
 }

@@ -9,7 +9,7 @@ use super::{Rect, Scored};
 /// Moves each kept box to the mean of the candidates of its class that it overlaps by more than `iou` (0 to 1), edge by edge,
 /// weighted by the squared score. A box without such candidates stays; scores and classes stay as they are. All overlaps are
 /// those before the vote. `candidates` should hold the kept boxes, too.
-pub fn vote(kept: &mut [Scored], candidates: &[Scored], iou: f32) {
+pub(crate) fn vote(kept: &mut [Scored], candidates: &[Scored], iou: f32) {
     for one in kept {
         let voters = candidates
             .iter()

@@ -25,7 +25,7 @@ pub fn is_in_use(error: &io::Error) -> bool {
 ///
 /// # Errors
 /// What was said the last time.
-pub fn patiently<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
+pub(crate) fn patiently<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
     let may_pass = |error: &io::Error| {
         cfg!(windows) && (is_in_use(error) || error.raw_os_error() == Some(DENIED))
     };
@@ -41,7 +41,7 @@ pub fn patiently<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
 /// Has a file that is opened for writing be written by this program alone as long as it is open: on Windows, where others may read it but
 /// neither write, rename nor remove it, and [`is_in_use`] is what they are told. Elsewhere nothing changes, and a lock does the same: a lock
 /// of Windows keeps others from reading, too.
-pub fn for_one_writer(options: &mut OpenOptions) {
+pub(crate) fn for_one_writer(options: &mut OpenOptions) {
     #[cfg(windows)]
     {
         use std::os::windows::fs::OpenOptionsExt as _;

@@ -1,8 +1,5 @@
 //! Simulated surveys of known truth, written as valid SL2.
 //!
-//! In: a scene and a seed. Out: a log as bytes, with its truth.
-//! It uses `formats`, `survey` and `support`.
-//!
 //! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a [`Simulated`] survey: the log as
 //! a Lowrance side-scan recorder would have written it, and for every ping the truth that the log hides: where the boat
 //! was, how deep the water under it, and the slant range of the nearest visible bed on each side.
@@ -16,6 +13,18 @@
 //!
 //! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
 //! to its ping and purpose (`random`), and the arithmetic uses only operations that IEEE 754 fixes (`arithmetic`).
+//!
+//! # Simulate a survey
+//!
+//! ```
+//! use bathyscope_log::support::progress::Progress;
+//! use bathyscope_simulation::{Scene, simulate};
+//!
+//! let scene = Scene::with_pings(200);
+//! let simulated = simulate(&scene, 1, &Progress::new())?;
+//! assert_eq!(simulated.truth.len(), 200);
+//! # Ok::<(), bathyscope_log::support::progress::Cancelled>(())
+//! ```
 
 // Their failure is the failure of the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]

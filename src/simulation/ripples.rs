@@ -64,7 +64,7 @@ impl Mound {
 
 impl Pit {
     /// How much lower the ground is at a place, metres; negative on the rim, where what was scoured out lies.
-    pub fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(crate) fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
         if off < 1.0 {

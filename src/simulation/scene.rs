@@ -1,6 +1,7 @@
 //! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
 
-pub use super::clutter::{Mound, Pit, RippleSettings, Shoal, WeedClump};
+pub use super::clutter::Mound;
+pub(crate) use super::clutter::{Pit, RippleSettings, Shoal, WeedClump};
 use super::object_kind::ObjectKind;
 use bathyscope_log::survey::MountingSettings;
 use serde::{Deserialize, Serialize};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const LINUX: [&str; 3] = ["/media", "/run/media", "/mnt"];
 
 /// Their top folders. Asking takes as long as the slowest of them: a drive of a network may need seconds.
-pub fn drives() -> Vec<PathBuf> {
+pub(crate) fn drives() -> Vec<PathBuf> {
     match std::env::consts::OS {
         "windows" => {
             let system = std::env::var("SystemDrive").unwrap_or_default();

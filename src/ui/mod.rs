@@ -19,13 +19,13 @@ mod place;
 mod raster;
 pub mod render;
 mod shell;
-pub mod theme;
+pub(crate) mod theme;
 mod toggle;
 pub mod views;
 mod window;
 
 pub use shell::{Alone, Shell};
-pub use window::open_window;
+pub(crate) use window::open_window;
 
 use crate::app::{Action, App, Command, LogPlace, ThemeChoice, View, ViewOptions};
 use bathyscope_bottom::presentation::text;
@@ -53,7 +53,7 @@ impl<'a> ViewContext<'a> {
     }
 
     /// What fills buffers of the window's GPU.
-    pub fn uploader(&self) -> Option<Uploader> {
+    pub(crate) fn uploader(&self) -> Option<Uploader> {
         let state = self.render_state?;
         Some(Uploader::new(&state.device, &state.queue))
     }
@@ -86,7 +86,7 @@ impl<'a> ViewContext<'a> {
     }
 
     /// Changes the settings; what is `live` goes on, and is one step with what follows.
-    pub fn change_live(
+    pub(crate) fn change_live(
         &mut self,
         label: &'static str,
         live: bool,
@@ -102,22 +102,22 @@ impl<'a> ViewContext<'a> {
     }
 
     /// Has a button do an action: what that does is said under the pointer.
-    pub fn button(&mut self, button: Response, action: Action) {
+    pub(crate) fn button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, action.hint());
     }
 
     /// The same where the button does not bear the name of the action.
-    pub fn named_button(&mut self, button: Response, action: Action) {
+    pub(crate) fn named_button(&mut self, button: Response, action: Action) {
         self.button(button.accessible_name(action.label()), action);
     }
 
     /// The same, and its key is said too.
-    pub fn keyed_button(&mut self, button: Response, action: Action) {
+    pub(crate) fn keyed_button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, hint_with_key(action));
     }
 
     /// Has a button do an action, with words of its own under the pointer.
-    pub fn button_with_hint(
+    pub(crate) fn button_with_hint(
         &mut self,
         button: Response,
         action: Action,
@@ -131,11 +131,11 @@ impl<'a> ViewContext<'a> {
 
 /// The hover that a view has told the state: its own is the view's to take back.
 #[derive(Default)]
-pub struct OwnHover(bool);
+pub(crate) struct OwnHover(bool);
 
 impl OwnHover {
     /// Tells what the pointer is over now.
-    pub fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<LogPlace>) {
+    pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<LogPlace>) {
         let ours = hover.is_some() || self.0;
         if ours && context.app.view.hover != hover {
             context.push(Command::Hover(hover));
@@ -145,7 +145,7 @@ impl OwnHover {
 }
 
 /// Takes what was typed in this frame: no field gets it.
-pub fn take_typed(ui: &Ui) -> String {
+pub(crate) fn take_typed(ui: &Ui) -> String {
     let mut typed = String::new();
     ui.input_mut(|input| {
         input.events.retain(|event| match event {
@@ -160,7 +160,7 @@ pub fn take_typed(ui: &Ui) -> String {
 }
 
 /// What an action does, and its key.
-pub fn hint_with_key(action: Action) -> String {
+pub(crate) fn hint_with_key(action: Action) -> String {
     match action.keys() {
         Some(keys) => format!("{} ({keys})", action.hint()),
         None => action.hint().to_owned(),

@@ -24,7 +24,7 @@ const STEPS: u64 = 100;
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
 /// What to do where nothing draws.
-pub const DRIVER: &str = match cfg!(windows) {
+pub(crate) const DRIVER: &str = match cfg!(windows) {
     true => "install the newest driver of the graphics card, with DirectX 12 or Vulkan",
     false => "install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU)",
 };
@@ -110,7 +110,7 @@ impl Studio {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
+    pub(crate) fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
         self.sized(size, 1.0)
     }
 
@@ -127,7 +127,7 @@ impl Studio {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
+pub(crate) fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         picture
@@ -149,7 +149,7 @@ fn gpu() -> Result<RenderState, WgpuError> {
 }
 
 /// Draws pictures that follow each other, as of a film: an egui context and the texture that it is drawn into.
-pub struct Reel {
+pub(crate) struct Reel {
     gpu: RenderState,
     ctx: egui::Context,
     target: wgpu::Texture,
@@ -186,7 +186,7 @@ impl Reel {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub fn draw(
+    pub(crate) fn draw(
         &mut self,
         shell: &mut Shell,
         progress: &Progress,

@@ -14,7 +14,7 @@ fn by_theme(theme: ThemeChoice, dark: [u8; 3], light: [u8; 3]) -> Color32 {
 }
 
 /// Colour of a side's first return and points.
-pub fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
+pub(crate) fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
     match (options.side_colours, side) {
         (SideColours::Paper, Side::Starboard) => Color32::from_rgb(235, 64, 52),
         (SideColours::Paper, Side::Port) => Color32::from_rgb(66, 135, 245),
@@ -24,18 +24,18 @@ pub fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
 }
 
 /// Colour of down-scan points: black as in the paper, white on dark.
-pub fn down_scan_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn down_scan_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [235, 235, 235], [20, 20, 20])
 }
 
 /// Colour of points across the track, those of a swath.
-pub const SWATH_COLOUR: Color32 = Color32::from_rgb(178, 102, 255);
+pub(crate) const SWATH_COLOUR: Color32 = Color32::from_rgb(178, 102, 255);
 
 /// Colour of points that the outlier filter would remove.
-pub const OUTLIER_COLOUR: Color32 = Color32::from_rgb(255, 190, 40);
+pub(crate) const OUTLIER_COLOUR: Color32 = Color32::from_rgb(255, 190, 40);
 
 /// Boxes on the waterfall, which is dark or coloured in any theme.
-pub fn box_colour(state: State) -> Color32 {
+pub(crate) fn box_colour(state: State) -> Color32 {
     match state {
         State::Proposed => Color32::from_rgb(255, 214, 64),
         State::Accepted => Color32::from_rgb(96, 226, 110),
@@ -45,7 +45,7 @@ pub fn box_colour(state: State) -> Color32 {
 }
 
 /// States of boxes as words on a panel, and as marks on map and cloud.
-pub fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
+pub(crate) fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
     match (theme, state) {
         (ThemeChoice::Dark, _) => box_colour(state),
         (ThemeChoice::Light, State::Proposed) => Color32::from_rgb(150, 104, 0),
@@ -56,10 +56,10 @@ pub fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
 }
 
 /// Objects that no box has found, on the waterfall.
-pub const MISSED_COLOUR: Color32 = Color32::from_rgb(206, 130, 255);
+pub(crate) const MISSED_COLOUR: Color32 = Color32::from_rgb(206, 130, 255);
 
 /// The same as words on a panel.
-pub fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
+pub(crate) fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
     match theme {
         ThemeChoice::Dark => MISSED_COLOUR,
         ThemeChoice::Light => Color32::from_rgb(122, 40, 176),
@@ -67,48 +67,48 @@ pub fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
 }
 
 /// What is inferred and not measured: the shape of an object.
-pub const INFERRED_COLOUR: Color32 = Color32::from_rgb(255, 122, 46);
+pub(crate) const INFERRED_COLOUR: Color32 = Color32::from_rgb(255, 122, 46);
 
 /// Background of waterfall, map and cloud.
-pub fn canvas_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn canvas_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [14, 17, 22], [247, 247, 245])
 }
 
 /// Cross-hairs of the place under the pointer in another view.
-pub const HOVER_COLOUR: Color32 = Color32::from_rgb(255, 221, 87);
+pub(crate) const HOVER_COLOUR: Color32 = Color32::from_rgb(255, 221, 87);
 
 /// Mark of the selection.
-pub const SELECTION_COLOUR: Color32 = Color32::from_rgb(90, 220, 220);
+pub(crate) const SELECTION_COLOUR: Color32 = Color32::from_rgb(90, 220, 220);
 
 /// Text on waterfall, map and cloud.
-pub fn canvas_text_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn canvas_text_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [205, 210, 216], [48, 52, 58])
 }
 
 /// Grid lines on map and cloud.
-pub fn grid_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn grid_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [42, 48, 56], [218, 220, 220])
 }
 
 /// Plates behind text that lies on a picture.
-pub fn plate_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn plate_colour(options: &ViewOptions) -> Color32 {
     let [r, g, b, _] = canvas_colour(options).to_array();
     Color32::from_rgba_unmultiplied(r, g, b, 205)
 }
 
 /// Ranked flat stretches on the map.
-pub fn flat_spot_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn flat_spot_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [250, 250, 250], [30, 30, 30])
 }
 
 /// The stretch that the calibration was measured on.
-pub const CALIBRATION_COLOUR: Color32 = Color32::from_rgb(255, 105, 180);
+pub(crate) const CALIBRATION_COLOUR: Color32 = Color32::from_rgb(255, 105, 180);
 
 /// A stretch that is proposed for the calibration.
-pub const PROPOSAL_COLOUR: Color32 = Color32::from_rgb(255, 196, 60);
+pub(crate) const PROPOSAL_COLOUR: Color32 = Color32::from_rgb(255, 196, 60);
 
 /// The same on the ground of a panel.
-pub fn proposal_ink(options: &ViewOptions) -> Color32 {
+pub(crate) fn proposal_ink(options: &ViewOptions) -> Color32 {
     match options.theme {
         ThemeChoice::Dark => PROPOSAL_COLOUR,
         ThemeChoice::Light => Color32::from_rgb(176, 108, 0),
@@ -116,38 +116,38 @@ pub fn proposal_ink(options: &ViewOptions) -> Color32 {
 }
 
 /// What is under way or in force: numbers of steps, the focused view, progress.
-pub fn accent_colour(theme: ThemeChoice) -> Color32 {
+pub(crate) fn accent_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [72, 176, 176], [14, 120, 124])
 }
 
 /// A result that is older than its settings, and warnings.
-pub fn stale_colour(theme: ThemeChoice) -> Color32 {
+pub(crate) fn stale_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [226, 168, 62], [166, 104, 0])
 }
 
 /// Something could not be done.
-pub fn error_colour(theme: ThemeChoice) -> Color32 {
+pub(crate) fn error_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [240, 112, 100], [186, 40, 30])
 }
 
 /// Curve of the recorded depth in the time line.
-pub fn depth_strip_colour(theme: ThemeChoice) -> Color32 {
+pub(crate) fn depth_strip_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [96, 150, 190], [58, 112, 156])
 }
 
 /// Curve of the speed in the time line.
-pub fn speed_strip_colour(theme: ThemeChoice) -> Color32 {
+pub(crate) fn speed_strip_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [134, 150, 110], [98, 118, 66])
 }
 
 /// Width of the panels left and right of the views, points.
-pub const SIDE_PANEL_WIDTH: f32 = 300.0;
+pub(crate) const SIDE_PANEL_WIDTH: f32 = 300.0;
 /// Size of the button of a dialog that does what the dialog is for, points.
-pub const DIALOG_BUTTON: egui::Vec2 = egui::vec2(96.0, 22.0);
+pub(crate) const DIALOG_BUTTON: egui::Vec2 = egui::vec2(96.0, 22.0);
 /// Width of the names in front of controls and values, points.
-pub const LABEL_WIDTH: f32 = 96.0;
+pub(crate) const LABEL_WIDTH: f32 = 96.0;
 /// Small print: hints, legends, section titles.
-pub const SMALL: f32 = 11.0;
+pub(crate) const SMALL: f32 = 11.0;
 
 /// Greys of one theme, from the deepest background to the strongest text.
 struct Greys {
@@ -190,7 +190,7 @@ impl Greys {
 }
 
 /// The look of all widgets in a theme.
-pub fn visuals(theme: ThemeChoice) -> Visuals {
+pub(crate) fn visuals(theme: ThemeChoice) -> Visuals {
     let greys = Greys::of(theme);
     let mut visuals = match theme {
         ThemeChoice::Dark => Visuals::dark(),
@@ -232,7 +232,7 @@ pub fn visuals(theme: ThemeChoice) -> Visuals {
 }
 
 /// Gives a context our sizes and colours, once, and the theme, always.
-pub fn apply(ctx: &egui::Context, theme: ThemeChoice) {
+pub(crate) fn apply(ctx: &egui::Context, theme: ThemeChoice) {
     let styled = egui::Id::unique("bathyscope styled");
     if ctx.data(|data| data.get_temp::<bool>(styled)).is_none() {
         ctx.data_mut(|data| data.insert_temp(styled, true));
@@ -269,7 +269,7 @@ fn sizes(style: &mut egui::Style) {
 }
 
 /// Range lines and ticks on the waterfall.
-pub fn picture_ink(options: &ViewOptions) -> Color32 {
+pub(crate) fn picture_ink(options: &ViewOptions) -> Color32 {
     match options.waterfall.colour_map {
         ColourMap::InverseGrey => Color32::from_black_alpha(110),
         _ => Color32::from_white_alpha(70),
@@ -277,20 +277,20 @@ pub fn picture_ink(options: &ViewOptions) -> Color32 {
 }
 
 /// Colour of the recorder's track where another receiver's is in use: there, and behind everything.
-pub fn recorded_track_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn recorded_track_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.45)
 }
 
 /// Excluded stretches on the map and the time line.
-pub fn excluded_colour(options: &ViewOptions) -> Color32 {
+pub(crate) fn excluded_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.75)
 }
 
 /// What is drawn on the map to measure, set off by a casing.
-pub const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
+pub(crate) const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
 
 /// Curves, axes and numbers of the profile.
-pub fn plot_ink(options: &ViewOptions) -> Color32 {
+pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
     match options.theme {
         ThemeChoice::Dark => Color32::from_gray(205),
         ThemeChoice::Light => Color32::from_gray(60),
@@ -298,12 +298,12 @@ pub fn plot_ink(options: &ViewOptions) -> Color32 {
 }
 
 /// Bottom edits, in the waterfall.
-pub const HAND_COLOUR: Color32 = Color32::from_rgb(120, 255, 140);
+pub(crate) const HAND_COLOUR: Color32 = Color32::from_rgb(120, 255, 140);
 
 /// The depth that the recorder itself found, on waterfall and profile.
-pub const DEPTH_LINE_COLOUR: Color32 = Color32::from_rgb(225, 200, 60);
+pub(crate) const DEPTH_LINE_COLOUR: Color32 = Color32::from_rgb(225, 200, 60);
 
 /// Makes a menu as wide as its longest entry: where it opens there may be less room, and words would be broken.
-pub fn whole_words(ui: &mut egui::Ui) {
+pub(crate) fn whole_words(ui: &mut egui::Ui) {
     ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
 }

@@ -15,7 +15,7 @@ const APP_ID: &str = "bathyscope";
 
 /// Why the window cannot be opened: what is missing, a display or a graphics driver.
 #[derive(Debug, thiserror::Error)]
-pub enum WindowError {
+pub(crate) enum WindowError {
     /// Nothing here draws.
     #[error(
         "the window cannot be opened, for there is no graphics adapter: {DRIVER}; `bathyscope process` works without one: {0}"
@@ -41,7 +41,7 @@ impl From<eframe::Error> for WindowError {
 ///
 /// # Errors
 /// When a display or a graphics driver is missing.
-pub fn open_window(
+pub(crate) fn open_window(
     paths: Vec<PathBuf>,
     demo: bool,
     truth: Option<PathBuf>,

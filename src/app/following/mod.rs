@@ -133,7 +133,7 @@ impl App {
     }
 
     /// Grows each time a log begins to be followed.
-    pub fn follow_serial(&self) -> u64 {
+    pub(crate) fn follow_serial(&self) -> u64 {
         self.following.serial
     }
 
@@ -163,7 +163,7 @@ impl App {
     }
 
     /// Time until the log is looked at again; `None` while none is followed.
-    pub fn follow_due(&self) -> Option<Duration> {
+    pub(crate) fn follow_due(&self) -> Option<Duration> {
         let active = self.following.active.as_ref()?;
         let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
         Some(LOOK.saturating_sub(passed))

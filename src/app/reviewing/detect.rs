@@ -65,12 +65,12 @@ pub(in crate::app) struct ObjectSearch {
 
 impl ObjectSearch {
     /// Whether a log is being searched or waits for that.
-    pub fn is_busy(&self) -> bool {
+    pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
     }
 
     /// Leaves out a log that is being closed.
-    pub fn leave(&mut self, log: LogId) {
+    pub(crate) fn leave(&mut self, log: LogId) {
         let planned = self.ahead.len();
         self.ahead.retain(|one| *one != log);
         let running = self.running.take_if(|running| running.log == log);
@@ -93,13 +93,13 @@ pub struct SearchStatus {
 
 impl App {
     /// Name of the model that is or will be asked.
-    pub fn model_name(&self) -> String {
+    pub(crate) fn model_name(&self) -> String {
         let path = self.findings.search.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
     /// What the model's file was taken for, once it has been loaded.
-    pub fn model_description(&self) -> Option<&str> {
+    pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.findings.search.detector.as_ref()?;
         Some(detector.model.description())
     }

@@ -29,7 +29,7 @@ impl App {
     }
 
     /// Whether decisions about a reviewed log are in no file yet.
-    pub fn has_unsaved_review(&self) -> bool {
+    pub(crate) fn has_unsaved_review(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
     }
 

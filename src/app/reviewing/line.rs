@@ -18,7 +18,7 @@ pub struct ReviewCounts {
 
 impl App {
     /// The logs whose boxes are reviewed, in the order of the list: those that are visible, and the one that is shown.
-    pub fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
+    pub(crate) fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs()
             .filter(|log| log.is_visible || log.id == self.log.id)
     }

@@ -20,7 +20,8 @@ pub use bathyscope_objects::review::PIXEL_M;
 pub use decide::Nudge;
 pub use detect::SearchStatus;
 pub use edges::{BoxEdge, border_m};
-pub use judging::{Judging, MistakeSort};
+pub(crate) use judging::Judging;
+pub use judging::MistakeSort;
 pub use places::LocatedObject;
 
 pub(super) use detect::ObjectSearch;
@@ -144,7 +145,7 @@ impl Reviewing {
     }
 
     /// Whether a tool is in hand or a box selected.
-    pub fn is_in_use(&self) -> bool {
+    pub(crate) fn is_in_use(&self) -> bool {
         self.tool != Tool::Look || self.selected.is_some()
     }
 

@@ -52,7 +52,7 @@ impl CellChange {
     }
 
     /// Whether the change passes it.
-    pub fn is_detected(&self, errors: &ChangeErrors) -> bool {
+    pub(crate) fn is_detected(&self, errors: &ChangeErrors) -> bool {
         self.rise_m.abs() > self.detection_level_m(errors)
     }
 }

@@ -63,7 +63,7 @@ impl Crossing {
     }
 
     /// Slope of the bottom, metres a metre; NaN where it is not known.
-    pub fn slope(&self) -> f64 {
+    pub(crate) fn slope(&self) -> f64 {
         self.gradient[0].hypot(self.gradient[1])
     }
 }

@@ -42,7 +42,7 @@ impl Grid {
     /// over all points. Edges
     /// lie on multiples of the cell, so that grids of several surveys fit onto each other. `None` without points, and where
     /// the points or the cell are no numbers that a grid can be made of.
-    pub fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
+    pub(crate) fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
         let [west_m, south_m, east_m, north_m] = bounds(points.iter().map(DepthPoint::place));
         let extent_m = (east_m - west_m).max(north_m - south_m);
         // Two cells less, for the edges that are rounded outwards.
@@ -162,7 +162,7 @@ impl CentresAbout {
 /// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of soundings, rounded down to
 /// 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since
 /// beyond the gap there will be no surface. `None` without points.
-pub fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
+pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     let places = occupied(points, LEAST_CELL_M);
     let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
     let half_m = 0.5 * (area_m2 / places as f64).sqrt();

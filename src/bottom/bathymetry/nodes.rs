@@ -32,7 +32,7 @@ const LEAST_FOR_SPREAD: usize = 3;
 /// only exactly repeated places. Points without weight are left out.
 ///
 /// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
-pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
+pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     let known = nodes.iter().map(|node| node.spread_m);
     let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();

@@ -25,7 +25,7 @@ impl DepthPoint {
     }
 
     /// A sounding that counts in full.
-    pub fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
+    pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
         Self {
             east_m,
             north_m,

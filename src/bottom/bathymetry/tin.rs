@@ -20,7 +20,7 @@ type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintG
 
 /// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull. It takes some 150 bytes a node, two
 /// thirds of them for edges, so that nodes are moved in rather than copied.
-pub struct Tin {
+pub(crate) struct Tin {
     triangles: Triangulation,
     max_gap_m: f64,
     max_radius_m: f64,
@@ -37,7 +37,7 @@ pub(super) fn largest_radius_m(max_gap_m: f64) -> f64 {
 
 /// How the depth between the corners is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Between {
+pub(crate) enum Between {
     /// On the plane of the triangle.
     Linear,
     /// Sibson's natural neighbours: each node counts with the area that the place would take from its Voronoi cell.
@@ -45,7 +45,7 @@ pub enum Between {
 }
 
 /// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
-pub struct TinSampler<'a> {
+pub(crate) struct TinSampler<'a> {
     tin: &'a Tin,
     /// A triangle near the place that was asked for last, with whether it counts where that was asked: spade's own hint is one for all
     /// threads.
@@ -57,7 +57,7 @@ pub struct TinSampler<'a> {
 impl Tin {
     /// Triangulates; `None` where the nodes span no surface (fewer than three places, or all on one line), or when a coordinate
     /// is none that can be triangulated (not finite, beyond 1e60 m).
-    pub fn new(mut nodes: Vec<Node>) -> Option<Self> {
+    pub(crate) fn new(mut nodes: Vec<Node>) -> Option<Self> {
         for node in &mut nodes {
             for metres in [&mut node.east_m, &mut node.north_m] {
                 // spade refuses what is nearer to zero, as it cannot be multiplied.
@@ -85,13 +85,13 @@ impl Tin {
     /// longer than two gaps, and those whose circumscribed circle, which holds no node, is larger than that of a triangle of
     /// three such edges. So the surface follows its nodes (an alpha shape): neither the bay of a winding track is filled from
     /// one bank of the bend to the other, nor the lens between a bend and its chord.
-    pub fn with_max_gap(self, max_gap_m: f64) -> Self {
+    pub(crate) fn with_max_gap(self, max_gap_m: f64) -> Self {
         Self { max_gap_m, ..self }
     }
 
     /// Leaves out every triangle whose circumscribed circle is larger than that of the largest that [`Tin::with_max_gap`] keeps, the nearly
     /// flat ones of short edges too: no triangle that is left depends on a node farther from it than twice [`largest_radius_m`].
-    pub fn with_local_triangles(self) -> Self {
+    pub(crate) fn with_local_triangles(self) -> Self {
         Self {
             max_radius_m: largest_radius_m(self.max_gap_m),
             ..self
@@ -114,12 +114,12 @@ impl Tin {
     }
 
     /// The nodes, one a place, in no order.
-    pub fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
         self.triangles.vertices().map(|vertex| *vertex.data())
     }
 
     /// A sampler.
-    pub fn sampler(&self, between: Between) -> TinSampler<'_> {
+    pub(crate) fn sampler(&self, between: Between) -> TinSampler<'_> {
         TinSampler {
             tin: self,
             last: None,
@@ -131,20 +131,20 @@ impl Tin {
 
     /// The depth at one place on its triangle's plane, metres; `None` where there is no triangle.
     #[cfg(test)]
-    pub fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
+    pub(crate) fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
         self.sampler(Between::Linear).depth_at([east_m, north_m])
     }
 }
 
 impl TinSampler<'_> {
     /// The depth at one place, metres; `None` where there is no triangle.
-    pub fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
+    pub(crate) fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
         let nodes = self.nodes_at(place)?;
         Some(nodes.map(|(node, weight)| weight * node.depth_m).sum())
     }
 
     /// The nodes that carry a place, with weights that sum to 1; `None` where there is no triangle.
-    pub fn nodes_at(
+    pub(crate) fn nodes_at(
         &mut self,
         [east_m, north_m]: [f64; 2],
     ) -> Option<impl Iterator<Item = (Node, f64)> + Clone + '_> {
@@ -248,7 +248,7 @@ impl TinSampler<'_> {
     }
 
     /// The nodes that carry the place that was asked for last, with their weights.
-    pub fn nodes(&self) -> impl Iterator<Item = (Node, f64)> + Clone + '_ {
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = (Node, f64)> + Clone + '_ {
         let triangles = &self.tin.triangles;
         let carried = self.weights.iter();
         carried.map(move |(corner, weight)| (*triangles.vertex(*corner).data(), *weight))
@@ -257,7 +257,7 @@ impl TinSampler<'_> {
     /// Distance from a place in a triangle to the nearest node; call it with the place that was asked for last.
     ///
     /// Goes from the nodes that carry it to ever nearer neighbours: of Delaunay triangles every node but the nearest has one.
-    pub fn distance_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
+    pub(crate) fn distance_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
         let place = Point2::new(east_m, north_m);
         let triangles = &self.tin.triangles;
         let squared = |corner: FixedVertexHandle| {

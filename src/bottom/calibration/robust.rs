@@ -4,7 +4,7 @@ use bathyscope_log::support::statistics::{median, spread_about};
 
 /// A straight line `y = slope x + offset` with the robust standard deviation about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FittedLine {
+pub(crate) struct FittedLine {
     pub slope: f64,
     pub offset: f64,
     pub spread: f64,
@@ -19,7 +19,7 @@ const CUT_SIGMAS: f64 = 4.685;
 
 /// Robust line through `(x, y)`: Theil-Sen over an even subsample, then least squares with Tukey's weights. `None` when
 /// `x` hardly varies.
-pub fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
+pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
     let mut line = theil_sen(points)?;
     for _ in 0..ROUNDS {
         let scale = CUT_SIGMAS * line.spread.max(1e-6);

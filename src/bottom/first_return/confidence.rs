@@ -62,7 +62,7 @@ pub(super) const ABOVE_BOTTOM_SHARE: f32 = 0.03;
 const ABOVE_BOTTOM: [(f32, f32); 3] = [(0.24, 1.0), (0.28, 0.25), (0.34, ABOVE_BOTTOM_SHARE)];
 
 /// The confidence if what lies above the recorded depth is ground; that of any other return is its own.
-pub fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
+pub(crate) fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
     match above_bottom {
         true => (confidence / ABOVE_BOTTOM_SHARE).min(1.0),
         false => confidence,
@@ -180,7 +180,7 @@ impl Evidence {
 
     /// The tracker is seldom wrong, and then for one reason: each sign takes its share. The shares are those of the picks that
     /// are right at each value of the sign.
-    pub fn chance_of_line(&self) -> f32 {
+    pub(crate) fn chance_of_line(&self) -> f32 {
         let [step, nearer, farther] = self.signs;
         let shares = [
             between(step, &[(1.0, 0.6), (2.0, 0.85), (3.0, 0.985), (4.0, 1.0)]),
@@ -213,7 +213,7 @@ impl Evidence {
     }
 
     /// The threshold goes wrong in many ways, which hang together: a logistic law.
-    pub fn chance_of_level(&self) -> f32 {
+    pub(crate) fn chance_of_level(&self) -> f32 {
         let [nearer, farther, _] = self.signs;
         let is_unknown = f32::from(u8::from(self.depth_m.is_nan()));
         let in_ring_down = between(self.beyond_dead_zone_m, &[(0.0, 1.0), (0.3, 0.0)]);

@@ -19,7 +19,7 @@ mod tracker;
 
 pub use bottom_line::{BottomLine, at_recorded_depth};
 pub use confidence::Evidence;
-pub use confidence::ground_confidence;
+pub(crate) use confidence::ground_confidence;
 pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;

@@ -81,7 +81,7 @@ impl Normalisation {
     }
 
     /// The smallest value whose normalised intensity reaches `level`; above every value when the picture is empty.
-    pub fn raw_level(&self, level: f32) -> i64 {
+    pub(crate) fn raw_level(&self, level: f32) -> i64 {
         let span = i64::from(self.highest) - i64::from(self.lowest);
         if span <= 0 {
             return i64::MAX;
@@ -92,7 +92,7 @@ impl Normalisation {
     }
 
     /// The normalised intensity of a value, 0 to 1.
-    pub fn normalised(&self, value: i32) -> f32 {
+    pub(crate) fn normalised(&self, value: i32) -> f32 {
         let span = (i64::from(self.highest) - i64::from(self.lowest)).max(1);
         ((i64::from(value) - i64::from(self.lowest)) as f64 / span as f64) as f32
     }

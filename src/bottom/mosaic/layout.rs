@@ -327,7 +327,7 @@ impl MosaicLayout {
     }
 
     /// Which pings of the survey a ping of this layout stands for, itself among them.
-    pub fn stands_for(&self, index: usize) -> std::ops::Range<usize> {
+    pub(crate) fn stands_for(&self, index: usize) -> std::ops::Range<usize> {
         let [from, to] = self.stands_for.get(index).copied().unwrap_or_default();
         from as usize..to as usize
     }

@@ -111,7 +111,7 @@ impl LogPicture {
     }
 
     /// Whether the side-scan shows the bottom and is no noise.
-    pub fn has_bottom(&self) -> bool {
+    pub(crate) fn has_bottom(&self) -> bool {
         self.has_bottom
     }
 }

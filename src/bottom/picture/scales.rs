@@ -168,17 +168,6 @@ impl PingScales {
         }
     }
 
-    /// Of a log of which nothing but its recording is known.
-    pub fn unknown(survey: &Survey) -> Self {
-        let pings = survey.side_scan.len();
-        Self {
-            sides: [
-                vec![PingScale::default(); pings],
-                vec![PingScale::default(); pings],
-            ],
-        }
-    }
-
     /// Of so many pings over level ground, with ranges as recorded.
     pub fn level(pings: usize, altitude_m: f32) -> Self {
         let scale = PingScale {

@@ -64,7 +64,7 @@ impl SeenObject {
     }
 
     /// The same with one more heading.
-    pub fn crossing_with(&self, heading_rad: f64) -> f64 {
+    pub(crate) fn crossing_with(&self, heading_rad: f64) -> f64 {
         self.crossing()
             .max(crossed(&self.headings_rad, heading_rad))
     }
@@ -120,7 +120,7 @@ impl SigmaLaw {
     }
 
     /// Where nothing is known, metres.
-    pub fn limit_m(&self) -> f32 {
+    pub(crate) fn limit_m(&self) -> f32 {
         self.steps_m[self.steps_m.len() - 1]
     }
 

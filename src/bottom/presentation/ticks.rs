@@ -31,7 +31,7 @@ pub fn round_down(most: f64) -> f64 {
 }
 
 /// The nearest end of a scale, a little finer than [`round_up`], that is at least `least`.
-pub fn scale_end(least: f64) -> f64 {
+pub(crate) fn scale_end(least: f64) -> f64 {
     next_of(&ENDS, least)
 }
 

@@ -81,7 +81,7 @@ impl PingPlace {
 
 impl SideEchoes {
     /// Whether its samples have ranges.
-    pub fn has_ranges(&self) -> bool {
+    pub(crate) fn has_ranges(&self) -> bool {
         self.near_m.is_finite() && self.step_m.is_finite() && self.step_m > 0.0
     }
 }

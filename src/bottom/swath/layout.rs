@@ -45,7 +45,7 @@ pub struct PingChunk {
 
 impl PingChunk {
     /// Chunks with as many as `together` joined to one where they follow each other.
-    pub fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
+    pub(crate) fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
         let mut joined: Vec<Self> = Vec::with_capacity(chunks.len() / together + 1);
         for chunk in chunks {
             match joined.last_mut() {

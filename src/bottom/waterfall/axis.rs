@@ -61,7 +61,7 @@ impl RangeAxis {
     }
 
     /// Whether tiles of the other axis are tiles of this one: only the number of pings differs.
-    pub fn is_as_fine(&self, other: &Self) -> bool {
+    pub(crate) fn is_as_fine(&self, other: &Self) -> bool {
         let Self {
             bin_m,
             bins,

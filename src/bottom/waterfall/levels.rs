@@ -4,7 +4,7 @@ use super::axis::is_usable;
 use bathyscope_log::survey::{Side, SideScanState, SideSpan, Survey};
 
 /// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough to read at once.
-pub const MOST_SAMPLED_PINGS: usize = 256;
+pub(crate) const MOST_SAMPLED_PINGS: usize = 256;
 /// Part of each side next to the boat that is left out: there the transmit pulse rings, which says nothing of the bottom.
 const NEAR_SHARE: f64 = 0.1;
 /// Share of the echoes that lie at or below black.
@@ -47,7 +47,7 @@ impl Levels {
     }
 
     /// Levels at which echoes fill the colours that were counted in steps of `step`, from 0.
-    pub fn of_counts(counts: &[u64], step: f32) -> Self {
+    pub(crate) fn of_counts(counts: &[u64], step: f32) -> Self {
         let [Some(low), Some(high)] =
             [BLACK_QUANTILE, WHITE_QUANTILE].map(|share| quantile(counts, share))
         else {
@@ -65,7 +65,7 @@ impl Levels {
 }
 
 /// The first sample of a side beyond the transmit pulse; `None` where its scale cannot be drawn.
-pub fn beyond_pulse(span: &SideSpan) -> Option<usize> {
+pub(crate) fn beyond_pulse(span: &SideSpan) -> Option<usize> {
     is_usable(span).then_some((f64::from(span.count) * NEAR_SHARE) as usize)
 }
 

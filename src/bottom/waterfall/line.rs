@@ -98,7 +98,7 @@ impl RangeLine {
     }
 
     /// The recorded depth of every ping.
-    pub fn depth(survey: &Survey) -> Self {
+    pub(crate) fn depth(survey: &Survey) -> Self {
         Self::new(survey.side_scan.len(), |ping| depth_at(survey, ping))
     }
 

@@ -23,7 +23,8 @@ mod worker;
 
 pub use axis::RangeAxis;
 pub use cache::Lru;
-pub use levels::{Levels, MOST_SAMPLED_PINGS, beyond_pulse};
+pub use levels::Levels;
+pub(crate) use levels::{MOST_SAMPLED_PINGS, beyond_pulse};
 pub use line::{LineSpan, LineStep, PickLines, RangeLine};
 pub use tile::{Level, TILE, Want, WaterfallTile, WaterfallTileKey};
 pub use worker::{Made, Tiler};

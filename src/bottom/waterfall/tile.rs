@@ -31,7 +31,7 @@ impl Level {
     }
 
     /// Whether the other level can be reduced from this one.
-    pub fn is_finer_or_equal(self, other: Level) -> bool {
+    pub(crate) fn is_finer_or_equal(self, other: Level) -> bool {
         self.along <= other.along && self.across <= other.across
     }
 }

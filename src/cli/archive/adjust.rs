@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// `bathyscope adjust DIR`.
 #[derive(Debug, clap::Args)]
-pub struct AdjustArgs {
+pub(crate) struct AdjustArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// Also find how far the positions of each log are off, where its tracks cross others over a bottom that slopes
@@ -44,7 +44,7 @@ struct Printed<'a> {
 }
 
 /// Finds the offsets, writes the table and prints it.
-pub fn run(args: &AdjustArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let wanted = Wanted {
         shifts: args.positions,

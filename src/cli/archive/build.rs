@@ -15,13 +15,13 @@ use std::path::PathBuf;
 
 /// `bathyscope archive DIR`.
 #[derive(Debug, clap::Args)]
-pub struct ArchiveArgs {
+pub(crate) struct ArchiveArgs {
     /// Folder of the archive
     archive: PathBuf,
 }
 
 /// Finds the offsets, makes the maps that are stale or missing, and the index of all.
-pub fn run(args: &ArchiveArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &ArchiveArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs()?;
     let adjusted = adjusted(&archive, Wanted::default())?;

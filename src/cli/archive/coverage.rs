@@ -14,7 +14,7 @@ use std::str::FromStr;
 
 /// `bathyscope coverage DIR LON,LAT[,RADIUS]`.
 #[derive(Debug, clap::Args)]
-pub struct CoverageArgs {
+pub(crate) struct CoverageArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603 or -111.4801,36.8603,5
@@ -66,7 +66,7 @@ impl FromStr for SearchPlace {
 }
 
 /// Prints which logs cover the place.
-pub fn run(args: &CoverageArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let area = args.area.as_deref().map(read_area).transpose()?;
     let asked = match (&area, args.place) {

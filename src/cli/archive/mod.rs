@@ -9,11 +9,16 @@ mod coverage;
 mod tile;
 mod tiles;
 
-pub use adjust::{AdjustArgs, run as run_adjust};
-pub use build::{ArchiveArgs, run as run_archive};
-pub use coverage::{CoverageArgs, run as run_coverage};
-pub use tile::{TileArgs, run as run_tile};
-pub use tiles::{TilesArgs, run as run_tiles};
+pub(crate) use adjust::AdjustArgs;
+pub(crate) use adjust::run as run_adjust;
+pub(crate) use build::ArchiveArgs;
+pub(crate) use build::run as run_archive;
+pub(crate) use coverage::CoverageArgs;
+pub(crate) use coverage::run as run_coverage;
+pub(crate) use tile::TileArgs;
+pub(crate) use tile::run as run_tile;
+pub(crate) use tiles::TilesArgs;
+pub(crate) use tiles::run as run_tiles;
 
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;

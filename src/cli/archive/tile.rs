@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// `bathyscope tile DIR TILE...`.
 #[derive(Debug, clap::Args)]
-pub struct TileArgs {
+pub(crate) struct TileArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// The tiles, as `bathyscope tiles` names them
@@ -16,7 +16,7 @@ pub struct TileArgs {
 }
 
 /// Makes the maps of the tiles, whether they are stale or not.
-pub fn run(args: &TileArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &TileArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs_of_maps(&args.tiles)?;
     let offsets = Offsets::read(&archive)?;

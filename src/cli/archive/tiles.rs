@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// `bathyscope tiles DIR`.
 #[derive(Debug, clap::Args)]
-pub struct TilesArgs {
+pub(crate) struct TilesArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// List only tiles whose map is stale or missing
@@ -30,7 +30,7 @@ struct Printed {
 }
 
 /// Prints a line for each tile.
-pub fn run(args: &TilesArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &TilesArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs()?;
     let offsets = Offsets::read(&archive)?;

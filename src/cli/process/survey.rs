@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// What is done to the logs of a survey.
 #[derive(Clone, Copy)]
-pub struct How<'a> {
+pub(crate) struct How<'a> {
     /// What searches for objects, if anything does.
     pub model: Option<&'a Model>,
     /// The products.
@@ -37,7 +37,7 @@ impl How<'_> {
     ///
     /// # Errors
     /// When something cannot be done.
-    pub fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), Failure> {
+    pub(crate) fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), Failure> {
         let Some(first) = opened.first() else {
             return Ok(());
         };
@@ -100,7 +100,7 @@ impl How<'_> {
 ///
 /// # Errors
 /// When a log was cut or changed meanwhile, or the work was cancelled.
-pub fn all_processed(
+pub(crate) fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,
     progress: &Progress,

@@ -62,7 +62,7 @@ pub use log_folders::{FoundLog, LogFolder, log_folders};
 pub use reference::{
     ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,
 };
-pub use scalar::ByteOrder;
+pub(crate) use scalar::ByteOrder;
 pub use table::{
     FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
 };

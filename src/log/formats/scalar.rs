@@ -53,7 +53,7 @@ impl Fields<'_> {
 
 /// Which byte of a number comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ByteOrder {
+pub(crate) enum ByteOrder {
     /// Most significant first.
     Big,
     /// Least significant first.

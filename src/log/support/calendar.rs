@@ -49,7 +49,7 @@ pub fn unix_from_iso(text: &str) -> Option<f64> {
 }
 
 /// Unix seconds of a number, or of a text that [`unix_from_iso`] knows.
-pub fn unix_from_text(text: &str) -> Option<f64> {
+pub(crate) fn unix_from_text(text: &str) -> Option<f64> {
     let number = text
         .parse()
         .ok()

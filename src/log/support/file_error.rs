@@ -15,6 +15,7 @@ pub struct FileError<Fault: Error + 'static> {
 }
 
 impl<Fault: Error> FileError<Fault> {
+    /// Returns the error of a file.
     pub fn new(what: Fault, path: &Path) -> Self {
         let path = path.into();
         Self { what, path }

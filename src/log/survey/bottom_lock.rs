@@ -25,7 +25,7 @@ pub(super) const NEAREST_SOUNDING_S: f64 = 5.0;
 const LONGEST_LOSS: usize = 4096;
 
 /// Gives every ping the depth of the sounding nearest in time. Both are in time order.
-pub fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
+pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     for ping in pings {
         let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
             .map(|index| &soundings[index])

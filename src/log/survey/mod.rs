@@ -33,7 +33,8 @@ mod turn_rate;
 
 pub use apart::{Apart, apart};
 pub use area::WaterArea;
-pub use bottom_lock::{give_depths, mark_bottom_lock};
+pub(crate) use bottom_lock::give_depths;
+pub use bottom_lock::mark_bottom_lock;
 pub use echogram::{Echogram, EchogramPing};
 pub use exclusions::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
@@ -53,7 +54,8 @@ pub use pairs::SidePair;
 pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};
 pub use samples::{Bytes, Encoding, LEVEL_BITS, NumberKind, SampleOrder, Samples, SideSpan};
-pub use swath::{SWATH_PAIR, SwathPing, SwathSounding, swath_pair_m};
+pub(crate) use swath::{SWATH_PAIR, swath_pair_m};
+pub use swath::{SwathPing, SwathSounding};
 pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 pub use turn_rate::turn_rates_deg_s;

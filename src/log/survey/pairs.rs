@@ -26,7 +26,7 @@ impl SidePair {
 
 impl Survey {
     /// The last side of a ping of each pair, that of the pair that is shown first.
-    pub fn last_spans(&self) -> impl Iterator<Item = SideSpan> {
+    pub(crate) fn last_spans(&self) -> impl Iterator<Item = SideSpan> {
         let others = self.pairs.iter().skip(1).map(|pair| &pair.side_scan);
         let last = |pings: &Arc<Vec<SidePing>>| {
             let mut pings = pings.iter().rev();
@@ -38,7 +38,7 @@ impl Survey {
     }
 
     /// What is to be known of the pairs, in a sentence; `None` where there is one at most.
-    pub fn pairs_summary(&self) -> Option<String> {
+    pub(crate) fn pairs_summary(&self) -> Option<String> {
         let [shown, others @ ..] = &self.pairs[..] else {
             return None;
         };

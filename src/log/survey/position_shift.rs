@@ -16,7 +16,7 @@ pub struct PositionShift {
 
 impl PositionShift {
     /// East and north, metres; `None` where nothing is moved.
-    pub fn by_m(&self) -> Option<[f64; 2]> {
+    pub(crate) fn by_m(&self) -> Option<[f64; 2]> {
         let by_m = [self.east_m, self.north_m];
         (by_m != [0.0; 2]).then_some(by_m)
     }

@@ -41,7 +41,7 @@ impl Bytes {
     }
 
     /// Whether the sample spans point elsewhere than into the file.
-    pub fn is_packed(&self) -> bool {
+    pub(crate) fn is_packed(&self) -> bool {
         matches!(self, Bytes::Packed { .. })
     }
 
@@ -154,7 +154,7 @@ impl NumberKind {
     }
 
     /// The magnitude of a number of [`NumberKind::width`] bytes; NaN where they are none.
-    pub fn magnitude(self, stored: &[u8]) -> f64 {
+    pub(crate) fn magnitude(self, stored: &[u8]) -> f64 {
         match (self, stored) {
             (NumberKind::U8, &[a]) => f64::from(a),
             (NumberKind::I8, &[a]) => f64::from(a.cast_signed().unsigned_abs()),

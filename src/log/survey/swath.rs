@@ -8,7 +8,7 @@ use crate::support::geo::METRES_PER_FOOT;
 use std::ops::{Range, RangeInclusive};
 
 /// Bytes of a pair of distance and depth.
-pub const SWATH_PAIR: usize = 8;
+pub(crate) const SWATH_PAIR: usize = 8;
 /// Distances outward that can be, feet.
 const OUT_FT: RangeInclusive<f32> = 0.001..=1000.0;
 /// Depths that can be, feet.
@@ -65,7 +65,7 @@ pub struct SwathSounding {
 }
 
 /// Distance outward and depth of a pair, metres; `None` where they cannot be.
-pub fn swath_pair_m(pair: [u8; SWATH_PAIR]) -> Option<[f64; 2]> {
+pub(crate) fn swath_pair_m(pair: [u8; SWATH_PAIR]) -> Option<[f64; 2]> {
     let [a, b, c, d, e, f, g, h] = pair;
     let out_ft = f32::from_le_bytes([a, b, c, d]);
     let depth_ft = f32::from_le_bytes([e, f, g, h]);

@@ -67,7 +67,7 @@ impl ProjectedTrack {
     }
 
     /// The frame around longitude 0, latitude 0 that the metres are kept in.
-    pub fn frame() -> LocalFrame {
+    pub(crate) fn frame() -> LocalFrame {
         LocalFrame::new(LonLat::new(0.0, 0.0))
     }
 }
@@ -103,7 +103,7 @@ impl Default for Track {
 
 impl Track {
     /// The same with other fixes, whose places count from the same origin.
-    pub fn with_fixes(&self, fixes: impl Into<Arc<Vec<Fix>>>) -> Self {
+    pub(crate) fn with_fixes(&self, fixes: impl Into<Arc<Vec<Fix>>>) -> Self {
         Self {
             fixes: fixes.into(),
             frame: self.frame.clone(),

@@ -40,7 +40,7 @@ impl Slice {
 
 /// The part of an object in a tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ObjectPart {
+pub(crate) struct ObjectPart {
     /// The box around it, in the tile.
     pub rect: Rect,
     /// Its outline as a polygon of columns and rows; empty where only the object's box is known.
@@ -59,7 +59,7 @@ const LEAST_PX: f32 = 6.0;
 impl ObjectPart {
     /// Whether a detector may be asked for it: something of it is shown, it is at least 6 pixels wide and high, and at least
     /// 40 % of the object; of an object known ping by ping, what lies in the tile must be visible by itself.
-    pub fn is_plain(&self) -> bool {
+    pub(crate) fn is_plain(&self) -> bool {
         let large = (self.rect.x1 - self.rect.x0).min(self.rect.y1 - self.rect.y0) >= LEAST_PX;
         self.shown && large && self.share >= LEAST_SHARE
     }
@@ -73,7 +73,7 @@ impl KnownObject {
     }
 
     /// What of it lies in a tile of its side; `None` where that is nothing.
-    pub fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<ObjectPart> {
+    pub(crate) fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<ObjectPart> {
         let place = |mark: &Mark| {
             let rect = raster.rect_of(mark);
             rect.shifted(-(tile.column as f32), -(tile.row as f32))

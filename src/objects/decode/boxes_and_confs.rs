@@ -5,7 +5,7 @@ use crate::{Rect, Scored};
 
 /// `boxes` holds x1, y1, x2, y2 of each candidate, `confs` its `classes` scores (objectness times class). `scale` is what a
 /// box's unit is in pixels, across and down: the input's size where boxes are fractions of it, 1 where they are pixels.
-pub fn boxes_and_confs(
+pub(crate) fn boxes_and_confs(
     boxes: &[f32],
     confs: &[f32],
     classes: usize,

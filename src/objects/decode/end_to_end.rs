@@ -4,7 +4,7 @@ use super::Found;
 use crate::{Rect, Scored};
 
 /// `values` holds six numbers a box: x1, y1, x2, y2 in pixels, score, class. Classes from `classes` on are no boxes.
-pub fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
+pub(crate) fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     let mut found = Found::new(least);
     for row in values.chunks_exact(6) {
         let class = row[5].round();

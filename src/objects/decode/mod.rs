@@ -13,12 +13,12 @@ mod raw_heads;
 mod rows;
 mod yolox;
 
-pub use boxes_and_confs::boxes_and_confs;
+pub(crate) use boxes_and_confs::boxes_and_confs;
 pub use columns::columns;
-pub use end_to_end::end_to_end;
-pub use raw_heads::{Head, HeadLayout, raw_head};
+pub(crate) use end_to_end::end_to_end;
+pub(crate) use raw_heads::{Head, HeadLayout, raw_head};
 pub use rows::rows;
-pub use yolox::yolox;
+pub(crate) use yolox::yolox;
 
 use super::{Rect, Scored};
 

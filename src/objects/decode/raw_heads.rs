@@ -5,7 +5,7 @@ use crate::Scored;
 
 /// What the network does not state about one of its heads.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Head {
+pub(crate) struct Head {
     /// Width and height of each anchor, pixels of the network's input.
     pub anchors: Vec<[f32; 2]>,
     /// Darknet's `scale_x_y`: how far a centre may leave its cell.
@@ -18,7 +18,7 @@ pub struct Head {
 
 /// Where a head keeps its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HeadLayout {
+pub(crate) enum HeadLayout {
     /// Anchors and attributes, rows, columns.
     ChannelsFirst,
     /// Rows, columns, anchors and attributes.
@@ -51,7 +51,7 @@ impl HeadLayout {
 ///
 /// `x = (column + s sigma(tx) - (s - 1) / 2) stride`, `w = e^tw anchor`, score = sigma(objectness) sigma(class) (Darknet's
 /// `yolo_layer.c`, `s` its `scale_x_y`).
-pub fn raw_head(
+pub(crate) fn raw_head(
     values: &[f32],
     layout: HeadLayout,
     head: &Head,

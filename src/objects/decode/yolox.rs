@@ -7,7 +7,7 @@ use crate::Scored;
 /// offset in cells, the logarithm of the size in cells, objectness, a score a class. `input` is the network's width and height.
 ///
 /// `x = (tx + column) stride`, `w = e^tw stride` (Megvii's `demo_postprocess`).
-pub fn yolox(
+pub(crate) fn yolox(
     values: &[f32],
     classes: usize,
     input: [usize; 2],

@@ -103,7 +103,7 @@ impl LabelSet {
 }
 
 /// More classes than any detector of this kind knows; a class number beyond it is a damaged line.
-pub const MOST_CLASSES: usize = 1000;
+pub(crate) const MOST_CLASSES: usize = 1000;
 
 /// Reads true boxes from a folder of YOLO labels, a COCO file, or a folder that holds one.
 ///

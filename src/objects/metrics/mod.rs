@@ -50,7 +50,7 @@ pub struct Image {
 impl Image {
     /// Gives each prediction of the class of boxes without a name that of the true box that it overlaps most: it cannot be wrong in what it
     /// does not say. One that overlaps none stays as it is.
-    pub fn name_by_truth(&mut self, nameless: usize) {
+    pub(crate) fn name_by_truth(&mut self, nameless: usize) {
         let without = |one: &&mut Scored| one.class == nameless;
         for one in self.predicted.iter_mut().filter(without) {
             let overlap = |truth: &TrueBox| one.rect.iou(&truth.rect);

@@ -125,7 +125,7 @@ impl Model {
     }
 
     /// Index of the name of a box whose class is a guess.
-    pub fn nameless(&self) -> usize {
+    pub(crate) fn nameless(&self) -> usize {
         self.nameless
     }
 
@@ -140,7 +140,7 @@ impl Model {
     }
 
     /// The network's own size of picture, across and down.
-    pub fn input_size(&self) -> [usize; 2] {
+    pub(crate) fn input_size(&self) -> [usize; 2] {
         [self.input.width, self.input.height]
     }
 

@@ -158,7 +158,7 @@ impl Review {
     }
 
     /// The review row by row.
-    pub fn to_rows(&self) -> ReviewRows {
+    pub(crate) fn to_rows(&self) -> ReviewRows {
         let searched = self.searched.iter().map(|one| SearchRow {
             model: one.model.to_string(),
             pings: [one.pings.start, one.pings.end],

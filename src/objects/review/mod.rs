@@ -128,7 +128,7 @@ impl Reviewed {
     }
 
     /// Whether it is in sight where undecided proposals of less confidence than `threshold` are hidden.
-    pub fn is_shown_from(&self, threshold: f32) -> bool {
+    pub(crate) fn is_shown_from(&self, threshold: f32) -> bool {
         self.is_kept() || self.score.is_none_or(|score| score >= threshold)
     }
 }

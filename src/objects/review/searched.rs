@@ -58,7 +58,7 @@ impl Review {
     }
 
     /// Whether a mark reaches into pings that no search has come to. `unsearched` is that of the review.
-    pub fn reaches_into(unsearched: &[Range<usize>], mark: &Mark) -> bool {
+    pub(crate) fn reaches_into(unsearched: &[Range<usize>], mark: &Mark) -> bool {
         let meets = |gap: &Range<usize>| mark.pings.start < gap.end && gap.start < mark.pings.end;
         unsearched.iter().any(meets)
     }

@@ -66,7 +66,7 @@ impl PassCount {
 }
 
 /// How many passes saw an object that was seen on some pings.
-pub fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
+pub(crate) fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
     distinct_passes(seen, logs).len()
 }
 

@@ -103,7 +103,7 @@ impl SurveyTruth {
     }
 
     /// The accepted and added boxes of a review, without its points.
-    pub fn from_review(review: &Review) -> Self {
+    pub(crate) fn from_review(review: &Review) -> Self {
         // Of a point nobody knows the box.
         let objects = (review.boxes())
             .filter(|one| one.state.is_object() && one.extent != ObjectExtent::Point);

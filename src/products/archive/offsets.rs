@@ -170,7 +170,7 @@ impl Offsets {
     }
 
     /// How the positions of a log are corrected; not at all of one that has no row.
-    pub fn shift_of(&self, log: &str) -> Shift {
+    pub(crate) fn shift_of(&self, log: &str) -> Shift {
         self.row(log).map_or(Shift::default(), |row| row.shift)
     }
 

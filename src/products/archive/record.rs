@@ -106,7 +106,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// As [`ArchiveRecord::settings`].
-    pub fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
+    pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
         let cell_m = self.settings()?.mosaic.cell_m;
         match divides_tiles(cell_m) {
             true => Ok(tile.grid(0.0, cell_m)),

@@ -33,7 +33,7 @@ impl TileId {
     }
 
     /// The tiles of a zone that a box touches: west, south, east and north, metres.
-    pub fn touched(
+    pub(crate) fn touched(
         zone: UtmZone,
         [west, south, east, north]: [f64; 4],
     ) -> impl Iterator<Item = Self> {
@@ -55,7 +55,7 @@ impl TileId {
     }
 
     /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to the other zone.
-    pub fn is_within_zone(&self) -> bool {
+    pub(crate) fn is_within_zone(&self) -> bool {
         let [west, south, east, north] = self.bounds_m();
         let middle = [0.5 * (west + east), 0.5 * (south + north)];
         UtmZone::near(self.zone.to_lon_lat(middle), TILE_M) == [self.zone]

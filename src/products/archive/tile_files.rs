@@ -162,7 +162,7 @@ fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> 
 
 impl TileRecord {
     /// The record of a tile, if it has a map.
-    pub fn read(archive: &Archive, tile: TileId) -> Option<Self> {
+    pub(crate) fn read(archive: &Archive, tile: TileId) -> Option<Self> {
         let text = regular_file::read_text(&folder_of(archive, tile).join(RECORD), LONGEST_RECORD);
         serde_json::from_str(&text.ok()?).ok()
     }

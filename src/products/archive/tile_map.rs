@@ -100,7 +100,7 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
 }
 
 /// The settings of the isobaths with an interval that is the same in all tiles.
-pub fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
+pub(crate) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
     IsobathSettings {
         interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
         ..settings.clone()

@@ -150,7 +150,7 @@ fn tidy(folder: &Path) {
 
 /// Removes files of processes that are no more; `passing` gives what of a name stands before the passing name's end, `NAME.PID`, of a
 /// file that may go.
-pub fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
+pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
     let here = match folder.as_os_str().is_empty() {
         true => Path::new("."),
         false => folder,

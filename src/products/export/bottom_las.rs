@@ -36,7 +36,7 @@ const DIMENSIONS: [Dimension; 3] = [
 
 /// A cell of the depth map.
 #[derive(Clone, Copy, Debug)]
-pub struct BottomCell {
+pub(crate) struct BottomCell {
     /// Its middle in the file's coordinates.
     pub place: [f64; 2],
     /// Metres, positive down.
@@ -55,7 +55,7 @@ pub struct BottomCell {
 
 /// Writes cells as COPC, in a system (its WKT in the header), with `origin` near them. z is minus the depth. Points that nothing measured have the
 /// flag of synthetic points.
-pub fn bottom_las(
+pub(crate) fn bottom_las(
     path: &Path,
     crs: &Crs,
     origin: LonLat,

@@ -33,7 +33,7 @@ impl ChipFolder {
     ///
     /// # Errors
     /// When the folder cannot be made.
-    pub fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
+    pub(crate) fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = output.join(FOLDER);
         fs::create_dir_all(&folder).map_err(ExportError::at(&folder))?;
         Ok(Self {
@@ -68,7 +68,7 @@ impl ChipFolder {
 
 /// Chips in the subfolder `of` of a folder of products that go with its table of boxes, when that is in `removed` or gives way to one
 /// in `new`: those with a number and a class of either table for a name. Other files in there are somebody's own.
-pub fn earlier_chips(
+pub(crate) fn earlier_chips(
     output: &Path,
     of: &str,
     new: Option<&Path>,
@@ -88,7 +88,7 @@ pub fn earlier_chips(
 }
 
 /// Removes chips that a version which is no more left half done; best effort.
-pub fn remove_passing_chips(output: &Path) {
+pub(crate) fn remove_passing_chips(output: &Path) {
     let passing = output.join(PASSING);
     for chip in chips_in(&passing, |_| true) {
         fs::remove_file(chip).ok();

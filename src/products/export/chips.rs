@@ -75,7 +75,7 @@ pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
 }
 
 /// The same for a picture of another program.
-pub fn picture_chips(
+pub(crate) fn picture_chips(
     folder: &Path,
     picture: &Picture,
     names: &[String],

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Writes every point with its class, log by log in the cloud's order; of several logs with the column `log` before the others. `kept` is 1
 /// where the class is that of the bottom. The level of the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance straight below, that of a swath point
 /// the distance straight to it.
-pub fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
+pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
     write_summed(path, |out, summary| {
         let header = column.header;

@@ -47,7 +47,7 @@ const DIMENSIONS: [Dimension; 5] = [
 ///
 /// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
 /// where one of them does not know when it was.
-pub fn cloud_las(
+pub(crate) fn cloud_las(
     path: &Path,
     packing: LasPacking,
     crs: &Crs,

@@ -7,7 +7,7 @@ use std::path::Path;
 /// Writes all points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue, the level of the echo (`intensity`, 0 for soundings) and the class
 /// (`classification`) as bytes; the slant range in metres as a float.
-pub fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
+pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     write_summed(path, |out, summary| {
         write!(
             out,

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Writes the points of the class of the bottom as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` gives where a
 /// point of a log lies. z is elevation in metres above the transducer, so negative.
-pub fn cloud_xyz(
+pub(crate) fn cloud_xyz(
     path: &Path,
     decimals: usize,
     place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],

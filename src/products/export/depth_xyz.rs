@@ -11,7 +11,7 @@ const CHUNK: usize = 4096;
 
 /// Writes cells as lines of x, y and depth in metres, positive down, with spaces between; `decimals` of them for x and y.
 /// `cells` gives the middle of a cell in the file's coordinates and its depth.
-pub fn depth_xyz(
+pub(crate) fn depth_xyz(
     path: &Path,
     decimals: usize,
     cells: impl Iterator<Item = ([f64; 2], f32)>,

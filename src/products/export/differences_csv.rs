@@ -7,7 +7,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the points that differences are of, log by log: their `measured` is the index in the log's cloud.
-pub fn differences_csv(
+pub(crate) fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
     differences: &[&[Match]],

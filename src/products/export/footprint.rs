@@ -8,7 +8,7 @@ use serde_json::json;
 use std::path::Path;
 
 /// Writes the ground of one log as one feature of `area_m2`.
-pub fn footprint_geojson(
+pub(crate) fn footprint_geojson(
     path: &Path,
     name: &str,
     shapes: &[Polygon],

@@ -53,7 +53,7 @@ pub fn metres_raster(
 ///
 /// # Errors
 /// As [`grid_raster`].
-pub fn source_raster(
+pub(crate) fn source_raster(
     path: &Path,
     spec: RasterSpec,
     surface: &Surface,

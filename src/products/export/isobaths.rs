@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Lines of equal depth as they are drawn.
 #[derive(Clone, Copy)]
-pub struct DrawnLines<'a> {
+pub(crate) struct DrawnLines<'a> {
     /// The lines.
     pub lines: &'a [Isobath],
     /// What their depths are written in.
@@ -28,7 +28,7 @@ impl DrawnLines<'_> {
 }
 
 /// Writes lines of equal depth; `place` gives where a point of them lies.
-pub fn isobaths_geojson(
+pub(crate) fn isobaths_geojson(
     path: &Path,
     drawn: &DrawnLines<'_>,
     place: impl Fn([f64; 2]) -> LonLat,
@@ -53,7 +53,7 @@ pub fn isobaths_geojson(
 }
 
 /// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
-pub fn depth_areas_geojson(
+pub(crate) fn depth_areas_geojson(
     path: &Path,
     areas: &[DepthArea],
     ground: f64,
@@ -81,7 +81,7 @@ pub fn depth_areas_geojson(
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn spot_soundings_geojson(
+pub(crate) fn spot_soundings_geojson(
     path: &Path,
     soundings: &[DepthPoint],
     settings: &IsobathSettings,
@@ -102,7 +102,11 @@ pub fn spot_soundings_geojson(
 }
 
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
-pub fn storage_csv(path: &Path, table: &[Storage], ground: f64) -> Result<Summary, ExportError> {
+pub(crate) fn storage_csv(
+    path: &Path,
+    table: &[Storage],
+    ground: f64,
+) -> Result<Summary, ExportError> {
     write_summed(path, |out, summary| {
         writeln!(out, "depth_m,area_m2,volume_m3")?;
         for row in table {

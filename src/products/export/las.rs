@@ -19,7 +19,7 @@ const FORMAT: u8 = 7;
 
 /// Whether points are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LasPacking {
+pub(crate) enum LasPacking {
     /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where somebody looks.
     Copc,
     /// LAS, for programs that cannot unpack.

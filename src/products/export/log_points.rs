@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 /// The points of a log and what they come from.
 #[derive(Clone, Copy)]
-pub struct LogPoints<'a> {
+pub(crate) struct LogPoints<'a> {
     /// What the log is called, in a table of several logs.
     pub name: &'a str,
     /// The recording.
@@ -31,12 +31,14 @@ pub struct LogPoints<'a> {
 
 impl<'a> LogPoints<'a> {
     /// What its samples and recorded depths are in metres.
-    pub fn reduction(&self) -> Reduction<'a> {
+    pub(crate) fn reduction(&self) -> Reduction<'a> {
         Reduction::new(self.calibration, self.correction)
     }
 
     /// All points in the cloud's order, each with its class.
-    pub fn points(&self) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
+    pub(crate) fn points(
+        &self,
+    ) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
         self.cloud.points.iter().zip(self.classes.iter().copied())
     }
 }

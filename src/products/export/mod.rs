@@ -45,54 +45,60 @@ mod rings;
 mod sqlite;
 mod summary;
 mod survey_layers;
-pub mod tile_sets;
+pub(crate) mod tile_sets;
 mod track;
 mod vector;
 
+pub(crate) use atomic_write::remove_leftovers;
 pub use atomic_write::{
-    ExportError, NoFolder, is_same_file, make_folder, remove_leftovers, rename_older,
-    write_atomically, write_bytes, write_json,
+    ExportError, NoFolder, is_same_file, make_folder, rename_older, write_atomically, write_bytes,
+    write_json,
 };
-pub use bottom_las::{BottomCell, bottom_las};
+pub(crate) use bottom_las::{BottomCell, bottom_las};
 pub use chip_folder::ChipFolder;
-pub use chip_folder::{earlier_chips, remove_passing_chips};
-pub use chips::{ChipError, ChipLog, chip, chips, picture_chips};
-pub use cloud_csv::cloud_csv;
-pub use cloud_las::cloud_las;
-pub use cloud_ply::cloud_ply;
-pub use cloud_xyz::cloud_xyz;
+pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
+pub(crate) use chips::picture_chips;
+pub use chips::{ChipError, ChipLog, chip, chips};
+pub(crate) use cloud_csv::cloud_csv;
+pub(crate) use cloud_las::cloud_las;
+pub(crate) use cloud_ply::cloud_ply;
+pub(crate) use cloud_xyz::cloud_xyz;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
-pub use depth_xyz::depth_xyz;
-pub use differences_csv::differences_csv;
+pub(crate) use depth_xyz::depth_xyz;
+pub(crate) use differences_csv::differences_csv;
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
-pub use first_returns::first_returns_csv;
-pub use footprint::footprint_geojson;
-pub use geopackage::geopackage;
+pub(crate) use first_returns::first_returns_csv;
+pub(crate) use footprint::footprint_geojson;
+pub(crate) use geopackage::geopackage;
 pub use geotiff::{RasterError, geotiff};
 pub use glb::{TexturedMesh, glb};
-pub use grid_raster::{metres_raster, source_raster};
-pub use isobaths::{
+pub use grid_raster::metres_raster;
+pub(crate) use grid_raster::source_raster;
+pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
-pub use las::LasPacking;
+pub(crate) use las::LasPacking;
 pub use log_copy::{CopyError, LogPartChoice, TimeBound, check_copy, copy_log};
-pub use log_points::LogPoints;
-pub use objects::{
-    ObjectLog, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx,
-    objects_kml, shapes_ply,
+pub(crate) use log_points::LogPoints;
+pub(crate) use objects::ObjectRow;
+pub(crate) use objects::{
+    ObjectLog, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
+    shapes_ply,
 };
-pub use picture_boxes::picture_boxes_csv;
+pub(crate) use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
 pub use points::kept_points;
 pub use profile_csv::{profile_csv, write_profile_csv};
-pub use qgis_style::{qgis_classes, qgis_style};
+pub(crate) use qgis_style::qgis_classes;
+pub use qgis_style::qgis_style;
 pub use summary::Summary;
 use summary::write_summed;
-pub use survey_layers::{
+pub(crate) use survey_layers::{
     MapGeometry, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
 };
-pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
-pub use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
+pub use track::{TrackPiece, TrackPoint, track};
+pub(crate) use track::{track_geojson, track_gpx};
+pub(crate) use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
 
 use bathyscope_bottom::cloud::PointSource;
 

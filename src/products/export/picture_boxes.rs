@@ -10,7 +10,7 @@ const HEADER: [&str; 9] = [
 ];
 
 /// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class names.
-pub fn picture_boxes_csv(
+pub(crate) fn picture_boxes_csv(
     path: &Path,
     file: &str,
     names: &[String],

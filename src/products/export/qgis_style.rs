@@ -44,7 +44,7 @@ pub fn qgis_style(
 pub(super) type Class = (u8, &'static str, [u8; 3]);
 
 /// Writes the style of a raster of classes. What is none of them is clear.
-pub fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
+pub(crate) fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
     let entries = classes.iter().map(|(number, name, [red, green, blue])| {
         format!(
             "        <paletteEntry alpha=\"255\" color=\"#{red:02x}{green:02x}{blue:02x}\" label=\"{}\" value=\"{number}\"/>\n",

@@ -18,14 +18,14 @@ const STEPS_M: f64 = 1e3;
 const STEPS_DEG: f64 = 1e8;
 
 /// How what lies in the plane of a map becomes geometries in its system.
-pub struct MapGeometry<'a> {
+pub(crate) struct MapGeometry<'a> {
     map: &'a MapPlane,
     steps: f64,
 }
 
 impl<'a> MapGeometry<'a> {
     /// In the system of a map.
-    pub fn new(map: &'a MapPlane) -> Self {
+    pub(crate) fn new(map: &'a MapPlane) -> Self {
         let steps = match map.crs.is_degrees() {
             true => STEPS_DEG,
             false => STEPS_M,
@@ -34,7 +34,7 @@ impl<'a> MapGeometry<'a> {
     }
 
     /// A position, to the millimetre.
-    pub fn position(&self, at: LonLat) -> [f64; 2] {
+    pub(crate) fn position(&self, at: LonLat) -> [f64; 2] {
         self.rounded(self.map.crs.place(at))
     }
 
@@ -53,7 +53,7 @@ impl<'a> MapGeometry<'a> {
 }
 
 /// The way of the boat, a line a piece.
-pub fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> Layer {
+pub(crate) fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> Layer {
     let feature = |piece: &TrackPiece| {
         let places = piece
             .points
@@ -78,7 +78,7 @@ pub fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> Layer {
 }
 
 /// The ground that the side-scan covers, one feature with its area on the ground.
-pub fn footprint_layer(
+pub(crate) fn footprint_layer(
     placed: &MapGeometry<'_>,
     name: &str,
     shapes: &[Polygon],
@@ -100,7 +100,7 @@ pub fn footprint_layer(
 }
 
 /// Lines of equal depth. A metre of the plane is `scale` metres on the ground.
-pub fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
+pub(crate) fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
     let feature = |line: &Isobath| {
         let places = line.points.iter().map(|point| placed.place(*point));
         let depth = drawn.settings.in_unit(line.depth_m);
@@ -130,7 +130,7 @@ pub fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, scale: f6
 
 /// The areas between depths, coloured by how deep they are: `colour` is that of a share of the way from the shallowest to the deepest. A
 /// square metre of the plane is `ground` square metres on the ground.
-pub fn depth_area_layer(
+pub(crate) fn depth_area_layer(
     placed: &MapGeometry<'_>,
     areas: &[DepthArea],
     ground: f64,
@@ -166,7 +166,7 @@ pub fn depth_area_layer(
 }
 
 /// Depths as the figures that a chart prints.
-pub fn spot_sounding_layer(
+pub(crate) fn spot_sounding_layer(
     placed: &MapGeometry<'_>,
     soundings: &[DepthPoint],
     settings: &IsobathSettings,

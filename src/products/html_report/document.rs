@@ -22,7 +22,7 @@ code{font-size:11.5px;word-break:break-all}.made{color:#666666;font-size:13px}\
 @media print{body{padding:0;max-width:none}figure,table tr,section.target{break-inside:avoid}h2{break-after:avoid}}";
 
 /// The self-contained document: no script, no font and no picture from elsewhere.
-pub fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+pub(crate) fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Survey {}</title><style>{STYLE}</style></head><body>\n",
         xml(&from.title)

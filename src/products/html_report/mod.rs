@@ -26,7 +26,7 @@ mod summary;
 mod tables;
 mod targets;
 
-pub use document::document;
+pub(crate) use document::document;
 
 use crate::export::ObjectRow;
 use crate::pipeline::joint::LogLatency;
@@ -41,7 +41,7 @@ use bathyscope_objects::targets::PassCount;
 use std::collections::BTreeMap;
 
 /// What the report shows. Everything but the survey and its results may be missing; the report then says so.
-pub struct ReportData<'a> {
+pub(crate) struct ReportData<'a> {
     /// The logs, one or all of a survey, with what the pipeline made of them.
     pub logs: &'a [ProcessedLog],
     /// What each log is called.
@@ -73,10 +73,10 @@ pub struct ReportData<'a> {
 }
 
 /// The name of a file, and what it is.
-pub type FileLine = (&'static str, &'static str);
+pub(crate) type FileLine = (&'static str, &'static str);
 
 /// What lies there.
-pub struct ReportObjects<'a> {
+pub(crate) struct ReportObjects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
     /// A line for each box of a target.

@@ -5,7 +5,7 @@ use bathyscope_bottom::bathymetry::{Light, Surface};
 
 /// A surface, and how bright its cells are.
 #[derive(Clone, Copy)]
-pub struct LitSurface<'a> {
+pub(crate) struct LitSurface<'a> {
     surface: &'a Surface,
     /// As [`bathyscope_bottom::bathymetry::hill_shade`] makes it: 0 where it is unknown.
     shade: &'a [u8],
@@ -14,7 +14,7 @@ pub struct LitSurface<'a> {
 
 impl<'a> LitSurface<'a> {
     /// Lit as `light` says, which the shade was made under.
-    pub fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
+    pub(crate) fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
         Self {
             surface,
             shade,
@@ -24,7 +24,7 @@ impl<'a> LitSurface<'a> {
 
     /// What is known at a place, metres east and north: the depth between the centres of cells, or that of its cell where one of its
     /// neighbours has none. Ground whose slope is unknown is as bright as level ground.
-    pub fn at(&self, place: [f64; 2]) -> Option<Pixel> {
+    pub(crate) fn at(&self, place: [f64; 2]) -> Option<Pixel> {
         let cell = self.surface.grid.index_at(place[0], place[1])?;
         let of_cell = self.surface.depth_m.get(cell).copied();
         let known = of_cell.filter(|depth_m| !depth_m.is_nan())?;

@@ -20,8 +20,10 @@ mod pyramid;
 mod stroke;
 mod web_tile;
 
-pub use lit_surface::LitSurface;
-pub use pixel_places::PixelPlaces;
-pub use pixels::{Pixel, Pixels};
+pub(crate) use lit_surface::LitSurface;
+pub(crate) use pixel_places::PixelPlaces;
+pub(crate) use pixels::Pixel;
+pub use pixels::Pixels;
 pub use pyramid::{KnownTile, MapPart, MapScales, PyramidSource, TileStyle, pyramid};
-pub use web_tile::{TILE_PIXELS, WebTile, ZoomRange, web_pixel};
+pub(crate) use web_tile::{TILE_PIXELS, web_pixel};
+pub use web_tile::{WebTile, ZoomRange};

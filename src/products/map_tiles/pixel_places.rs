@@ -11,14 +11,14 @@ const PLACES: usize = TILE_PIXELS / STEP + 1;
 
 /// The middles of a tile's pixels in a plane: projected on a lattice, and linear between its places. A projection at every pixel took
 /// four fifths of the time that a tile takes.
-pub struct PixelPlaces {
+pub(crate) struct PixelPlaces {
     /// Row by row from the north-west, metres.
     lattice: Vec<[f64; 2]>,
 }
 
 impl PixelPlaces {
     /// In a plane that a projection leads to.
-    pub fn new(tile: WebTile, project: impl Fn(LonLat) -> [f64; 2]) -> Self {
+    pub(crate) fn new(tile: WebTile, project: impl Fn(LonLat) -> [f64; 2]) -> Self {
         let lattice = (0..PLACES * PLACES).map(|place| {
             let pixel = [place % PLACES, place / PLACES].map(|number| (STEP * number) as f64);
             project(tile.place(pixel))
@@ -29,7 +29,7 @@ impl PixelPlaces {
     }
 
     /// The middle of a pixel, given as its column and row, metres east and north.
-    pub fn of(&self, pixel: [usize; 2]) -> [f64; 2] {
+    pub(crate) fn of(&self, pixel: [usize; 2]) -> [f64; 2] {
         let [column, row] = pixel.map(|number| number / STEP);
         let [right, down] = pixel.map(|number| ((number % STEP) as f64 + 0.5) / STEP as f64);
         let first = row * PLACES + column;

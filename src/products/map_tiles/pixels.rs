@@ -5,7 +5,7 @@ use bathyscope_bottom::presentation::colours::lit_depth_colour;
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pixel {
+pub(crate) struct Pixel {
     /// Depth, metres, positive down.
     pub depth_m: f32,
     /// How bright the bottom is, level ground being 1.
@@ -21,14 +21,14 @@ pub struct Pixels {
 
 impl Pixels {
     /// By what is known of each pixel, given as its column and row; `None` where that is nothing.
-    pub fn draw(known: impl Fn([usize; 2]) -> Option<Pixel>) -> Option<Self> {
+    pub(crate) fn draw(known: impl Fn([usize; 2]) -> Option<Pixel>) -> Option<Self> {
         let pixels = (0..TILE_PIXELS * TILE_PIXELS)
             .map(|pixel| known([pixel % TILE_PIXELS, pixel / TILE_PIXELS]));
         Self::collect(pixels)
     }
 
     /// The tile that four of the next zoom make (in the order of [`WebTile::children`]): each pixel is the mean of what is known of four.
-    pub fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
+    pub(crate) fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
         const HALF: usize = TILE_PIXELS / 2;
         let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
             let (column, row) = (pixel % TILE_PIXELS, pixel / TILE_PIXELS);
@@ -67,13 +67,13 @@ impl Pixels {
     }
 
     /// All values, depths before lights, 4 bytes each, the lowest first.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let values = self.depth_m.iter().chain(&self.light);
         values.flat_map(|value| value.to_le_bytes()).collect()
     }
 
     /// Of [`Pixels::to_bytes`]; `None` where they are too few or too many.
-    pub fn of_bytes(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn of_bytes(bytes: &[u8]) -> Option<Self> {
         let (values, rest) = bytes.as_chunks::<4>();
         let mut depth_m: Vec<f32> = values.iter().copied().map(f32::from_le_bytes).collect();
         if !rest.is_empty() || depth_m.len() != 2 * TILE_PIXELS * TILE_PIXELS {

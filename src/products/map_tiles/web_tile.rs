@@ -3,7 +3,7 @@
 use bathyscope_log::support::geo::{LonLat, web_mercator, web_mercator_inverse};
 
 /// Pixels along a side of a tile.
-pub const TILE_PIXELS: usize = 256;
+pub(crate) const TILE_PIXELS: usize = 256;
 
 /// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of its sphere.
 const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;
@@ -24,7 +24,7 @@ pub struct WebTile {
 }
 
 /// Pixels from the west and from the north edge of the whole map at a zoom.
-pub fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
+pub(crate) fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
     let [x, y] = web_mercator(at);
     let per_metre = pixels_across(zoom) / (2.0 * HALF_M);
     [(x + HALF_M) * per_metre, (HALF_M - y) * per_metre]
@@ -36,7 +36,7 @@ fn pixels_across(zoom: u8) -> f64 {
 
 impl WebTile {
     /// The tile that holds a place, given in pixels of its zoom.
-    pub fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
+    pub(crate) fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
         let last = (1_u32 << zoom) - 1;
         let number = |pixels: f64| ((pixels / TILE_PIXELS as f64) as u32).min(last);
         Self {
@@ -56,7 +56,7 @@ impl WebTile {
     }
 
     /// Its north-west corner in pixels of a zoom, its own or a finer one, and its side there.
-    pub fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
+    pub(crate) fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
         let side = TILE_PIXELS as f64 * f64::from(1_u32 << zoom.saturating_sub(self.zoom));
         (
             [self.x, self.y].map(|number| f64::from(number) * side),
@@ -66,7 +66,7 @@ impl WebTile {
 
     /// Its edges in pixels of a zoom, its own or a finer one: least and most from the west and from the north, in the order of
     /// [`bathyscope_bottom::bathymetry::isobaths::clipped`].
-    pub fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
+    pub(crate) fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
         let ([west, north], side) = self.corner_at(zoom);
         [west, north, west + side, north + side]
     }
@@ -91,7 +91,7 @@ impl WebTile {
     }
 
     /// Its number along Hilbert's curve behind all tiles of coarser zooms, which is how PMTiles orders tiles: neighbours lie near each other.
-    pub fn hilbert_id(&self) -> u64 {
+    pub(crate) fn hilbert_id(&self) -> u64 {
         let coarser = ((1_u64 << (2 * u32::from(self.zoom))) - 1) / 3;
         let (mut x, mut y) = (u64::from(self.x), u64::from(self.y));
         let mut along = 0;
@@ -127,7 +127,7 @@ pub struct ZoomRange {
 
 impl ZoomRange {
     /// From the zoom at which the map is a few pixels long to that whose pixels are no longer than a cell.
-    pub fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
+    pub(crate) fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
         let [west, south, east, north] = bounds_deg;
         let middle_deg = 0.5 * (south + north);
         let pixel_m = 2.0 * HALF_M * middle_deg.to_radians().cos() / TILE_PIXELS as f64;

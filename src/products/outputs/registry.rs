@@ -89,7 +89,7 @@ impl OutputFile {
     }
 
     /// Whether a setting that begins with one of these words has to do with it.
-    pub fn depends_on(&self, words: &BTreeSet<String>) -> bool {
+    pub(crate) fn depends_on(&self, words: &BTreeSet<String>) -> bool {
         let regardless = |word: &String| self.regardless_of.contains(&word.as_str());
         words.iter().any(|word| !regardless(word))
     }
@@ -105,7 +105,7 @@ impl OutputFile {
     }
 
     /// Its name without subfolder and ending.
-    pub fn stem(&self) -> &'static str {
+    pub(crate) fn stem(&self) -> &'static str {
         let name = self.file_name();
         name.split('.').next().unwrap_or(name)
     }
@@ -122,7 +122,7 @@ pub fn row_of(name: &str) -> Option<&'static OutputFile> {
 }
 
 /// The row that a file belongs to which a version wrote that knew no subfolders.
-pub fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
+pub(crate) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owned_beside(name))
 }
 

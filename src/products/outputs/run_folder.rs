@@ -110,7 +110,7 @@ impl RunFolder {
     }
 
     /// Where they will lie.
-    pub fn destination(&self) -> &Path {
+    pub(crate) fn destination(&self) -> &Path {
         &self.folder
     }
 
@@ -143,7 +143,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// A sentence when something is in the way; then the folder is as it was, or the next run finishes the job.
-    pub fn commit(self, manifest: &str) -> Result<Replaced, OutputError> {
+    pub(crate) fn commit(self, manifest: &str) -> Result<Replaced, OutputError> {
         self.swap(Some(manifest), |_| true)
     }
 
@@ -152,7 +152,10 @@ impl RunFolder {
     ///
     /// # Errors
     /// As [`RunFolder::commit`].
-    pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Replaced, OutputError> {
+    pub(crate) fn commit_group(
+        self,
+        group: impl Fn(&str) -> bool,
+    ) -> Result<Replaced, OutputError> {
         let manifest = earlier::without_group(&self.folder, &self.path(), &group)?;
         self.swap(manifest, group)
     }

@@ -53,13 +53,13 @@ impl Fingerprint {
     }
 
     /// Whether there is a file of that name and size in `folder`, whatever it holds.
-    pub fn is_as_long_in(&self, folder: &Path) -> bool {
+    pub(crate) fn is_as_long_in(&self, folder: &Path) -> bool {
         let there = folder.join(&self.file).symlink_metadata();
         there.is_ok_and(|there| there.is_file() && there.len() == self.bytes)
     }
 
     /// Whether the file of that name in `folder` is still this one.
-    pub fn is_unchanged(&self, folder: &Path) -> bool {
+    pub(crate) fn is_unchanged(&self, folder: &Path) -> bool {
         let again = || Self::of(folder, &self.file, &Progress::new());
         self.is_as_long_in(folder) && again().is_ok_and(|again| again == *self)
     }
@@ -88,7 +88,7 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
 
 /// A log by its bytes, and all files that its results depend on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LogFiles {
+pub(crate) struct LogFiles {
     /// SHA-256 of its file; of a log of several files, that of their hashes in a row. Names and folders do not matter.
     pub sha256: String,
     /// Its files, the track of another receiver and the readings of the water level, by their names without folders.
@@ -100,7 +100,7 @@ impl LogFiles {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn of(
+    pub(crate) fn of(
         survey: &Survey,
         settings: &Settings,
         progress: &Progress,
@@ -177,7 +177,7 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Input
 ///
 /// # Errors
 /// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
-pub fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
+pub(crate) fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
     hash(from, || progress.check(), |_| ())
 }
 

@@ -68,7 +68,7 @@ pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingV
 }
 
 /// Whether there is a setting of this key; the bottom edits are none.
-pub fn is_setting(key: &str) -> bool {
+pub(crate) fn is_setting(key: &str) -> bool {
     row(key).is_some()
 }
 
@@ -198,7 +198,7 @@ impl LogSettings {
     }
 
     /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else the shared one.
-    pub fn swaps_sides(&self, shared: &Settings) -> bool {
+    pub(crate) fn swaps_sides(&self, shared: &Settings) -> bool {
         let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
         own.unwrap_or(shared.mounting.swap_sides)
     }
@@ -326,7 +326,7 @@ impl LogSettings {
 ///
 /// # Errors
 /// A sentence that names the key, when it is none or cannot have that value.
-pub fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
+pub(crate) fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
     with_values(&Settings::default(), values)
 }
 

@@ -40,9 +40,11 @@ pub use agreement::LogDifferences;
 pub use agreement::{Agreement, AgreementError, MissionLog, Reference, ResidualTables, positions};
 pub use background::{Background, Same};
 pub use clip_area::clip_area;
+pub(crate) use depth::CloudPlane;
+pub(crate) use depth::comparisons;
 pub use depth::{
-    CloudPlane, CommonUncertainty, Contours, Crosslines, GeometryChoice, NamedComparison, choices,
-    comparisons, crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
+    CommonUncertainty, Contours, Crosslines, GeometryChoice, NamedComparison, choices, crosslines,
+    depth_points, joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
     Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,
@@ -50,13 +52,14 @@ pub use derived::{
 };
 pub use derived::{DepthMap, Derived, Mosaic, MosaicPlane};
 pub use engine::{Engine, EngineStatus};
-pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
+pub use fingerprint::{Fingerprint, Input, InputError, in_hexadecimal};
+pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_report::CalibrationReport;
 pub use log_settings::{
-    LogSettings, SettingValues, deserialize_values, from_values, is_of_one_log, is_setting,
-    setting_values, with_values,
+    LogSettings, SettingValues, deserialize_values, is_of_one_log, setting_values, with_values,
 };
+pub(crate) use log_settings::{from_values, is_setting};
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
 pub use object_positions::ObjectLocator;
 pub use objects::{list_objects, object_shape};

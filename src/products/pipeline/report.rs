@@ -152,7 +152,7 @@ impl Report {
     ///
     /// # Errors
     /// When a setting cannot be written as text.
-    pub fn name_run(&mut self, products: &[Fingerprint]) -> Result<(), serde_json::Error> {
+    pub(crate) fn name_run(&mut self, products: &[Fingerprint]) -> Result<(), serde_json::Error> {
         let made_of = (&self.program, &self.inputs, &self.settings, products);
         let text = serde_json::to_vec(&made_of)?;
         self.run = in_hexadecimal(&Sha256::digest(text)[..RUN_BYTES]);

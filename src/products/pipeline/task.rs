@@ -14,7 +14,7 @@ pub enum Jobs {
 
 impl Jobs {
     /// Says that there is something to show.
-    pub fn wake(&self) {
+    pub(crate) fn wake(&self) {
         match self {
             Self::Threads(waker) => waker(),
             Self::Inline => {}

@@ -24,7 +24,7 @@ pub struct Owner {
 
 impl Owner {
     /// This program, now.
-    pub fn now() -> Self {
+    pub(crate) fn now() -> Self {
         let since = SystemTime::now().duration_since(UNIX_EPOCH);
         Self {
             pid: std::process::id(),
@@ -34,7 +34,7 @@ impl Owner {
     }
 
     /// Whether it may still run. Of another computer that cannot be known.
-    pub fn may_run(&self) -> bool {
+    pub(crate) fn may_run(&self) -> bool {
         let is_here = self.host == host();
         !is_here || !cfg!(target_os = "linux") || process_exists(self.pid)
     }

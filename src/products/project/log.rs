@@ -38,7 +38,7 @@ impl LogKey {
     }
 
     /// A key as it stands in a file.
-    pub fn from_text(text: &str) -> Self {
+    pub(crate) fn from_text(text: &str) -> Self {
         Self(text.to_owned())
     }
 

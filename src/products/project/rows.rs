@@ -14,7 +14,7 @@ use toml::{Table, Value};
 
 mod read;
 
-pub use read::read;
+pub(crate) use read::read;
 
 /// Settings that are paths: they are written from the project's folder.
 const PATH_KEYS: [&str; 4] = [

@@ -21,7 +21,7 @@ use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-pub use super::lock::Owner;
+pub(crate) use super::lock::Owner;
 
 /// End of a project's file name.
 pub const ENDING: &str = "bathyscope";

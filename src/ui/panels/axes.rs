@@ -11,7 +11,7 @@ const RIGHT: f32 = 20.0;
 const ABOVE: f32 = 6.0;
 
 /// Two axes on the screen.
-pub struct PlotAxes {
+pub(crate) struct PlotAxes {
     /// Where the curves lie.
     pub area: Rect,
     across: Axis,
@@ -20,7 +20,7 @@ pub struct PlotAxes {
 
 impl PlotAxes {
     /// With room on the left for numbers and name: a number that is cut loses its sign first.
-    pub fn new(painter: &Painter, rect: Rect, across: Axis, up: Axis) -> Self {
+    pub(crate) fn new(painter: &Painter, rect: Rect, across: Axis, up: Axis) -> Self {
         let width = |(_, label): &(f64, String)| {
             let galley = painter.layout_no_wrap(label.clone(), font(), Color32::PLACEHOLDER);
             galley.size().x
@@ -36,14 +36,14 @@ impl PlotAxes {
     }
 
     /// Where a value lies.
-    pub fn at(&self, x: f64, y: f64) -> Pos2 {
+    pub(crate) fn at(&self, x: f64, y: f64) -> Pos2 {
         // Shares, which an `f32` holds.
         let [x, y] = [self.across.share(x), self.up.share(y)].map(|share| share as f32);
         self.area.lerp_inside(vec2(x, 1.0 - y))
     }
 
     /// Draws lines, numbers and names.
-    pub fn draw(&self, painter: &Painter, ink: Color32) {
+    pub(crate) fn draw(&self, painter: &Painter, ink: Color32) {
         let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
         for (value, label) in &self.across.ticks {
             let x = self.at(*value, self.up.ends[0]).x;

@@ -24,7 +24,7 @@ pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
 }
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

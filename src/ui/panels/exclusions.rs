@@ -16,7 +16,7 @@ const ROW: f32 = 18.0;
 const ROWS: f32 = 7.0;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

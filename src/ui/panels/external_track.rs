@@ -10,7 +10,7 @@ use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -6,7 +6,7 @@ use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
 
 /// Where the controls of some settings are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ControlPlace {
+pub(crate) enum ControlPlace {
     /// In a section of the panel of steps.
     Section(&'static str),
     /// In the list Levels of the waterfall.
@@ -15,7 +15,7 @@ pub enum ControlPlace {
 
 impl ControlPlace {
     /// Before the name of a setting in the palette.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             ControlPlace::Section(title) => title,
             ControlPlace::Levels => "Waterfall levels",
@@ -24,7 +24,7 @@ impl ControlPlace {
 }
 
 /// All settings that have a control in the window, by the place where it is.
-pub static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
+pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
     (
         ControlPlace::Section("First return"),
         &[
@@ -148,13 +148,13 @@ pub static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
 ];
 
 /// The settings that have their controls in a place.
-pub fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static SettingRow> {
+pub(crate) fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static SettingRow> {
     let here = CONTROLS.iter().filter(move |(other, _)| *other == place);
     here.flat_map(|(_, rows)| rows.iter().copied())
 }
 
 /// Where the control of a setting is.
-pub fn place_of(key: &str) -> Option<ControlPlace> {
+pub(crate) fn place_of(key: &str) -> Option<ControlPlace> {
     let holds = |(_, rows): &&(ControlPlace, &[&SettingRow])| rows.iter().any(|row| row.key == key);
     CONTROLS.iter().find(holds).map(|(place, _)| *place)
 }
@@ -168,22 +168,22 @@ fn marked_id() -> Id {
 }
 
 /// Has the control of a setting take the keyboard when it is drawn next.
-pub fn seek(ctx: &Context, key: &'static str) {
+pub(crate) fn seek(ctx: &Context, key: &'static str) {
     ctx.data_mut(|data| data.insert_temp(sought_id(), key));
 }
 
 /// The setting whose control was sought and not drawn since.
-pub fn sought(ctx: &Context) -> Option<&'static str> {
+pub(crate) fn sought(ctx: &Context) -> Option<&'static str> {
     ctx.data(|data| data.get_temp(sought_id()))
 }
 
 /// Gives up looking for a control.
-pub fn give_up(ctx: &Context) {
+pub(crate) fn give_up(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<&'static str>(sought_id()));
 }
 
 /// Gives the keyboard to the control of a setting that is sought, brings it into view, and frames it while it has the keyboard.
-pub fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
+pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
     let ctx = ui.ctx();
     // Before its size is known a list cannot scroll to it.
     if sought(ctx) == Some(key) && !ui.is_sizing_pass() {
@@ -203,7 +203,7 @@ pub fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response)
 
 /// The setting whose control is framed while it has the keyboard.
 #[cfg(test)]
-pub fn marked(ctx: &Context) -> Option<String> {
+pub(crate) fn marked(ctx: &Context) -> Option<String> {
     ctx.data(|data| data.get_temp(marked_id()))
 }
 

@@ -15,7 +15,7 @@ use egui::{Button, RichText, Ui};
 const TITLE: &str = "First return";
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

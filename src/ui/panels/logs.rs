@@ -10,7 +10,7 @@ use bathyscope_bottom::presentation::units::Units;
 use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Logs"), |ui, context| {
         let app = context.app;
         let last = app.log_count().saturating_sub(1);

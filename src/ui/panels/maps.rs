@@ -15,7 +15,7 @@ const ISOBATHS: &str = "Isobaths";
 const MOSAIC: &str = "Mosaic";
 
 /// Draws the sections.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new(DEPTH_MAP), depth_map);
     section(ui, context, Section::new(ISOBATHS), isobaths);
     section(ui, context, Section::new(MOSAIC), mosaic);

@@ -33,8 +33,9 @@ pub(super) mod water;
 /// Height of the line of words at the bottom of the window, points.
 pub(super) const STATUS_HEIGHT: f32 = 24.0;
 
-pub use parts::of_given_width;
-pub use section::{Section, focus_section, section, unfold_section};
+pub(crate) use parts::of_given_width;
+pub(crate) use section::{Section, section};
+pub(crate) use section::{focus_section, unfold_section};
 
 use super::ViewContext;
 

@@ -11,7 +11,7 @@ use bathyscope_products::pipeline::settings::rows;
 use egui::{TextEdit, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -25,7 +25,7 @@ const REST: Duration = Duration::from_secs(1);
 const TITLES: f32 = 30.0;
 
 /// Draws them over the upper right corner of the views, which cover `views`. Nothing when there is no notice.
-pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
+pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
     let app = context.app;
     if app.notices.is_empty() {
         return;

@@ -7,7 +7,7 @@ use crate::ui::{ViewContext, text};
 use egui::{Button, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -8,7 +8,7 @@ use bathyscope_products::pipeline::Stage;
 use egui::Ui;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

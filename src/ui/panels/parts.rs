@@ -11,7 +11,7 @@ use bathyscope_products::pipeline::settings::{
 use egui::{Align, Button, DragValue, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
 /// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle with `i`.
-pub fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
+pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
     let (colour, sign, name) = match is_error {
         true => (theme::error_colour(look), "!", "could not be done"),
@@ -38,7 +38,12 @@ pub fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
 }
 
 /// A name on the left and a control on the right that carries the name for screen readers and tests.
-pub fn row(ui: &mut Ui, name: &str, hint: &str, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+pub(crate) fn row(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    add: impl FnOnce(&mut Ui) -> Response,
+) -> Response {
     ui.horizontal(|ui| {
         let label = name_cell(ui, name, hint);
         let response = add(ui).labelled_by(label.id);
@@ -52,7 +57,7 @@ pub fn row(ui: &mut Ui, name: &str, hint: &str, add: impl FnOnce(&mut Ui) -> Res
 }
 
 /// The name of a row, as wide as those of all rows.
-pub fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
+pub(crate) fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
     let size = egui::vec2(theme::LABEL_WIDTH, ui.spacing().interact_size.y);
     let label = ui
         .allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
@@ -68,7 +73,7 @@ pub fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
 }
 
 /// A name and a value that can be selected and copied.
-pub fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
+pub(crate) fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
     let value: WidgetText = value.into();
     let value = value.strong();
     let style = egui::TextStyle::Body;
@@ -90,7 +95,7 @@ pub fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
 }
 
 /// A setting that is a file: the one in use, with buttons that choose one and that leave it.
-pub fn file(
+pub(crate) fn file(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     setting: &SettingRow,
@@ -123,7 +128,7 @@ pub fn file(
 
 /// A list of which the rows in sight are drawn, whatever its length. When `here` is another row than before, because keys walk along the
 /// list, it comes into the middle.
-pub fn list_rows(
+pub(crate) fn list_rows(
     ui: &mut Ui,
     name: &'static str,
     count: usize,
@@ -156,14 +161,14 @@ pub fn list_rows(
 }
 
 /// How much of something is done.
-pub fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
+pub(crate) fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
     let bar = ProgressBar::new(share).desired_width(width);
     bar.desired_height(8.0)
         .fill(theme::accent_colour(context.theme()))
 }
 
 /// A table of small text, its headings with what they mean.
-pub fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnce(&mut Ui)) {
+pub(crate) fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnce(&mut Ui)) {
     egui::Grid::new(name)
         .num_columns(columns.len())
         .spacing([8.0, 2.0])
@@ -179,12 +184,12 @@ pub fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnc
 }
 
 /// A quiet remark.
-pub fn remark(ui: &mut Ui, text: impl Into<String>) {
+pub(crate) fn remark(ui: &mut Ui, text: impl Into<String>) {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
 }
 
 /// Something that does not agree or could not be used.
-pub fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
+pub(crate) fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
     let colour = theme::stale_colour(context.theme());
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
@@ -208,7 +213,7 @@ fn value_width(ui: &Ui, number: &ShownNumber<'_>, none_word: Option<&str>) -> f3
 
 /// A part of a window whose content, however wide, leaves it as wide as it is: a panel that took the width of its content would
 /// offer that width again in the next frame, and a row that is a little too wide would widen it for ever.
-pub fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+pub(crate) fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let area = ui.available_rect_before_wrap();
     let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
     add(&mut inner);
@@ -216,7 +221,7 @@ pub fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 /// A part of a panel of which no row, however wide, widens what follows it.
-pub fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+pub(crate) fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let area = ui.available_rect_before_wrap();
     let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
     add(&mut inner);
@@ -226,7 +231,7 @@ pub fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 /// The control of a setting, as its row of the table has it; a whole drag is one undo step.
-pub fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static SettingRow) {
+pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static SettingRow) {
     // A figure above that comes or goes with the results must not end a drag.
     let own = egui::UiBuilder::new().scope_id(egui::Id::unique(("setting", row.key)));
     ui.scope_builder(own, |ui| {
@@ -241,7 +246,7 @@ pub fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static Setting
 }
 
 /// The controls of all settings that are numbers or names in the section with this title.
-pub fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
+pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
     for row in find_setting::rows_in(ControlPlace::Section(title)) {
         if matches!(row.kind, SettingKind::Number(_) | SettingKind::Choice(_)) {
             setting(ui, context, row);
@@ -351,12 +356,12 @@ fn choice(
 }
 
 /// A small button of an action.
-pub fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
+pub(crate) fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
     press_short(ui, context, (action, action.label()), is_enabled);
 }
 
 /// A small button of an action with a label that the button before it explains.
-pub fn press_short(
+pub(crate) fn press_short(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     (action, label): (Action, &str),
@@ -368,7 +373,7 @@ pub fn press_short(
 }
 
 /// The name of an open log; empty where it is open no longer.
-pub fn name_of(app: &App, id: LogId) -> String {
+pub(crate) fn name_of(app: &App, id: LogId) -> String {
     app.open_log(id).map_or_else(String::new, OpenLog::name)
 }
 

@@ -7,7 +7,7 @@ use crate::ui::ViewContext;
 use egui::{DragValue, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Survey planning"), plan);
 }
 

@@ -6,7 +6,7 @@ use bathyscope_products::pipeline::{EngineStatus, Stage};
 use egui::{Response, Ui};
 
 /// The heading of a panel's part, and whether it is open.
-pub struct Section {
+pub(crate) struct Section {
     number: Option<u8>,
     title: &'static str,
     /// The stage whose result it shows, for the mark of stale results.
@@ -15,7 +15,7 @@ pub struct Section {
 
 impl Section {
     /// A part with this name.
-    pub fn new(title: &'static str) -> Self {
+    pub(crate) fn new(title: &'static str) -> Self {
         Self {
             number: None,
             title,
@@ -24,13 +24,13 @@ impl Section {
     }
 
     /// It is a step of the paper.
-    pub fn step(mut self, number: u8) -> Self {
+    pub(crate) fn step(mut self, number: u8) -> Self {
         self.number = Some(number);
         self
     }
 
     /// It shows the result of a stage.
-    pub fn of(mut self, stage: Stage) -> Self {
+    pub(crate) fn of(mut self, stage: Stage) -> Self {
         self.stage = Some(stage);
         self
     }
@@ -79,12 +79,12 @@ fn wanted_id() -> egui::Id {
 }
 
 /// Has the title of a section take the keyboard when it is drawn next.
-pub fn focus_section(ctx: &egui::Context, title: &'static str) {
+pub(crate) fn focus_section(ctx: &egui::Context, title: &'static str) {
     ctx.data_mut(|data| data.insert_temp(wanted_id(), title));
 }
 
 /// Opens a section.
-pub fn unfold_section(ctx: &egui::Context, title: &str) {
+pub(crate) fn unfold_section(ctx: &egui::Context, title: &str) {
     ctx.data_mut(|data| data.insert_persisted(folded_id(title), false));
 }
 
@@ -92,7 +92,7 @@ pub fn unfold_section(ctx: &egui::Context, title: &str) {
 const LOW_WINDOW: f32 = 600.0;
 
 /// A titled part of a panel; a click on the title folds it.
-pub fn section(
+pub(crate) fn section(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     section: Section,

@@ -9,7 +9,7 @@ use bathyscope_log::survey::{Side, arm_in_words};
 use egui::{RichText, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

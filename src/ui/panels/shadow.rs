@@ -13,7 +13,7 @@ use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 const DRAWING_HEIGHT: f32 = 110.0;
 
 /// Draws the section; nothing where no height is measured.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let measuring = &context.app.map.measuring;
     let figure = measuring.figure.as_deref();
     let is_height = |kind| kind == MeasurementKind::Height;

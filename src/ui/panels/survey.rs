@@ -16,7 +16,7 @@ use egui::Ui;
 const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -12,7 +12,7 @@ use egui::Ui;
 const USUAL_C: f64 = 12.0;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

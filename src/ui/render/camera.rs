@@ -14,7 +14,7 @@ const LEAST_M: f32 = 0.3;
 
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
+pub(crate) enum Direction {
     /// From above, north up.
     Top,
     /// Level, from the south.
@@ -50,14 +50,14 @@ impl Default for OrbitCamera {
 
 impl OrbitCamera {
     /// Turns by a drag across the picture, in pictures' heights: right turns the scene right, down lifts the camera.
-    pub fn orbit(&mut self, drag: Vec2) {
+    pub(crate) fn orbit(&mut self, drag: Vec2) {
         use std::f32::consts::{FRAC_PI_2, TAU};
         self.azimuth_rad = (self.azimuth_rad + drag.x * TAU * 0.5).rem_euclid(TAU);
         self.elevation_rad = (self.elevation_rad + drag.y * TAU * 0.5).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
     /// Moves the target so that the scene follows a drag across the picture, in pictures' heights.
-    pub fn pan(&mut self, drag: Vec2) {
+    pub(crate) fn pan(&mut self, drag: Vec2) {
         let [right, up, _] = self.axes();
         let height_m = 2.0 * self.distance_m * (0.5 * FIELD_OF_VIEW).tan();
         self.move_target(-(right * drag.x - up * drag.y) * height_m);
@@ -76,7 +76,7 @@ impl OrbitCamera {
 
     /// Looks at the depth of a place from where the camera is: the picture stays as it is, and what comes next turns and zooms
     /// about that depth. A place behind the camera changes nothing.
-    pub fn look_at_depth_of(&mut self, place: Vec3) {
+    pub(crate) fn look_at_depth_of(&mut self, place: Vec3) {
         let [_, _, back] = self.axes();
         let eye = self.target + self.shrink(back * self.distance_m);
         let depth_m = self.exaggerate(eye - place).dot(back);
@@ -89,7 +89,7 @@ impl OrbitCamera {
 
     /// Keeps the camera about a box: the target within half of its size around it, and as near and far as there is something
     /// to see.
-    pub fn hold(&mut self, [low, high]: [Vec3; 2]) {
+    pub(crate) fn hold(&mut self, [low, high]: [Vec3; 2]) {
         let half = 0.5 * (high - low).max(Vec3::ONE);
         self.target = self.target.clamp(low - half, high + half);
         let size_m = self.exaggerate(high - low).length().max(1.0);
@@ -123,7 +123,7 @@ impl OrbitCamera {
     }
 
     /// Looks from a direction.
-    pub fn look_from(&mut self, direction: Direction) {
+    pub(crate) fn look_from(&mut self, direction: Direction) {
         self.azimuth_rad = 0.0;
         self.elevation_rad = match direction {
             Direction::Top => std::f32::consts::FRAC_PI_2,
@@ -202,7 +202,7 @@ impl CameraProjection {
     }
 
     /// The direction from the camera to what is seen at a place of the picture; `None` where the projection has no inverse.
-    pub fn towards(&self, ndc: Vec2) -> Option<Vec3> {
+    pub(crate) fn towards(&self, ndc: Vec2) -> Option<Vec3> {
         let place = self.clip_from_world.inverse() * ndc.extend(0.5).extend(1.0);
         let towards = place.truncate() / place.w - self.eye;
         towards.try_normalize()

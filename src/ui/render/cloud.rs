@@ -10,7 +10,7 @@ use glam::{Mat4, Vec4};
 /// A point, as the shader reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct PointVertex {
+pub(crate) struct PointVertex {
     /// Metres from the cloud's origin: east, north, up.
     pub place: [f32; 3],
     /// sRGB and alpha (unused).
@@ -34,13 +34,13 @@ struct ViewUniform {
 const POINTS_A_BUFFER: usize = 1 << 22;
 
 /// Points on the GPU.
-pub struct CloudBuffers {
+pub(crate) struct CloudBuffers {
     buffers: Vec<(wgpu::Buffer, u32)>,
 }
 
 impl CloudBuffers {
     /// Uploads the first `count` of `points`.
-    pub fn new(
+    pub(crate) fn new(
         uploader: &Uploader,
         count: usize,
         mut points: impl Iterator<Item = PointVertex>,
@@ -59,7 +59,7 @@ impl CloudBuffers {
 
 /// What to draw and from where.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CloudDraw {
+pub(crate) struct CloudDraw {
     /// Clip space from metres.
     pub clip_from_world: Mat4,
     /// Radius of a point, pixels.
@@ -73,14 +73,14 @@ pub struct CloudDraw {
 }
 
 /// The pipeline for points, with the uniforms of one view.
-pub struct CloudRenderer {
+pub(crate) struct CloudRenderer {
     pipeline: OffscreenPipeline,
     view: Uniform,
 }
 
 impl CloudRenderer {
     /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let pipeline = OffscreenPipeline::new(
             device,
             PipelineParts {
@@ -102,7 +102,7 @@ impl CloudRenderer {
     }
 
     /// Draws the points in a pass of the target.
-    pub fn draw(
+    pub(crate) fn draw(
         &self,
         queue: &wgpu::Queue,
         target: &RenderTarget,

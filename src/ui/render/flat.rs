@@ -23,7 +23,7 @@ struct Tint {
 pub type Rgba = [u8; 4];
 
 /// Pipelines and colours of one window.
-pub struct FlatRenderer {
+pub(crate) struct FlatRenderer {
     fill: wgpu::RenderPipeline,
     picture: wgpu::RenderPipeline,
     tint_layout: wgpu::BindGroupLayout,
@@ -34,7 +34,7 @@ pub struct FlatRenderer {
 
 impl FlatRenderer {
     /// Builds the pipelines for targets of this format.
-    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         let tint_layout = bind_group_layout(device, &[uniform_entry(0)]);
         let picture_layout = bind_group_layout(device, &[texture_entry(0)]);
         let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
@@ -50,7 +50,7 @@ impl FlatRenderer {
     }
 
     /// Makes a colour ready for [`FlatRenderer::fill`] and [`FlatRenderer::show`].
-    pub fn prepare(&mut self, device: &wgpu::Device, colour: Rgba) {
+    pub(crate) fn prepare(&mut self, device: &wgpu::Device, colour: Rgba) {
         let (layout, linear_target) = (&self.tint_layout, self.linear_target);
         self.tints.entry(colour).or_insert_with(|| {
             let tint = Tint {
@@ -68,7 +68,7 @@ impl FlatRenderer {
     }
 
     /// What [`FlatRenderer::show`] reads a picture by.
-    pub fn bind_picture(
+    pub(crate) fn bind_picture(
         &self,
         device: &wgpu::Device,
         picture: &wgpu::TextureView,
@@ -78,12 +78,17 @@ impl FlatRenderer {
     }
 
     /// Fills the viewport with a colour that is prepared.
-    pub fn fill(&self, pass: &mut wgpu::RenderPass<'_>, colour: Rgba) {
+    pub(crate) fn fill(&self, pass: &mut wgpu::RenderPass<'_>, colour: Rgba) {
         self.draw(pass, &self.fill, colour);
     }
 
     /// Shows a picture of the size of the viewport, multiplied by a colour that is prepared.
-    pub fn show(&self, pass: &mut wgpu::RenderPass<'_>, picture: &wgpu::BindGroup, colour: Rgba) {
+    pub(crate) fn show(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        picture: &wgpu::BindGroup,
+        colour: Rgba,
+    ) {
         pass.set_bind_group(1, picture, &[]);
         self.draw(pass, &self.picture, colour);
     }

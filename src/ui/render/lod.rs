@@ -15,7 +15,7 @@ pub struct Vertex {
 
 impl Vertex {
     /// Where the line is broken.
-    pub const BREAK: Self = Self {
+    pub(crate) const BREAK: Self = Self {
         place: [f32::NAN; 2],
         colour: [0; 4],
     };
@@ -41,7 +41,7 @@ const FEW: usize = 256;
 
 /// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LineLevel {
+pub(crate) struct LineLevel {
     /// How far the drawn line may lie from the recorded one, metres.
     pub tolerance_m: f32,
     /// How many straight pieces join one vertex to the next, breaks included.
@@ -52,7 +52,7 @@ pub struct LineLevel {
 
 impl LineLevel {
     /// The runs of segments whose chunks touch the view; neighbours are joined.
-    pub fn visible(&self, view: LayerBounds) -> Vec<Range<u32>> {
+    pub(crate) fn visible(&self, view: LayerBounds) -> Vec<Range<u32>> {
         let mut runs: Vec<Range<u32>> = Vec::new();
         for (index, chunk) in self.chunks.iter().enumerate() {
             if !touches(*chunk, view) {
@@ -82,14 +82,14 @@ impl LineLevel {
 
 /// All levels, finest first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LinePyramid {
+pub(crate) struct LinePyramid {
     /// The levels.
     pub levels: Vec<LineLevel>,
 }
 
 /// What becomes of pieces that are smaller than a level resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Specks {
+pub(crate) enum Specks {
     /// They stay, as a dot: a boat at anchor was there.
     Kept,
     /// They go: many of them, as the isobaths of a rough bed have, would fill every level.
@@ -98,7 +98,11 @@ pub enum Specks {
 
 impl LinePyramid {
     /// Builds all levels of a line and hands the vertices of each to `keep`.
-    pub fn new(vertices: Vec<Vertex>, specks: Specks, mut keep: impl FnMut(&[Vertex])) -> Self {
+    pub(crate) fn new(
+        vertices: Vec<Vertex>,
+        specks: Specks,
+        mut keep: impl FnMut(&[Vertex]),
+    ) -> Self {
         let mut tolerance_m = FINEST_M;
         let mut thinned = thin(&vertices, tolerance_m);
         drop(vertices);
@@ -125,7 +129,7 @@ impl LinePyramid {
 
     /// Index of the level to draw when a pixel covers `metres_per_px`, and its visible runs: nothing coarser than a pixel
     /// and a half unless more than `most` segments would be drawn.
-    pub fn choose(
+    pub(crate) fn choose(
         &self,
         metres_per_px: f32,
         view: LayerBounds,

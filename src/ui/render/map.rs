@@ -10,7 +10,7 @@ use std::ops::Range;
 /// The uniform block `Line` of `track.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct LineUniform {
+pub(crate) struct LineUniform {
     /// Pixels from metres: scale x, scale y (negative: north is up), offset x, offset y.
     pub px_from_world: [f32; 4],
     /// Size of the picture in pixels; set by [`LineRenderer::draw`].
@@ -25,13 +25,13 @@ pub struct LineUniform {
 
 /// All levels of a track on the GPU.
 #[derive(Default)]
-pub struct TrackBuffers {
+pub(crate) struct TrackBuffers {
     levels: Vec<Option<wgpu::Buffer>>,
 }
 
 impl TrackBuffers {
     /// Uploads one more level, coarser than those before. One that no buffer can hold is left out.
-    pub fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
+    pub(crate) fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
         let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
         let buffer = (vertices.len() > 1 && fits).then(|| {
             let (usage, all) = (wgpu::BufferUsages::VERTEX, vertices.iter().copied());
@@ -43,7 +43,7 @@ impl TrackBuffers {
 
 /// What to draw: a level, its runs of segments, and the strokes drawn over each other, first below.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LineDraw {
+pub(crate) struct LineDraw {
     /// Index of the level.
     pub level: usize,
     /// Segments.
@@ -53,7 +53,7 @@ pub struct LineDraw {
 }
 
 /// The pipeline for lines, with the uniforms of one picture.
-pub struct LineRenderer {
+pub(crate) struct LineRenderer {
     pipeline: OffscreenPipeline,
     /// Two for each line drawn so far.
     strokes: Vec<Uniform>,
@@ -61,7 +61,7 @@ pub struct LineRenderer {
 
 impl LineRenderer {
     /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let pipeline = OffscreenPipeline::new(
             device,
             PipelineParts {
@@ -89,7 +89,7 @@ impl LineRenderer {
     }
 
     /// Clears the target and draws the strokes of every line into it, the first line below.
-    pub fn draw(
+    pub(crate) fn draw(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,

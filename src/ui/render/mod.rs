@@ -21,11 +21,18 @@ pub mod waterfall;
 pub use bottom::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, towards_light,
 };
-pub use camera::{CameraProjection, Direction, OrbitCamera};
-pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
-pub use flat::{FlatRenderer, Rgba};
-pub use lod::{LinePyramid, Specks, Vertex};
-pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
+pub(crate) use camera::Direction;
+pub use camera::{CameraProjection, OrbitCamera};
+pub(crate) use cloud::CloudRenderer;
+pub(crate) use cloud::PointVertex;
+pub(crate) use cloud::{CloudBuffers, CloudDraw};
+pub(crate) use flat::FlatRenderer;
+pub use flat::Rgba;
+pub(crate) use lod::LinePyramid;
+pub(crate) use lod::Specks;
+pub use lod::Vertex;
+pub(crate) use map::LineRenderer;
+pub(crate) use map::{LineDraw, LineUniform, TrackBuffers};
 pub use part::{Cut, ScenePart};
 pub use target::{RenderTarget, extent};
 pub use upload::Uploader;

@@ -142,7 +142,7 @@ pub(super) mod tests {
     use wgpu::naga::{self, TypeInner};
 
     /// Size in bytes and byte offsets of the members of a struct of a shader.
-    pub fn layout(shader: &str, name: &str) -> (usize, Vec<usize>) {
+    pub(crate) fn layout(shader: &str, name: &str) -> (usize, Vec<usize>) {
         let module = naga::front::wgsl::parse_str(shader).expect("a valid shader");
         let of_name = |inner: &naga::Type| inner.name.as_deref() == Some(name);
         let found = module.types.iter().find(|(_, inner)| of_name(inner));

@@ -30,7 +30,7 @@ impl RenderTarget {
     }
 
     /// The size that a target of a requested size gets.
-    pub fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
+    pub(crate) fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
         let most = device.limits().max_texture_dimension_2d;
         size_px.map(|side| side.clamp(1, most))
     }

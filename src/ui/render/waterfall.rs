@@ -7,17 +7,17 @@ use super::target::{extent, plain_texture};
 use bytemuck::{Pod, Zeroable};
 
 /// Tiles in one picture at most: 4K at the worst zoom needs 160.
-pub const MAX_QUADS: usize = 512;
+pub(crate) const MAX_QUADS: usize = 512;
 
 /// Rows of a tile at most. Same as in the shader.
-pub const TILE_ROWS: usize = 512;
+pub(crate) const TILE_ROWS: usize = 512;
 /// Places of a curve in the table of curves. Same as in the shader.
 const CURVE_PLACES: usize = 64;
 
 /// How echo strength becomes colour. Same layout as `EchoStyle` in `shaders/waterfall.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct EchoStyle {
+pub(crate) struct EchoStyle {
     /// Exponent is 1 / gamma.
     pub gamma: f32,
     /// Share of the maximum in what is shown; the rest is the mean.
@@ -55,7 +55,7 @@ pub struct EchoStyle {
 /// Where a tile, or the part of it in view, lies. Same layout as `Quad` in the shader.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Quad {
+pub(crate) struct Quad {
     /// Edges in the direction of time, clip space.
     pub along: [f32; 2],
     /// Edges in the direction of range, near to far, clip space.
@@ -75,20 +75,20 @@ pub struct Quad {
 }
 
 /// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
-pub type GainCurves<'a> = [&'a [f32]; 4];
+pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 
 /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]`.
 pub type TileRow = [f32; 4];
 
 /// The gain curves that tiles are brought to one level by, on the GPU. Clones share it.
 #[derive(Clone, Debug)]
-pub struct GainBuffer {
+pub(crate) struct GainBuffer {
     bind_group: wgpu::BindGroup,
 }
 
 /// A tile on the GPU. Clones share it.
 #[derive(Clone, Debug)]
-pub struct TileTexture {
+pub(crate) struct TileTexture {
     bind_group: wgpu::BindGroup,
 }
 
@@ -100,14 +100,14 @@ pub struct TileRows {
 
 /// A tile and its rows, both on the GPU.
 #[derive(Clone, Debug)]
-pub struct DrawnTile {
+pub(crate) struct DrawnTile {
     pub texture: TileTexture,
     pub rows: TileRows,
 }
 
 /// Pipeline and buffers of one waterfall.
 #[derive(Debug)]
-pub struct WaterfallPicture {
+pub(crate) struct WaterfallPicture {
     pipeline: wgpu::RenderPipeline,
     tile_layout: wgpu::BindGroupLayout,
     rows_layout: wgpu::BindGroupLayout,
@@ -120,7 +120,7 @@ pub struct WaterfallPicture {
 
 impl WaterfallPicture {
     /// Builds everything for targets of this format.
-    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         // Arrays in a buffer are read several times faster than textures by a driver without a graphics card.
         let frame = [0, 1, 2].map(uniform_entry);
         let frame_layout = bind_group_layout(device, &frame);
@@ -157,13 +157,13 @@ impl WaterfallPicture {
     }
 
     /// Replaces the colours.
-    pub fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
+    pub(crate) fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
         let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
         queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&rgba));
     }
 
     /// Puts the gain curves on the GPU.
-    pub fn upload_gain(
+    pub(crate) fn upload_gain(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -183,7 +183,7 @@ impl WaterfallPicture {
     }
 
     /// Puts what the rows of a tile are brought to one level by on the GPU.
-    pub fn upload_rows(
+    pub(crate) fn upload_rows(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -197,7 +197,7 @@ impl WaterfallPicture {
     }
 
     /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
-    pub fn upload(
+    pub(crate) fn upload(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -211,7 +211,7 @@ impl WaterfallPicture {
     }
 
     /// Writes what the next [`WaterfallPicture::paint`] draws; beyond [`MAX_QUADS`] tiles nothing is drawn.
-    pub fn prepare<'a>(
+    pub(crate) fn prepare<'a>(
         &self,
         queue: &wgpu::Queue,
         look: EchoStyle,
@@ -228,7 +228,7 @@ impl WaterfallPicture {
     }
 
     /// Draws the tiles in the order of the quads that were prepared.
-    pub fn paint<'a>(
+    pub(crate) fn paint<'a>(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         gain: &GainBuffer,

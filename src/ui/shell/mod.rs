@@ -185,7 +185,7 @@ impl Shell {
     }
 
     /// Leaves the background to the window, whose frames begin as [`eframe::App::clear_color`] says. A picture begins transparent.
-    pub fn on_cleared_window(mut self) -> Self {
+    pub(crate) fn on_cleared_window(mut self) -> Self {
         self.is_cleared = true;
         self
     }
@@ -222,7 +222,7 @@ impl Shell {
     }
 
     /// Share of the map's tiles that is drawn, 0 to 1.
-    pub fn drawn_share(&self) -> f32 {
+    pub(crate) fn drawn_share(&self) -> f32 {
         match self.views.map.missing() {
             [_, 0] => 0.0,
             [missing, all] => 1.0 - missing as f32 / all as f32,

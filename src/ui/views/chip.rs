@@ -20,7 +20,7 @@ const LONGEST: f32 = 2.6;
 
 /// What a picture was made of.
 #[derive(Clone, PartialEq)]
-pub struct ChipKey {
+pub(crate) struct ChipKey {
     pub survey: Same<Survey>,
     pub navigation: Same<Navigation>,
     pub mark: Mark,
@@ -34,7 +34,7 @@ pub struct ChipKey {
 
 impl ChipKey {
     /// Of a box of a log; `None` while the log has no results.
-    pub fn of(log: &OpenLog, mark: &Mark, shown: &WaterfallOptions) -> Option<Self> {
+    pub(crate) fn of(log: &OpenLog, mark: &Mark, shown: &WaterfallOptions) -> Option<Self> {
         Some(Self {
             survey: Same(log.survey.clone()?),
             navigation: Same(log.products.as_ref()?.navigation.clone()),
@@ -134,7 +134,7 @@ impl ChipWindow {
 
 /// A picture of a box with what lies around it. Copies share the texture.
 #[derive(Clone)]
-pub struct BoxChip {
+pub(crate) struct BoxChip {
     texture: TextureHandle,
     /// Width and height, pixels.
     size: Vec2,
@@ -147,7 +147,7 @@ pub struct BoxChip {
 
 impl BoxChip {
     /// Draws it; a box too large for a tile in coarser pixels, so that a hull is shown as a whole.
-    pub fn new(of: &ChipKey, ctx: &egui::Context) -> Option<Self> {
+    pub(crate) fn new(of: &ChipKey, ctx: &egui::Context) -> Option<Self> {
         let (survey, navigation, mark) = (&of.survey.0, &of.navigation.0, &of.mark);
         let fine = Raster::new(survey, navigation, PIXEL_M);
         let [width, height] = ChipWindow::around(&fine.rect_of(mark));
@@ -179,7 +179,7 @@ impl BoxChip {
     }
 
     /// Shows it as large as there is room.
-    pub fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review, units: Units) {
+    pub(crate) fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review, units: Units) {
         let width = ui.available_width();
         let room = vec2(width, width / 1.2);
         let response = self.draw(ui, one, room, Sense::hover());
@@ -192,7 +192,7 @@ impl BoxChip {
     }
 
     /// Draws it as large as fits into some room, in its own shape, with the line of the box's state.
-    pub fn draw(&self, ui: &mut Ui, one: &Reviewed, room: Vec2, sense: Sense) -> Response {
+    pub(crate) fn draw(&self, ui: &mut Ui, one: &Reviewed, room: Vec2, sense: Sense) -> Response {
         let scale = (room / self.size).min_elem();
         let size = self.size * scale;
         let (whole, response) = ui.allocate_exact_size(vec2(room.x, size.y), sense);

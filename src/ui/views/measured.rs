@@ -13,7 +13,7 @@ use egui::{FocusDirection, Key, Modifiers, Painter, Pos2, Rect, RichText, Stroke
 const STEPS: [f64; 2] = [10.0, 1.0];
 
 /// The whole, and the last leg with its course.
-pub fn beside(app: &App, figure: &Measurement) -> Option<String> {
+pub(crate) fn beside(app: &App, figure: &Measurement) -> Option<String> {
     let [.., from, to] = figure.corners[..] else {
         return None;
     };
@@ -61,7 +61,7 @@ fn words(app: &App, figure: &Measurement) -> Option<String> {
 }
 
 /// A height with its standard deviation, or why there is none.
-pub fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) -> String {
+pub(crate) fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) -> String {
     match found {
         Ok(shadow) => {
             let least = if shadow.is_least { "at least " } else { "" };
@@ -74,7 +74,7 @@ pub fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) -> String
 }
 
 /// What is measured, and what can be done with it. How to measure stands in the banner of the tool.
-pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Measurement) {
+pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Measurement) {
     let Some(text) = words(context.app, shown) else {
         return;
     };
@@ -104,7 +104,7 @@ pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Mea
 }
 
 /// Draws the cross that the arrow keys move.
-pub fn cross(painter: &Painter, at: Pos2) {
+pub(crate) fn cross(painter: &Painter, at: Pos2) {
     let stroke = Stroke::new(1.5, theme::MEASURE_COLOUR);
     for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
         painter.line_segment([at - arm, at - 0.3 * arm], stroke);
@@ -113,7 +113,7 @@ pub fn cross(painter: &Painter, at: Pos2) {
 }
 
 /// Points that the arrow keys move the cross by: to the right, and up.
-pub fn arrows(ui: &mut Ui) -> [f64; 2] {
+pub(crate) fn arrows(ui: &mut Ui) -> [f64; 2] {
     if ui.text_edit_focused() || ui.memory(|memory| memory.focused().is_some()) {
         return [0.0; 2];
     }

@@ -19,6 +19,6 @@ pub(super) mod waterfall;
 use bathyscope_bottom::presentation::ticks;
 pub use cloud::CloudView;
 pub use map::MapView;
-pub use objects::ObjectsView;
+pub(crate) use objects::ObjectsView;
 pub use profile::ProfileView;
 pub use waterfall::WaterfallView;

@@ -44,7 +44,7 @@ impl TailSearch {
 
 impl super::ObjectSearch {
     /// Whether the end of a followed log is being searched.
-    pub fn is_busy_with_tail(&self) -> bool {
+    pub(crate) fn is_busy_with_tail(&self) -> bool {
         self.tail.running.is_some()
     }
 }

@@ -12,7 +12,8 @@ mod orders;
 mod tables;
 
 pub use matching::{Match, Matching, ReferencePoints, match_points};
-pub use orders::{ORDERS, SurveyOrder};
+pub(crate) use orders::ORDERS;
+pub use orders::SurveyOrder;
 pub use tables::{Bin, DifferenceHistogram, binned, suited_width};
 
 use crate::cloud::Residuals;

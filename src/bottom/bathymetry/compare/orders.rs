@@ -14,7 +14,7 @@ pub struct SurveyOrder {
 }
 
 /// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest first.
-pub const ORDERS: [SurveyOrder; 4] = [
+pub(crate) const ORDERS: [SurveyOrder; 4] = [
     order("exclusive", 0.15, 0.0075),
     order("special", 0.25, 0.0075),
     order("1a/1b", 0.5, 0.013),
@@ -27,7 +27,7 @@ const fn order(order: &'static str, a_m: f64, b: f64) -> SurveyOrder {
 
 impl SurveyOrder {
     /// Total vertical uncertainty allowed at a depth, `sqrt(a^2 + (b d)^2)`, metres.
-    pub fn limit_m(self, depth_m: f64) -> f64 {
+    pub(crate) fn limit_m(self, depth_m: f64) -> f64 {
         self.a_m.hypot(self.b * depth_m)
     }
 }

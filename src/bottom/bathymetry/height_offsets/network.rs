@@ -78,13 +78,13 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
 }
 
 /// Standard deviation of the difference between two depths at one place, metres, where the bottom has some slope.
-pub fn difference_sigma_m(slope: f64) -> f64 {
+pub(crate) fn difference_sigma_m(slope: f64) -> f64 {
     let slope = if slope.is_nan() { USUAL_SLOPE } else { slope };
     DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
 }
 
 /// Huber's weights of some residuals, and their robust standard deviation.
-pub fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
+pub(crate) fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
     weighted_shares(residuals, &huber)
 }
 
@@ -100,7 +100,7 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
 }
 
 /// The group of every log, numbered in the order of their first logs: those that cross or overlap, directly or through others, share one.
-pub fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+pub(crate) fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
     fn first_of(first: &mut [usize], mut log: usize) -> usize {

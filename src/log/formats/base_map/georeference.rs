@@ -42,7 +42,7 @@ impl Georeference {
     ///
     /// # Errors
     /// When it has none, or such as are not known or not north up.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
+    pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
         let code = match keys.is_geographic() {
             true => keys.geographic(),

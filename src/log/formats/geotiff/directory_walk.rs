@@ -10,7 +10,7 @@ const MOST_ENTRIES: u64 = 4096;
 
 /// An entry of a directory.
 #[derive(Clone, Copy, Debug)]
-pub struct DirectoryEntry {
+pub(crate) struct DirectoryEntry {
     /// What it is about.
     pub tag: u64,
     /// Bytes that its values claim to take.
@@ -20,7 +20,7 @@ pub struct DirectoryEntry {
 }
 
 /// The chain of directories of a TIFF or BigTIFF.
-pub struct DirectoryWalk<'a, R> {
+pub(crate) struct DirectoryWalk<'a, R> {
     /// The file.
     pub file: &'a mut R,
     /// The byte order of its numbers.
@@ -32,7 +32,7 @@ pub struct DirectoryWalk<'a, R> {
 
 impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
     /// The walk over a file; `None` where it is none.
-    pub fn begin(file: &'a mut R) -> Option<Self> {
+    pub(crate) fn begin(file: &'a mut R) -> Option<Self> {
         let mut order = [0; 2];
         file.read_exact(&mut order).ok()?;
         let mut walk = Self {
@@ -50,7 +50,7 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
     }
 
     /// Hands over all entries, as far as they can be followed.
-    pub fn run(mut self, mut take: impl FnMut(&mut Self, DirectoryEntry) -> Option<()>) {
+    pub(crate) fn run(mut self, mut take: impl FnMut(&mut Self, DirectoryEntry) -> Option<()>) {
         for _ in 0..MOST_DIRECTORIES {
             if self.next == 0 || self.directory(&mut take).is_none() {
                 break;
@@ -88,7 +88,7 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
     }
 
     /// An unsigned number of up to 8 bytes.
-    pub fn number(&mut self, bytes: usize) -> Option<u64> {
+    pub(crate) fn number(&mut self, bytes: usize) -> Option<u64> {
         let mut read = [0; 8];
         let read = read.get_mut(..bytes)?;
         self.file.read_exact(read).ok()?;

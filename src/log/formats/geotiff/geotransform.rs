@@ -14,11 +14,11 @@ const IS_POINT: u16 = 2;
 
 /// The keys that have short values.
 #[derive(Clone, Debug, Default)]
-pub struct GeoKeys(Vec<u16>);
+pub(crate) struct GeoKeys(Vec<u16>);
 
 impl GeoKeys {
     /// Those of the picture that the decoder is at; none where it has none.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
+    pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
         let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
         Self(keys.unwrap_or_default())
     }
@@ -31,18 +31,18 @@ impl GeoKeys {
     }
 
     /// Whether the numbers are said to be degrees, or can be nothing else.
-    pub fn is_geographic(&self) -> bool {
+    pub(crate) fn is_geographic(&self) -> bool {
         self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
             || self.projected().is_none() && self.geographic().is_some()
     }
 
     /// EPSG number of the system of degrees.
-    pub fn geographic(&self) -> Option<u16> {
+    pub(crate) fn geographic(&self) -> Option<u16> {
         self.value(GEOGRAPHIC)
     }
 
     /// EPSG number of the projection.
-    pub fn projected(&self) -> Option<u16> {
+    pub(crate) fn projected(&self) -> Option<u16> {
         self.value(PROJECTED)
     }
 }
@@ -62,7 +62,7 @@ pub struct GeoTransform {
 
 impl GeoTransform {
     /// That of the picture that the decoder is at; `None` where it has none.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
+    pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
         let (scale, tie) = (
             numbers(Tag::ModelPixelScaleTag),
@@ -92,12 +92,12 @@ impl GeoTransform {
     }
 
     /// The same with whole numbers for the middles of cells.
-    pub fn of_middles(self) -> Self {
+    pub(crate) fn of_middles(self) -> Self {
         self.moved(if self.is_point { 0.0 } else { 0.5 })
     }
 
     /// The same with whole numbers for the upper left corners of cells.
-    pub fn of_corners(self) -> Self {
+    pub(crate) fn of_corners(self) -> Self {
         self.moved(if self.is_point { -0.5 } else { 0.0 })
     }
 

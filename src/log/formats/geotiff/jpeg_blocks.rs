@@ -15,13 +15,13 @@ const FRAMES: std::ops::RangeInclusive<u8> = 0xC0..=0xCF;
 const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 
 /// Whether the blocks of a directory are JPEG streams.
-pub fn is_jpeg<R: Read + Seek>(tiff: &mut Decoder<R>) -> bool {
+pub(crate) fn is_jpeg<R: Read + Seek>(tiff: &mut Decoder<R>) -> bool {
     let method = tiff.find_tag_unsigned::<u16>(Tag::Compression);
     method.is_ok_and(|method| method == Some(CompressionMethod::ModernJPEG.to_u16()))
 }
 
 /// The blocks of a directory that are JPEG streams.
-pub struct JpegBlocks {
+pub(crate) struct JpegBlocks {
     /// What stands before each stream: tables that they share, without the marker of an end.
     tables: Vec<u8>,
     /// Offset and length of each.
@@ -32,7 +32,7 @@ pub struct JpegBlocks {
 
 impl JpegBlocks {
     /// Those of the directory that the decoder is at; `None` where it has none, or does not say where they lie.
-    pub fn read<R: Read + Seek>(tiff: &mut Decoder<R>) -> Option<Self> {
+    pub(crate) fn read<R: Read + Seek>(tiff: &mut Decoder<R>) -> Option<Self> {
         let either = |tiff: &mut Decoder<R>, tiles: Tag, strips: Tag| {
             let tiles = tiff.find_tag_unsigned_vec::<u64>(tiles).ok().flatten();
             tiles.or_else(|| tiff.find_tag_unsigned_vec(strips).ok().flatten())
@@ -54,7 +54,7 @@ impl JpegBlocks {
     }
 
     /// Whether a block states no more columns and rows than the directory gives it.
-    pub fn is_sound<R: Read + Seek>(&self, number: u32, file: &mut R) -> bool {
+    pub(crate) fn is_sound<R: Read + Seek>(&self, number: u32, file: &mut R) -> bool {
         self.stream(number, file).is_some_and(|stream| {
             frame_size(&stream).is_some_and(|[columns, rows, bytes]| {
                 let unpacked = [columns, rows, bytes]

@@ -30,9 +30,11 @@ mod tiles;
 mod writer;
 
 pub use cells::{CellsError, RasterValues, read_cells, read_values};
-pub use directory_walk::{DirectoryWalk, check_claims};
-pub use geotransform::{GeoKeys, GeoTransform};
-pub use jpeg_blocks::JpegBlocks;
+pub(crate) use directory_walk::DirectoryWalk;
+pub use directory_walk::check_claims;
+pub(crate) use geotransform::GeoKeys;
+pub use geotransform::GeoTransform;
+pub(crate) use jpeg_blocks::JpegBlocks;
 pub use tiles::RasterTiles;
 
 use crate::support::geo::Crs;

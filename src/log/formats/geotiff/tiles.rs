@@ -120,7 +120,7 @@ impl RasterTiles {
     }
 
     /// Cells of an overview from west to east, and from north to south.
-    pub fn overview_size(&self, halvings: usize) -> [usize; 2] {
+    pub(crate) fn overview_size(&self, halvings: usize) -> [usize; 2] {
         (0..halvings).fold(self.size(), |size, _| size.map(|cells| cells.div_ceil(2)))
     }
 

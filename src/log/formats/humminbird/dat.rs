@@ -15,7 +15,7 @@ const LONGEST_ONIX: usize = 1 << 16;
 
 /// The three kinds of DAT files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DatFamily {
+pub(crate) enum DatFamily {
     /// 700 to 1100 series and Helix: 64 bytes, big-endian.
     Classic,
     /// Solix: 96, 100 or more bytes, little-endian.
@@ -26,7 +26,7 @@ pub enum DatFamily {
 
 /// The fields used of a DAT file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dat {
+pub(crate) struct Dat {
     /// Which kind.
     pub family: DatFamily,
     /// Byte 1: the kind of water that the user set the unit to.
@@ -43,7 +43,7 @@ pub struct Dat {
 
 /// Kinds of water that a unit can be set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WaterKind {
+pub(crate) enum WaterKind {
     /// Lakes and rivers.
     Fresh,
     /// Salt, shallow.
@@ -55,7 +55,7 @@ pub enum WaterKind {
 impl Dat {
     /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`, `Rec00042.SON`) at offset 32 is the sign, on
     /// Onix the text. Lengths that are not known are read in the byte order that makes the start a time.
-    pub fn parse(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn parse(bytes: &[u8]) -> Option<Self> {
         let name: Option<[u8; 12]> = take(bytes, NAME_AT);
         if bytes.len() < SHORTEST || !name.is_some_and(|name| is_name(&name)) {
             return Self::parse_onix(bytes);
@@ -100,7 +100,7 @@ impl Dat {
     }
 
     /// The kind of water; the families number it differently.
-    pub fn water(&self) -> Option<WaterKind> {
+    pub(crate) fn water(&self) -> Option<WaterKind> {
         match (self.family, self.water_code) {
             (DatFamily::Classic | DatFamily::Onix, 0) | (DatFamily::Solix, 1) => {
                 Some(WaterKind::Fresh)

@@ -4,7 +4,7 @@ use crate::formats::ByteOrder;
 use crate::formats::scalar::take;
 
 /// The first bytes of every ping, whatever the unit.
-pub const MAGIC: [u8; 4] = [0xC0, 0xDE, 0xAB, 0x21];
+pub(crate) const MAGIC: [u8; 4] = [0xC0, 0xDE, 0xAB, 0x21];
 /// The tag that ends the header.
 const END: u8 = 0x21;
 /// Tags from here on carry four bytes, those below carry one.
@@ -16,7 +16,7 @@ const MOST_SAMPLES: u32 = 1 << 16;
 
 /// The values of a ping header that Bathyscope knows. The header's length differs between units; the tags do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PingHeader {
+pub(crate) struct PingHeader {
     /// Tag 80: number of the record, counted over all channels.
     pub record: u32,
     /// Tag 81: milliseconds since the recording's start.
@@ -47,7 +47,7 @@ pub struct PingHeader {
 
 impl PingHeader {
     /// Reads the header that begins at `offset`; `None` when there is none.
-    pub fn parse(bytes: &[u8], offset: usize, order: ByteOrder) -> Option<Self> {
+    pub(crate) fn parse(bytes: &[u8], offset: usize, order: ByteOrder) -> Option<Self> {
         if take(bytes, offset)? != MAGIC {
             return None;
         }
@@ -72,7 +72,7 @@ impl PingHeader {
     }
 
     /// Header and samples.
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.header_len + self.sample_count as usize
     }
 

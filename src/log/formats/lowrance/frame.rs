@@ -6,7 +6,7 @@ use crate::support::geo::METRES_PER_FOOT;
 
 /// The two frame layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrameLayout {
+pub(crate) enum FrameLayout {
     /// 144-byte headers.
     Sl2,
     /// 128-, 168- or 180-byte headers.
@@ -22,7 +22,7 @@ const LONGEST_HEADER: usize = 256;
 
 /// What Bathyscope uses of a frame, still in the recorder's units.
 #[derive(Clone, Copy, Debug)]
-pub struct LowranceFrame {
+pub(crate) struct LowranceFrame {
     /// Where it begins.
     pub offset: usize,
     /// Header and data.
@@ -61,7 +61,7 @@ pub struct LowranceFrame {
 
 /// What stands at a place where a frame should begin.
 #[derive(Debug)]
-pub enum FrameCheck {
+pub(crate) enum FrameCheck {
     /// A whole frame.
     Whole(LowranceFrame),
     /// A frame header whose data goes on behind the end of the file.
@@ -72,7 +72,7 @@ pub enum FrameCheck {
 
 impl FrameLayout {
     /// The shortest header of the layout.
-    pub fn shortest_header(self) -> usize {
+    pub(crate) fn shortest_header(self) -> usize {
         match self {
             FrameLayout::Sl2 => size_of::<sl2::Header>(),
             FrameLayout::Sl3 => size_of::<sl3::Header>(),
@@ -81,7 +81,7 @@ impl FrameLayout {
 
     /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it: the frame states
     /// where it was before they were.
-    pub fn look(self, bytes: &[u8], offset: usize, lost: i64) -> FrameCheck {
+    pub(crate) fn look(self, bytes: &[u8], offset: usize, lost: i64) -> FrameCheck {
         if lost_before(bytes, offset) != Some(lost) {
             return FrameCheck::Nothing;
         }

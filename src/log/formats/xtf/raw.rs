@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 /// The fields used of the first 256 bytes of the file header; one [`ChannelInfo`] a channel follows.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct FileHeader {
+pub(crate) struct FileHeader {
     /// Offset 0: always 0x7B.
     pub file_format: u8,
     /// 1: recorder's number for itself.
@@ -45,7 +45,7 @@ pub struct FileHeader {
 /// What a channel is; 128 bytes each from byte 256 of the file header on.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct ChannelInfo {
+pub(crate) struct ChannelInfo {
     /// Offset 0: 0 sub-bottom, 1 port, 2 starboard, 3 bathymetry.
     pub kind: u8,
     /// 1: the channel's number in ping records.
@@ -81,7 +81,7 @@ pub struct ChannelInfo {
 /// The first 14 bytes of every packet.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PacketHeader {
+pub(crate) struct PacketHeader {
     /// Offset 0: 0xFACE.
     pub magic: u16,
     /// 2: 0 side-scan ping, 2 bathymetry, 3 attitude, others by vendor.
@@ -99,7 +99,7 @@ pub struct PacketHeader {
 /// The 256 bytes that a side-scan ping begins with, packet header included.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PingHeader {
+pub(crate) struct PingHeader {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: date and time of the ping.
@@ -179,7 +179,7 @@ pub struct PingHeader {
 /// The 64 bytes before the samples of a channel in a ping.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PingChannel {
+pub(crate) struct PingChannel {
     /// Offset 0: index of the channel.
     pub channel: u16,
     /// 2: how samples were thinned.
@@ -213,7 +213,7 @@ pub struct PingChannel {
 /// Position (packet type 42): the time that its source gave it.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct NavigationPacket {
+pub(crate) struct NavigationPacket {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: date and time to the second.
@@ -233,7 +233,7 @@ pub struct NavigationPacket {
 /// Position and attitude (packet type 107).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct RawNavigationPacket {
+pub(crate) struct RawNavigationPacket {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: date and time to the second.
@@ -255,7 +255,7 @@ pub struct RawNavigationPacket {
 /// Compass (packet types 23 and 84).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct GyroPacket {
+pub(crate) struct GyroPacket {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: date and time to the second.
@@ -273,7 +273,7 @@ pub struct GyroPacket {
 /// Attitude (packet type 3).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct AttitudePacket {
+pub(crate) struct AttitudePacket {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: not used here.
@@ -295,7 +295,7 @@ pub struct AttitudePacket {
 /// Date and time as the packets that are no pings have them.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PacketTime {
+pub(crate) struct PacketTime {
     /// Year in full, or of two digits.
     pub year: u16,
     /// 1 to 12.

@@ -309,7 +309,7 @@ impl Crs {
     ///
     /// # Errors
     /// A sentence that names `source.crs`, the metres and the system.
-    pub fn check_source(&self, metres: [f64; 2]) -> Result<(), CrsError> {
+    pub(crate) fn check_source(&self, metres: [f64; 2]) -> Result<(), CrsError> {
         match self.reaches(metres) {
             true => Ok(()),
             false => Err(CrsError::of_source(format!(

@@ -66,7 +66,7 @@ impl LocalFrame {
 
     /// Direction of true north at a position, radians clockwise from the frame's north: 0 on the meridian of the origin, and
     /// 0.3 degrees 20 km east of it at 60 degrees north.
-    pub fn true_north_rad(&self, position: LonLat) -> f64 {
+    pub(crate) fn true_north_rad(&self, position: LonLat) -> f64 {
         let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
         let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
         let north = [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat];

@@ -50,7 +50,7 @@ impl UtmZone {
     }
 
     /// The zone of an EPSG number; `None` for any other system.
-    pub fn from_epsg(epsg: u32) -> Option<Self> {
+    pub(crate) fn from_epsg(epsg: u32) -> Option<Self> {
         let number = u8::try_from(epsg % 100).ok()?;
         let exists = (1..=60).contains(&number) && [326, 327].contains(&(epsg / 100));
         exists.then_some(Self {

@@ -59,7 +59,7 @@ impl MappedFile {
     ///
     /// # Errors
     /// As [`Self::open`].
-    pub fn open_briefly(path: &Path) -> io::Result<Self> {
+    pub(crate) fn open_briefly(path: &Path) -> io::Result<Self> {
         let file = regular_file::open(path)?;
         let found = file.metadata()?;
         Ok(Self {
@@ -72,7 +72,7 @@ impl MappedFile {
     ///
     /// # Errors
     /// What the system says.
-    pub fn beginning(file: &File, length: u64) -> io::Result<Self> {
+    pub(crate) fn beginning(file: &File, length: u64) -> io::Result<Self> {
         let length = usize::try_from(length).map_err(io::Error::other)?;
         #[cfg(unix)]
         fault::install();

@@ -8,11 +8,11 @@ const POLYGON: u32 = 3;
 const POLYGONS: u32 = 6;
 
 /// Corners of a ring, the last one that of the first.
-pub type Ring = Vec<[f64; 2]>;
+pub(crate) type Ring = Vec<[f64; 2]>;
 
 /// Where a feature is, in the system of its file: east or longitude first.
 #[derive(Clone, Debug, PartialEq)]
-pub enum FeatureGeometry {
+pub(crate) enum FeatureGeometry {
     /// A place.
     Point([f64; 2]),
     /// A line.
@@ -37,13 +37,13 @@ impl FeatureGeometry {
     }
 
     /// Least x and y, most x and y; NaN of nothing.
-    pub fn bounds(&self) -> [f64; 4] {
+    pub(crate) fn bounds(&self) -> [f64; 4] {
         self.places()
             .fold([f64::NAN; 4], |bounds, [x, y]| united(bounds, [x, y, x, y]))
     }
 
     /// The bytes in a system by its number.
-    pub fn bytes(&self, system: i32) -> Vec<u8> {
+    pub(crate) fn bytes(&self, system: i32) -> Vec<u8> {
         let is_point = matches!(self, FeatureGeometry::Point(_));
         // Lowest byte first; an envelope of two dimensions where it is no point.
         let flags = if is_point { 0b001 } else { 0b011 };

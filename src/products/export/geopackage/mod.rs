@@ -6,7 +6,7 @@
 mod geometry;
 mod spatial_index;
 
-pub use geometry::{FeatureGeometry, Ring};
+pub(crate) use geometry::{FeatureGeometry, Ring};
 
 use super::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use super::{ExportError, Summary};
@@ -35,7 +35,7 @@ const STYLES: &str = "layer_styles";
 const STYLES_SQL: &str = "CREATE TABLE layer_styles (id INTEGER PRIMARY KEY NOT NULL, f_table_catalog TEXT(256), f_table_schema TEXT(256), f_table_name TEXT(256), f_geometry_column TEXT(256), styleName TEXT(30), styleQML TEXT, styleSLD TEXT, useAsDefault BOOLEAN, description TEXT, owner TEXT(30), ui TEXT(30), update_time DATETIME DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')))";
 
 /// A layer: a table of features.
-pub struct Layer {
+pub(crate) struct Layer {
     /// Its name in the file.
     pub name: &'static str,
     /// What a map program calls it.
@@ -64,7 +64,7 @@ impl Layer {
 
 /// Writes layers in a system. The time of the last change is that of the first recording (Unix seconds), so that the same survey gives
 /// the same bytes. Gives back how many features there are and where.
-pub fn geopackage(
+pub(crate) fn geopackage(
     path: &Path,
     crs: &Crs,
     changed_unix_s: f64,

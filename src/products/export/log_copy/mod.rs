@@ -7,7 +7,8 @@
 mod part;
 mod traces;
 
-pub use part::{LogPartChoice, PartError, TimeBound};
+pub(crate) use part::PartError;
+pub use part::{LogPartChoice, TimeBound};
 
 use super::track::write_track_gpx;
 use super::{ExportError, is_same_file, track, write_atomically};
@@ -51,7 +52,7 @@ pub enum CopyError {
 
 /// What a copy is written as.
 #[derive(Clone, Copy)]
-pub enum CopyFormat {
+pub(crate) enum CopyFormat {
     /// The format of a recorder.
     Recorder(&'static dyn LogWriter),
     /// A line for each trace.
@@ -67,7 +68,7 @@ impl CopyFormat {
     ///
     /// # Errors
     /// When no format has it.
-    pub fn of(path: &Path) -> Result<Self, CopyError> {
+    pub(crate) fn of(path: &Path) -> Result<Self, CopyError> {
         let ending = path.extension().unwrap_or_default();
         let is = |name: &str| ending.eq_ignore_ascii_case(name);
         match writer_for(ending) {

@@ -43,7 +43,7 @@ const HEADER: [&str; 30] = [
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
 /// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe. A table of several
 /// logs begins with the column `log`. Shapes are those of whole objects: every sighting of one has the same.
-pub fn objects_csv(
+pub(crate) fn objects_csv(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Writes boxes as points with everything that is known about them; `log` says which of several logs they are of. Boxes without a place
 /// are left out.
-pub fn objects_geojson(
+pub(crate) fn objects_geojson(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],

@@ -18,7 +18,7 @@ const ABOUT: &str = "Targets of a side-scan survey";
 /// Writes boxes as two layers, `targets` (points) and `target_outlines` (length along the track by width across it, on the ground), with
 /// everything that is known about them. The time of the last change is that of the first recording, so that the same survey gives the
 /// same bytes.
-pub fn objects_gpkg(
+pub(crate) fn objects_gpkg(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
@@ -32,7 +32,7 @@ pub fn objects_gpkg(
 
 /// Boxes as two layers; `place` gives where a position lies in the system of the file. Boxes without a place are left out, points and
 /// boxes of unknown size from the outlines.
-pub fn object_layers(
+pub(crate) fn object_layers(
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
     place: impl Fn(LonLat) -> [f64; 2],

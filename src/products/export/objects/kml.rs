@@ -7,7 +7,7 @@ use bathyscope_objects::objects::SurveyObject;
 use std::path::Path;
 
 /// Writes objects as placemarks.
-pub fn objects_kml(
+pub(crate) fn objects_kml(
     path: &Path,
     name: &str,
     objects: &[&SurveyObject],

@@ -11,12 +11,12 @@ mod gpx;
 mod kml;
 mod shapes_ply;
 
-pub use csv_table::objects_csv;
-pub use geojson::objects_geojson;
-pub use geopackage::{object_layers, objects_gpkg};
-pub use gpx::objects_gpx;
-pub use kml::objects_kml;
-pub use shapes_ply::shapes_ply;
+pub(crate) use csv_table::objects_csv;
+pub(crate) use geojson::objects_geojson;
+pub(crate) use geopackage::{object_layers, objects_gpkg};
+pub(crate) use gpx::objects_gpx;
+pub(crate) use kml::objects_kml;
+pub(crate) use shapes_ply::shapes_ply;
 
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Survey;
@@ -26,7 +26,7 @@ use bathyscope_objects::targets::FittedShape;
 
 /// A log that boxes are of.
 #[derive(Clone, Copy, Debug)]
-pub struct ObjectLog<'a> {
+pub(crate) struct ObjectLog<'a> {
     /// What it is called in its survey.
     pub name: &'a str,
     /// The recording.
@@ -41,7 +41,7 @@ fn log_name<'a>(logs: &[ObjectLog<'a>], row: &ObjectRow<'_>) -> Option<&'a str> 
 
 /// A box to write.
 #[derive(Clone, Debug)]
-pub struct ObjectRow<'a> {
+pub(crate) struct ObjectRow<'a> {
     /// The box in the list of objects.
     pub of: &'a ObjectBox,
     /// Corners of its outline on the ground: length along the track by width across it; `None` where the size is not known.

@@ -67,7 +67,7 @@ impl Body {
 
 /// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue as bytes; the object's number as `object`. Comments name the kind and the size of each.
-pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
+pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
     let shapes: BTreeMap<u32, &FittedShape> = (rows.iter())
         .filter_map(|row| Some((row.of.object?, row.shape?)))
         .collect();

@@ -45,7 +45,7 @@ impl PlanFormat {
     ];
 
     /// How its files end.
-    pub fn ending(self) -> &'static str {
+    pub(crate) fn ending(self) -> &'static str {
         match self {
             PlanFormat::Gpx => "gpx",
             PlanFormat::Kml => "kml",

@@ -16,7 +16,7 @@ const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KE
 const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
 
 /// Writes the pictures of one kind.
-pub fn mbtiles(
+pub(crate) fn mbtiles(
     path: &Path,
     store: &TileStore,
     picture: TileStyle,

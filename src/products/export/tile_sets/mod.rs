@@ -8,16 +8,16 @@ mod page;
 mod pmtiles;
 mod store;
 
-pub use mbtiles::mbtiles;
-pub use page::map_page;
-pub use pmtiles::pmtiles;
-pub use store::TileStore;
+pub(crate) use mbtiles::mbtiles;
+pub(crate) use page::map_page;
+pub(crate) use pmtiles::pmtiles;
+pub(crate) use store::TileStore;
 
 use crate::map_tiles::MapScales;
 
 /// What a set of tiles is, for the programs that show it.
 #[derive(Clone, Debug)]
-pub struct TileSet {
+pub(crate) struct TileSet {
     /// What it is called.
     pub name: String,
     /// What it shows, in a sentence or two.
@@ -28,7 +28,7 @@ pub struct TileSet {
 
 impl TileSet {
     /// Who made it.
-    pub const ATTRIBUTION: &'static str = "Bathyscope";
+    pub(crate) const ATTRIBUTION: &'static str = "Bathyscope";
 
     /// Longitude and latitude of its middle.
     fn middle_deg(&self) -> [f64; 2] {

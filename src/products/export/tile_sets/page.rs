@@ -28,7 +28,7 @@ const STEPS: usize = 20;
 ///
 /// # Errors
 /// When an archive cannot be read or the file cannot be written.
-pub fn map_page(
+pub(crate) fn map_page(
     path: &Path,
     set: &TileSet,
     archives: [&'static str; 2],

@@ -24,7 +24,7 @@ const PLAIN: u8 = 1;
 const PNG: u8 = 2;
 
 /// Writes the pictures of one kind, in the order of the curve.
-pub fn pmtiles(
+pub(crate) fn pmtiles(
     path: &Path,
     store: &TileStore,
     picture: TileStyle,

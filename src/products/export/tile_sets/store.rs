@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 /// Pictures in a file that has no name, so that memory does not grow with the map.
-pub struct TileStore {
+pub(crate) struct TileStore {
     inner: Mutex<Inner>,
 }
 
@@ -23,7 +23,7 @@ struct Inner {
 
 /// Where the picture of a tile lies.
 #[derive(Clone, Copy, Debug)]
-pub struct Stored {
+pub(crate) struct Stored {
     /// Which tile.
     pub tile: WebTile,
     at: u64,
@@ -36,7 +36,7 @@ impl TileStore {
     ///
     /// # Errors
     /// When the folder cannot be written into.
-    pub fn in_folder(folder: &Path) -> io::Result<Self> {
+    pub(crate) fn in_folder(folder: &Path) -> io::Result<Self> {
         let file = match cfg!(windows) {
             // There it has a name as long as it is open, and would be taken for a product.
             true => tempfile::tempfile()?,
@@ -55,7 +55,7 @@ impl TileStore {
     ///
     /// # Errors
     /// When the folder cannot be written into, the source cannot be read, or the work was cancelled.
-    pub fn draw(
+    pub(crate) fn draw(
         folder: &Path,
         source: &impl PyramidSource,
         progress: &Progress,
@@ -70,7 +70,7 @@ impl TileStore {
     }
 
     /// Keeps a picture.
-    pub fn keep(&self, picture: TileStyle, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
+    pub(crate) fn keep(&self, picture: TileStyle, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         let at = inner.end;
@@ -83,7 +83,7 @@ impl TileStore {
     }
 
     /// The tiles that have a picture, along Hilbert's curve, from the coarsest zoom to the finest.
-    pub fn tiles(&self, picture: TileStyle) -> Vec<(u64, Stored)> {
+    pub(crate) fn tiles(&self, picture: TileStyle) -> Vec<(u64, Stored)> {
         let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         let of_picture = inner.places.range((picture, 0)..=(picture, u64::MAX));
         of_picture.map(|((_, id), stored)| (*id, *stored)).collect()
@@ -93,7 +93,7 @@ impl TileStore {
     ///
     /// # Errors
     /// When they cannot be read.
-    pub fn read(&self, stored: Stored) -> io::Result<Vec<u8>> {
+    pub(crate) fn read(&self, stored: Stored) -> io::Result<Vec<u8>> {
         let mut bytes = vec![0; stored.length as usize];
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         inner.file.seek(SeekFrom::Start(stored.at))?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use std::path::Path;
 
 /// Writes each piece as a line.
-pub fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
+pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
     let feature = |piece: &TrackPiece, summary: &mut Summary| {
         let line = positions(piece.points.iter().map(|point| point.position));
         summary.count += 1;

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
-pub fn track_gpx(
+pub(crate) fn track_gpx(
     path: &Path,
     name: &str,
     start_unix_s: Option<f64>,
@@ -23,7 +23,7 @@ pub fn track_gpx(
 }
 
 /// As [`track_gpx`], into a file that is open.
-pub fn write_track_gpx(
+pub(crate) fn write_track_gpx(
     out: &mut impl Write,
     name: &str,
     start_unix_s: Option<f64>,

@@ -6,8 +6,8 @@
 mod geojson;
 mod gpx;
 
-pub use geojson::track_geojson;
-pub use gpx::{track_gpx, write_track_gpx};
+pub(crate) use geojson::track_geojson;
+pub(crate) use gpx::{track_gpx, write_track_gpx};
 
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{Navigation, PingNav, Survey};

@@ -15,7 +15,11 @@ const LABELLED_DEG: f64 = 1e-4;
 
 /// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the middle of its line, for a line alone shows
 /// none. Geometries of both kinds in one would be no layer of lines for QGIS.
-pub fn lines_kmz(path: &Path, name: &str, lines: &[LabelledLine]) -> Result<Summary, ExportError> {
+pub(crate) fn lines_kmz(
+    path: &Path,
+    name: &str,
+    lines: &[LabelledLine],
+) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
         let mut labels = String::new();
@@ -56,7 +60,7 @@ fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
 }
 
 /// Writes areas as one thing on the map; `place` gives where a corner lies.
-pub fn areas_kmz(
+pub(crate) fn areas_kmz(
     path: &Path,
     name: &str,
     shapes: &[Polygon],

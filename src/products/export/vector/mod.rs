@@ -7,14 +7,14 @@ mod kmz;
 mod shapefile;
 mod zipped;
 
-pub use kmz::{areas_kmz, lines_kmz};
-pub use shapefile::lines_shapefile;
+pub(crate) use kmz::{areas_kmz, lines_kmz};
+pub(crate) use shapefile::lines_shapefile;
 
 use bathyscope_log::support::geo::LonLat;
 
 /// A line with what a map says about it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LabelledLine {
+pub(crate) struct LabelledLine {
     /// Its corners.
     pub points: Vec<LonLat>,
     /// What stands beside it.

@@ -16,7 +16,7 @@ const LETTERS: u8 = 64;
 
 /// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns behind `label`. The `.shp` is
 /// in its place last: where it is, its companions are whole.
-pub fn lines_shapefile(
+pub(crate) fn lines_shapefile(
     path: &Path,
     crs: &Crs,
     names: &[&'static str],

@@ -17,7 +17,7 @@ const MOST_CORNERS: usize = 250_000;
 const MOST_PIXELS: usize = 2048;
 
 /// Writes `bottom.glb`.
-pub fn write(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let bottom = results.bottom(BottomColour::Depth, MOST_CORNERS)?;
     let bottom = bottom.ok_or(super::NO_SURFACE)?;
     let surface = bottom.surface();

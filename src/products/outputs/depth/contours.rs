@@ -23,7 +23,7 @@ pub(in crate::outputs) struct DrawnContours<'a> {
 
 impl<'a> DrawnContours<'a> {
     /// Of a survey that has a depth map.
-    pub fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
+    pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let settings = &results.products.settings.isobaths;
@@ -37,7 +37,7 @@ impl<'a> DrawnContours<'a> {
     }
 
     /// Its lines.
-    pub fn lines(&self) -> DrawnLines<'_> {
+    pub(crate) fn lines(&self) -> DrawnLines<'_> {
         DrawnLines {
             lines: &self.contours.isobaths.lines,
             settings: self.settings,
@@ -47,7 +47,7 @@ impl<'a> DrawnContours<'a> {
 }
 
 /// Writes `isobaths.geojson`.
-pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let lines = export::isobaths_geojson(path, &drawn.lines(), place)?;
@@ -55,14 +55,14 @@ pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `isobaths.kmz`.
-pub fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&DrawnContours::of(results)?, results);
     let lines = export::lines_kmz(path, &results.survey.name(), &lines)?;
     Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `isobaths.shp` with what belongs to it, in the system of the map.
-pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&DrawnContours::of(results)?, results);
     let crs = &results.plane.map.crs;
     let lines = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines)?;
@@ -70,7 +70,7 @@ pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `depth_areas.geojson`.
-pub fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let areas = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place)?;
@@ -78,7 +78,7 @@ pub fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `spot_soundings.geojson`.
-pub fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
     let place = |at| results.to_lon_lat(at);
     let settings = &results.products.settings.isobaths;
     let soundings = results.spot_soundings()?;
@@ -87,7 +87,7 @@ pub fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `storage.csv`.
-pub fn storage(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let levels = export::storage_csv(path, &drawn.contours.table, drawn.ground)?;
     Ok(FileContent::of_table(levels))

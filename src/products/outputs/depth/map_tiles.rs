@@ -15,7 +15,7 @@ use std::io;
 use std::path::Path;
 
 /// The tiles of a depth map, drawn once for all files of them.
-pub struct MapTiles {
+pub(crate) struct MapTiles {
     pub(super) store: TileStore,
     pub(super) set: TileSet,
 }
@@ -25,7 +25,7 @@ impl MapTiles {
     ///
     /// # Errors
     /// When the folder cannot be written into, or the work was cancelled.
-    pub fn new(
+    pub(crate) fn new(
         depth_map: &DepthMap,
         isobaths: &Isobaths,
         (survey, products): (&Survey, &Products),

@@ -34,7 +34,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
-pub fn depth(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
@@ -44,7 +44,7 @@ pub fn depth(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `uncertainty.tif`.
-pub fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let what = match surface.spread_is {
         Spread::OfError => {
@@ -61,7 +61,7 @@ pub fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `distance.tif`.
-pub fn distance(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
@@ -71,7 +71,7 @@ pub fn distance(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `shoalest.tif`.
-pub fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let points = depth_map.depth_points(results.progress)?;
     let layer = RasterLayer {
@@ -84,7 +84,7 @@ pub fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `hardness.tif`.
-pub fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
         band: Band {
             unit: "decibel",
@@ -102,7 +102,7 @@ pub fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `source.tif`.
-pub fn source(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let spec = raster::over(grid, &plane.map);

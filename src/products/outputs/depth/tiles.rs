@@ -15,19 +15,19 @@ const WEB_MERCATOR: u16 = 3857;
 const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
-pub fn chart(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn chart(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     mbtiles(path, &tiles.store, TileStyle::Chart, &tiles.set)?;
     content(results, tiles, TileStyle::Chart)
 }
 
 /// Writes `depth.pmtiles`.
-pub fn colours(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn colours(results: &Results<'_>, path: &Path) -> FileResult {
     archive(results, path, TileStyle::Colours)
 }
 
 /// Writes `depth_values.pmtiles`.
-pub fn values(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn values(results: &Results<'_>, path: &Path) -> FileResult {
     archive(results, path, TileStyle::Elevations)
 }
 
@@ -38,7 +38,7 @@ fn archive(results: &Results<'_>, path: &Path, picture: TileStyle) -> FileResult
 }
 
 /// Writes `index.html`, behind the archives.
-pub fn page(results: &Results<'_>, path: &Path) -> FileResult {
+pub(crate) fn page(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     map_page(path, &tiles.set, ARCHIVES)?;
     Ok(FileContent::count(0))

@@ -16,7 +16,7 @@ const PARTS: [(&str, &[PointSource]); 6] = [
 
 impl Agreement {
     /// The comparison of all points of the logs that it was made of, and of those of each source that has some.
-    pub fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
+    pub(crate) fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
         let counted: Vec<Vec<usize>> = logs
             .iter()
             .map(|log| super::counted(&log.products))

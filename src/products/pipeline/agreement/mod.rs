@@ -11,7 +11,8 @@ mod error;
 mod reference;
 mod tables;
 
-pub use error::{AgreementError, ReferenceFault};
+pub use error::AgreementError;
+pub(crate) use error::ReferenceFault;
 pub use reference::{MissionLog, Reference, positions};
 pub use tables::ResidualTables;
 
@@ -159,7 +160,7 @@ impl Agreement {
     }
 
     /// The statistics of each log by itself.
-    pub fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
+    pub(crate) fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
         let each = self.logs.iter().zip(logs);
         each.map(|(found, log)| {
             let level_m = log.products.correction.middle_level_m();

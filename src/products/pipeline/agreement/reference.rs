@@ -129,7 +129,7 @@ impl Reference {
     }
 
     /// Whether it is another mission whose logs have settings of their own.
-    pub fn has_own_settings(&self) -> bool {
+    pub(crate) fn has_own_settings(&self) -> bool {
         match &self.held {
             Held::Points(_) => false,
             Held::Mission { logs, .. } => logs.iter().any(|log| log.settings.is_some()),

@@ -10,7 +10,7 @@ use bathyscope_log::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.
 #[derive(Clone)]
-pub struct CloudPlane<'a> {
+pub(crate) struct CloudPlane<'a> {
     /// The plane.
     pub map: MapPlane,
     /// The log.
@@ -24,13 +24,13 @@ impl<'a> CloudPlane<'a> {
     ///
     /// # Errors
     /// When the system is not known, or does not fit the place.
-    pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
+    pub(crate) fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
         let map = map_plane(survey, &products.settings)?;
         Ok(Self::new(survey, products, map))
     }
 
     /// The same, in the UTM zone where the system does not fit.
-    pub fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
+    pub(crate) fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
         let origin = survey.track.frame.origin();
         let utm = |_| MapPlane::new(Crs::utm(origin), origin);
         let map = map_plane(survey, &products.settings).unwrap_or_else(utm);
@@ -38,7 +38,7 @@ impl<'a> CloudPlane<'a> {
     }
 
     /// The cloud of one of several logs, in the plane that all of them share.
-    pub fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
+    pub(crate) fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
         Self {
             map,
             survey,
@@ -48,7 +48,7 @@ impl<'a> CloudPlane<'a> {
     }
 
     /// Longitude and latitude of a place in the plane.
-    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+    pub(crate) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
         self.map.to_lon_lat(place)
     }
 
@@ -64,7 +64,7 @@ impl<'a> CloudPlane<'a> {
     }
 
     /// The kept points that count for the surface, as weighted depths.
-    pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
+    pub(crate) fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let (cloud, classes) = (&products.cloud, &products.classes);
         depth_points(cloud, classes, &products.settings.surface, |p| {
             self.place(p)

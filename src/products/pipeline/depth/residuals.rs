@@ -31,7 +31,7 @@ pub struct NamedComparison {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn comparisons(
+pub(crate) fn comparisons(
     logs: &[ProcessedLog],
     map: &MapPlane,
     progress: &Progress,

@@ -36,7 +36,7 @@ pub struct CommonUncertainty {
 
 impl CommonUncertainty {
     /// Of one log.
-    pub fn of_log(survey: &Survey, products: &Products) -> Self {
+    pub(crate) fn of_log(survey: &Survey, products: &Products) -> Self {
         let Products {
             calibration,
             correction,

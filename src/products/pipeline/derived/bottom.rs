@@ -298,7 +298,7 @@ impl Bottom {
     }
 
     /// Colour of a level of the mosaic; of what nothing was seen of (level 0) that of unseen ground.
-    pub fn echo_colour(colours: Colours, level: u8) -> Rgb {
+    pub(crate) fn echo_colour(colours: Colours, level: u8) -> Rgb {
         match colours.rgba(level) {
             [_, _, _, 0] => UNSEEN,
             [r, g, b, _] => [r, g, b],

@@ -124,7 +124,7 @@ impl DepthMap {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn shoalest(&self, progress: &Progress) -> Result<&Surface, Cancelled> {
+    pub(crate) fn shoalest(&self, progress: &Progress) -> Result<&Surface, Cancelled> {
         if let Some(shoalest) = self.shoalest.get() {
             return Ok(shoalest);
         }
@@ -136,7 +136,10 @@ impl DepthMap {
     ///
     /// # Errors
     /// When the file has not been read, or its area is nowhere near the depths.
-    pub fn clip_area(&self, settings: &IsobathSettings) -> Result<Option<ClipArea>, NoIsobaths> {
+    pub(crate) fn clip_area(
+        &self,
+        settings: &IsobathSettings,
+    ) -> Result<Option<ClipArea>, NoIsobaths> {
         let area = clip_area(settings, self.bounds_deg(), |at| self.map.place(at))?;
         match (area, &settings.clip) {
             (Some(area), Some(path)) if area.is_empty() => {

@@ -11,7 +11,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn compare_logs(
+pub(crate) fn compare_logs(
     measured: &[&ProcessedLog],
     reference: &[&ProcessedLog],
     progress: &Progress,

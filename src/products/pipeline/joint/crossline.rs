@@ -25,7 +25,7 @@ pub struct CrosslineAnalysis {
 
 /// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings. A log without any gives the depths
 /// of its first returns.
-pub fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
+pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
     let survey = &log.survey;
     let soundings = log
         .kept_points()
@@ -134,7 +134,7 @@ impl LogPositions {
     }
 
     /// Whether crossings say how late positions are, be it not at all.
-    pub fn is_latency_known(&self) -> bool {
+    pub(crate) fn is_latency_known(&self) -> bool {
         self.found.latency_error_s < TOLD_S
     }
 }
@@ -204,7 +204,7 @@ const CONTRADICTED_SIGMAS: f64 = 3.0;
 
 impl LogLatency {
     /// Whether the crossings contradict what is in force.
-    pub fn contradicts(&self) -> bool {
+    pub(crate) fn contradicts(&self) -> bool {
         let off_s = (self.latency_s - self.in_force_s).abs();
         off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
     }

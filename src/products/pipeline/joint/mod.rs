@@ -14,11 +14,13 @@ mod crossline;
 mod logs_report;
 mod report;
 
-pub use comparison::compare_logs;
+pub(crate) use comparison::compare_logs;
 pub use corrections::RequestedCorrection;
+pub(crate) use crossline::track_depths;
 pub use crossline::{
     CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
-    position_offsets, track_depths,
+    position_offsets,
 };
 pub use logs_report::{LogReport, LogsReport};
-pub use report::{contradictions, joint_report};
+pub use report::contradictions;
+pub(crate) use report::joint_report;

@@ -17,7 +17,7 @@ const DATUM: &str = "offset_m is what is to be added to the elevations of a log 
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn joint_report(
+pub(crate) fn joint_report(
     logs: &[ProcessedLog],
     names: &[String],
     progress: &Progress,

@@ -16,8 +16,9 @@ mod tests;
 
 pub use display_units::ShownNumber;
 pub use help::{help, markdown, row};
+pub(crate) use keys::in_one_line;
+pub use keys::renamed;
 pub use keys::slips;
-pub use keys::{in_one_line, renamed};
 pub use table::{Control, Number, SettingChoice, SettingKind, SettingRow};
 
 use bathyscope_bottom::bathymetry::SurfaceSettings;
@@ -179,7 +180,7 @@ impl Settings {
     ///
     /// # Errors
     /// A sentence when the file cannot be read, or holds no area.
-    pub fn load_area(&mut self) -> Result<(), SettingsError> {
+    pub(crate) fn load_area(&mut self) -> Result<(), SettingsError> {
         let isobaths = &mut self.isobaths;
         let Some(file) = isobaths.clip.as_deref().filter(|_| isobaths.area.is_none()) else {
             return Ok(());

@@ -54,7 +54,7 @@ struct LogLines {
 ///
 /// # Errors
 /// A sentence with the line that makes no sense.
-pub fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
+pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
     let mut reading = RowReading {
         folder,
         unknown: Unknown::default(),

@@ -4,7 +4,6 @@ use super::change::Change;
 use crate::project::store::{StoreFault, read};
 use crate::project::{self, LogFile, Project, ProjectLog, Store};
 use bathyscope_log::formats;
-use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::review::{BoxId, Edit};
 use std::fs;

@@ -16,7 +16,7 @@ use egui::{Rect, Ui, vec2};
 use plots::{HEIGHT, OVERS};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(
         ui,
         context,

@@ -23,7 +23,7 @@ use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and what is being written about it.
 #[derive(Default)]
-pub struct ReviewPanel {
+pub(crate) struct ReviewPanel {
     chip: Background<chip::ChipKey, BoxChip>,
     lines: lines::BoxTexts,
     classes: classes::Classes,
@@ -34,24 +34,24 @@ pub struct ReviewPanel {
 
 impl ReviewPanel {
     /// Whether the picture is that of the selected box.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         !self.chip.is_running() && self.object.is_settled()
     }
 
     /// Whether a control is one of the panel.
-    pub fn holds(&self, control: &Response) -> bool {
+    pub(crate) fn holds(&self, control: &Response) -> bool {
         self.area.is_some_and(|(layer, area)| {
             control.layer_id == layer && area.contains(control.rect.center())
         })
     }
 
     /// Moves the keyboard to the name of the selected box.
-    pub fn name_box(&mut self) {
+    pub(crate) fn name_box(&mut self) {
         self.lines.wants_name = true;
     }
 
     /// Draws the section; nothing while there are no boxes.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         if !context.app.has_boxes() {
             *self = Self::default();
             return;

@@ -24,7 +24,7 @@ const REST_ROOM: f32 = 150.0;
 const PLACE_ROOM: f32 = 560.0;
 
 /// Draws the line: the right end first, which leaves the rest to the place under the pointer.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let right_to_left = Layout::right_to_left(Align::Center);
     let width = ui.available_width();
     ui.with_layout(right_to_left, |ui| {

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use strips::Strips;
 
 /// Height of the panel, points.
-pub const HEIGHT: f32 = 104.0;
+pub(crate) const HEIGHT: f32 = 104.0;
 
 /// The results that the strips are of.
 type StripResults = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
@@ -48,7 +48,7 @@ impl StripsKey {
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
-pub struct TimeLine {
+pub(crate) struct TimeLine {
     /// `None` inside where the log has no times.
     strips: Background<StripsKey, Option<Strips>>,
     /// Depth and speed as they are on screen.
@@ -60,7 +60,7 @@ pub struct TimeLine {
 
 impl TimeLine {
     /// Whether the strips shown are those of the survey and its last result.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         !self.strips.is_running()
     }
 
@@ -82,7 +82,7 @@ impl TimeLine {
     }
 
     /// Draws the panel.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         self.refresh(context);
         let (outer, response) =
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());

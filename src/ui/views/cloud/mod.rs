@@ -80,7 +80,7 @@ impl CloudView {
     }
 
     /// A view from the same place, in a frame of any size.
-    pub fn for_picture(&self, app: &App) -> Self {
+    pub(crate) fn for_picture(&self, app: &App) -> Self {
         Self {
             camera: self.camera,
             aim: self.aspect,

@@ -106,7 +106,7 @@ impl MapView {
     }
 
     /// Sets a corner of what is drawn where the pointer or the cross is.
-    pub fn set_corner(&mut self) {
+    pub(crate) fn set_corner(&mut self) {
         self.measure.set_corner();
     }
 
@@ -121,7 +121,7 @@ impl MapView {
     }
 
     /// A view that looks at the same ground, in a frame of any size.
-    pub fn for_picture(&self, app: &App) -> Self {
+    pub(crate) fn for_picture(&self, app: &App) -> Self {
         Self {
             aim: self.visible,
             // What is open is no other survey to it.
@@ -131,7 +131,7 @@ impl MapView {
     }
 
     /// Metres that a point of a picture of this size covers that shows the same ground.
-    pub fn metres_per_point_on(&self, [width, height]: [f32; 2]) -> Option<f64> {
+    pub(crate) fn metres_per_point_on(&self, [width, height]: [f32; 2]) -> Option<f64> {
         let rect = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
         let shown = MapTransform::showing(self.visible?, rect);
         Some(shown.metres_per_point)

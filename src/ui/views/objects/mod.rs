@@ -29,7 +29,7 @@ const ROW_HEIGHT: f32 = 44.0;
 
 /// The table of objects: where it is scrolled to, and the pictures of its rows.
 #[derive(Default)]
-pub struct ObjectsView {
+pub(crate) struct ObjectsView {
     thumbnails: Thumbnails,
     /// The rows get the keyboard.
     wants_keyboard: bool,
@@ -41,17 +41,17 @@ pub struct ObjectsView {
 
 impl ObjectsView {
     /// Moves the keyboard to the rows.
-    pub fn take_keyboard(&mut self) {
+    pub(crate) fn take_keyboard(&mut self) {
         self.wants_keyboard = true;
     }
 
     /// Whether the pictures in sight are drawn.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         !self.thumbnails.is_running()
     }
 
     /// Draws the table, or what would fill it.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let rect = ui.available_rect_before_wrap();
         if context.app.log.survey.is_none() {
             ui.painter()

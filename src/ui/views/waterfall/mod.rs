@@ -28,7 +28,7 @@ mod stretch_tool;
 mod tiles;
 mod tone;
 
-pub use boxes::outline;
+pub(crate) use boxes::outline;
 
 use crate::app::{App, ColourMap, Command, Enlarged, LogPlace, Orientation, Tool};
 use crate::ui::render::waterfall::WaterfallPicture;
@@ -126,7 +126,7 @@ impl WaterfallView {
     }
 
     /// Sets a corner of what is measured where the pointer or the cross is.
-    pub fn set_corner(&mut self) {
+    pub(crate) fn set_corner(&mut self) {
         self.measure.set_corner();
     }
 
@@ -148,7 +148,7 @@ impl WaterfallView {
     }
 
     /// A view that looks at the same pings and ranges, in a frame of any size.
-    pub fn for_picture(&self) -> Self {
+    pub(crate) fn for_picture(&self) -> Self {
         Self {
             aim: self
                 .camera

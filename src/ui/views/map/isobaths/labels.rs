@@ -26,7 +26,7 @@ const ROOM: f32 = std::f32::consts::SQRT_2;
 
 /// A depth on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IsobathLabel {
+pub(crate) struct IsobathLabel {
     /// Its middle, east and north of the layer's origin, metres.
     pub place: [f32; 2],
     /// Clockwise on the screen from level, -quarter to quarter of a turn.
@@ -36,7 +36,7 @@ pub struct IsobathLabel {
 }
 
 /// The labels for an octave of zoom.
-pub struct IsobathLabels {
+pub(crate) struct IsobathLabels {
     /// The lines that they stand on.
     pub layer: Arc<IsobathLayer>,
     /// The labels.
@@ -44,13 +44,17 @@ pub struct IsobathLabels {
 }
 
 /// The octave that a zoom lies in the middle of.
-pub fn octave(metres_per_point: f64) -> i32 {
+pub(crate) fn octave(metres_per_point: f64) -> i32 {
     metres_per_point.log2().round().clamp(-64.0, 64.0) as i32
 }
 
 impl IsobathLabels {
     /// Places the labels of all lines, those of thick and of long lines first; `None` when cancelled.
-    pub fn place(layer: Arc<IsobathLayer>, octave: i32, progress: &Progress) -> Option<Self> {
+    pub(crate) fn place(
+        layer: Arc<IsobathLayer>,
+        octave: i32,
+        progress: &Progress,
+    ) -> Option<Self> {
         let labels = place(&layer.lines, 2f32.powi(octave), progress)?;
         Some(Self { layer, labels })
     }

@@ -20,7 +20,7 @@ static NONE: Isobaths = Isobaths {
 };
 
 /// A line of equal depth in the plane of the survey.
-pub struct GroundLine {
+pub(crate) struct GroundLine {
     /// Its depth in words.
     pub text: String,
     /// Thick, and the first to be labelled.
@@ -30,7 +30,7 @@ pub struct GroundLine {
 }
 
 /// The isobaths of a depth map.
-pub struct IsobathLayer {
+pub(crate) struct IsobathLayer {
     /// What the lines are relative to, metres.
     pub origin_m: [f64; 2],
     /// The lines with their depths.
@@ -43,7 +43,7 @@ pub struct IsobathLayer {
 
 impl IsobathLayer {
     /// Makes them ready to draw; `None` when cancelled.
-    pub fn new(
+    pub(crate) fn new(
         drawn: &DrawnIsobaths,
         units: Units,
         uploader: Option<&Uploader>,

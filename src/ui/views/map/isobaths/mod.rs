@@ -6,8 +6,9 @@
 mod labels;
 pub(super) mod layer;
 
-pub use labels::{IsobathLabels, octave};
-pub use layer::IsobathLayer;
+pub(crate) use labels::IsobathLabels;
+pub(crate) use labels::octave;
+pub(crate) use layer::IsobathLayer;
 
 use super::lines::{LinePicture, MapPen};
 use super::scene::MapScene;

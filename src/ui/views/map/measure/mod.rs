@@ -18,7 +18,7 @@ use bathyscope_log::support::geo::LonLat;
 use bathyscope_products::project::{Measurement, MeasurementKind};
 use egui::{Pos2, Rect, Response, Ui};
 
-pub use profile::split;
+pub(crate) use profile::split;
 
 /// What the view keeps between frames for measuring.
 #[derive(Default)]

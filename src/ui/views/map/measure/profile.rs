@@ -15,7 +15,7 @@ use egui::{
 const HEAD: f32 = 24.0;
 
 /// The part of the view that is the map, and the one that the plot takes while it is shown.
-pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
+pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
     let requested = app.map.measuring.shows_profile() && app.log.products.is_some();
     if !requested || whole.height() < 120.0 {
         return (whole, None);

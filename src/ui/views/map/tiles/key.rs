@@ -7,13 +7,13 @@ pub(super) const TEXELS: usize = 256;
 /// Texels around a tile that belong to its neighbours: with them a smooth picture has no seams.
 pub(super) const BORDER: usize = 1;
 /// Texels along the side of a tile's picture.
-pub const SIDE: usize = TEXELS + 2 * BORDER;
+pub(crate) const SIDE: usize = TEXELS + 2 * BORDER;
 /// Finest and coarsest level.
 const LEVELS: [i8; 2] = [-8, 24];
 
 /// A tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct MapTileKey {
+pub(crate) struct MapTileKey {
     /// A texel's side is 2 to this, metres.
     pub level: i8,
     /// Counted eastwards from the survey's origin.
@@ -24,12 +24,12 @@ pub struct MapTileKey {
 
 impl MapTileKey {
     /// Side of a texel, metres.
-    pub fn texel_m(self) -> f64 {
+    pub(crate) fn texel_m(self) -> f64 {
         2f64.powi(i32::from(self.level))
     }
 
     /// West, south, east, north of the tile without its border, metres.
-    pub fn bounds(self) -> GroundBounds {
+    pub(crate) fn bounds(self) -> GroundBounds {
         let side_m = TEXELS as f64 * self.texel_m();
         let edge = |count: i32| f64::from(count) * side_m;
         [
@@ -41,14 +41,14 @@ impl MapTileKey {
     }
 
     /// West and north edge of the picture with its border, metres.
-    pub fn corner(self) -> [f64; 2] {
+    pub(crate) fn corner(self) -> [f64; 2] {
         let [west, _, _, north] = self.bounds();
         let border_m = BORDER as f64 * self.texel_m();
         [west - border_m, north + border_m]
     }
 
     /// The tile of twice the size that this one is a quarter of.
-    pub fn parent(self) -> Self {
+    pub(crate) fn parent(self) -> Self {
         Self {
             level: self.level + 1,
             column: self.column.div_euclid(2),
@@ -57,7 +57,7 @@ impl MapTileKey {
     }
 
     /// Which part of the picture of `self` or of one of its forebears shows this tile: left, top, right and bottom as shares.
-    pub fn part_of(self, forebear: MapTileKey) -> [f32; 4] {
+    pub(crate) fn part_of(self, forebear: MapTileKey) -> [f32; 4] {
         let up = u32::from((forebear.level - self.level).max(0).unsigned_abs());
         let count = f64::from(2u32.pow(up.min(30)));
         let east = f64::from(self.column) - f64::from(forebear.column) * count;

@@ -9,7 +9,7 @@
 mod key;
 mod occupied;
 
-pub use key::{MapTileKey, SIDE};
+pub(crate) use key::{MapTileKey, SIDE};
 
 use super::transform::{GroundBounds, MapTransform};
 use crate::app::{Jobs, Task, TaskOutcome};

@@ -48,7 +48,7 @@ pub(in crate::ui::views::waterfall) struct BoxGrab {
 impl BoxGrab {
     /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not move the picture. The middle
     /// button and Space move the picture in any tool.
-    pub fn follow(
+    pub(crate) fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -156,7 +156,7 @@ impl BoxGrab {
     }
 
     /// Draws the box that is being drawn.
-    pub fn draw(&self, painter: &Painter, at: Option<Pos2>) {
+    pub(crate) fn draw(&self, painter: &Painter, at: Option<Pos2>) {
         if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
             let rect = Rect::from_two_pos(*corner, at);
             let stroke = Stroke::new(1.5, theme::SELECTION_COLOUR);

@@ -16,7 +16,7 @@ pub(in crate::ui::views::waterfall) struct Missed<'a> {
 
 impl<'a> Missed<'a> {
     /// Those that a lens sees; none before anything was proposed, which would only give the truth away.
-    pub fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
+    pub(crate) fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
         let judging = &app.log.reviewing.judging;
         let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
         let Some(comparison) = judging.comparison().filter(|_| shown) else {
@@ -40,13 +40,13 @@ impl<'a> Missed<'a> {
     }
 
     /// Draws its outline.
-    pub fn draw(&self, painter: &Painter) {
+    pub(crate) fn draw(&self, painter: &Painter) {
         let style = outline::Style::missed();
         outline::draw(painter, self.rect, style, self.is_selected);
     }
 
     /// Writes `missed rock` below it, where the words of boxes are not.
-    pub fn label(&self, labels: &mut WaterfallLabels<'_>) {
+    pub(crate) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let at = self.rect.left_bottom() + vec2(0.0, 2.0);
         let words = format!("missed {}", self.class);
         labels.write(at, Align2::LEFT_TOP, &words, theme::MISSED_COLOUR);

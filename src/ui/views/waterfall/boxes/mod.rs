@@ -6,7 +6,7 @@
 mod grab;
 mod hit;
 mod missed;
-pub mod outline;
+pub(crate) mod outline;
 pub(super) mod shape;
 
 pub(super) use grab::{BoxGrab, under};

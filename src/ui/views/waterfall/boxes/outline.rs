@@ -12,7 +12,7 @@ const HANDLE: f32 = 3.0;
 const POINT: f32 = 6.0;
 
 /// What lies under lines, so that they are seen on any picture.
-pub const RIM: Color32 = Color32::from_black_alpha(120);
+pub(crate) const RIM: Color32 = Color32::from_black_alpha(120);
 
 /// The kind of line.
 #[derive(Clone, Copy, PartialEq)]
@@ -31,13 +31,13 @@ enum Line {
 
 /// Colour and line of a state.
 #[derive(Clone, Copy)]
-pub struct Style {
+pub(crate) struct Style {
     pub colour: Color32,
     line: Line,
 }
 
 impl Style {
-    pub fn of(state: State) -> Self {
+    pub(crate) fn of(state: State) -> Self {
         let line = match state {
             State::Proposed => Line::Dashed,
             State::Accepted => Line::Solid,
@@ -51,7 +51,7 @@ impl Style {
     }
 
     /// An object that no box has found.
-    pub fn missed() -> Self {
+    pub(crate) fn missed() -> Self {
         Self {
             colour: theme::MISSED_COLOUR,
             line: Line::Dotted,
@@ -60,7 +60,7 @@ impl Style {
 }
 
 /// Draws an outline over a dark rim that keeps it readable on any picture.
-pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
+pub(crate) fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
     let width = if is_selected { 2.0 } else { 1.25 };
     let stroke = Stroke::new(width, style.colour);
     let rim = Stroke::new(width + 2.0, RIM);
@@ -118,7 +118,7 @@ fn room(rect: Rect) -> egui::Vec2 {
 }
 
 /// A place without size: a ring with a dot, whatever the scale.
-pub fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
+pub(crate) fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
     let rim = Stroke::new(4.0, RIM);
     let stroke = Stroke::new(1.5, style.colour);
     for stroke in [rim, stroke] {
@@ -136,7 +136,7 @@ pub fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
 }
 
 /// The line between echo and shadow, with a handle in its middle while it can be dragged.
-pub fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
+pub(crate) fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
     painter.line_segment(line, Stroke::new(3.0, RIM));
     let stroke = Stroke::new(1.5, colour);
     painter.extend(Shape::dashed_line(&line, stroke, 4.0, 3.0));
@@ -146,12 +146,12 @@ pub fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: b
 }
 
 /// The edge that the arrow keys move.
-pub fn held(painter: &Painter, line: [Pos2; 2]) {
+pub(crate) fn held(painter: &Painter, line: [Pos2; 2]) {
     painter.line_segment(line, Stroke::new(3.0, theme::SELECTION_COLOUR));
 }
 
 /// Squares at the corners and on the middles of the edges.
-pub fn handles(painter: &Painter, rect: Rect, colour: Color32) {
+pub(crate) fn handles(painter: &Painter, rect: Rect, colour: Color32) {
     // In a small box they would hide it.
     let is_small = rect.size().min_elem() < 10.0 * HANDLE;
     for across in [0.0, 0.5, 1.0] {
