@@ -20,8 +20,8 @@
 //! origin, radians clockwise from north, depth positive down (`depth_m`), elevation positive up
 //! (`z_m`). Degrees and feet exist only at the edges.
 //!
-//! Without the feature `gui`, which is on by default, there is no `ui`, and no crate for windows and
-//! GPUs.
+//! Without the feature `gui`, which is on by default, there is no `ui`, and no crate for windows
+//! and GPUs.
 
 // Their failure is the failure of the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]

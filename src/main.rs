@@ -1,7 +1,8 @@
-//! The `bathyscope` program; everything it does is in the library. What is set for the whole process is set here.
+//! The `bathyscope` program; everything it does is in the library. What is set for the whole
+//! process is set here.
 
-/// Gives freed memory back to the system. The C library's allocator keeps what the workers' passing arrays of up to 32 MB
-/// took, which is more than an open log needs.
+/// Gives freed memory back to the system. The C library's allocator keeps what the workers' passing
+/// arrays of up to 32 MB took, which is more than an open log needs.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -1,5 +1,5 @@
-//! The first returns above the recorded depth: how many, why they may be there, and in which stretches, so that an analyst who sees the
-//! bottom there can accept one.
+//! The first returns above the recorded depth: how many, why they may be there, and in which
+//! stretches, so that an analyst who sees the bottom there can accept one.
 
 use bathyscope_bottom::cloud::{CloudPoint, PointSource};
 use bathyscope_log::support::statistics::median;
@@ -15,7 +15,8 @@ const LEAST_RETURNS: usize = 4;
 /// Of the returns so large a share lies on one side where the bottom slopes across the track.
 const ONE_SIDED: f64 = 0.75;
 
-/// First returns that lie above the recorded depth by more than the margin: dashed in the waterfall.
+/// First returns that lie above the recorded depth by more than the margin: dashed in the
+/// waterfall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AboveBottom {
     /// How many, both sides.
@@ -77,9 +78,7 @@ impl AboveBottom {
         Self {
             count: sides.iter().map(|(_, all)| all.len()).sum(),
             standing: port + starboard,
-            counted: (standing(0).chain(standing(1)))
-                .filter(|above| above.counts)
-                .count(),
+            counted: (standing(0).chain(standing(1))).filter(|above| above.counts).count(),
             height_m: median(&mut heights_m),
             one_side: one_side.map(|(side, _)| side),
             stretches,
@@ -108,8 +107,7 @@ impl AboveStretch {
 }
 
 fn heights_m<'a>(all: impl Iterator<Item = &'a Above>) -> impl Iterator<Item = f64> {
-    all.map(|above| above.height_m)
-        .filter(|height_m| height_m.is_finite())
+    all.map(|above| above.height_m).filter(|height_m| height_m.is_finite())
 }
 
 /// Those of a side, in ping order.

@@ -1,9 +1,11 @@
-//! The command table: one place for names, hints and keys; menus, palette, key handling and F1 read it.
+//! The command table: one place for names, hints and keys; menus, palette, key handling and F1 read
+//! it.
 
 use bathyscope_log::formats::formats_to_open;
 use std::sync::LazyLock;
 
-/// A key combination, as text that the window turns into its own key type: `Ctrl+Shift+Z`, `[`, `F11`.
+/// A key combination, as text that the window turns into its own key type: `Ctrl+Shift+Z`, `[`,
+/// `F11`.
 pub type Keys = &'static str;
 
 macro_rules! actions {
@@ -233,7 +235,8 @@ impl Action {
         }
     }
 
-    /// A second key for it, where other programs have another one for the same, or the key is another one on many keyboards.
+    /// A second key for it, where other programs have another one for the same, or the key is
+    /// another one on many keyboards.
     pub(crate) fn second_key(self) -> Option<Keys> {
         match self {
             Action::Palette => Some("Ctrl+K"),
@@ -250,8 +253,9 @@ impl Action {
         self.keys().into_iter().chain(self.second_key())
     }
 
-    /// Whether a held key goes on doing it: stepping, and walking through the history. Everything else is done once per press;
-    /// a held A would otherwise accept box after box before any of them has been looked at.
+    /// Whether a held key goes on doing it: stepping, and walking through the history. Everything
+    /// else is done once per press; a held A would otherwise accept box after box before any of
+    /// them has been looked at.
     pub(crate) fn repeats(self) -> bool {
         matches!(
             self,

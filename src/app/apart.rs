@@ -1,4 +1,5 @@
-//! Logs that make no survey with the others: they are opened, but not shown on the map until the analyst asks for them.
+//! Logs that make no survey with the others: they are opened, but not shown on the map until the
+//! analyst asks for them.
 
 use super::{Action, App, LogId};
 use bathyscope_log::support::printable::quoted;

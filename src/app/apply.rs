@@ -37,11 +37,7 @@ impl App {
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
             Command::OpenDemo => self.start_loading(LogOrigin::Demo),
-            Command::Change {
-                settings,
-                label,
-                live,
-            } => self.change(*settings, label, live),
+            Command::Change { settings, label, live } => self.change(*settings, label, live),
             Command::UsePreset(preset) => self.use_preset(preset),
             Command::ProposeStretch(pings) => self.propose_stretch(pings),
             Command::Show(options) => self.view.options = *options,
@@ -74,11 +70,9 @@ impl App {
             Command::FlyTo(id) => self.fly_to(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::Exclude { log, part, edit } => self.exclude(log, part, edit),
-            Command::AcceptBottom {
-                side,
-                pings,
-                accept,
-            } => self.accept_bottom(side, pings, accept),
+            Command::AcceptBottom { side, pings, accept } => {
+                self.accept_bottom(side, pings, accept)
+            }
             Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
             Command::NudgeBottom(samples) => self.nudge_bottom(samples),
             Command::LineUp(queue) => self.set_queue(&queue),
@@ -245,7 +239,8 @@ impl App {
         if !same_returns && changed {
             self.preview_returns();
         }
-        // The search over the whole log waits until the slider is let go; all later stages follow the drag.
+        // The search over the whole log waits until the slider is let go; all later stages follow
+        // the drag.
         if same_returns && changed || !live && self.stale().is_some() {
             self.process();
         } else if live && changed {
@@ -261,11 +256,7 @@ impl App {
     pub(super) fn reveal(&mut self, mark: LogPlace) {
         let serial = self.view.reveal.map_or(0, |reveal| reveal.serial) + 1;
         self.view.selection = Some(mark);
-        self.view.reveal = Some(Reveal {
-            mark,
-            serial,
-            close_up: None,
-        });
+        self.view.reveal = Some(Reveal { mark, serial, close_up: None });
     }
 
     fn act(&mut self, action: Action) {
@@ -301,11 +292,8 @@ impl App {
     }
 
     fn step(&mut self, pings: isize) {
-        let Some(last) = self
-            .log
-            .survey
-            .as_ref()
-            .and_then(|survey| survey.side_scan.len().checked_sub(1))
+        let Some(last) =
+            self.log.survey.as_ref().and_then(|survey| survey.side_scan.len().checked_sub(1))
         else {
             return;
         };

@@ -1,4 +1,5 @@
-//! The analyst's own picture under the map: opened in a background thread, kept from survey to survey.
+//! The analyst's own picture under the map: opened in a background thread, kept from survey to
+//! survey.
 
 use super::error::AppError;
 use super::{App, MapLayer, Task, TaskOutcome};
@@ -19,15 +20,13 @@ impl App {
         self.start_base_map(path, false);
     }
 
-    /// Opens the base map that lay there when the window was closed; one that is gone is left, and that is said.
+    /// Opens the base map that lay there when the window was closed; one that is gone is left, and
+    /// that is said.
     pub(crate) fn reopen_base_map(&mut self, path: PathBuf) {
         if path.is_file() {
             self.start_base_map(path, true);
         } else {
-            let text = format!(
-                "The base map that was open last is missing: {}",
-                path.display()
-            );
+            let text = format!("The base map that was open last is missing: {}", path.display());
             self.notify(text, false);
         }
     }
@@ -38,10 +37,8 @@ impl App {
         let open = move |progress: &bathyscope_log::support::progress::Progress| {
             Ok(base_map::open(&path, progress)?)
         };
-        self.files.opening_base_map = Some(OpeningBaseMap {
-            task: Task::start(&self.jobs, open),
-            is_of_last_time,
-        });
+        self.files.opening_base_map =
+            Some(OpeningBaseMap { task: Task::start(&self.jobs, open), is_of_last_time });
     }
 
     /// Takes the base map off the map.
@@ -52,10 +49,7 @@ impl App {
 
     /// Done share of the base map that is being opened, 0 to 1.
     pub(crate) fn base_map_fraction(&self) -> Option<f32> {
-        self.files
-            .opening_base_map
-            .as_ref()
-            .map(|opening| opening.task.fraction())
+        self.files.opening_base_map.as_ref().map(|opening| opening.task.fraction())
     }
 
     /// Collects a base map that was opened.
@@ -75,11 +69,7 @@ impl App {
             Ok(map) if is_of_last_time => self.map.base_map = Some(Arc::new(map)),
             Ok(map) => {
                 self.notify(self.words_about(&map), false);
-                self.view
-                    .options
-                    .map
-                    .layers
-                    .set_visible(MapLayer::BaseMap, true);
+                self.view.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.map.base_map = Some(Arc::new(map));
             }
             Err(error) => self.notify(error.to_string(), !is_of_last_time),
@@ -94,11 +84,7 @@ impl App {
             "Opened the base map of {columns} by {rows} pixels of {pixel_m:.2} m, {}",
             map.place.crs
         );
-        let start = self
-            .log
-            .survey
-            .as_ref()
-            .map(|survey| survey.track.frame.origin());
+        let start = self.log.survey.as_ref().map(|survey| survey.track.frame.origin());
         if start.is_some_and(|start| !map.covers(start)) {
             text += ", which does not reach the start of this survey";
         }

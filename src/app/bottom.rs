@@ -1,5 +1,5 @@
-//! Bottom edits: strokes of the pen and steps of the keys become settings, which undo takes back, and are kept
-//! in the sidecar file `LOG.bottom.toml` as they are made.
+//! Bottom edits: strokes of the pen and steps of the keys become settings, which undo takes back,
+//! and are kept in the sidecar file `LOG.bottom.toml` as they are made.
 
 use super::error::AppError;
 use super::loader::ReadBottom;
@@ -51,7 +51,8 @@ struct Kept {
 pub(super) struct BottomSidecar {
     /// `None` where nothing may be written: the demo.
     path: Option<PathBuf>,
-    /// What lies there cannot be used: it may be somebody's work, and goes under another name before anything is written.
+    /// What lies there cannot be used: it may be somebody's work, and goes under another name
+    /// before anything is written.
     refused: bool,
     written: BottomSettings,
 }
@@ -71,18 +72,15 @@ impl App {
             };
             bottom = match stroke.ink {
                 Ink::Bottom => bottom.with(line),
-                Ink::Silence => bottom.with(BottomEdit {
-                    corners: Vec::new(),
-                    ..line
-                }),
+                Ink::Silence => bottom.with(BottomEdit { corners: Vec::new(), ..line }),
                 Ink::Search => bottom.without(side, line.pings),
             };
         }
         self.set_bottom(bottom);
     }
 
-    /// Accepts the first returns of some pings as bottom where they were found, or takes that back, as an undo step; with both sides asked for, on
-    /// the other side too.
+    /// Accepts the first returns of some pings as bottom where they were found, or takes that back,
+    /// as an undo step; with both sides asked for, on the other side too.
     pub(super) fn accept_bottom(&mut self, side: Side, pings: [usize; 2], accept: bool) {
         let Some(survey) = &self.log.survey else {
             return;
@@ -110,10 +108,7 @@ impl App {
             false => side.name().to_owned(),
         };
         self.withdraw(Action::Undo);
-        self.offer(
-            format!("{what}: pings {first} to {last}, {sides}"),
-            Action::Undo,
-        );
+        self.offer(format!("{what}: pings {first} to {last}, {sides}"), Action::Undo);
     }
 
     fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
@@ -121,7 +116,8 @@ impl App {
         (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
     }
 
-    /// Moves the bottom at the selected ping outward by samples; where none is detected, it begins at the recorded depth.
+    /// Moves the bottom at the selected ping outward by samples; where none is detected, it begins
+    /// at the recorded depth.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.view.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
@@ -136,9 +132,7 @@ impl App {
             let range_m = from_m.unwrap_or_else(|| span.range_m(0.0))
                 + f64::from(samples) * span.metres_per_sample();
             // Not `clamp`, which panics on the limits that a damaged header may state.
-            let range_m = range_m
-                .max(f64::from(span.near_m))
-                .min(f64::from(span.far_m));
+            let range_m = range_m.max(f64::from(span.near_m)).min(f64::from(span.far_m));
             let line = BottomEdit {
                 side,
                 pings: [mark.ping, mark.ping],
@@ -150,7 +144,8 @@ impl App {
         self.set_bottom(bottom);
     }
 
-    /// What was drawn on the open log; of a drawing of another one that the settings may hold, nothing.
+    /// What was drawn on the open log; of a drawing of another one that the settings may hold,
+    /// nothing.
     fn bottom_of(&self, survey: &Survey) -> BottomSettings {
         let bottom = &self.log.settings.bottom;
         match bottom.belongs_to(survey) {
@@ -164,16 +159,11 @@ impl App {
         let line = self.log.settings.bottom.line_at(side, mark.ping);
         let drawn_m = line.and_then(|line| line.range_m(mark.ping));
         let span = survey.span(mark.ping, side)?;
-        let pick = self
-            .bottom_line()
-            .and_then(|all| all.side(side).get(mark.ping));
-        let found_m = pick
-            .filter(|pick| pick.is_some())
-            .map(|pick| span.range_m(f64::from(pick.sample)));
+        let pick = self.bottom_line().and_then(|all| all.side(side).get(mark.ping));
+        let found_m =
+            pick.filter(|pick| pick.is_some()).map(|pick| span.range_m(f64::from(pick.sample)));
         let recorded_m = Some(f64::from(survey.locked_depth_m(mark.ping)));
-        drawn_m
-            .or(found_m)
-            .or(recorded_m.filter(|depth_m| depth_m.is_finite()))
+        drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
     }
 
     /// Goes back to what the search found, everywhere.
@@ -247,8 +237,9 @@ impl OpenLog {
 }
 
 impl BottomSidecar {
-    /// Writes the bottom, when it is not what the file holds. An empty drawing takes the file away. Gives where what could not be used is
-    /// kept, where there was something, and why nothing is written any more.
+    /// Writes the bottom, when it is not what the file holds. An empty drawing takes the file away.
+    /// Gives where what could not be used is kept, where there was something, and why nothing is
+    /// written any more.
     fn keep(&mut self, bottom: &BottomSettings) -> (Option<PathBuf>, Result<(), AppError>) {
         let Some(path) = self.path.clone().filter(|_| *bottom != self.written) else {
             return (None, Ok(()));
@@ -283,16 +274,11 @@ fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
 fn write(path: &Path, bottom: &BottomSettings) -> Result<(), AppError> {
     if bottom.is_empty() {
         return match fs::remove_file(path) {
-            Err(source) if path.exists() => Err(AppError::Remove {
-                source,
-                path: path.to_owned(),
-            }),
+            Err(source) if path.exists() => Err(AppError::Remove { source, path: path.to_owned() }),
             _ => Ok(()),
         };
     }
-    let kept = Kept {
-        bottom: bottom.clone(),
-    };
+    let kept = Kept { bottom: bottom.clone() };
     let text = toml::to_string(&kept)?;
     let written = export::write_atomically(path, |mut file| file.write_all(text.as_bytes()));
     Ok(written?)

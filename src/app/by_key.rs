@@ -1,4 +1,5 @@
-//! What bare keys change is never silent: it is said, with undo. A slip of the hand, or a text typed into no field, is seen at once.
+//! What bare keys change is never silent: it is said, with undo. A slip of the hand, or a text
+//! typed into no field, is seen at once.
 
 use super::step::{LogStep, UndoStep};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
@@ -18,7 +19,8 @@ impl App {
         BeforeKey(self.step_now())
     }
 
-    /// Says what a bare key has changed of depths and decisions since `before`, with undo. The next key takes the place of its notice.
+    /// Says what a bare key has changed of depths and decisions since `before`, with undo. The next
+    /// key takes the place of its notice.
     pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
         if !changes_results(&before.0, &self.step_now()) {
             return;
@@ -27,7 +29,8 @@ impl App {
         self.offer_undo(format!("key {keys}: {done}"));
     }
 
-    /// Whether a bare key must not act, and says why: it asks first, or what it is about is not selected or not in sight.
+    /// Whether a bare key must not act, and says why: it asks first, or what it is about is not
+    /// selected or not in sight.
     pub(crate) fn holds_key_back(
         &mut self,
         keys: &str,
@@ -64,7 +67,8 @@ impl App {
         true
     }
 
-    /// Whether no box is selected, or the selected one is not to be seen where the key was pressed; then it comes into view.
+    /// Whether no box is selected, or the selected one is not to be seen where the key was pressed;
+    /// then it comes into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
         let Some(one) = self.log.reviewing.selected_box() else {
             self.ask_for_box();
@@ -86,10 +90,7 @@ impl App {
         let is_in_view = focus != KeyFocus::View(View::Waterfall)
             || pings.start < self.view.visible.end && self.view.visible.start < pings.end;
         if !is_in_view {
-            self.bring_in(LogBox {
-                log: self.log.id,
-                id: BoxId(number),
-            });
+            self.bring_in(LogBox { log: self.log.id, id: BoxId(number) });
             let text = format!("box {number} was out of view; press {keys} again");
             self.notify(text, false);
         }

@@ -1,5 +1,6 @@
-//! The scale of a log: a stretch is proposed, what it would change is worked out, and the analyst takes it or keeps the recorded range.
-//! Nothing changes before that; afterwards it is said by how much the depths changed.
+//! The scale of a log: a stretch is proposed, what it would change is worked out, and the analyst
+//! takes it or keeps the recorded range. Nothing changes before that; afterwards it is said by how
+//! much the depths changed.
 
 use super::{Action, App, LogId, OpenLog, Tool};
 use bathyscope_bottom::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
@@ -59,7 +60,8 @@ impl Calibrating {
         self.trial.is_running()
     }
 
-    /// What a change of scale did to the depths, in a sentence, if `products` are the results of one.
+    /// What a change of scale did to the depths, in a sentence, if `products` are the results of
+    /// one.
     pub(super) fn said_of_change(&mut self, products: &Products) -> Option<String> {
         let change = self.change.take();
         let change = change.filter(|change| change.calibration == products.settings.calibration)?;
@@ -118,18 +120,15 @@ impl App {
         }
     }
 
-    /// Takes the tool that proposes stretches, or lays it down. Where nothing is proposed yet, the stretch at the selected ping is, or the
-    /// best one.
+    /// Takes the tool that proposes stretches, or lays it down. Where nothing is proposed yet, the
+    /// stretch at the selected ping is, or the best one.
     pub(super) fn take_calibration_tool(&mut self) {
         self.take_tool(Tool::Calibrate);
         let is_in_hand = self.log.reviewing.tool == Tool::Calibrate;
         if !is_in_hand || self.log.calibrating.proposal.is_some() {
             return;
         }
-        let here = self
-            .view
-            .selection
-            .and_then(|mark| self.stretch_around(mark.ping));
+        let here = self.view.selection.and_then(|mark| self.stretch_around(mark.ping));
         let products = self.log.products.as_ref();
         let best = products.and_then(|products| products.flat_spots.first());
         if let Some(pings) = here.or(best.map(|spot| spot.range())) {
@@ -182,7 +181,8 @@ impl App {
         self.set_scale(id, ScaleMode::FlatSpot, Some(pings), what);
     }
 
-    /// Takes the recorder's own range as the scale of the shown log, as an undo step, and drops the proposal.
+    /// Takes the recorder's own range as the scale of the shown log, as an undo step, and drops the
+    /// proposal.
     pub(super) fn keep_recorded_range(&mut self) {
         self.drop_proposal();
         if self.log.settings.calibration.mode != ScaleMode::Header {
@@ -201,7 +201,8 @@ impl App {
         }
     }
 
-    /// Changes the scale of a log, as a setting of its own: a scale that is measured on its pings says nothing about another log.
+    /// Changes the scale of a log, as a setting of its own: a scale that is measured on its pings
+    /// says nothing about another log.
     fn set_scale(&mut self, id: LogId, mode: ScaleMode, pings: Option<PingRange>, what: String) {
         let before = self.step_now();
         let (shared, count) = (self.document.shared.clone(), self.log_count());

@@ -1,7 +1,9 @@
-//! Logs on cards and drives, looked for while nothing is open: what a person most likely came to open.
+//! Logs on cards and drives, looked for while nothing is open: what a person most likely came to
+//! open.
 //!
-//! The drives are listed every few seconds, so that a card that is put in is offered and one that is taken out is not. Each is searched once,
-//! in a thread of its own: a slow card keeps no other waiting.
+//! The drives are listed every few seconds, so that a card that is put in is offered and one that
+//! is taken out is not. Each is searched once, in a thread of its own: a slow card keeps no other
+//! waiting.
 
 use super::{App, Task, TaskOutcome};
 use bathyscope_log::formats::{LogFolder, log_folders};
@@ -37,7 +39,8 @@ impl App {
         self.card_search.drives = Some(drives);
     }
 
-    /// The folders with logs on cards and drives, as far as they were found; that with the newest log first.
+    /// The folders with logs on cards and drives, as far as they were found; that with the newest
+    /// log first.
     pub fn card_folders(&self) -> Vec<&LogFolder> {
         let cards = self.card_search.cards.iter();
         let mut folders: Vec<&LogFolder> = cards.flat_map(|card| &card.folders).collect();
@@ -85,11 +88,7 @@ impl App {
 
 impl Card {
     fn new(top: PathBuf, searching: Task<Vec<LogFolder>>) -> Self {
-        Self {
-            top,
-            searching: Some(searching),
-            folders: Vec::new(),
-        }
+        Self { top, searching: Some(searching), folders: Vec::new() }
     }
 
     fn poll(&mut self) {
@@ -134,11 +133,7 @@ mod tests {
         std::fs::write(folder.join("a.sl2"), "").expect("a log");
         let mut app = App::new(Jobs::Inline);
         *CARDS.lock().expect("a list") = vec![card.path().to_owned()];
-        assert_eq!(
-            look(&mut app),
-            Vec::<PathBuf>::new(),
-            "it was not asked for"
-        );
+        assert_eq!(look(&mut app), Vec::<PathBuf>::new(), "it was not asked for");
         app.look_for_cards(cards);
         assert_eq!(look(&mut app), std::slice::from_ref(&folder));
         CARDS.lock().expect("a list").clear();

@@ -14,8 +14,8 @@ use bathyscope_products::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// A request of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout, dialogs) pass through it
-/// and are carried out by the shell.
+/// A request of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout,
+/// dialogs) pass through it and are carried out by the shell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// One of the commands of the table: menu, palette or key.
@@ -80,7 +80,8 @@ pub enum Command {
     Visible(Range<usize>),
     /// Residuals are in view: compare the points, if that is not done.
     CompareWithReference,
-    /// Compare the points with a file of points (with its columns, perhaps: `FILE:x,y,z`) or against another log.
+    /// Compare the points with a file of points (with its columns, perhaps: `FILE:x,y,z`) or
+    /// against another log.
     CompareWith(PathBuf),
     /// Take the reference of a point from elsewhere.
     MatchBy {
@@ -136,7 +137,8 @@ pub enum Command {
         /// What becomes of it.
         edit: ExclusionEdit,
     },
-    /// Accept the first returns of these pings, the first and the last, as bottom where they were found, or take that back.
+    /// Accept the first returns of these pings, the first and the last, as bottom where they were
+    /// found, or take that back.
     AcceptBottom {
         /// The side.
         side: Side,

@@ -1,4 +1,5 @@
-//! What the survey is compared with: a file of points or another mission, opened in a background thread.
+//! What the survey is compared with: a file of points or another mission, opened in a background
+//! thread.
 
 use super::error::AppError;
 use super::reference_comparison::{Of, ReferenceComparison};
@@ -43,12 +44,7 @@ type ReferenceOpening = Task<Result<Opened, AppError>>;
 
 impl Default for Comparing {
     fn default() -> Self {
-        Self {
-            reference: None,
-            by: ReferenceBy::default(),
-            radius_m: RADIUS_M,
-            opening: None,
-        }
+        Self { reference: None, by: ReferenceBy::default(), radius_m: RADIUS_M, opening: None }
     }
 }
 
@@ -81,12 +77,8 @@ impl Comparing {
 
     fn matching(&self, settings: &Settings) -> Matching {
         match self.by {
-            ReferenceBy::Surface => Matching::Surface {
-                max_gap_m: settings.surface.max_gap_m,
-            },
-            ReferenceBy::Nearest => Matching::Nearest {
-                radius_m: self.radius_m,
-            },
+            ReferenceBy::Surface => Matching::Surface { max_gap_m: settings.surface.max_gap_m },
+            ReferenceBy::Nearest => Matching::Nearest { radius_m: self.radius_m },
         }
     }
 
@@ -130,12 +122,8 @@ impl App {
     pub fn comparing_fraction(&self) -> Option<f32> {
         let opening = self.map.comparing.opening.as_ref().map(Task::fraction);
         let has_reference = self.map.comparing.reference.is_some();
-        let reference_comparison = || {
-            self.findings
-                .reference_comparison
-                .fraction()
-                .filter(|_| has_reference)
-        };
+        let reference_comparison =
+            || self.findings.reference_comparison.fraction().filter(|_| has_reference);
         opening.or_else(reference_comparison)
     }
 

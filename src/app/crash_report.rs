@@ -1,7 +1,8 @@
-//! Reports of a window that panicked, for the person who mends it. A report stays on this computer: it is a text file beside the window's
-//! options, and the next window says where.
+//! Reports of a window that panicked, for the person who mends it. A report stays on this computer:
+//! it is a text file beside the window's options, and the next window says where.
 //!
-//! A report holds versions, the system, the panic and what kinds of logs were open: no positions, and no names of logs.
+//! A report holds versions, the system, the panic and what kinds of logs were open: no positions,
+//! and no names of logs.
 
 use bathyscope_log::support::calendar::whole_seconds;
 use bathyscope_log::support::catch_panic::{cause, is_caught};
@@ -26,13 +27,11 @@ struct Keeper {
 
 static KEEPER: Mutex<Option<Keeper>> = Mutex::new(None);
 
-/// Keeps reports of this process in a folder, which need not exist. The newest report there that no window has told of; the oldest of many are removed.
+/// Keeps reports of this process in a folder, which need not exist. The newest report there that no
+/// window has told of; the oldest of many are removed.
 pub(crate) fn keep_in(folder: PathBuf) -> Option<PathBuf> {
     let newest = tell(&folder);
-    let keeper = Keeper {
-        folder,
-        open: Vec::new(),
-    };
+    let keeper = Keeper { folder, open: Vec::new() };
     *KEEPER.lock().ok()? = Some(keeper);
     newest
 }
@@ -46,8 +45,8 @@ pub(crate) fn set_open(logs: Vec<String>) {
     }
 }
 
-/// Writes a report of a panic, asked by the hook of a program: where a window keeps reports, and nothing catches the panic as an error of its
-/// own kind.
+/// Writes a report of a panic, asked by the hook of a program: where a window keeps reports, and
+/// nothing catches the panic as an error of its own kind.
 pub fn write_crash_report(fault: &PanicHookInfo<'_>) {
     if is_caught() {
         return;
@@ -73,10 +72,7 @@ fn write(keeper: &Keeper, what: &str, backtrace: &str) -> std::io::Result<()> {
     let thread = std::thread::current();
     fs::create_dir_all(&keeper.folder)?;
     let name = format!("crash-{now_s}-{}.{NEW}", std::process::id());
-    let mut file = File::options()
-        .append(true)
-        .create(true)
-        .open(keeper.folder.join(name))?;
+    let mut file = File::options().append(true).create(true).open(keeper.folder.join(name))?;
     writeln!(
         file,
         "bathyscope {} on {} {}, {}",

@@ -1,5 +1,5 @@
-//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, computed in a background thread;
-//! and what the waterfall of the shown log is drawn with.
+//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs
+//! them, computed in a background thread; and what the waterfall of the shown log is drawn with.
 
 use super::{App, LogId, MapLayer};
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
@@ -22,7 +22,8 @@ const BOTTOM_CORNERS: usize = 4_000_000;
 pub struct DrawnIsobaths {
     /// What they run through.
     pub depth_map: Arc<DepthMap>,
-    /// Which depths they are at: an interval that is left to the depths is round in the unit in use.
+    /// Which depths they are at: an interval that is left to the depths is round in the unit in
+    /// use.
     pub settings: IsobathSettings,
     /// Lines and depths; why there are none.
     pub isobaths: Result<Arc<Isobaths>, NoIsobaths>,
@@ -61,15 +62,13 @@ impl Deriving {
 
     /// The same results for a picture.
     pub(super) fn for_picture(&self) -> Self {
-        Self {
-            results: self.results.clone(),
-            ..Self::default()
-        }
+        Self { results: self.results.clone(), ..Self::default() }
     }
 }
 
 impl App {
-    /// Has made what is shown, and collects what is there. Costs next to nothing when nothing changed.
+    /// Has made what is shown, and collects what is there. Costs next to nothing when nothing
+    /// changed.
     pub(super) fn derive(&mut self) {
         let layers = &self.view.options.map.layers;
         let [isobaths, mosaic] =
@@ -94,7 +93,8 @@ impl App {
         }
     }
 
-    /// Has made what the waterfall of the shown log is drawn with, and counts its levels anew where they changed.
+    /// Has made what the waterfall of the shown log is drawn with, and counts its levels anew where
+    /// they changed.
     pub(super) fn derive_picture(&mut self) {
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             return;
@@ -102,10 +102,7 @@ impl App {
         if survey.side_scan.is_empty() {
             return;
         }
-        let log = ProcessedLog {
-            survey: survey.clone(),
-            products: products.clone(),
-        };
+        let log = ProcessedLog { survey: survey.clone(), products: products.clone() };
         let (results, id) = (self.pipeline.deriving.results.clone(), self.log.id);
         let ask = &mut self.pipeline.deriving.picture;
         let whole = self.log.whole.clone();
@@ -132,7 +129,8 @@ impl App {
         }
     }
 
-    /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its first results.
+    /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its
+    /// first results.
     pub fn picture(&self) -> Option<&Arc<LogPicture>> {
         let made = self.pipeline.deriving.picture.result();
         let of_shown = made.filter(|(log, _)| *log == self.log.id);
@@ -153,17 +151,14 @@ impl App {
     fn derive_depth_map(&mut self, logs: &[ProcessedLog]) {
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         let key = DepthMapKey::of(logs);
-        self.pipeline
-            .deriving
-            .depth_map
-            .ask(key, &self.jobs, move |progress| {
-                let made = results.depth_map(&of, progress).ok()?;
-                if let Some(made) = &made {
-                    // Tiles are painted from it.
-                    made.shade(progress).ok()?;
-                }
-                Some(made)
-            });
+        self.pipeline.deriving.depth_map.ask(key, &self.jobs, move |progress| {
+            let made = results.depth_map(&of, progress).ok()?;
+            if let Some(made) = &made {
+                // Tiles are painted from it.
+                made.shade(progress).ok()?;
+            }
+            Some(made)
+        });
     }
 
     fn derive_isobaths(&mut self, logs: &[ProcessedLog]) {
@@ -176,27 +171,19 @@ impl App {
         let results = self.pipeline.deriving.results.clone();
         let unit = self.view.options.units.length;
         let key = (IsobathKey::of(&depth_map, &settings), unit);
-        self.pipeline
-            .deriving
-            .isobaths
-            .ask(key, &self.jobs, move |progress| {
-                let settings = match unit {
-                    // As in the files, which have them already then.
-                    LengthUnit::Metres => settings,
-                    _ => settings.round_in(unit.metres(), depth_map.surface.range_m()),
-                };
-                let isobaths = results.isobaths(&depth_map, &settings, progress).ok()?;
-                let on_ground = match &isobaths {
-                    Ok(isobaths) => isobaths.on_ground(&depth_map),
-                    Err(_) => Vec::new(),
-                };
-                Some(Arc::new(DrawnIsobaths {
-                    depth_map,
-                    settings,
-                    isobaths,
-                    on_ground,
-                }))
-            });
+        self.pipeline.deriving.isobaths.ask(key, &self.jobs, move |progress| {
+            let settings = match unit {
+                // As in the files, which have them already then.
+                LengthUnit::Metres => settings,
+                _ => settings.round_in(unit.metres(), depth_map.surface.range_m()),
+            };
+            let isobaths = results.isobaths(&depth_map, &settings, progress).ok()?;
+            let on_ground = match &isobaths {
+                Ok(isobaths) => isobaths.on_ground(&depth_map),
+                Err(_) => Vec::new(),
+            };
+            Some(Arc::new(DrawnIsobaths { depth_map, settings, isobaths, on_ground }))
+        });
     }
 
     fn derive_bottom(&mut self, logs: &[ProcessedLog]) {
@@ -207,35 +194,27 @@ impl App {
         let colour = self.view.options.cloud.bottom_colour;
         let key = BottomKey::of(&depth_map, logs, colour, BOTTOM_CORNERS);
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
-        self.pipeline
-            .deriving
-            .bottom
-            .ask(key, &self.jobs, move |progress| {
-                results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok()
-            });
+        self.pipeline.deriving.bottom.ask(key, &self.jobs, move |progress| {
+            results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok()
+        });
     }
 
     fn derive_mosaic(&mut self, logs: &[ProcessedLog]) {
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         let key = MosaicKey::of(logs, MosaicPlane::Survey);
-        self.pipeline
-            .deriving
-            .mosaic
-            .ask(key, &self.jobs, move |progress| {
-                results.mosaic(&of, MosaicPlane::Survey, progress).ok()
-            });
+        self.pipeline.deriving.mosaic.ask(key, &self.jobs, move |progress| {
+            results.mosaic(&of, MosaicPlane::Survey, progress).ok()
+        });
     }
 
-    /// The depth map of all visible logs as it was made last; outer `None` before that, inner where the depths span no surface.
+    /// The depth map of all visible logs as it was made last; outer `None` before that, inner where
+    /// the depths span no surface.
     pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
-        self.pipeline
-            .deriving
-            .depth_map
-            .result()
-            .map(Option::as_ref)
+        self.pipeline.deriving.depth_map.result().map(Option::as_ref)
     }
 
-    /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and in the cloud.
+    /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and
+    /// in the cloud.
     pub fn depth_range_m(&self) -> Option<[f32; 2]> {
         colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
     }
@@ -246,7 +225,8 @@ impl App {
         logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
-    /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.
+    /// Whether something on the map is drawn or measured from the depth map; otherwise it may be
+    /// older than its settings.
     pub(crate) fn needs_depth_map(&self) -> bool {
         let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
@@ -268,16 +248,12 @@ impl App {
     /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
     pub fn bottom(&self) -> Option<&Arc<Bottom>> {
         let is_shown = self.view.options.cloud.bottom;
-        self.pipeline
-            .deriving
-            .bottom
-            .result()
-            .filter(|_| is_shown)?
-            .as_ref()
+        self.pipeline.deriving.bottom.result().filter(|_| is_shown)?.as_ref()
     }
 
-    /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them; `None` where none are shown, and where the
-    /// settings name depths that are not equally far apart.
+    /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them;
+    /// `None` where none are shown, and where the settings name depths that are not equally far
+    /// apart.
     pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
         let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
         let settings = &self.log.settings.isobaths;
@@ -289,22 +265,10 @@ impl App {
     /// What is being made of all logs, in words.
     pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
-            (
-                self.pipeline.deriving.depth_map.is_running(),
-                "making the depth map",
-            ),
-            (
-                self.pipeline.deriving.isobaths.is_running(),
-                "drawing isobaths",
-            ),
-            (
-                self.pipeline.deriving.mosaic.is_running(),
-                "normalising the mosaic's gain",
-            ),
-            (
-                self.pipeline.deriving.bottom.is_running(),
-                "making the bottom in 3D",
-            ),
+            (self.pipeline.deriving.depth_map.is_running(), "making the depth map"),
+            (self.pipeline.deriving.isobaths.is_running(), "drawing isobaths"),
+            (self.pipeline.deriving.mosaic.is_running(), "normalising the mosaic's gain"),
+            (self.pipeline.deriving.bottom.is_running(), "making the bottom in 3D"),
             (
                 // While a log is followed, that is done with every few pings.
                 self.pipeline.deriving.picture.is_running() && self.log.whole.is_none(),

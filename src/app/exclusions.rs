@@ -1,4 +1,5 @@
-//! What is excluded from a log: drawn by the analyst, included again, and counted before the results follow.
+//! What is excluded from a log: drawn by the analyst, included again, and counted before the
+//! results follow.
 
 use super::{App, LogId, OpenLog};
 use bathyscope_log::survey::{
@@ -62,18 +63,12 @@ impl FoundExclusions {
         let lengths_m = (exclusions.stretches.iter())
             .map(|stretch| stretch.length_m(survey, navigation))
             .collect();
-        Self {
-            exclusions,
-            lengths_m,
-        }
+        Self { exclusions, lengths_m }
     }
 
     /// Each stretch with its length along the track, metres.
     pub fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
-        self.exclusions
-            .stretches
-            .iter()
-            .zip(self.lengths_m.iter().copied())
+        self.exclusions.stretches.iter().zip(self.lengths_m.iter().copied())
     }
 
     /// How much is excluded, for one reason or for all.
@@ -82,13 +77,11 @@ impl FoundExclusions {
             reason.is_none_or(|reason| stretch.reason == reason)
         };
         let all = self.stretches().filter(counted);
-        all.fold(ExcludedExtent::default(), |sum, (stretch, length_m)| {
-            ExcludedExtent {
-                stretches: sum.stretches + 1,
-                pings: sum.pings + stretch.pings.map_or(0, |[first, last]| last + 1 - first),
-                length_m: sum.length_m + length_m,
-                duration_s: sum.duration_s + stretch.time_s[1] - stretch.time_s[0],
-            }
+        all.fold(ExcludedExtent::default(), |sum, (stretch, length_m)| ExcludedExtent {
+            stretches: sum.stretches + 1,
+            pings: sum.pings + stretch.pings.map_or(0, |[first, last]| last + 1 - first),
+            length_m: sum.length_m + length_m,
+            duration_s: sum.duration_s + stretch.time_s[1] - stretch.time_s[0],
         })
     }
 }
@@ -105,11 +98,7 @@ pub(super) struct ExclusionSearch {
 impl ExclusionSearch {
     fn follow(&mut self, log: (&Arc<Survey>, &Arc<Navigation>, &Settings), jobs: &Jobs) {
         let (survey, navigation, settings) = log;
-        let key = (
-            Same(survey.clone()),
-            Same(navigation.clone()),
-            settings.excluded.clone(),
-        );
+        let key = (Same(survey.clone()), Same(navigation.clone()), settings.excluded.clone());
         let (survey, navigation) = (survey.clone(), navigation.clone());
         let settings = settings.excluded.clone();
         self.found.ask(key, jobs, move |_| {

@@ -36,11 +36,7 @@ impl Exporting {
         let write = |progress: &Progress| {
             write(progress).map_err(|error| AppError::Exporting(Box::new(error)))
         };
-        Self {
-            task: Task::start(jobs, write),
-            into: None,
-            run: None,
-        }
+        Self { task: Task::start(jobs, write), into: None, run: None }
     }
 
     pub(super) fn fraction(&self) -> f32 {
@@ -57,8 +53,9 @@ impl App {
         self.files.exporting = Some(Exporting::start(&self.jobs, write));
     }
 
-    /// Writes one set of products of the visible logs into a folder, as `process` does: what is requested, the comparison with the
-    /// reference among it, and the report with the boxes as they are decided.
+    /// Writes one set of products of the visible logs into a folder, as `process` does: what is
+    /// requested, the comparison with the reference among it, and the report with the boxes as they
+    /// are decided.
     pub(super) fn export(&mut self, folder: PathBuf) {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
@@ -87,11 +84,7 @@ impl App {
             let written = outputs::write(&order, run, progress, |_| ());
             written.map(|written| written.summary(&folder))
         });
-        self.files.exporting = Some(Exporting {
-            run,
-            into: Some(into),
-            ..exporting
-        });
+        self.files.exporting = Some(Exporting { run, into: Some(into), ..exporting });
     }
 
     /// Writes the shown log, or some of its pings, into a file.
@@ -107,10 +100,7 @@ impl App {
             start: pings.start,
             end: pings.end.min(survey.side_scan.len()),
         });
-        let choice = LogPartChoice {
-            pings,
-            ..LogPartChoice::default()
-        };
+        let choice = LogPartChoice { pings, ..LogPartChoice::default() };
         self.write(move |progress| {
             let positions = settings.position_settings();
             let copied = copy_log(&path, &survey, positions, &choice, progress)?;
@@ -128,7 +118,8 @@ impl App {
         all.filter(|one| !excluded_products.contains(one)).collect()
     }
 
-    /// The folder that products go into unless another is named: the one that was written last, else one beside the project or the log.
+    /// The folder that products go into unless another is named: the one that was written last,
+    /// else one beside the project or the log.
     pub(crate) fn export_folder(&self) -> PathBuf {
         if let Some(folder) = &self.written_into {
             return folder.clone();
@@ -138,10 +129,7 @@ impl App {
         let beside = self.project_path().or(log.map(PathBuf::as_path));
         let name = beside.and_then(Path::file_stem).unwrap_or_default();
         let name = format!("{}-products", name.to_string_lossy());
-        beside
-            .and_then(Path::parent)
-            .unwrap_or(Path::new(""))
-            .join(name)
+        beside.and_then(Path::parent).unwrap_or(Path::new("")).join(name)
     }
 
     /// What the sizes of the products follow from.
@@ -150,7 +138,8 @@ impl App {
         Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))
     }
 
-    /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.
+    /// Files that were written last of the log at hand and would be others with its settings of
+    /// now, and their folder.
     pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
         let Exported { log, folder, run } = self.files.exported.as_ref()?;
         let files = run.out_of_date(&self.log.settings);

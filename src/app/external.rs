@@ -1,7 +1,8 @@
-//! What other instruments recorded of the open survey: readings of a gauge, and the track of another receiver.
+//! What other instruments recorded of the open survey: readings of a gauge, and the track of
+//! another receiver.
 //!
-//! Files are read in a background thread. A file becomes part of the settings only once it is known to fit the log: a bad one
-//! leaves everything as it was.
+//! Files are read in a background thread. A file becomes part of the settings only once it is known
+//! to fit the log: a bad one leaves everything as it was.
 
 use super::error::AppError;
 use super::outdated::LogsChange;
@@ -60,11 +61,7 @@ impl External {
 
     /// What is drawn of it.
     pub(super) fn for_picture(&self) -> Self {
-        Self {
-            recorded: self.recorded.clone(),
-            apart: self.apart.clone(),
-            ..Self::default()
-        }
+        Self { recorded: self.recorded.clone(), apart: self.apart.clone(), ..Self::default() }
     }
 
     pub(super) fn stop_reading(&mut self) {
@@ -141,10 +138,8 @@ impl App {
             return;
         };
         let mut settings = Settings::clone(&log.settings);
-        settings.water_level = WaterLevelSettings {
-            file: Some(gauge.path.clone()),
-            gauge: Some(Arc::new(gauge)),
-        };
+        settings.water_level =
+            WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
         match Correction::new(settings.depth(), survey).refused() {
             Some(why) => self.notify(why.to_string(), true),
             None => self.change_of(id, settings, "water levels", false),
@@ -183,8 +178,8 @@ impl App {
         self.change(settings, TRACK, false);
     }
 
-    /// Makes a log what the settings say of its source, and has all that depends on its plane and its sides follow. After an error the
-    /// log is as it was.
+    /// Makes a log what the settings say of its source, and has all that depends on its plane and
+    /// its sides follow. After an error the log is as it was.
     pub(super) fn follow_source(&mut self, id: LogId, settings: &Settings) -> Result<(), AppError> {
         // Several logs lie in one plane.
         let plane = (self.log_count() > 1).then(|| self.document.plane.clone());
@@ -204,8 +199,8 @@ impl App {
         Ok(())
     }
 
-    /// Puts all logs into the plane of the first that is on the Earth, after the metres of one became those of another system: a plane
-    /// thousands of kilometres away would bend them.
+    /// Puts all logs into the plane of the first that is on the Earth, after the metres of one
+    /// became those of another system: a plane thousands of kilometres away would bend them.
     pub(super) fn settle_plane(&mut self) {
         if !std::mem::take(&mut self.document.is_plane_moved) || self.log_count() < 2 {
             return;
@@ -225,14 +220,9 @@ impl App {
         let frame = LocalFrame::new(fix.position);
         self.enter_plane(frame.clone());
         for log in self.logs_mut() {
-            for survey in [
-                &mut log.survey,
-                &mut log.as_read,
-                &mut log.external.recorded,
-            ] {
-                *survey = survey
-                    .take()
-                    .map(|survey| Arc::new(Survey::clone(&survey).in_frame(&frame)));
+            for survey in [&mut log.survey, &mut log.as_read, &mut log.external.recorded] {
+                *survey =
+                    survey.take().map(|survey| Arc::new(Survey::clone(&survey).in_frame(&frame)));
             }
             // They lie in the plane that was.
             log.products = None;
@@ -243,8 +233,9 @@ impl App {
 }
 
 impl OpenLog {
-    /// Makes the survey what the settings say of its source: its sides, its clock, the system of its metres, and the track of another
-    /// receiver; in a plane, where it shares one with others. Gives the survey as it was and as it is, where it is another one now.
+    /// Makes the survey what the settings say of its source: its sides, its clock, the system of
+    /// its metres, and the track of another receiver; in a plane, where it shares one with others.
+    /// Gives the survey as it was and as it is, where it is another one now.
     fn follow_source(
         &mut self,
         settings: &Settings,
@@ -290,26 +281,19 @@ fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
     let mut times_s: Vec<f64> = pings.step_by(evenly(recorded.side_scan.len())).collect();
     if times_s.is_empty() {
         let soundings = recorded.soundings.iter().map(|sounding| sounding.time_s);
-        times_s = soundings
-            .step_by(evenly(recorded.soundings.len()))
-            .collect();
+        times_s = soundings.step_by(evenly(recorded.soundings.len())).collect();
     }
     TracksApart::new(&recorded.track, &now.track, &times_s, PAIRS)
 }
 
-/// The instrument that the columns of a table identify: levels are a gauge's; times and places without a depth are a track, as is all GPX.
+/// The instrument that the columns of a table identify: levels are a gauge's; times and places
+/// without a depth are a track, as is all GPX.
 fn instrument_of(path: &Path) -> Option<Instrument> {
     let mut beginning = Vec::new();
     let opened = regular_file::open(path);
-    opened
-        .and_then(|file| file.take(1 << 16).read_to_end(&mut beginning))
-        .ok();
+    opened.and_then(|file| file.take(1 << 16).read_to_end(&mut beginning)).ok();
     let beginning = String::from_utf8_lossy(&beginning).to_lowercase();
-    if beginning
-        .trim_start_matches('\u{feff}')
-        .trim_start()
-        .starts_with('<')
-    {
+    if beginning.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return Some(Instrument::Receiver);
     }
     let header = beginning.lines().find(|line| !line.starts_with('#'));

@@ -36,12 +36,7 @@ impl Figures {
             starboard_picks: found(Side::Starboard),
             above_bottom: AboveBottom::of(survey, products),
             classes: ClassCounts::of(&products.cloud, &products.classes),
-            residuals: residuals(
-                survey,
-                &products.cloud,
-                &products.correction,
-                &products.classes,
-            ),
+            residuals: residuals(survey, &products.cloud, &products.correction, &products.classes),
         })
     }
 }

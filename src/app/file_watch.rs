@@ -1,7 +1,9 @@
-//! The files of the open logs, looked at every second: a log that was cut, overwritten, or cannot be read to its end any more is said
-//! once. A log that grows stays what it is as far as it was read, and one that is followed is read from a copy.
+//! The files of the open logs, looked at every second: a log that was cut, overwritten, or cannot
+//! be read to its end any more is said once. A log that grows stays what it is as far as it was
+//! read, and one that is followed is read from a copy.
 //!
-//! A thread of its own looks, for a disk may not answer; it wakes the window only where there is something to say.
+//! A thread of its own looks, for a disk may not answer; it wakes the window only where there is
+//! something to say.
 
 use super::{App, Jobs, LogId, Task, TaskOutcome};
 use crate::app::crash_report;
@@ -70,18 +72,13 @@ impl App {
             return;
         }
         crash_report::set_open(open.iter().map(|(_, survey)| kind(survey)).collect());
-        let watched: Vec<WatchedLog> = (open.iter())
-            .map(|(id, survey)| WatchedLog::new(*id, survey))
-            .collect();
-        self.file_watch.logs = (open.iter())
-            .map(|(id, survey)| (*id, Arc::downgrade(survey)))
-            .collect();
+        let watched: Vec<WatchedLog> =
+            (open.iter()).map(|(id, survey)| WatchedLog::new(*id, survey)).collect();
+        self.file_watch.logs =
+            (open.iter()).map(|(id, survey)| (*id, Arc::downgrade(survey))).collect();
         let repeats = matches!(self.jobs, Jobs::Threads(_));
-        self.file_watch.looking = (!watched.is_empty()).then(|| {
-            Task::start(&self.jobs, move |progress| {
-                look(&watched, repeats, progress)
-            })
-        });
+        self.file_watch.looking = (!watched.is_empty())
+            .then(|| Task::start(&self.jobs, move |progress| look(&watched, repeats, progress)));
     }
 
     /// Says once more which logs lost bytes: something was written that may be made of them.
@@ -100,10 +97,7 @@ impl WatchedLog {
     fn new(id: LogId, survey: &Survey) -> Self {
         let files = survey.source.files.iter().cloned();
         let files = files.zip(survey.bytes.iter().cloned());
-        Self {
-            id,
-            files: files.collect(),
-        }
+        Self { id, files: files.collect() }
     }
 
     /// What is wrong with one of its files, in a sentence.

@@ -1,6 +1,8 @@
-//! The settings that a log was last given, when it is kept in no project: they belong to the log, and to no other.
+//! The settings that a log was last given, when it is kept in no project: they belong to the log,
+//! and to no other.
 //!
-//! A new survey starts from the preset. When a log is opened again, its own settings are taken up as one step that undo takes back.
+//! A new survey starts from the preset. When a log is opened again, its own settings are taken up
+//! as one step that undo takes back.
 
 use super::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::printable::quoted;
@@ -32,7 +34,8 @@ struct Given {
 pub struct GivenSettings(Vec<Given>);
 
 impl GivenSettings {
-    /// Remembers the settings of a log; of one that has the settings of the preset, that there are none.
+    /// Remembers the settings of a log; of one that has the settings of the preset, that there are
+    /// none.
     fn remember(&mut self, survey: &Survey, settings: &Settings) {
         self.0.retain(|given| !is_of(given, survey));
         let usual = setting_values(&Settings::default());
@@ -57,7 +60,8 @@ fn is_of(given: &Given, survey: &Survey) -> bool {
 }
 
 impl App {
-    /// The settings that logs were last given, with those of the open ones: what is kept between runs.
+    /// The settings that logs were last given, with those of the open ones: what is kept between
+    /// runs.
     pub fn given_settings(&self) -> GivenSettings {
         let mut given = self.document.given.clone();
         if self.project_path().is_none() {
@@ -84,8 +88,9 @@ impl App {
         }
     }
 
-    /// Takes up the settings that a log was last given, which was just opened: all of them where it is the only one, its own where it
-    /// joins others. Settings that the program was started with stay.
+    /// Takes up the settings that a log was last given, which was just opened: all of them where it
+    /// is the only one, its own where it joins others. Settings that the program was started with
+    /// stay.
     pub(super) fn take_up_settings(&mut self, id: LogId) {
         let Some(log) = self.open_log(id) else {
             return;
@@ -94,10 +99,8 @@ impl App {
         let Some(values) = survey.and_then(|survey| self.document.given.of(survey)) else {
             return;
         };
-        let (usual, start) = (
-            setting_values(&Settings::default()),
-            setting_values(&self.document.start),
-        );
+        let (usual, start) =
+            (setting_values(&Settings::default()), setting_values(&self.document.start));
         let is_first = self.log_count() == 1;
         let mut values = values.clone();
         values
@@ -162,10 +165,7 @@ mod tests {
     #[test]
     fn only_the_log_itself_has_its_settings_again() {
         let mut given = GivenSettings::default();
-        let settings = Settings {
-            draft_m: 0.4,
-            ..Settings::default()
-        };
+        let settings = Settings { draft_m: 0.4, ..Settings::default() };
         given.remember(&log("a.sl2"), &settings);
         assert!(given.of(&log("b.sl2")).is_none());
         let values = given.of(&log("a.sl2")).cloned().unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Height differences between logs: found where their tracks meet, and taken off their depths when the analyst asks for it.
+//! Height differences between logs: found where their tracks meet, and taken off their depths when
+//! the analyst asks for it.
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId, OpenLog};
@@ -76,10 +77,7 @@ impl App {
             Stands::Still => {}
             Stands::Found => {
                 let meets = |(_, offset): (LogId, &LogOffset)| offset.log_overlaps > 0;
-                if !self
-                    .height_offsets()
-                    .is_some_and(|found| found.logs().any(meets))
-                {
+                if !self.height_offsets().is_some_and(|found| found.logs().any(meets)) {
                     let text = "the tracks of these logs do not cross, so their heights cannot be compared";
                     self.notify(text.to_owned(), true);
                 }

@@ -25,8 +25,8 @@ impl App {
         }
     }
 
-    /// Notes a change as a step that undo takes back, and keeps it in the project. Its full name says what became of what: `threshold
-    /// 0.41`, `bottom of pond`.
+    /// Notes a change as a step that undo takes back, and keeps it in the project. Its full name
+    /// says what became of what: `threshold 0.41`, `bottom of pond`.
     pub(super) fn record_step(
         &mut self,
         before: &UndoStep,
@@ -38,9 +38,7 @@ impl App {
         self.withdraw(Action::Undo);
         let label = label.into();
         let start = self.document.history.start_of(&label, before).clone();
-        self.document
-            .history
-            .record(before, after, label.clone(), live);
+        self.document.history.record(before, after, label.clone(), live);
         if live {
             return;
         }
@@ -54,9 +52,7 @@ impl App {
     /// Notes a change whose name says all.
     pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
         self.withdraw(Action::Undo);
-        self.document
-            .history
-            .record(before, after, title.clone(), false);
+        self.document.history.record(before, after, title.clone(), false);
         self.keep_project(&title);
     }
 
@@ -94,13 +90,7 @@ impl App {
 
     /// Goes to the state after so many of the steps.
     pub(super) fn go_to_step(&mut self, count: usize) {
-        let is_back = count
-            < self
-                .document
-                .history
-                .steps()
-                .filter(|step| !step.is_undone)
-                .count();
+        let is_back = count < self.document.history.steps().filter(|step| !step.is_undone).count();
         self.withdraw(Action::Undo);
         if let Some(step) = self.document.history.go_to(count, &self.step_now()) {
             let label = match is_back {
@@ -132,25 +122,19 @@ impl App {
         self.document.history = History::of_past(steps);
     }
 
-    /// The changes that led to a project that is kept for the first time, as far back as its logs are those that are open.
+    /// The changes that led to a project that is kept for the first time, as far back as its logs
+    /// are those that are open.
     pub(super) fn past_of(&self, project: &Project) -> Vec<PastStep> {
-        let versions = self
-            .document
-            .history
-            .past()
-            .rev()
-            .map_while(|(step, label)| {
-                Some(PastStep {
-                    label: label.to_owned(),
-                    before: self.project_of(step, project)?,
-                })
-            });
+        let versions = self.document.history.past().rev().map_while(|(step, label)| {
+            Some(PastStep { label: label.to_owned(), before: self.project_of(step, project)? })
+        });
         let mut steps: Vec<PastStep> = versions.collect();
         steps.reverse();
         steps
     }
 
-    /// The version of a project that a step is, the reverse of [`App::step_of`]. `None` where other logs were open.
+    /// The version of a project that a step is, the reverse of [`App::step_of`]. `None` where other
+    /// logs were open.
     fn project_of(&self, step: &UndoStep, project: &Project) -> Option<Project> {
         if step.logs.len() != project.logs().len() {
             return None;
@@ -171,8 +155,8 @@ impl App {
         Some(version)
     }
 
-    /// The step that a version of the open project is; what it has in common with the one `after` it is the same in memory. `None` where
-    /// it holds other logs.
+    /// The step that a version of the open project is; what it has in common with the one `after`
+    /// it is the same in memory. `None` where it holds other logs.
     fn step_of(&self, project: &Project, after: &UndoStep) -> Option<UndoStep> {
         let mut step = after.clone();
         if project.settings != *after.shared {
@@ -199,10 +183,7 @@ impl App {
         let place = |id: LogId| {
             let file = self.open_log(id).and_then(|log| log.file.as_ref());
             let was = file.and_then(|file| project.log_like(file));
-            project
-                .logs()
-                .iter()
-                .position(|log| was.is_some_and(|was| Arc::ptr_eq(log, was)))
+            project.logs().iter().position(|log| was.is_some_and(|was| Arc::ptr_eq(log, was)))
         };
         step.logs.sort_by_key(|log| place(log.id));
         step.figure = kept_figure(project, after.figure.as_ref());
@@ -239,8 +220,9 @@ fn changed_logs<'a>(
     pairs.filter(|(was, log)| was != log)
 }
 
-/// A value in metres, whatever it was typed in: the list of the history writes it in the units of the day it is read. A round number of
-/// feet is then still round, for it is written to a digit more.
+/// A value in metres, whatever it was typed in: the list of the history writes it in the units of
+/// the day it is read. A round number of feet is then still round, for it is written to a digit
+/// more.
 fn in_metres(number: &Number, value: f64, units: Units) -> String {
     let metric = number.shown_in(Units::default());
     match number.shown_in(units).suffix == metric.suffix {
@@ -249,13 +231,11 @@ fn in_metres(number: &Number, value: f64, units: Units) -> String {
     }
 }
 
-/// What the one setting became that differs, as its control writes it; `None` where none or several do.
+/// What the one setting became that differs, as its control writes it; `None` where none or several
+/// do.
 fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
     let (was, is) = match Arc::ptr_eq(&before.shared, &after.shared) {
-        false => (
-            setting_values(&before.shared),
-            setting_values(&after.shared),
-        ),
+        false => (setting_values(&before.shared), setting_values(&after.shared)),
         true => {
             let mut changed = changed_logs(before, after);
             let (was, log) = changed.next().filter(|_| changed.next().is_none())?;
@@ -274,9 +254,7 @@ fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<
     }
     match (&row(key)?.kind, is.get(key)) {
         (SettingKind::Number(number), Some(value)) => {
-            let value = value
-                .as_float()
-                .or(value.as_integer().map(|whole| whole as f64))?;
+            let value = value.as_float().or(value.as_integer().map(|whole| whole as f64))?;
             Some(in_metres(number, value, units))
         }
         (SettingKind::Number(number), None) => number.none_word().map(str::to_owned),

@@ -1,4 +1,5 @@
-//! The area that isobaths end at: its file is read in a background thread, and becomes part of the settings once it is known to be one.
+//! The area that isobaths end at: its file is read in a background thread, and becomes part of the
+//! settings once it is known to be one.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};

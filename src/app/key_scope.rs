@@ -1,4 +1,5 @@
-//! Where the bare key of an action acts: a key without Ctrl and Alt that is no function key, and could be part of a text.
+//! Where the bare key of an action acts: a key without Ctrl and Alt that is no function key, and
+//! could be part of a text.
 
 use super::{Action, View};
 
@@ -117,8 +118,8 @@ impl Action {
         })
     }
 
-    /// Whether its bare key only offers it, with a button that does it: it changes depths or places of the whole log, and a slip of the
-    /// hand must not.
+    /// Whether its bare key only offers it, with a button that does it: it changes depths or places
+    /// of the whole log, and a slip of the hand must not.
     pub(crate) fn asks_by_key(self) -> bool {
         matches!(self, Action::SwapSides)
     }
@@ -172,11 +173,7 @@ mod tests {
             let held = everywhere.iter().filter(|focus| scope.holds(**focus));
             let count = held.count();
             assert!(count > 0, "{scope:?}");
-            assert_eq!(
-                count == everywhere.len(),
-                scope == KeyScope::Boxes,
-                "{scope:?}"
-            );
+            assert_eq!(count == everywhere.len(), scope == KeyScope::Boxes, "{scope:?}");
         }
     }
 }

@@ -77,7 +77,8 @@ pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
 /// What a path turned out to be.
 pub(super) enum OpenedPath {
-    /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a project.
+    /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a
+    /// project.
     Log(Box<Survey>, Option<ReadBottom>, Option<LogFile>),
     /// A folder of several logs.
     Folder(Vec<PathBuf>),
@@ -136,10 +137,7 @@ impl Loading {
     }
 
     pub(super) fn status(&self) -> LoadStatus {
-        LoadStatus {
-            name: self.request.origin.name(),
-            fraction: self.task.fraction(),
-        }
+        LoadStatus { name: self.request.origin.name(), fraction: self.task.fraction() }
     }
 }
 

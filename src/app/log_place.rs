@@ -18,12 +18,7 @@ pub struct LogPlace {
 impl LogPlace {
     /// A place on the track.
     pub fn ping(ping: usize) -> Self {
-        Self {
-            ping,
-            side: None,
-            sample: None,
-            point: None,
-        }
+        Self { ping, side: None, sample: None, point: None }
     }
 }
 
@@ -43,10 +38,11 @@ pub struct Reveal {
 pub enum Enlarged {
     /// It fills about a third of the view.
     Third,
-    /// A sample of the picture is a point of the screen; what does not fit in so, with what lies around it, is smaller. For the
-    /// waterfall alone: the other views only bring it into view.
+    /// A sample of the picture is a point of the screen; what does not fit in so, with what lies
+    /// around it, is smaller. For the waterfall alone: the other views only bring it into view.
     OneToOne,
-    /// The scale stays; the box comes into the middle where it is not well in view. For the waterfall alone as well.
+    /// The scale stays; the box comes into the middle where it is not well in view. For the
+    /// waterfall alone as well.
     AsItIs,
 }
 

@@ -1,7 +1,8 @@
-//! The open logs: which there are, in which order, which of them is shown, and what is processed next.
+//! The open logs: which there are, in which order, which of them is shown, and what is processed
+//! next.
 //!
-//! [`App::log`] is the one that waterfall, profile and panels show; the others wait beside it with their results, and maps, clouds and
-//! products are made of all that are visible.
+//! [`App::log`] is the one that waterfall, profile and panels show; the others wait beside it with
+//! their results, and maps, clouds and products are made of all that are visible.
 
 use super::open_log::log_colour;
 use super::outdated::LogsChange;
@@ -96,24 +97,22 @@ impl App {
         surveys.any(|survey| !survey.swath.is_empty())
     }
 
-    /// The visible logs that have results, in the order of the list: what maps and clouds are made of.
+    /// The visible logs that have results, in the order of the list: what maps and clouds are made
+    /// of.
     pub fn shown_logs(&self) -> Vec<ShownLog> {
         let shown = |log: &OpenLog| {
             Some(ShownLog {
                 id: log.id,
                 name: log.name(),
                 colour: log.colour,
-                log: ProcessedLog {
-                    survey: log.survey.clone()?,
-                    products: log.products.clone()?,
-                },
+                log: ProcessedLog { survey: log.survey.clone()?, products: log.products.clone()? },
             })
         };
         self.visible_logs().filter_map(shown).collect()
     }
 
-    /// The recordings and results of the visible logs, in the order of the list, for the system that the maps are in now: what is
-    /// compared and written.
+    /// The recordings and results of the visible logs, in the order of the list, for the system
+    /// that the maps are in now: what is compared and written.
     pub(super) fn processed_logs(&self) -> Vec<ProcessedLog> {
         let with_system = |mut log: ProcessedLog| {
             // No stage depends on it: the results are as good for any system.
@@ -123,7 +122,8 @@ impl App {
         self.settled_logs().map(with_system).collect()
     }
 
-    /// The recordings and results of the visible logs as wholes ([`OpenLog::settled`]), in the order of the list.
+    /// The recordings and results of the visible logs as wholes ([`OpenLog::settled`]), in the
+    /// order of the list.
     pub(super) fn settled_logs(&self) -> impl Iterator<Item = ProcessedLog> {
         self.visible_logs().filter_map(OpenLog::settled)
     }
@@ -167,7 +167,8 @@ impl App {
         self.log.settings = self.document.shared.clone();
     }
 
-    /// Shows a log that is at hand already, with what was made of it, in the place of those that are open.
+    /// Shows a log that is at hand already, with what was made of it, in the place of those that
+    /// are open.
     pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
         self.pipeline.is_waiting = true;
         self.replace_logs(survey);
@@ -310,9 +311,7 @@ impl App {
         let Some(place) = order.iter().position(|one| *one == id) else {
             return;
         };
-        let next = order
-            .get(place + 1)
-            .or(place.checked_sub(1).map(|i| &order[i]));
+        let next = order.get(place + 1).or(place.checked_sub(1).map(|i| &order[i]));
         match next.copied() {
             Some(next) if id == self.log.id => self.show_log(next),
             Some(_) => {}
@@ -353,10 +352,7 @@ impl App {
 
     /// Closes the logs that were closed at another moment, and opens again those that were not.
     pub(super) fn open_and_close(&mut self, closed: &[LogId]) {
-        let wakes: Vec<LogId> = self
-            .closed_logs()
-            .filter(|id| !closed.contains(id))
-            .collect();
+        let wakes: Vec<LogId> = self.closed_logs().filter(|id| !closed.contains(id)).collect();
         for id in wakes {
             self.open_again(id);
         }
@@ -442,15 +438,12 @@ impl App {
 
     /// Whether a log is being processed.
     pub(crate) fn is_processing(&self, id: LogId) -> bool {
-        let processed = self
-            .pipeline
-            .requested
-            .as_ref()
-            .map(|(processed, ..)| *processed);
+        let processed = self.pipeline.requested.as_ref().map(|(processed, ..)| *processed);
         processed == Some(id) && self.engine_status() != EngineStatus::Idle
     }
 
-    /// Has the log processed next whose results are missing or older than its settings: first the one that is shown.
+    /// Has the log processed next whose results are missing or older than its settings: first the
+    /// one that is shown.
     pub(super) fn schedule(&mut self) {
         if self.pipeline.is_waiting {
             return;
@@ -471,9 +464,7 @@ impl App {
         }
         let before = log.products.clone();
         let settings = Settings::clone(&log.settings);
-        self.pipeline
-            .engine
-            .request(survey.clone(), settings, before);
+        self.pipeline.engine.request(survey.clone(), settings, before);
         self.pipeline.requested = Some(request);
     }
 }

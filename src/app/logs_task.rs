@@ -22,10 +22,7 @@ pub(super) enum Stands {
 
 impl<T> Default for LogsTask<T> {
     fn default() -> Self {
-        Self {
-            task: None,
-            found: None,
-        }
+        Self { task: None, found: None }
     }
 }
 

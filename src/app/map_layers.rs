@@ -88,11 +88,9 @@ impl LayerShown {
     fn at_first(layer: MapLayer) -> Self {
         Self {
             layer,
-            // A mosaic hides the depths that it lies on; points and what they are worth are for a closer look.
-            visible: !matches!(
-                layer,
-                MapLayer::Mosaic | MapLayer::Points | MapLayer::Residuals
-            ),
+            // A mosaic hides the depths that it lies on; points and what they are worth are for a
+            // closer look.
+            visible: !matches!(layer, MapLayer::Mosaic | MapLayer::Points | MapLayer::Residuals),
             opacity: 1.0,
         }
     }
@@ -107,9 +105,7 @@ pub struct LayerStack {
 
 impl Default for LayerStack {
     fn default() -> Self {
-        Self {
-            layers: MapLayer::ALL.map(LayerShown::at_first).to_vec(),
-        }
+        Self { layers: MapLayer::ALL.map(LayerShown::at_first).to_vec() }
     }
 }
 
@@ -120,7 +116,8 @@ impl From<LayerStack> for Vec<LayerShown> {
 }
 
 impl From<Vec<LayerShown>> for LayerStack {
-    /// Repeated layers are dropped; those that are missing lie where they lie at first: on what they lie on there.
+    /// Repeated layers are dropped; those that are missing lie where they lie at first: on what
+    /// they lie on there.
     fn from(saved: Vec<LayerShown>) -> Self {
         let mut layers: Vec<LayerShown> = Vec::with_capacity(MapLayer::ALL.len());
         for shown in saved {

@@ -1,5 +1,5 @@
-//! What the analyst draws to measure: a line, an area or the line of a depth profile on the map and in the waterfall, and the height
-//! of what casts a shadow in the waterfall.
+//! What the analyst draws to measure: a line, an area or the line of a depth profile on the map and
+//! in the waterfall, and the height of what casts a shadow in the waterfall.
 
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
@@ -51,11 +51,7 @@ pub struct Measuring {
 impl Measuring {
     /// What is drawn of it.
     pub(super) fn for_picture(&self) -> Self {
-        Self {
-            tool: None,
-            figure: self.figure.clone(),
-            ..Self::default()
-        }
+        Self { tool: None, figure: self.figure.clone(), ..Self::default() }
     }
 
     /// Depths along the figure; none where it is not the line of a profile.
@@ -158,15 +154,10 @@ impl App {
         };
         let open = self.map.measuring.figure.as_ref();
         let open = open.filter(|_| self.map.measuring.is_drawing());
-        let begun = open.map_or_else(
-            || Measurement::new(kind),
-            |figure| figure.measurement.clone(),
-        );
+        let begun =
+            open.map_or_else(|| Measurement::new(kind), |figure| figure.measurement.clone());
         let measurement = begun.with(at, pick);
-        self.draw(Some(Figure {
-            measurement,
-            done: false,
-        }));
+        self.draw(Some(Figure { measurement, done: false }));
         // Both ends of a shadow are all there is.
         if kind == MeasurementKind::Height && self.map.measuring.picks().len() == 2 {
             self.end_figure();
@@ -179,16 +170,13 @@ impl App {
         let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
         let top = measuring.picks().get(&0).filter(|_| is_shadow);
         match top {
-            Some(top) => Pick {
-                slant_m: pick.slant_m,
-                ..top.clone()
-            },
+            Some(top) => Pick { slant_m: pick.slant_m, ..top.clone() },
             None => pick,
         }
     }
 
-    /// The height of what casts the shadow between two slant ranges of a pick's ping, on the recorder's scale; `None` while its log is
-    /// closed or not processed.
+    /// The height of what casts the shadow between two slant ranges of a pick's ping, on the
+    /// recorder's scale; `None` while its log is closed or not processed.
     pub(crate) fn shadow_height(
         &self,
         on: &Pick,
@@ -207,30 +195,27 @@ impl App {
         self.shadow_height(top, recorded_m)
     }
 
-    /// Has the measured shadow tell the height of a box: of the selected one, or of the one that it was measured in. Of a box with such a
-    /// height, where no other shadow is measured, the height is that of its own shadow again.
+    /// Has the measured shadow tell the height of a box: of the selected one, or of the one that it
+    /// was measured in. Of a box with such a height, where no other shadow is measured, the height
+    /// is that of its own shadow again.
     pub(super) fn use_shadow(&mut self) {
         let figure = self.map.measuring.figure.as_deref();
         let shadow = figure.and_then(|figure| figure.measurement.shadow());
         let own = self.log.survey.as_ref().map(|survey| Identity::of(survey));
         let is_of_log = |pick: &Pick| own.as_ref().is_some_and(|own| own.is_same_log(&pick.log));
-        let shadow = shadow
-            .filter(|(pick, _)| is_of_log(pick))
-            .map(|(pick, [one, other])| {
-                let shadow = MeasuredShadow {
-                    ping: pick.ping,
-                    top_m: one.min(other),
-                    end_m: one.max(other),
-                };
-                (pick.side, shadow)
-            });
+        let shadow = shadow.filter(|(pick, _)| is_of_log(pick)).map(|(pick, [one, other])| {
+            let shadow =
+                MeasuredShadow { ping: pick.ping, top_m: one.min(other), end_m: one.max(other) };
+            (pick.side, shadow)
+        });
         match self.box_of_shadow(shadow) {
             Some((id, shadow)) => self.edit(&Edit::SetShadow(id, shadow), false),
             None => self.notify(NO_BOX.to_owned(), true),
         }
     }
 
-    /// The box whose height a measured shadow is to tell, and that shadow; `None` for it where the box has it already.
+    /// The box whose height a measured shadow is to tell, and that shadow; `None` for it where the
+    /// box has it already.
     fn box_of_shadow(
         &self,
         shadow: Option<(Side, MeasuredShadow)>,
@@ -245,9 +230,7 @@ impl App {
         let around = |one: &&Reviewed| {
             fits(one) && one.mark.near_m < shadow.end_m && shadow.top_m < one.mark.far_m
         };
-        let one = selected
-            .filter(fits)
-            .or_else(|| reviewing.review.boxes().find(around))?;
+        let one = selected.filter(fits).or_else(|| reviewing.review.boxes().find(around))?;
         Some((one.id, (one.shadow != Some(shadow)).then_some(shadow)))
     }
 
@@ -293,10 +276,8 @@ impl App {
         match &self.map.measuring.figure {
             Some(figure) if !figure.measurement.is_measurable() => self.draw(None),
             Some(figure) if !figure.done => {
-                self.map.measuring.figure = Some(Arc::new(Figure {
-                    done: true,
-                    ..(**figure).clone()
-                }));
+                self.map.measuring.figure =
+                    Some(Arc::new(Figure { done: true, ..(**figure).clone() }));
                 self.keep_project("measurement");
             }
             _ => {}
@@ -306,10 +287,7 @@ impl App {
     /// Makes `figure` the one on the map, as an undo step.
     fn draw(&mut self, figure: Option<Figure>) {
         let before = self.step_now();
-        let after = UndoStep {
-            figure: figure.map(Arc::new),
-            ..before.clone()
-        };
+        let after = UndoStep { figure: figure.map(Arc::new), ..before.clone() };
         let label = match after.figure {
             Some(_) => "corner",
             None => "measurement",
@@ -335,10 +313,7 @@ impl App {
             return;
         }
         match export::write_profile_csv(&path, &text) {
-            Ok(()) => self.notify(
-                format!("Wrote the depth profile to {}", path.display()),
-                false,
-            ),
+            Ok(()) => self.notify(format!("Wrote the depth profile to {}", path.display()), false),
             Err(error) => self.notify(error.to_string(), true),
         }
     }

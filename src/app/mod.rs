@@ -1,7 +1,7 @@
 //! What the analyst sees and decides: state, commands and undo. Knows no widget and draws nothing.
 //!
-//! The window reads [`App`] and pushes [`Command`]s; [`App::apply`] is the only place that changes state, and
-//! [`App::poll`] collects what the workers finished.
+//! The window reads [`App`] and pushes [`Command`]s; [`App::apply`] is the only place that changes
+//! state, and [`App::poll`] collects what the workers finished.
 
 mod above_bottom;
 mod action;

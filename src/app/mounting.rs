@@ -10,7 +10,8 @@ use std::sync::Arc;
 /// Mountings by recorder ([`bathyscope_log::survey::Source::recorder`]).
 pub type Mountings = BTreeMap<String, MountingSettings>;
 
-/// Settings whose bottom edits lie on the echoes that they were drawn on, when the sides are exchanged by them.
+/// Settings whose bottom edits lie on the echoes that they were drawn on, when the sides are
+/// exchanged by them.
 pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings {
     let swapped = settings.mounting.swap_sides;
     if swapped != before.mounting.swap_sides {
@@ -47,7 +48,8 @@ impl App {
         self.change(settings, "sides of the recorder", false);
     }
 
-    /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is no step that could be taken back.
+    /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is
+    /// no step that could be taken back.
     pub(super) fn mount_as_usual(&mut self, id: LogId) {
         let Some(log) = self.open_log(id) else {
             return;
@@ -60,15 +62,13 @@ impl App {
             return;
         };
         match self.mount(id, mounting) {
-            Ok(()) => self.notify(
-                format!("{name} has the default mounting of {recorder}"),
-                false,
-            ),
+            Ok(()) => self.notify(format!("{name} has the default mounting of {recorder}"), false),
             Err(error) => self.notify(error.to_string(), true),
         }
     }
 
-    /// Keeps the mounting of the shown log as the default of its recorder, and mounts all open logs of it so, as an undo step.
+    /// Keeps the mounting of the shown log as the default of its recorder, and mounts all open logs
+    /// of it so, as an undo step.
     pub(super) fn use_mounting(&mut self) {
         let recorder = self.recorder();
         if recorder.is_empty() {
@@ -100,19 +100,12 @@ impl App {
     pub(super) fn forget_mounting(&mut self) {
         let recorder = self.recorder();
         let before = self.step_now();
-        if Arc::make_mut(&mut self.document.mountings)
-            .remove(&recorder)
-            .is_none()
-        {
+        if Arc::make_mut(&mut self.document.mountings).remove(&recorder).is_none() {
             let text = "the recorder of this log has no default mounting";
             return self.notify(text.to_owned(), true);
         }
         let after = self.step_now();
-        self.record_named(
-            &before,
-            &after,
-            format!("no default mounting of {recorder}"),
-        );
+        self.record_named(&before, &after, format!("no default mounting of {recorder}"));
     }
 
     /// Mounts a log, with its boxes and its bottom edits. After an error the log is as it was.

@@ -1,4 +1,5 @@
-//! What the program says to the analyst: what is on screen, and all of it since the program was started.
+//! What the program says to the analyst: what is on screen, and all of it since the program was
+//! started.
 
 use super::{Action, App};
 use crate::app::system_words::in_plain_words;
@@ -32,7 +33,8 @@ pub(super) struct NoticeHistory {
 }
 
 impl App {
-    /// All that was said since the program was started, the newest first; the oldest of very many are forgotten.
+    /// All that was said since the program was started, the newest first; the oldest of very many
+    /// are forgotten.
     pub fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
         self.said.all.iter().rev()
     }
@@ -56,7 +58,8 @@ impl App {
         self.say(&text, false, Some(action));
     }
 
-    /// Notifies the analyst of a change that undo takes back, in the place of the last notice of this kind: a row of keys leaves one.
+    /// Notifies the analyst of a change that undo takes back, in the place of the last notice of
+    /// this kind: a row of keys leaves one.
     pub(super) fn offer_undo(&mut self, text: String) {
         self.withdraw(Action::Undo);
         if self.said.ends_with_undo {
@@ -67,16 +70,10 @@ impl App {
     }
 
     fn say(&mut self, text: &str, is_error: bool, offer: Option<Action>) {
-        let notice = Notice {
-            text: one_line(text),
-            is_error,
-            offer,
-            at: SystemTime::now(),
-        };
+        let notice = Notice { text: one_line(text), is_error, offer, at: SystemTime::now() };
         self.said.ends_with_undo = false;
         // Said once more, it takes the place of itself on the screen.
-        self.notices
-            .retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
+        self.notices.retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
         self.said.all.push_back(notice.clone());
         if self.said.all.len() > KEPT {
             self.said.all.pop_front();

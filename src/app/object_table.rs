@@ -74,12 +74,10 @@ impl ObjectColumn {
         }
     }
 
-    /// Whether a first click on its heading sorts from the largest down: what is seen most often and what is largest comes first.
+    /// Whether a first click on its heading sorts from the largest down: what is seen most often
+    /// and what is largest comes first.
     fn begins_with_largest(self) -> bool {
-        !matches!(
-            self,
-            Self::Number | Self::Name | Self::Class | Self::State | Self::Remarks
-        )
+        !matches!(self, Self::Number | Self::Name | Self::Class | Self::State | Self::Remarks)
     }
 }
 
@@ -141,8 +139,8 @@ impl ObjectTable {
         self.sort = column;
     }
 
-    /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where they are alike; what is not known
-    /// comes last.
+    /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where
+    /// they are alike; what is not known comes last.
     pub fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
         let text = self.text.trim().to_lowercase();
         let passes = |object: &&SurveyObject| {
@@ -227,10 +225,7 @@ mod tests {
             altitude_m: 3.0,
             east_m: 0.0,
             north_m: 0.0,
-            position: LonLat {
-                lon_deg: 0.0,
-                lat_deg: 0.0,
-            },
+            position: LonLat { lon_deg: 0.0, lat_deg: 0.0 },
             length_m,
             width_m: 0.4,
             height_m: f64::NAN,
@@ -247,31 +242,16 @@ mod tests {
 
     fn reviewed(state: State, score: f32) -> Reviewed {
         let mark = bathyscope_objects::Mark::point(bathyscope_log::survey::Side::Port, 5, 6.0);
-        Reviewed {
-            score: Some(score),
-            state,
-            ..Reviewed::drawn(BoxId(1), mark, 0)
-        }
+        Reviewed { score: Some(score), state, ..Reviewed::drawn(BoxId(1), mark, 0) }
     }
 
     fn object(number: u32, class: &str, boxes: &[(Reviewed, Target)]) -> SurveyObject {
-        let placed = PlacedBox {
-            log: 0,
-            class,
-            score: None,
-            target: &boxes[0].1,
-        };
+        let placed = PlacedBox { log: 0, class, score: None, target: &boxes[0].1 };
         let joint = joint_objects(&[placed], &GroupSettings::default());
         let log = LogId(1);
         SurveyObject {
             number,
-            boxes: vec![
-                LogBox {
-                    log,
-                    id: BoxId(number)
-                };
-                boxes.len()
-            ],
+            boxes: vec![LogBox { log, id: BoxId(number) }; boxes.len()],
             position: boxes[0].1.position,
             joint: joint[0].clone(),
             sightings: boxes.len(),
@@ -298,10 +278,7 @@ mod tests {
         assert_eq!(summary.confidence, Some(Confidence::Probable));
         assert_eq!(summary.length_m, 1.0, "what was drawn counts");
         let rejected = [(reviewed(State::Rejected, 0.5), target(1.0))];
-        assert_eq!(
-            object(1, "rock", &rejected).summary.state,
-            ObjectState::Rejected
-        );
+        assert_eq!(object(1, "rock", &rejected).summary.state, ObjectState::Rejected);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The list of objects of the visible logs ([`ObjectList`]), and the work on it.
 //!
-//! A background job makes the list again when a box, a place, the confidence or the logs are others. An object keeps its number while
-//! its boxes are decided, moved or hidden.
+//! A background job makes the list again when a box, a place, the confidence or the logs are
+//! others. An object keeps its number while its boxes are decided, moved or hidden.
 
 use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
@@ -36,7 +36,8 @@ impl PartialEq for LogBoxes {
 }
 
 impl LogBoxes {
-    /// The boxes that count and are placed. One that was moved since is placed again in a moment; until then it counts where it was.
+    /// The boxes that count and are placed. One that was moved since is placed again in a moment;
+    /// until then it counts where it was.
     fn boxes(&self, log: usize) -> impl Iterator<Item = ObjectBox> {
         let boxes = self.review.boxes(&self.exclusions);
         boxes.filter_map(move |one| {
@@ -85,10 +86,7 @@ pub(super) struct Objects {
 impl Objects {
     /// Has objects keep numbers from a project.
     pub(super) fn number_from(&mut self, first: ObjectNumbers) {
-        *self = Self {
-            first: Arc::new(first),
-            ..Self::default()
-        };
+        *self = Self { first: Arc::new(first), ..Self::default() };
     }
 
     fn numbers(&self) -> &ObjectNumbers {
@@ -112,14 +110,13 @@ impl App {
         list.map_or(&[], |list| list.objects())
     }
 
-    /// What is decided about the boxes of each of [`App::processed_logs`], and the numbers that the objects have here.
+    /// What is decided about the boxes of each of [`App::processed_logs`], and the numbers that the
+    /// objects have here.
     pub(super) fn survey_review(&self) -> SurveyReview {
         let shown = self.visible_logs();
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
         SurveyReview {
-            logs: shown
-                .map(|log| log.reviewing.has_boxes().then(|| log.review()))
-                .collect(),
+            logs: shown.map(|log| log.reviewing.has_boxes().then(|| log.review())).collect(),
             numbers: self.findings.objects.numbers().clone(),
         }
     }
@@ -131,11 +128,7 @@ impl App {
 
     /// Numbers of the objects that the table shows, in its order.
     pub fn listed_objects(&self) -> &[u32] {
-        self.findings
-            .objects
-            .listing
-            .result()
-            .map_or(&[], Vec::as_slice)
+        self.findings.objects.listing.result().map_or(&[], Vec::as_slice)
     }
 
     /// An object by its number.
@@ -173,7 +166,8 @@ impl App {
         (*boxes == object.boxes).then_some(shape)
     }
 
-    /// How many passes of the boat over all visible logs saw the selected object, and how many covered its place, once they are counted.
+    /// How many passes of the boat over all visible logs saw the selected object, and how many
+    /// covered its place, once they are counted.
     pub fn selected_object_passes(&self) -> Option<PassCount> {
         let (number, passes) = self.findings.objects.passes.result()?;
         let object = self.selected_object()?;
@@ -222,10 +216,8 @@ impl App {
         let boxes = self.selected_object().map(|object| object.boxes.clone());
         let placed = boxes.into_iter().flatten().filter_map(|id| {
             let log = self.open_log(id.log)?;
-            let processed = ProcessedLog {
-                survey: log.survey.clone()?,
-                products: log.products.clone()?,
-            };
+            let processed =
+                ProcessedLog { survey: log.survey.clone()?, products: log.products.clone()? };
             Some((id, processed, log.reviewing.placed(id.id)?.clone()))
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
@@ -237,16 +229,12 @@ impl App {
             return;
         }
         let of = placed.iter().map(|(id, _, at)| (*id, Same(at.clone())));
-        self.findings
-            .objects
-            .shape
-            .ask(of.collect(), &self.jobs, move |_| {
-                let boxes: Vec<(&ProcessedLog, &Target)> = (placed.iter())
-                    .map(|(_, log, at)| (log, &at.target))
-                    .collect();
-                let ids = placed.iter().map(|(id, ..)| *id).collect();
-                Some((ids, object_shape(&boxes)))
-            });
+        self.findings.objects.shape.ask(of.collect(), &self.jobs, move |_| {
+            let boxes: Vec<(&ProcessedLog, &Target)> =
+                (placed.iter()).map(|(_, log, at)| (log, &at.target)).collect();
+            let ids = placed.iter().map(|(id, ..)| *id).collect();
+            Some((ids, object_shape(&boxes)))
+        });
     }
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {

@@ -15,7 +15,8 @@ use bathyscope_products::pipeline::{
 use bathyscope_products::project::LogFile;
 use std::sync::Arc;
 
-/// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell apart, without black.
+/// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell
+/// apart, without black.
 const COLOURS: [[u8; 3]; 7] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -60,12 +61,14 @@ pub struct OpenLog {
     pub settings: Arc<Settings>,
     /// The last results; those of other settings while the engine works.
     pub products: Option<Products>,
-    /// The last results of the whole log, while those in [`OpenLog::products`] are provisional: it is followed, and grew since. What is made
-    /// of a log as a whole, maps and files, is made of these.
+    /// The last results of the whole log, while those in [`OpenLog::products`] are provisional: it
+    /// is followed, and grew since. What is made of a log as a whole, maps and files, is made of
+    /// these.
     pub whole: Option<ProcessedLog>,
     /// First returns of the settings under the slider, ahead of `products`.
     pub preview: Option<Arc<FirstReturns>>,
-    /// Counts and residuals of `products`; those of the last products until the new ones are counted.
+    /// Counts and residuals of `products`; those of the last products until the new ones are
+    /// counted.
     pub figures: Option<Figures>,
     /// Water levels and tracks that other instruments recorded.
     pub external: External,
@@ -110,12 +113,7 @@ impl Default for OpenLog {
 impl OpenLog {
     /// A log as it was read, with nothing done to it yet.
     pub(super) fn new(id: LogId, survey: Arc<Survey>, settings: Arc<Settings>) -> Self {
-        let mut log = Self {
-            id,
-            name: survey.name(),
-            settings,
-            ..Self::default()
-        };
+        let mut log = Self { id, name: survey.name(), settings, ..Self::default() };
         log.replace_survey(survey);
         log
     }
@@ -129,13 +127,11 @@ impl OpenLog {
         self.survey = Some(survey);
     }
 
-    /// The recording and its results as a whole: while it is followed, those of the last run over all of it.
+    /// The recording and its results as a whole: while it is followed, those of the last run over
+    /// all of it.
     pub(crate) fn settled(&self) -> Option<ProcessedLog> {
         let now = || {
-            Some(ProcessedLog {
-                survey: self.survey.clone()?,
-                products: self.products.clone()?,
-            })
+            Some(ProcessedLog { survey: self.survey.clone()?, products: self.products.clone()? })
         };
         self.whole.clone().or_else(now)
     }
@@ -154,8 +150,8 @@ impl OpenLog {
         }
     }
 
-    /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other
-    /// sides.
+    /// The first returns to draw: those under the slider if there are any, else those of the last
+    /// result, but for those of the other sides.
     pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
         let swapped = self.settings.mounting.swap_sides;
         let products = self.products.as_ref();
@@ -164,7 +160,8 @@ impl OpenLog {
         self.preview.as_ref().or(found)
     }
 
-    /// The bottom line to draw: the first returns under the slider if there are any, else that of the last result.
+    /// The bottom line to draw: the first returns under the slider if there are any, else that of
+    /// the last result.
     pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         let is_of_result = self.preview.is_none() && self.returns().is_some();
         let products = self.products.as_ref().filter(|_| is_of_result);
@@ -184,8 +181,8 @@ impl OpenLog {
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }
 
-    /// Has the results say that they were made with the picture settings and the classes in force: none depends on these. Returns whether
-    /// the results are those of all settings then.
+    /// Has the results say that they were made with the picture settings and the classes in force:
+    /// none depends on these. Returns whether the results are those of all settings then.
     pub(super) fn take_settings_of_no_result(&mut self) -> bool {
         let Some(products) = &mut self.products else {
             return false;

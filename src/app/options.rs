@@ -313,7 +313,8 @@ pub struct CloudOptions {
     pub vertical_exaggeration: f32,
     /// Diameter of a point, screen points.
     pub point_size: f32,
-    /// Draw the points that do not count for the map, in a third colour; otherwise they are left out.
+    /// Draw the points that do not count for the map, in a third colour; otherwise they are left
+    /// out.
     pub outlier_preview: bool,
     /// Draw the boxes of objects.
     pub boxes: bool,
@@ -325,11 +326,13 @@ pub struct CloudOptions {
     pub bottom_colour: BottomColour,
     /// Draw lines of equal depth on the bottom.
     pub isobaths: bool,
-    /// Where the light on the bottom comes from: degrees clockwise from north, and over the horizon.
+    /// Where the light on the bottom comes from: degrees clockwise from north, and over the
+    /// horizon.
     pub light_deg: [f32; 2],
     /// Draw where the water's surface is, with the boat's track on it.
     pub water: bool,
-    /// Draw what lies behind the line of the depth profile alone, where there is one. It belongs to a survey, and is not kept for the next one.
+    /// Draw what lies behind the line of the depth profile alone, where there is one. It belongs to
+    /// a survey, and is not kept for the next one.
     #[serde(skip)]
     pub cut: bool,
     /// Draw what lies in this box alone. It belongs to a survey, and is not kept for the next one.
@@ -438,7 +441,8 @@ pub struct ViewOptions {
 }
 
 impl ViewOptions {
-    /// What a person likes, for a survey that is opened anew: what hides or transforms a part of the one before is as it is by default.
+    /// What a person likes, for a survey that is opened anew: what hides or transforms a part of
+    /// the one before is as it is by default.
     #[must_use]
     pub(crate) fn for_new_survey(&self) -> Self {
         let usual = WaterfallOptions::default();

@@ -1,8 +1,9 @@
 //! What is out of date after a change of the open logs, for each kind of change.
 //!
-//! Most of what is made of logs follows them by itself: results are asked for where they are older than the settings
-//! ([`App::schedule`]), and what is made of results where these are others ([`bathyscope_products::pipeline::Background`]). Here is what nothing
-//! replaces: it is dropped, or put right.
+//! Most of what is made of logs follows them by itself: results are asked for where they are older
+//! than the settings ([`App::schedule`]), and what is made of results where these are others
+//! ([`bathyscope_products::pipeline::Background`]). Here is what nothing replaces: it is dropped,
+//! or put right.
 
 use super::{App, LogId};
 use bathyscope_log::survey::Side;
@@ -73,7 +74,8 @@ impl App {
         self.map.measuring = Default::default();
     }
 
-    /// Forgets what was found ahead of the results of a log, and what was measured of it for the next time.
+    /// Forgets what was found ahead of the results of a log, and what was measured of it for the
+    /// next time.
     fn forget_preview(&mut self, id: LogId) {
         if let Some(log) = self.log_mut(id) {
             log.preview = None;

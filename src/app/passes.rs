@@ -1,5 +1,6 @@
-//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it. Logs are laid out for it, in
-//! a background thread; a search that nobody waits for any more is dropped.
+//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at
+//! it. Logs are laid out for it, in a background thread; a search that nobody waits for any more is
+//! dropped.
 
 use super::{App, LogId, LogPlace, ShownLog, Task, TaskOutcome};
 use bathyscope_log::support::geo::LonLat;
@@ -84,22 +85,14 @@ impl Passes {
 /// The place of a pass that the other views show.
 pub fn mark_of(pass: &Pass) -> LogPlace {
     let (ping, sample) = pass.middle;
-    LogPlace {
-        side: Some(pass.side),
-        sample: Some(sample as f32),
-        ..LogPlace::ping(ping)
-    }
+    LogPlace { side: Some(pass.side), sample: Some(sample as f32), ..LogPlace::ping(ping) }
 }
 
 impl App {
-    /// What is known of the passes of all visible logs over a position, in the order of the list of logs.
+    /// What is known of the passes of all visible logs over a position, in the order of the list of
+    /// logs.
     pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
-        let listed = self
-            .findings
-            .passes
-            .listed
-            .as_ref()
-            .filter(|one| one.at == at);
+        let listed = self.findings.passes.listed.as_ref().filter(|one| one.at == at);
         match listed.map(|listed| (&listed.task, &listed.found)) {
             Some((Some(_), _)) => PassesFound::Searching,
             Some((None, Some(found))) => PassesFound::Found(found),
@@ -117,14 +110,12 @@ impl App {
     pub(super) fn find_passes(&mut self, at: LonLat) {
         let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
         let work = move |progress: &Progress| found(&shown, at, &results, progress).ok();
-        self.findings.passes.listed = Some(Listed {
-            at,
-            task: Some(Task::start(&self.jobs, work)),
-            found: None,
-        });
+        self.findings.passes.listed =
+            Some(Listed { at, task: Some(Task::start(&self.jobs, work)), found: None });
     }
 
-    /// Goes from the selected place to the same place in the next pass that saw it, and from the last one to the first, once that is found.
+    /// Goes from the selected place to the same place in the next pass that saw it, and from the
+    /// last one to the first, once that is found.
     pub(super) fn next_pass(&mut self) {
         let Some((id, mark)) = self.selected().filter(|(_, mark)| mark.side.is_some()) else {
             return self.notify(NO_PLACE.to_owned(), true);
@@ -138,13 +129,7 @@ impl App {
     }
 
     fn go_to(&mut self, to: Goal) {
-        if self
-            .findings
-            .passes
-            .next
-            .as_ref()
-            .is_some_and(|next| next.to == to)
-        {
+        if self.findings.passes.next.as_ref().is_some_and(|next| next.to == to) {
             return;
         }
         let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
@@ -158,11 +143,8 @@ impl App {
                 None => Some(None),
             }
         };
-        self.findings.passes.next = Some(Next {
-            from: self.selected(),
-            to,
-            task: Task::start(&self.jobs, work),
-        });
+        self.findings.passes.next =
+            Some(Next { from: self.selected(), to, task: Task::start(&self.jobs, work) });
     }
 
     fn selected(&self) -> Option<(LogId, LogPlace)> {
@@ -172,23 +154,12 @@ impl App {
     /// Collects the passes that were found.
     pub(super) fn poll_passes(&mut self) {
         self.poll_listed();
-        match self
-            .findings
-            .passes
-            .next
-            .as_ref()
-            .map(|next| next.task.poll())
-        {
+        match self.findings.passes.next.as_ref().map(|next| next.task.poll()) {
             None | Some(TaskOutcome::Pending) => {}
             Some(TaskOutcome::Done(found)) => {
                 let here = self.selected();
                 // Whoever selected something else meanwhile does not want to be led away from it.
-                let next = self
-                    .findings
-                    .passes
-                    .next
-                    .take()
-                    .filter(|next| next.from == here);
+                let next = self.findings.passes.next.take().filter(|next| next.from == here);
                 match found.zip(next.map(|next| next.to)) {
                     Some((Some(passes), Goal::After(id, mark))) => {
                         self.go_to_next(&passes, id, mark);
@@ -231,12 +202,7 @@ impl App {
             *log == id && Some(pass.side) == mark.side && is_in
         };
         let next = match passes.iter().position(is_here) {
-            Some(here) => passes
-                .iter()
-                .cycle()
-                .skip(here + 1)
-                .take(passes.len() - 1)
-                .next(),
+            Some(here) => passes.iter().cycle().skip(here + 1).take(passes.len() - 1).next(),
             None => passes.first(),
         };
         match next {

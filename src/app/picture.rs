@@ -7,9 +7,7 @@ use bathyscope_products::pipeline::Settings;
 
 impl App {
     pub(super) fn reset_picture(&mut self) {
-        self.change_picture("levels of the waterfall", |picture| {
-            *picture = picture.reset()
-        });
+        self.change_picture("levels of the waterfall", |picture| *picture = picture.reset());
     }
 
     pub(super) fn toggle_gain(&mut self) {
@@ -22,9 +20,7 @@ impl App {
     }
 
     pub(super) fn toggle_despeckle(&mut self) {
-        self.change_picture("despeckling", |picture| {
-            picture.despeckle = !picture.despeckle
-        });
+        self.change_picture("despeckling", |picture| picture.despeckle = !picture.despeckle);
     }
 
     pub(super) fn toggle_stripe_filter(&mut self) {
@@ -55,10 +51,7 @@ impl App {
         let shown = &mut self.view.options.waterfall;
         let there = EchogramChannel::ALL.into_iter().filter(has);
         let each = there.flat_map(|channel| [(channel, false), (channel, true)]);
-        let all: Vec<_> = [(EchogramChannel::None, false)]
-            .into_iter()
-            .chain(each)
-            .collect();
+        let all: Vec<_> = [(EchogramChannel::None, false)].into_iter().chain(each).collect();
         let now = match shown.echogram {
             EchogramChannel::None => (EchogramChannel::None, false),
             channel => (channel, shown.echogram_alone),

@@ -1,4 +1,5 @@
-//! Lines to sail next: planned in a background thread, changed by hand, written for plotters and autopilots.
+//! Lines to sail next: planned in a background thread, changed by hand, written for plotters and
+//! autopilots.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
@@ -79,10 +80,7 @@ impl Planning {
 
     /// What is drawn of it.
     pub(super) fn for_picture(&self) -> Self {
-        Self {
-            lines: self.lines.clone(),
-            ..Self::default()
-        }
+        Self { lines: self.lines.clone(), ..Self::default() }
     }
 
     /// Stops the work; the lines stay.
@@ -111,12 +109,7 @@ impl App {
             let objects = list_objects(&logs, &review, progress)?;
             let known = survey_coverage(&logs, &objects, progress)?.ok_or(PlanError::NoLog)?;
             let plan = plan(&known, None, &asked, progress)?;
-            Ok(PlannedLines {
-                plan,
-                frame,
-                home,
-                name,
-            })
+            Ok(PlannedLines { plan, frame, home, name })
         };
         self.map.planning.task = Some(Task::start(&self.jobs, work));
     }
@@ -162,11 +155,7 @@ impl App {
             return self.notify(NO_LINES.to_owned(), true);
         };
         let mut lines = planned.plan.lines.clone();
-        let selected = self
-            .map
-            .planning
-            .selected
-            .filter(|line| *line < lines.len());
+        let selected = self.map.planning.selected.filter(|line| *line < lines.len());
         let Some(line) = selected else {
             return self.notify(NO_LINE.to_owned(), true);
         };
@@ -181,10 +170,8 @@ impl App {
 
     /// Other lines in the place of those that are planned; none of them leave no plan.
     fn replace_lines(&mut self, planned: &PlannedLines, lines: Vec<Leg>, label: &'static str) {
-        let changed = (!lines.is_empty()).then(|| PlannedLines {
-            plan: planned.plan.with_lines(lines),
-            ..planned.clone()
-        });
+        let changed = (!lines.is_empty())
+            .then(|| PlannedLines { plan: planned.plan.with_lines(lines), ..planned.clone() });
         self.set_lines(changed, label);
     }
 
@@ -226,10 +213,7 @@ impl App {
         match written {
             Ok(()) => {
                 let path = path.display().to_string();
-                self.notify(
-                    format!("Wrote the planned lines to {}", quoted(&path)),
-                    false,
-                );
+                self.notify(format!("Wrote the planned lines to {}", quoted(&path)), false);
             }
             Err(error) => self.notify(error.to_string(), true),
         }

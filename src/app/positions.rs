@@ -1,5 +1,5 @@
-//! How far the positions of each log are off and how late they are: found where tracks cross over a slope, and put right when the analyst asks for
-//! it.
+//! How far the positions of each log are off and how late they are: found where tracks cross over a
+//! slope, and put right when the analyst asks for it.
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId};
@@ -47,7 +47,8 @@ impl App {
         self.findings.positions.found()
     }
 
-    /// Starts to compare the positions of the visible logs: their shifts, where there are several, and their latencies.
+    /// Starts to compare the positions of the visible logs: their shifts, where there are several,
+    /// and their latencies.
     pub(super) fn match_positions(&mut self) {
         let shown = self.shown_logs();
         if shown.is_empty() {
@@ -57,10 +58,7 @@ impl App {
         }
         let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
-        let wanted = Wanted {
-            shifts: logs.len() > 1,
-            latencies: true,
-        };
+        let wanted = Wanted { shifts: logs.len() > 1, latencies: true };
         self.findings.positions.start(&self.jobs, move |progress| {
             let found = position_offsets(&logs, wanted, progress).ok()??;
             let logs = ids.into_iter().zip(found).collect();

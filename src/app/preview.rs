@@ -1,8 +1,8 @@
 //! First returns ahead of the pipeline, so that the line follows the slider.
 //!
-//! The plain threshold is answered for the whole log from its index of running maxima; the tracker is run over the pings
-//! on screen. One job runs at a time and the newest request waits for it: cancelling each time would show nothing at all
-//! during a long drag.
+//! The plain threshold is answered for the whole log from its index of running maxima; the tracker
+//! is run over the pings on screen. One job runs at a time and the newest request waits for it:
+//! cancelling each time would show nothing at all during a long drag.
 
 use super::{Jobs, Task, TaskOutcome};
 use bathyscope_bottom::first_return::{
@@ -38,8 +38,8 @@ impl PreviewRequest {
     }
 }
 
-/// What is measured once and kept between drags: the plain threshold needs its index, the tracker only the picture's scale,
-/// which takes no memory.
+/// What is measured once and kept between drags: the plain threshold needs its index, the tracker
+/// only the picture's scale, which takes no memory.
 enum Measured {
     Index(ThresholdIndex),
     Scale(Normalisation),
@@ -130,9 +130,8 @@ impl Previewer {
         let key = request.key();
         let known = self.measured.as_ref().filter(|(known, _)| *known == key);
         let known = known.map(|(_, measured)| measured.clone());
-        self.running = Some(Task::start(jobs, move |progress| {
-            answer(request, known, requested, progress)
-        }));
+        self.running =
+            Some(Task::start(jobs, move |progress| answer(request, known, requested, progress)));
     }
 
     /// The newest answer, once.
@@ -177,11 +176,7 @@ fn answer(
     } else {
         None
     };
-    Ok(Answer {
-        key,
-        measured,
-        preview,
-    })
+    Ok(Answer { key, measured, preview })
 }
 
 fn search(
@@ -191,26 +186,16 @@ fn search(
 ) -> Result<FirstReturns, Cancelled> {
     let settings = &request.first_return;
     match measured {
-        Measured::Index(index) => Ok(index.detect(
-            &request.survey,
-            settings.threshold,
-            settings.above_bottom_margin_m,
-        )),
+        Measured::Index(index) => {
+            Ok(index.detect(&request.survey, settings.threshold, settings.above_bottom_margin_m))
+        }
         Measured::Scale(normalisation) => {
             let end = request.visible.end.min(request.base.port.len());
             let pings = request.visible.start.min(end)..end;
-            let seen = track_range(
-                &request.survey,
-                normalisation,
-                settings,
-                pings.clone(),
-                progress,
-            )?;
+            let seen =
+                track_range(&request.survey, normalisation, settings, pings.clone(), progress)?;
             let mut all = FirstReturns::clone(&request.base);
-            let sides = [
-                (&mut all.port, &seen.port),
-                (&mut all.starboard, &seen.starboard),
-            ];
+            let sides = [(&mut all.port, &seen.port), (&mut all.starboard, &seen.starboard)];
             for (all, seen) in sides {
                 Arc::make_mut(all)[pings.clone()].copy_from_slice(seen);
             }

@@ -4,7 +4,8 @@ use super::{App, Jobs};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Points of the screen in an inch: text is as large on paper as it is on a screen that keeps to it.
+/// Points of the screen in an inch: text is as large on paper as it is on a screen that keeps to
+/// it.
 const POINTS_AN_INCH: f64 = 96.0;
 /// Millimetres in an inch.
 const INCH_MM: f64 = 25.4;
@@ -62,13 +63,7 @@ pub struct PrintOptions {
 
 impl Default for PrintOptions {
     fn default() -> Self {
-        Self {
-            paper: Paper::default(),
-            landscape: true,
-            dpi: 300,
-            width_px: 3000,
-            light: true,
-        }
+        Self { paper: Paper::default(), landscape: true, dpi: 300, width_px: 3000, light: true }
     }
 }
 
@@ -112,7 +107,8 @@ impl PrintOptions {
 }
 
 impl App {
-    /// What the views show of this state, to be drawn elsewhere: without buttons, and without what the pointer has selected.
+    /// What the views show of this state, to be drawn elsewhere: without buttons, and without what
+    /// the pointer has selected.
     pub(crate) fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.view.is_picture = true;
@@ -151,11 +147,8 @@ mod tests {
 
     #[test]
     fn without_paper_the_view_keeps_its_shape() {
-        let options = PrintOptions {
-            paper: Paper::Pixels,
-            width_px: 1600,
-            ..PrintOptions::default()
-        };
+        let options =
+            PrintOptions { paper: Paper::Pixels, width_px: 1600, ..PrintOptions::default() };
         let sheet = options.sheet([800.0, 500.0]);
         assert_eq!(sheet.size_px, [1600, 1000]);
         assert_eq!(sheet.pixels_per_point, 2.0);

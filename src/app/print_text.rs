@@ -1,4 +1,5 @@
-//! What stands around a printed view: title, dates, coordinate system, what depths count from, scale.
+//! What stands around a printed view: title, dates, coordinate system, what depths count from,
+//! scale.
 
 use super::{App, View};
 use bathyscope_log::support::calendar;
@@ -20,14 +21,10 @@ pub struct PrintText {
 }
 
 impl App {
-    /// What stands around a print of a view. `scale` says how large it is on paper; printed at `now`.
+    /// What stands around a print of a view. `scale` says how large it is on paper; printed at
+    /// `now`.
     pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
-        let facts = [
-            self.recorded(now),
-            self.system(view),
-            self.datum(),
-            Some(scale),
-        ];
+        let facts = [self.recorded(now), self.system(view), self.datum(), Some(scale)];
         let facts = facts.into_iter().flatten();
         PrintText {
             title: format!("{} · {}", one_line(&self.print_name()), view.title()),
@@ -64,10 +61,7 @@ impl App {
         };
         let now_s = now.duration_since(UNIX_EPOCH).unwrap_or_default();
         let printed = calendar::date(now_s.as_secs_f64());
-        Some(format!(
-            "{recorded}, printed {printed} by Bathyscope {}.",
-            env!("CARGO_PKG_VERSION")
-        ))
+        Some(format!("{recorded}, printed {printed} by Bathyscope {}.", env!("CARGO_PKG_VERSION")))
     }
 
     /// What positions are written in, and what lengths are.

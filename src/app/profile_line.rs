@@ -38,10 +38,7 @@ impl ProfileLine {
     ) -> Self {
         let corners_m = line.distances_m();
         let corners: Vec<Corner> = (line.corners.iter().zip(&corners_m))
-            .map(|(at, distance_m)| Corner {
-                place: place(*at),
-                distance_m: *distance_m,
-            })
+            .map(|(at, distance_m)| Corner { place: place(*at), distance_m: *distance_m })
             .collect();
         // Two looks at every cell miss nothing that is drawn.
         let step_m = map.map_or(f64::INFINITY, |map| 0.5 * map.surface.grid.cell_m);
@@ -72,11 +69,7 @@ impl App {
         let figure = self.map.measuring.figure.as_deref();
         let set = figure.map(|figure| figure.measurement.clone());
         let set = set.filter(is_profile);
-        let next = self
-            .map
-            .measuring
-            .next
-            .filter(|_| self.map.measuring.is_drawing());
+        let next = self.map.measuring.next.filter(|_| self.map.measuring.is_drawing());
         let drawn = set.clone().map(|line| match next {
             Some(next) => line.with(next, None),
             None => line,
@@ -84,14 +77,7 @@ impl App {
         self.map.measuring.set = self.profile_line(set, self.map.measuring.set.as_ref());
         self.map.measuring.drawn = match drawn {
             // One line, once.
-            Some(drawn)
-                if self
-                    .map
-                    .measuring
-                    .set
-                    .as_ref()
-                    .is_some_and(|set| set.line == drawn) =>
-            {
+            Some(drawn) if self.map.measuring.set.as_ref().is_some_and(|set| set.line == drawn) => {
                 self.map.measuring.set.clone()
             }
             drawn => self.profile_line(drawn, self.map.measuring.drawn.as_ref()),

@@ -1,5 +1,5 @@
-//! The survey as a project: one file that holds the logs and all that was decided about them. Every step that undo takes back is in it
-//! at once, so that a crash costs the last gesture at most.
+//! The survey as a project: one file that holds the logs and all that was decided about them. Every
+//! step that undo takes back is in it at once, so that a crash costs the last gesture at most.
 
 use super::drawn_figure::Figure;
 use super::error::AppError;
@@ -38,7 +38,8 @@ pub(super) struct ProjectSaving {
     /// What is in it: what this window does not show is kept from here.
     project: Project,
     opening: Option<Task<Result<OpenedLogs, AppError>>>,
-    /// A project that is about to be written for the first time: where, and what the open logs' files are.
+    /// A project that is about to be written for the first time: where, and what the open logs'
+    /// files are.
     naming: Option<(PathBuf, Task<Hashed>)>,
     /// It is being written for the first time, with this in it.
     creating: Option<(Project, Task<Result<Store, StoreError>>)>,
@@ -95,8 +96,7 @@ struct OpenedLogs {
 
 /// Whether a path is named as a project is.
 pub fn is_project(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
 }
 
 impl App {
@@ -105,7 +105,8 @@ impl App {
         self.files.project_saving.store.as_ref().map(Store::path)
     }
 
-    /// Whether the project has changes that its file does not hold; they are in the journal beside it.
+    /// Whether the project has changes that its file does not hold; they are in the journal beside
+    /// it.
     pub fn is_project_unsaved(&self) -> bool {
         let store = self.files.project_saving.store.as_ref();
         store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
@@ -119,9 +120,8 @@ impl App {
         self.files.project_saving.finish_writing();
         // The window itself may have it open.
         self.files.project_saving.store = None;
-        self.files.project_saving.opening = Some(Task::start(&self.jobs, move |progress| {
-            read(&path, progress)
-        }));
+        self.files.project_saving.opening =
+            Some(Task::start(&self.jobs, move |progress| read(&path, progress)));
     }
 
     /// Starts to keep what is open as a project in a file.
@@ -134,11 +134,7 @@ impl App {
             .logs()
             .filter_map(|log| Some((log.id, log.survey.clone()?, log.file.clone())))
             .collect();
-        if logs
-            .iter()
-            .any(|(_, survey, _)| survey.source.files.is_empty())
-            || logs.is_empty()
-        {
+        if logs.iter().any(|(_, survey, _)| survey.source.files.is_empty()) || logs.is_empty() {
             let text = "a project needs at least one log; open one first";
             return self.notify(text.to_owned(), true);
         }
@@ -258,17 +254,13 @@ impl App {
         for key in gone {
             project = project.without_log(&key).unwrap_or(project);
         }
-        for (place, (log, file)) in open
-            .iter()
-            .filter_map(|log| Some((log, log.file.as_ref()?)))
-            .enumerate()
+        for (place, (log, file)) in
+            open.iter().filter_map(|log| Some((log, log.file.as_ref()?))).enumerate()
         {
             let known = project.log_like(file).cloned();
             let is_new = known.is_none();
-            let mut entry = known.map_or_else(
-                || ProjectLog::new(file.clone()),
-                |known| ProjectLog::clone(&known),
-            );
+            let mut entry = known
+                .map_or_else(|| ProjectLog::new(file.clone()), |known| ProjectLog::clone(&known));
             entry.file.path.clone_from(&file.path);
             // A log that was followed has more pings than when it was read.
             entry.file.pings = file.pings;
@@ -316,13 +308,7 @@ impl App {
             }
             Some(TaskOutcome::Pending) | None => {}
         }
-        let named = match self
-            .files
-            .project_saving
-            .naming
-            .as_ref()
-            .map(|(_, task)| task.poll())
-        {
+        let named = match self.files.project_saving.naming.as_ref().map(|(_, task)| task.poll()) {
             Some(TaskOutcome::Done(files)) => files,
             Some(TaskOutcome::Failed) => Err(AppError::Failed("saving the project")),
             Some(TaskOutcome::Pending) | None => return,
@@ -341,10 +327,7 @@ impl App {
                 log.file = Some(file);
             }
         }
-        if self
-            .project_path()
-            .is_some_and(|kept| is_same_file(kept, path))
-        {
+        if self.project_path().is_some_and(|kept| is_same_file(kept, path)) {
             return self.save_project();
         }
         let project = self.as_project(&self.files.project_saving.project);
@@ -355,14 +338,10 @@ impl App {
         self.poll_creating();
     }
 
-    /// Collects a project that was written for the first time. Until then what is changed is kept where it was kept before.
+    /// Collects a project that was written for the first time. Until then what is changed is kept
+    /// where it was kept before.
     fn poll_creating(&mut self) {
-        let created = match self
-            .files
-            .project_saving
-            .creating
-            .as_ref()
-            .map(|(_, task)| task.poll())
+        let created = match self.files.project_saving.creating.as_ref().map(|(_, task)| task.poll())
         {
             Some(TaskOutcome::Done(created)) => Some(created),
             Some(TaskOutcome::Failed) => None,
@@ -389,17 +368,8 @@ impl App {
     }
 
     fn take_project(&mut self, read: OpenedLogs) {
-        let OpenedLogs {
-            opened,
-            logs,
-            notes,
-        } = read;
-        let OpenedProject {
-            store,
-            project,
-            notes: told,
-            past,
-        } = opened;
+        let OpenedLogs { opened, logs, notes } = read;
+        let OpenedProject { store, project, notes: told, past } = opened;
         self.files.missing = (project.logs().iter())
             .filter(|log| logs.iter().all(|(found, ..)| found.key != log.key))
             .map(|log| log.key.clone())
@@ -432,14 +402,7 @@ impl App {
         self.files.project_saving.store = Some(store);
         self.take_past(past);
         self.pipeline.is_waiting = false;
-        if let Some(path) = self
-            .files
-            .project_saving
-            .project
-            .files
-            .get(BASE_MAP)
-            .cloned()
-        {
+        if let Some(path) = self.files.project_saving.project.files.get(BASE_MAP).cloned() {
             self.reopen_base_map(path);
         }
         for text in told.into_iter().chain(notes) {
@@ -489,16 +452,15 @@ pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
     }
 }
 
-/// What a project holds that was measured on the map; the same in memory where it is what was measured `before`.
+/// What a project holds that was measured on the map; the same in memory where it is what was
+/// measured `before`.
 pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
     let measurement = project.measurements.get(&MEASUREMENT)?;
     let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
-    Some(same.cloned().unwrap_or_else(|| {
-        Arc::new(Figure {
-            measurement: measurement.clone(),
-            done: true,
-        })
-    }))
+    Some(
+        same.cloned()
+            .unwrap_or_else(|| Arc::new(Figure { measurement: measurement.clone(), done: true })),
+    )
 }
 
 /// What a project keeps of the queue of boxes: a filter is of the moment.
@@ -510,18 +472,11 @@ struct KeptQueue {
 
 impl KeptQueue {
     fn of(queue: &Queue) -> Self {
-        Self {
-            sort: queue.sort,
-            threshold: queue.threshold,
-        }
+        Self { sort: queue.sort, threshold: queue.threshold }
     }
 
     fn into_queue(self) -> Queue {
-        Queue {
-            sort: self.sort,
-            threshold: self.threshold,
-            ..Queue::default()
-        }
+        Queue { sort: self.sort, threshold: self.threshold, ..Queue::default() }
     }
 }
 
@@ -568,9 +523,5 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
             Err(error) => notes.push(error.to_string()),
         }
     }
-    Ok(OpenedLogs {
-        opened,
-        logs,
-        notes,
-    })
+    Ok(OpenedLogs { opened, logs, notes })
 }

@@ -1,4 +1,5 @@
-//! How points agree with a reference: computed on demand, for it takes a triangulation of all soundings.
+//! How points agree with a reference: computed on demand, for it takes a triangulation of all
+//! soundings.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
@@ -9,11 +10,8 @@ use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 
 /// What is compared with the soundings of the survey itself.
-const WITH_SOUNDINGS: [PointSource; 3] = [
-    PointSource::Port,
-    PointSource::Starboard,
-    PointSource::Swath,
-];
+const WITH_SOUNDINGS: [PointSource; 3] =
+    [PointSource::Port, PointSource::Starboard, PointSource::Swath];
 /// Said when comparing was stopped, and what to do.
 const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 
@@ -48,10 +46,7 @@ impl Of {
             let products = &log.products;
             (products.classes.clone(), products.settings.surface.clone())
         };
-        Self {
-            logs: logs.iter().map(of_log).collect(),
-            reference,
-        }
+        Self { logs: logs.iter().map(of_log).collect(), reference }
     }
 }
 
@@ -84,20 +79,12 @@ impl ReferenceComparison {
 
     /// What is drawn of it.
     pub(super) fn for_picture(&self) -> Self {
-        Self {
-            of: self.of.clone(),
-            agreement: self.agreement.clone(),
-            ..Self::default()
-        }
+        Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
     }
 
     /// Takes an agreement over that was found elsewhere.
     pub(super) fn take(&mut self, of: Of, agreement: Agreement) {
-        *self = Self {
-            of: Some(of),
-            agreement: Some(Arc::new(agreement)),
-            ..Self::default()
-        };
+        *self = Self { of: Some(of), agreement: Some(Arc::new(agreement)), ..Self::default() };
     }
 
     /// Stops comparing.
@@ -117,8 +104,8 @@ impl ReferenceComparison {
 }
 
 impl App {
-    /// How the points differ from the reference, or side-scan from soundings while there is none; `None` until it was asked
-    /// for, and where no point lies over them.
+    /// How the points differ from the reference, or side-scan from soundings while there is none;
+    /// `None` until it was asked for, and where no point lies over them.
     pub fn agreement(&self) -> Option<&Arc<Agreement>> {
         self.findings.reference_comparison.agreement.as_ref()
     }
@@ -145,14 +132,12 @@ impl App {
             return;
         }
         made.of = Some(of.clone());
-        made.task = Some(Task::start(&self.jobs, move |progress| {
-            match &of.reference {
-                Some((reference, matching)) => {
-                    let made = Agreement::with_reference(&logs, reference, *matching, progress);
-                    Ok(Some(made?))
-                }
-                None => Ok(Agreement::with_soundings(&logs, &WITH_SOUNDINGS, progress)?),
+        made.task = Some(Task::start(&self.jobs, move |progress| match &of.reference {
+            Some((reference, matching)) => {
+                let made = Agreement::with_reference(&logs, reference, *matching, progress);
+                Ok(Some(made?))
             }
+            None => Ok(Agreement::with_soundings(&logs, &WITH_SOUNDINGS, progress)?),
         }));
     }
 

@@ -23,9 +23,7 @@ impl App {
         let shadow = self.measured_height().and_then(Result::ok);
         let stations = stations.iter().map(|station| {
             let [east_m, north_m] = station.place;
-            let at = products
-                .navigation
-                .to_lon_lat(&survey.track, east_m, north_m);
+            let at = products.navigation.to_lon_lat(&survey.track, east_m, north_m);
             (at, station.distance_m, station.depth_m)
         });
         Some(MeasuredFigure {
@@ -49,10 +47,7 @@ impl App {
             return;
         }
         match write(self, &figure, &path) {
-            Ok(()) => self.notify(
-                format!("Wrote the measurement to {}", path.display()),
-                false,
-            ),
+            Ok(()) => self.notify(format!("Wrote the measurement to {}", path.display()), false),
             Err(error) => self.notify(error.to_string(), true),
         }
     }

@@ -37,7 +37,8 @@ use std::sync::Arc;
 
 /// What belongs to the open survey as a whole, whichever log is shown.
 pub(super) struct Document {
-    /// The settings that a new survey starts from: the preset, or those that the program was started with.
+    /// The settings that a new survey starts from: the preset, or those that the program was
+    /// started with.
     pub start: Arc<Settings>,
     /// The settings that logs were last given.
     pub given: GivenSettings,
@@ -72,7 +73,8 @@ pub(super) struct PipelineWork {
     pub engine: Engine,
     /// What the engine was asked for last.
     pub requested: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
-    /// Nothing is processed before the analyst asks for it: the slider is still held, or the work was stopped.
+    /// Nothing is processed before the analyst asks for it: the slider is still held, or the work
+    /// was stopped.
     pub is_waiting: bool,
     pub previewer: Previewer,
     /// What is made of all logs together.
@@ -149,7 +151,8 @@ impl Findings {
 pub struct ViewState {
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
-    /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
+    /// Grows when the plane of the survey moves: with each survey opened, and with each track
+    /// applied to it.
     pub plane_serial: u64,
     /// What is selected.
     pub selection: Option<LogPlace>,
@@ -227,12 +230,14 @@ impl App {
         }
     }
 
-    /// The first returns to draw: those under the slider if there are any, else those of the last result.
+    /// The first returns to draw: those under the slider if there are any, else those of the last
+    /// result.
     pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
         self.log.returns()
     }
 
-    /// The bottom line to draw over the waterfall: what the picture is laid out by, or the first returns under the slider.
+    /// The bottom line to draw over the waterfall: what the picture is laid out by, or the first
+    /// returns under the slider.
     pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         self.log.bottom_line()
     }
@@ -242,7 +247,8 @@ impl App {
         self.log.stale()
     }
 
-    /// Whether results are missing or older than their settings and nothing is under way to change that.
+    /// Whether results are missing or older than their settings and nothing is under way to change
+    /// that.
     pub(crate) fn is_stopped(&self) -> bool {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }

@@ -1,4 +1,5 @@
-//! Two layers of the map compared with each other: a divider, and what is drawn on which side of it.
+//! Two layers of the map compared with each other: a divider, and what is drawn on which side of
+//! it.
 
 use super::{LayerStack, MapLayer};
 use serde::{Deserialize, Serialize};
@@ -80,7 +81,8 @@ impl Swipe {
         };
     }
 
-    /// Divides the map or makes it whole. Where both sides would show the same, the first layer of each is shown.
+    /// Divides the map or makes it whole. Where both sides would show the same, the first layer of
+    /// each is shown.
     pub fn toggle(&mut self, stack: &mut LayerStack) {
         self.on = !self.on;
         for side in [SwipeSide::Left, SwipeSide::Right] {
@@ -108,10 +110,7 @@ mod tests {
         assert!(
             swipe.on && stack.is_visible(MapLayer::Mosaic) && stack.is_visible(MapLayer::DepthMap)
         );
-        assert!(
-            !stack.is_visible(MapLayer::HillShade),
-            "one of them is enough"
-        );
+        assert!(!stack.is_visible(MapLayer::HillShade), "one of them is enough");
         swipe.toggle(&mut stack);
         assert!(!swipe.on);
     }

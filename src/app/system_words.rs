@@ -1,4 +1,5 @@
-//! What the system says of files, and libraries of values, in plain words. It depends on `file_in_use` alone; any may use it.
+//! What the system says of files, and libraries of values, in plain words. It depends on
+//! `file_in_use` alone; any may use it.
 
 use bathyscope_products::file_in_use::is_in_use;
 use std::borrow::Cow;
@@ -23,8 +24,9 @@ const TYPES: [(&str, &str); 9] = [
     ("floating point `", "number `"),
 ];
 
-/// A message in which the system's own words, `No such file or directory (os error 2)`, and the types of values are put plainly. They
-/// come from libraries, too, inside of whatever these say, so a message is mended where it is shown.
+/// A message in which the system's own words, `No such file or directory (os error 2)`, and the
+/// types of values are put plainly. They come from libraries, too, inside of whatever these say, so
+/// a message is mended where it is shown.
 pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
     let mut plain = Cow::Borrowed(message);
     for (said, words) in TYPES {
@@ -128,10 +130,7 @@ mod tests {
             let message = format!("x: {}: y", Error::from_raw_os_error(number));
             let plain = in_plain_words(&message);
             assert!(!plain.contains("os error"), "{plain}");
-            assert!(
-                plain.starts_with("x: ") && plain.ends_with(": y"),
-                "{plain}"
-            );
+            assert!(plain.starts_with("x: ") && plain.ends_with(": y"), "{plain}");
         }
         for (number, words) in [
             (13, "rights"),
@@ -157,10 +156,7 @@ mod tests {
         for (toml, words) in [
             ("length_m = 'long'\nlines = []", "expected a number"),
             ("length_m = 1.0\nlines = 2.5", "`2.5`, expected a list"),
-            (
-                "length_m = 1.0\nlines = [2.5]",
-                "number `2.5`, expected a whole number",
-            ),
+            ("length_m = 1.0\nlines = [2.5]", "number `2.5`, expected a whole number"),
         ] {
             let error = toml::from_str::<Scene>(toml).unwrap_err();
             let plain = in_plain_words(error.message()).into_owned();
@@ -170,12 +166,8 @@ mod tests {
 
     #[test]
     fn other_messages_stay_as_they_are() {
-        for message in [
-            "",
-            "all well",
-            "log (os error x)",
-            "a file named `pipe (os error 99999)`",
-        ] {
+        for message in ["", "all well", "log (os error x)", "a file named `pipe (os error 99999)`"]
+        {
             assert_eq!(in_plain_words(message), message);
         }
     }

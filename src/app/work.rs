@@ -163,7 +163,8 @@ impl App {
         self.schedule();
     }
 
-    /// Puts a log on top of the recent ones, by a path that holds in whatever folder the next run starts.
+    /// Puts a log on top of the recent ones, by a path that holds in whatever folder the next run
+    /// starts.
     pub(super) fn remember(&mut self, path: PathBuf) {
         let path = std::path::absolute(&path).unwrap_or(path);
         self.recent.retain(|recent| *recent != path);
@@ -194,7 +195,8 @@ impl App {
         self.schedule();
     }
 
-    /// Starts the search for the first return on what is on screen of the shown log, ahead of the pipeline.
+    /// Starts the search for the first return on what is on screen of the shown log, ahead of the
+    /// pipeline.
     pub(super) fn preview_returns(&mut self) {
         if let Some(request) = self.preview_request() {
             self.pipeline.previewer.want(request, &self.jobs);
@@ -202,11 +204,7 @@ impl App {
     }
 
     fn preview_request(&self) -> Option<PreviewRequest> {
-        let survey = self
-            .log
-            .survey
-            .as_ref()
-            .filter(|survey| survey.has_side_scan())?;
+        let survey = self.log.survey.as_ref().filter(|survey| survey.has_side_scan())?;
         Some(PreviewRequest {
             survey: survey.clone(),
             image: self.log.settings.image.clone(),
@@ -239,17 +237,15 @@ impl App {
         }
     }
 
-    /// Whether a file that is to be written is one of a log's, which nothing is written over; says so.
+    /// Whether a file that is to be written is one of a log's, which nothing is written over; says
+    /// so.
     pub(super) fn refuses_log(&mut self, id: LogId, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
         let survey = self.open_log(id).and_then(|log| log.survey.as_ref());
         let is_log = survey.is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();
-            self.notify(
-                format!("that is the log itself; choose another name: {path}"),
-                true,
-            );
+            self.notify(format!("that is the log itself; choose another name: {path}"), true);
         }
         is_log
     }
@@ -313,9 +309,8 @@ impl OpenLog {
 
     /// Has counted what is in the panels of some results.
     pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products, jobs: &Jobs) {
-        self.counting = Some(Task::start(jobs, move |progress| {
-            Figures::of(&survey, &products, progress).ok()
-        }));
+        self.counting =
+            Some(Task::start(jobs, move |progress| Figures::of(&survey, &products, progress).ok()));
     }
 }
 
@@ -330,7 +325,8 @@ fn with_name_quoted(text: String, origin: &LogOrigin) -> String {
     }
 }
 
-/// What is asked for by several logs: of those that are opened in place of others, the first one takes that place, and the others join it.
+/// What is asked for by several logs: of those that are opened in place of others, the first one
+/// takes that place, and the others join it.
 fn requests(origins: impl Iterator<Item = LogOrigin>, place: OpenMode) -> VecDeque<OpenRequest> {
     let each = origins.enumerate().map(|(index, origin)| OpenRequest {
         origin,

@@ -1,4 +1,5 @@
-//! Weighted linear equations and their solution by least squares: normal equations, sparse Cholesky.
+//! Weighted linear equations and their solution by least squares: normal equations, sparse
+//! Cholesky.
 
 mod order;
 
@@ -16,7 +17,8 @@ use std::sync::Arc;
 /// Columns of the inverse that a worker holds at a time.
 const COLUMNS_AT_ONCE: usize = 64;
 
-/// Equations `sum of factor x unknown = goal`, each with a weight: the reciprocal of its standard deviation.
+/// Equations `sum of factor x unknown = goal`, each with a weight: the reciprocal of its standard
+/// deviation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Equations {
     /// Where the terms of each begin, and the end of the last.
@@ -27,8 +29,8 @@ pub(crate) struct Equations {
     weights: Vec<f64>,
 }
 
-/// Where the terms of every unknown lie, the lower triangle of the normal matrix, and the order in which it is factorised: the same as long
-/// as only weights, factors and goals change.
+/// Where the terms of every unknown lie, the lower triangle of the normal matrix, and the order in
+/// which it is factorised: the same as long as only weights, factors and goals change.
 pub(crate) struct Pattern {
     /// The triangle, its rows and columns in the order of elimination.
     starts: Vec<usize>,
@@ -71,11 +73,7 @@ impl Occurrences {
                 *end += 1;
             }
         }
-        Self {
-            starts,
-            equations: of,
-            terms,
-        }
+        Self { starts, equations: of, terms }
     }
 
     /// Equation and term of each time that an unknown occurs.
@@ -93,7 +91,8 @@ pub(crate) struct Factor {
 }
 
 impl Equations {
-    /// Adds one; terms of the same unknown are added up. One whose weight is no positive number is left out.
+    /// Adds one; terms of the same unknown are added up. One whose weight is no positive number is
+    /// left out.
     pub(crate) fn add(
         &mut self,
         terms: impl IntoIterator<Item = (usize, f64)>,
@@ -110,10 +109,7 @@ impl Equations {
         let start = self.unknowns.len();
         for (unknown, factor) in terms {
             let unknown = unknown as u32;
-            match self.unknowns[start..]
-                .iter()
-                .position(|other| *other == unknown)
-            {
+            match self.unknowns[start..].iter().position(|other| *other == unknown) {
                 Some(at) => self.factors[start + at] += factor,
                 None => {
                     self.unknowns.push(unknown);
@@ -154,17 +150,13 @@ impl Equations {
 
     fn terms(&self, equation: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
         let range = self.starts[equation]..self.starts[equation + 1];
-        let unknowns = self.unknowns[range.clone()]
-            .iter()
-            .map(|unknown| *unknown as usize);
+        let unknowns = self.unknowns[range.clone()].iter().map(|unknown| *unknown as usize);
         unknowns.zip(self.factors[range].iter().copied())
     }
 
     /// An equation's terms at some values of the unknowns, in standard deviations.
     fn times(&self, equation: usize, values: &[f64]) -> f64 {
-        let terms = self
-            .terms(equation)
-            .map(|(unknown, factor)| factor * values[unknown]);
+        let terms = self.terms(equation).map(|(unknown, factor)| factor * values[unknown]);
         self.weights[equation] * terms.sum::<f64>()
     }
 
@@ -173,7 +165,8 @@ impl Equations {
         self.times(equation, values) - self.weights[equation] * self.goals[equation]
     }
 
-    /// Adds to `out` what the equations say of each unknown: the transposed weighted matrix times a vector with an entry for each equation.
+    /// Adds to `out` what the equations say of each unknown: the transposed weighted matrix times a
+    /// vector with an entry for each equation.
     fn add_transposed(&self, entry: impl Fn(usize) -> f64, out: &mut [f64]) {
         for equation in 0..self.len() {
             let value = self.weights[equation] * entry(equation);
@@ -265,10 +258,7 @@ impl Pattern {
                 Default::default(),
             )
             .ok()?;
-        Some(Factor {
-            elimination: Arc::clone(&self.elimination),
-            values,
-        })
+        Some(Factor { elimination: Arc::clone(&self.elimination), values })
     }
 
     /// The lower triangle of the normal matrix.
@@ -298,8 +288,8 @@ impl Pattern {
 }
 
 impl Factor {
-    /// The values of the unknowns, and `samples` draws from what is unknown of them: `A^-1 M^T z` has the covariance `A^-1` where `z` is
-    /// standard normal. `draw` gives such a number.
+    /// The values of the unknowns, and `samples` draws from what is unknown of them: `A^-1 M^T z`
+    /// has the covariance `A^-1` where `z` is standard normal. `draw` gives such a number.
     pub(crate) fn solve(
         &self,
         pattern: &Pattern,
@@ -318,7 +308,8 @@ impl Factor {
         columns
     }
 
-    /// Replaces the right sides of some equations `A x = b`, where `A` is the normal matrix, by their solutions.
+    /// Replaces the right sides of some equations `A x = b`, where `A` is the normal matrix, by
+    /// their solutions.
     pub(crate) fn solve_for(&self, columns: &mut [Vec<f64>]) {
         let Elimination { order, symbolic } = &*self.elimination;
         let mut sides = Mat::<f64>::zeros(order.len(), columns.len());
@@ -358,7 +349,8 @@ impl Factor {
     }
 }
 
-/// Standard normal numbers, the same for the same seed: SplitMix64 (Steele et al. 2014) and Box and Muller's transform.
+/// Standard normal numbers, the same for the same seed: SplitMix64 (Steele et al. 2014) and Box and
+/// Muller's transform.
 pub(crate) struct Normal {
     state: u64,
     spare: Option<f64>,
@@ -367,10 +359,7 @@ pub(crate) struct Normal {
 impl Normal {
     /// From a seed.
     pub(crate) fn new(seed: u64) -> Self {
-        Self {
-            state: seed,
-            spare: None,
-        }
+        Self { state: seed, spare: None }
     }
 
     /// The next one.
@@ -412,12 +401,7 @@ mod tests {
         for (value, expected) in columns[0].iter().zip([2.0, 1.0, 7.0]) {
             assert!((value - expected).abs() < 1e-9);
         }
-        let sd = (columns[1..]
-            .iter()
-            .map(|column| column[2].powi(2))
-            .sum::<f64>()
-            / 4000.0)
-            .sqrt();
+        let sd = (columns[1..].iter().map(|column| column[2].powi(2)).sum::<f64>() / 4000.0).sqrt();
         assert!((sd - 2.0).abs() < 0.1, "{sd}");
         assert!(equations.residual(2, &[0.0, 0.0, 9.0]) == 1.0);
         // Of (x + y) / 0.1 and (x - y) / 0.1 the normal matrix is 200 on its diagonal.

@@ -5,12 +5,14 @@ pub trait VectorLoop {
     /// What it gives.
     type Output;
 
-    /// Runs it. Every implementation, and every function that it calls in its loops, is marked `#[inline(always)]`: what is not inlined, a
-    /// closure too, stays as compiled for what all processors have.
+    /// Runs it. Every implementation, and every function that it calls in its loops, is marked
+    /// `#[inline(always)]`: what is not inlined, a closure too, stays as compiled for what all
+    /// processors have.
     fn run(self) -> Self::Output;
 }
 
-/// Runs a loop as compiled for the widest vectors of this processor. Numbers come out the same to the bit.
+/// Runs a loop as compiled for the widest vectors of this processor. Numbers come out the same to
+/// the bit.
 pub fn vectorised<L: VectorLoop>(work: L) -> L::Output {
     pulp::Arch::new().dispatch(Work(work))
 }
@@ -26,9 +28,10 @@ impl<L: VectorLoop> pulp::WithSimd for Work<L> {
     }
 }
 
-/// The natural logarithm of a positive number that is neither subnormal nor infinite, to its last bit or the one before: for loops of
-/// [`VectorLoop`], in which a call of the C library computes one number at a time. The way and the coefficients are those of
-/// Sun Microsystems' fdlibm (`e_logf.c`).
+/// The natural logarithm of a positive number that is neither subnormal nor infinite, to its last
+/// bit or the one before: for loops of [`VectorLoop`], in which a call of the C library computes
+/// one number at a time. The way and the coefficients are those of Sun Microsystems' fdlibm
+/// (`e_logf.c`).
 #[inline(always)]
 pub fn ln(number: f32) -> f32 {
     // Bits of the square root of a half: the mantissa lies between that and the square root of two.

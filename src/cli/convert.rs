@@ -20,7 +20,8 @@ pub(super) struct ConvertArgs {
     /// Side-scan pings to write, B left out; soundings of a log without side-scan
     #[arg(long, value_name = "A..B")]
     pings: Option<PingRange>,
-    /// Times to write, in seconds of the log or as dates with times in UTC: 60..120, 2024-05-01T10:00:00..2024-05-01T10:30:00
+    /// Times to write, in seconds of the log or as dates with times in UTC: 60..120,
+    /// 2024-05-01T10:00:00..2024-05-01T10:30:00
     #[arg(long, value_name = "FROM..TO", value_parser = TimeBound::span)]
     time: Option<[TimeBound; 2]>,
     /// Write what was recorded in this area: GeoJSON, KML or GPX

@@ -1,4 +1,5 @@
-//! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and COCO tools.
+//! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and
+//! COCO tools.
 
 use super::status_line::StatusLine;
 use super::{Failure, output, simulated_files};
@@ -32,7 +33,8 @@ pub(super) struct DatasetArgs {
     /// Pictures cut out of one survey
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(1..=40))]
     per_scene: u8,
-    /// Also keep the surveys that the pictures are cut out of, each with its table of objects, for `bathyscope evaluate`
+    /// Also keep the surveys that the pictures are cut out of, each with its table of objects, for
+    /// `bathyscope evaluate`
     #[arg(long, requires = "dataset")]
     surveys: bool,
     /// Threads; without it, one for each core
@@ -55,10 +57,7 @@ impl Split {
     fn parse(text: &str) -> Result<Self, &'static str> {
         const WRONG: &str = "give three numbers of pictures, for example 332/33/41";
         let parts: Result<Vec<usize>, _> = text.split('/').map(str::parse).collect();
-        let parts: [usize; 3] = parts
-            .ok()
-            .and_then(|parts| parts.try_into().ok())
-            .ok_or(WRONG)?;
+        let parts: [usize; 3] = parts.ok().and_then(|parts| parts.try_into().ok()).ok_or(WRONG)?;
         if parts.iter().any(|&part| part > MOST_IMAGES) || parts == [0; 3] {
             return Err(WRONG);
         }
@@ -97,9 +96,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     if let Some(threads) = args.threads {
         pool = pool.num_threads(threads);
     }
-    let pool = pool
-        .build()
-        .map_err(|error| format!("cannot start the threads: {error}"))?;
+    let pool = pool.build().map_err(|error| format!("cannot start the threads: {error}"))?;
     let progress = Progress::new();
     let status = StatusLine::at("simulating pictures", &progress);
     progress.start(images.iter().sum::<usize>() as u64);
@@ -125,10 +122,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     let manifest = Manifest::new(args, seed, &made);
     dataset.manifest(&manifest)?;
     drop(status);
-    let labels: usize = made
-        .iter()
-        .map(|made| made.part.labels.values().sum::<usize>())
-        .sum();
+    let labels: usize = made.iter().map(|made| made.part.labels.values().sum::<usize>()).sum();
     output::results(format_args!(
         "made {} pictures with {labels} boxes (seed {seed}) in {}",
         images.iter().sum::<usize>(),
@@ -140,11 +134,9 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
 fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
     let in_use = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     match in_use {
-        true => Err(format!(
-            "the folder is not empty; name a new one: {}",
-            folder.display()
-        )
-        .into()),
+        true => {
+            Err(format!("the folder is not empty; name a new one: {}", folder.display()).into())
+        }
         false => Ok(()),
     }
 }
@@ -224,18 +216,11 @@ fn chips(
 ) -> Result<Vec<Chip>, Failure> {
     let quiet = Progress::new();
     let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet)?;
-    let navigation = navigate(
-        &survey,
-        &HeadingSettings::default(),
-        Projection::Enu,
-        &quiet,
-    )?;
+    let navigation = navigate(&survey, &HeadingSettings::default(), Projection::Enu, &quiet)?;
     let raster = Raster::new(&survey, &navigation, PIXEL_M);
     let known = known_objects(simulated);
     let looks = training.looks.iter().take(requested);
-    Ok(looks
-        .map(|look| chip(&survey, &raster, look, &known))
-        .collect())
+    Ok(looks.map(|look| chip(&survey, &raster, look, &known)).collect())
 }
 
 fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[KnownObject]) -> Chip {
@@ -263,12 +248,7 @@ fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> KnownObject
     let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
     KnownObject {
         class,
-        whole: Mark {
-            side: sighting.side,
-            pings: sighting.pings(count),
-            near_m,
-            far_m,
-        },
+        whole: Mark { side: sighting.side, pings: sighting.pings(count), near_m, far_m },
         shown: sighting.shown.is_some(),
         slices: slices
             .map(|slice| Slice {

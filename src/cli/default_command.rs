@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// Where a run without a display writes.
 const OUTPUT: &str = "bathyscope-out";
 
-/// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws their pictures.
+/// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws
+/// their pictures.
 pub(super) fn run(
     surveys: Vec<PathBuf>,
     demo: bool,
@@ -57,13 +58,10 @@ fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Fail
         reference: None,
         adjust: None,
     };
-    let log = OpenedLog {
-        survey: Arc::new(survey),
-        settings: Settings::default(),
-        review: None,
-    };
+    let log = OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None };
     how.process_into(&[log], &folder)?;
-    // The products are whole without pictures: a machine without any Vulkan driver has still done the job.
+    // The products are whole without pictures: a machine without any Vulkan driver has still done
+    // the job.
     match snapshot::draw_into(origin, &folder) {
         Ok((files, adapter)) => {
             output::results(format_args!("drew {} on {adapter}", files.join(", ")))

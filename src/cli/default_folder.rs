@@ -1,5 +1,6 @@
-//! The folder that `bathyscope process` writes into when none is named: in the current folder, named after the log. What lies there
-//! stays as it is, unless it is an earlier run of the same logs.
+//! The folder that `bathyscope process` writes into when none is named: in the current folder,
+//! named after the log. What lies there stays as it is, unless it is an earlier run of the same
+//! logs.
 
 use super::survey_logs::OpenedLog;
 use crate::app::is_project;
@@ -11,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// The folder of a run before its manifest is there.
 const SIDE: &str = ".bathyscope-run";
-/// What comes behind the name where a folder of that name holds something else, such as the recording itself.
+/// What comes behind the name where a folder of that name holds something else, such as the
+/// recording itself.
 const PRODUCTS: &str = "-products";
 /// What logs are called that have nothing in common.
 const SURVEY: &str = "survey";
@@ -28,14 +30,11 @@ pub(super) struct DefaultFolders {
 impl DefaultFolders {
     /// Folders in `parent`.
     pub(super) fn in_folder(parent: &Path) -> Self {
-        Self {
-            parent: parent.to_owned(),
-            taken: HashSet::new(),
-        }
+        Self { parent: parent.to_owned(), taken: HashSet::new() }
     }
 
-    /// The folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on, the first that is missing, empty or of an
-    /// earlier run of these logs.
+    /// The folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on, the
+    /// first that is missing, empty or of an earlier run of these logs.
     pub(super) fn next(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
         let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
         let name = match name.trim_matches(['.', ' ']) {
@@ -71,7 +70,8 @@ fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
         || outputs::is_run_of(folder, surveys)
 }
 
-/// What the survey of some arguments is called: after the project, the log, the folder of the logs, or what their names have in common.
+/// What the survey of some arguments is called: after the project, the log, the folder of the logs,
+/// or what their names have in common.
 pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     let text =
         |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
@@ -89,7 +89,8 @@ pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     common(&names)
 }
 
-/// What names begin with alike, without a number that was cut in two and what joins it: `Rec` of `Rec00001` and `Rec00002`.
+/// What names begin with alike, without a number that was cut in two and what joins it: `Rec` of
+/// `Rec00001` and `Rec00002`.
 fn common(names: &[String]) -> String {
     let Some((first, others)) = names.split_first() else {
         return SURVEY.to_owned();
@@ -147,11 +148,7 @@ mod tests {
         let mut survey = Survey::default();
         survey.source.files = vec![path.to_owned()];
         survey.bytes = vec![Bytes::Held(Arc::new(b"12345".to_vec()))];
-        OpenedLog {
-            survey: Arc::new(survey),
-            settings: Settings::default(),
-            review: None,
-        }
+        OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None }
     }
 
     #[test]

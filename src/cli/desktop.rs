@@ -1,6 +1,8 @@
-//! `bathyscope desktop`: projects and logs open by double click, with manual pages and completions of the shell, for this user.
+//! `bathyscope desktop`: projects and logs open by double click, with manual pages and completions
+//! of the shell, for this user.
 //!
-//! What a package puts into `/usr/share` for all users is written by the same command, `bathyscope desktop --into DIR`.
+//! What a package puts into `/usr/share` for all users is written by the same command, `bathyscope
+//! desktop --into DIR`.
 
 mod share;
 
@@ -18,7 +20,8 @@ pub(super) struct DesktopArgs {
     /// Take away again what was written
     #[arg(long)]
     remove: bool,
-    /// For packages: write into this folder in place of the user's, with an entry that starts `bathyscope` from the path
+    /// For packages: write into this folder in place of the user's, with an entry that starts
+    /// `bathyscope` from the path
     #[arg(long, value_name = "DIR")]
     into: Option<PathBuf>,
 }
@@ -37,18 +40,15 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
             false => write(&path, content)?,
         }
     }
-    // A package has this done when it is installed. Without these programs the desktop takes the files up at the next login.
+    // A package has this done when it is installed. Without these programs the desktop takes the
+    // files up at the next login.
     if args.into.is_none() {
         refresh("update-mime-database", &folder.join(MIME));
         refresh("update-desktop-database", &folder.join(APPLICATIONS));
     }
     let did = if args.remove { "removed" } else { "wrote" };
     let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
-    output::results(format_args!(
-        "{did} in {}: {}",
-        folder.display(),
-        paths.join(", ")
-    ))
+    output::results(format_args!("{did} in {}: {}", folder.display(), paths.join(", ")))
 }
 
 /// Where a user's desktop entries lie, by the XDG base directory specification.
@@ -96,9 +96,6 @@ fn remove(path: &Path) -> Result<(), Failure> {
 
 fn refresh(program: &str, folder: &Path) {
     let mut command = Command::new(program);
-    let quiet = command
-        .arg(folder)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    let quiet = command.arg(folder).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().ok();
 }

@@ -1,4 +1,5 @@
-//! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of other programs.
+//! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of
+//! other programs.
 
 use super::folders::Folders;
 use super::settings::{LogOpener, SettingsArgs};
@@ -25,20 +26,23 @@ const LARGEST_UNPACKED: u64 = 320 << 20;
 /// `bathyscope detect SURVEY|PICTURE... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub(super) struct DetectArgs {
-    /// Logs, folders of logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
+    /// Logs, folders of logs, or pictures (PNG, JPEG); of several, each is written into a folder of
+    /// its own
     #[arg(required = true, value_name = "SURVEY|PICTURE")]
     inputs: Vec<PathBuf>,
-    /// Folder whose subfolder `objects` gets detections.csv, detections.geojson and the chips; made when missing
+    /// Folder whose subfolder `objects` gets detections.csv, detections.geojson and the chips; made
+    /// when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read too; the same as the
-    /// setting `detector.model`
+    /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read
+    /// too; the same as the setting `detector.model`
     #[arg(long, value_name = "MODEL.onnx")]
     model: Option<PathBuf>,
     /// Least confidence of a box, 0 to 1; without it the model's own
     #[arg(long, value_parser = share)]
     score: Option<f32>,
-    /// Overlap (IoU) above which the box of less confidence is dropped, 0 to 1; without it the model's own
+    /// Overlap (IoU) above which the box of less confidence is dropped, 0 to 1; without it the
+    /// model's own
     #[arg(long, value_parser = share)]
     iou: Option<f32>,
     #[command(flatten)]
@@ -47,12 +51,11 @@ pub(super) struct DetectArgs {
 
 fn share(text: &str) -> Result<f32, &'static str> {
     let number = text.parse().ok();
-    number
-        .filter(|share| (0.0..=1.0).contains(share))
-        .ok_or("a number between 0 and 1 is expected")
+    number.filter(|share| (0.0..=1.0).contains(share)).ok_or("a number between 0 and 1 is expected")
 }
 
-/// Searches every input. Of several, one that cannot be used does not keep the others from being searched.
+/// Searches every input. Of several, one that cannot be used does not keep the others from being
+/// searched.
 pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     let mut settings = args.settings.resolve()?;
     let detector = &mut settings.detector;
@@ -91,11 +94,8 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &LogOpener, output: &Path) -> R
     if failed == 0 {
         return Ok(());
     }
-    Err(format!(
-        "{failed} of {} inputs could not be searched, for the reasons above",
-        inputs.len()
-    )
-    .into())
+    Err(format!("{failed} of {} inputs could not be searched, for the reasons above", inputs.len())
+        .into())
 }
 
 fn detect_into(
@@ -134,10 +134,7 @@ fn search_survey(
     let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
     let products = logs.process(&survey, &status, &progress)?;
-    let log = ProcessedLog {
-        survey: Arc::new(survey),
-        products,
-    };
+    let log = ProcessedLog { survey: Arc::new(survey), products };
     status.step("detecting");
     let (found, replaced) = outputs::write_detected(&log, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
@@ -186,12 +183,7 @@ fn decode_picture(path: &Path) -> Result<Picture, Failure> {
     let decoded = DynamicImage::from_decoder(decoder)?;
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     Ok(if decoded.color().has_color() {
-        Picture {
-            width,
-            height,
-            channels: 3,
-            levels: decoded.into_rgb8().into_raw(),
-        }
+        Picture { width, height, channels: 3, levels: decoded.into_rgb8().into_raw() }
     } else {
         Picture::grey(width, height, decoded.into_luma8().into_raw())
     })

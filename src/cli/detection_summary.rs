@@ -9,10 +9,7 @@ pub(super) fn boxes<'a>(names: impl Iterator<Item = &'a str>) -> String {
     for name in names {
         *counts.entry(name).or_default() += 1;
     }
-    let each: Vec<String> = counts
-        .iter()
-        .map(|(name, count)| format!("{count} {name}"))
-        .collect();
+    let each: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
     match counts.values().sum() {
         0 => "no objects".to_owned(),
         1 => format!("1 box ({})", each.join("")),
@@ -46,19 +43,10 @@ mod tests {
         let one = |&class: &usize| Detection {
             class,
             score: 0.5,
-            mark: Mark {
-                side: Side::Port,
-                pings: 0..4,
-                near_m: 3.0,
-                far_m: 4.0,
-            },
+            mark: Mark { side: Side::Port, pings: 0..4, near_m: 3.0, far_m: 4.0 },
         };
         let boxes = classes.iter().map(one).collect();
-        let found = Proposed {
-            boxes,
-            objects,
-            unplaced,
-        };
+        let found = Proposed { boxes, objects, unplaced };
         proposed(&found, &["rock".to_owned(), "tyre".to_owned()])
     }
 
@@ -66,10 +54,7 @@ mod tests {
     fn boxes_are_distinguished_from_objects() {
         assert_eq!(summary_of(&[], 0, 0), "no objects");
         assert_eq!(summary_of(&[1], 1, 0), "1 box (1 tyre) on 1 object");
-        assert_eq!(
-            summary_of(&[0, 1, 0], 2, 0),
-            "3 boxes (2 rock, 1 tyre) on 2 objects"
-        );
+        assert_eq!(summary_of(&[0, 1, 0], 2, 0), "3 boxes (2 rock, 1 tyre) on 2 objects");
         assert_eq!(
             summary_of(&[0, 0], 0, 2),
             "2 boxes (2 rock), 2 of them without a place in the world"

@@ -2,7 +2,8 @@
 
 use std::fmt::Display;
 
-/// Why a command ends. Errors and sentences become one with `?`. It is no `Display` itself: a failure is never made of another.
+/// Why a command ends. Errors and sentences become one with `?`. It is no `Display` itself: a
+/// failure is never made of another.
 #[derive(Debug)]
 pub(super) struct Failure {
     /// What is printed.
@@ -11,8 +12,6 @@ pub(super) struct Failure {
 
 impl<E: Display> From<E> for Failure {
     fn from(error: E) -> Self {
-        Self {
-            sentence: error.to_string(),
-        }
+        Self { sentence: error.to_string() }
     }
 }

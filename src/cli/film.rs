@@ -61,15 +61,7 @@ pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     let studio = Studio::new()?;
     let progress = Progress::new();
     let status = StatusLine::at("film", &progress);
-    write(
-        &args.output,
-        args.size,
-        args.fps,
-        &frames,
-        &studio,
-        &mut shell,
-        &progress,
-    )?;
+    write(&args.output, args.size, args.fps, &frames, &studio, &mut shell, &progress)?;
     drop(status);
     output::notify(format_args!(
         "{} frames, {:.0} s, {:.1} times as fast as the boat; drawn by {}",
@@ -95,13 +87,15 @@ struct Frames {
 }
 
 impl Frames {
-    /// Of a log in frames of some size, each so many seconds of the boat's time after the one before.
+    /// Of a log in frames of some size, each so many seconds of the boat's time after the one
+    /// before.
     fn new(log: &WaterfallLog, [width, height]: [u32; 2], step_s: f64) -> Self {
         let pings = log.pings.end - log.pings.start;
         let pixel_m = 2.0 * log.axis.far_m / f64::from(width);
-        let high = log.axis.ping_m.map_or(f64::from(height), |ping_m| {
-            f64::from(height) * pixel_m / ping_m
-        });
+        let high = log
+            .axis
+            .ping_m
+            .map_or(f64::from(height), |ping_m| f64::from(height) * pixel_m / ping_m);
         let shown = (high.round() as usize).clamp(1, pings.max(1));
         let survey = log.app.log.survey.as_ref();
         let time_s =
@@ -110,11 +104,7 @@ impl Frames {
         let span_s = span_s.map_or(0.0, |(last, first)| last - first);
         let interval_s = span_s / pings.saturating_sub(1).max(1) as f64;
         // Whole pings: a picture that moves now by three and now by four trembles.
-        let step = if interval_s > 0.0 {
-            step_s / interval_s
-        } else {
-            1.0
-        };
+        let step = if interval_s > 0.0 { step_s / interval_s } else { 1.0 };
         let step = (step.round() as usize).clamp(1, pings.max(1));
         Self {
             first: log.pings.start,
@@ -168,7 +158,8 @@ fn write(
     Ok(())
 }
 
-/// Refuses a name that is no film's before any work, a mistyped log's among them: that log would be replaced.
+/// Refuses a name that is no film's before any work, a mistyped log's among them: that log would be
+/// replaced.
 fn check_film(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("avi") {

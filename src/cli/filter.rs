@@ -41,12 +41,7 @@ fn parse_neighbors(text: &str) -> Result<usize, &'static str> {
 
 /// Filters the file and says how many points are left.
 pub(super) fn run(args: FilterArgs) -> Result<(), Failure> {
-    let FilterArgs {
-        cloud,
-        output: destination,
-        radius,
-        min_neighbors,
-    } = args;
+    let FilterArgs { cloud, output: destination, radius, min_neighbors } = args;
     let (path, columns) = split_columns(&cloud);
     let format = PointFormat::of(&destination)?;
     let file = points::read(&path, columns.as_ref())?;

@@ -4,7 +4,8 @@ use bathyscope_products::file_name::file_name;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// Names folders after surveys; two recorders both begin with `Rec00001`, and neither may replace the other's products.
+/// Names folders after surveys; two recorders both begin with `Rec00001`, and neither may replace
+/// the other's products.
 pub(super) struct Folders {
     parent: PathBuf,
     /// Lower case: on some file systems `REC` and `Rec` are one folder.
@@ -14,13 +15,11 @@ pub(super) struct Folders {
 impl Folders {
     /// Folders in `parent`.
     pub(super) fn in_folder(parent: &Path) -> Self {
-        Self {
-            parent: parent.to_owned(),
-            taken: HashSet::new(),
-        }
+        Self { parent: parent.to_owned(), taken: HashSet::new() }
     }
 
-    /// The folder of the next survey: its name, with `-2`, `-3` ... behind it where that was given away before.
+    /// The folder of the next survey: its name, with `-2`, `-3` ... behind it where that was given
+    /// away before.
     pub(super) fn next(&mut self, name: &str) -> PathBuf {
         let name = file_name(name);
         let mut folder = name.clone();

@@ -44,12 +44,10 @@ pub(super) fn run(args: InfoArgs) -> Result<(), Failure> {
 }
 
 fn list_to_json(logs: &[PathBuf]) -> Value {
-    let each = logs
-        .iter()
-        .map(|log| match formats::open(log, &Progress::new()) {
-            Ok(survey) => to_json(&survey),
-            Err(error) => json!({ "files": [log.to_string_lossy()], "error": error.to_string() }),
-        });
+    let each = logs.iter().map(|log| match formats::open(log, &Progress::new()) {
+        Ok(survey) => to_json(&survey),
+        Err(error) => json!({ "files": [log.to_string_lossy()], "error": error.to_string() }),
+    });
     each.collect()
 }
 
@@ -101,14 +99,10 @@ fn side_scan_sentence(survey: &Survey) -> String {
 }
 
 fn depth_span(survey: &Survey) -> Option<(f32, f32)> {
-    survey
-        .soundings
-        .iter()
-        .map(|sounding| sounding.depth_m)
-        .fold(None, |span, depth| {
-            let (low, high) = span.unwrap_or((depth, depth));
-            Some((f32::min(low, depth), f32::max(high, depth)))
-        })
+    survey.soundings.iter().map(|sounding| sounding.depth_m).fold(None, |span, depth| {
+        let (low, high) = span.unwrap_or((depth, depth));
+        Some((f32::min(low, depth), f32::max(high, depth)))
+    })
 }
 
 /// Depths across the track, and those that the recorder marks as unreliable.
@@ -128,30 +122,18 @@ fn to_text(survey: &Survey) -> String {
         line("device", survey.source.device.clone());
     }
     line("bytes", survey.source.byte_count.to_string());
-    line(
-        "start",
-        survey.start_unix_s.map_or("unknown".to_owned(), utc),
-    );
+    line("start", survey.start_unix_s.map_or("unknown".to_owned(), utc));
     if let Some((from, to)) = survey.time_span_s() {
-        line(
-            "time",
-            format!("{from:.3} s to {to:.3} s ({:.1} s)", to - from),
-        );
+        line("time", format!("{from:.3} s to {to:.3} s ({:.1} s)", to - from));
     }
     line("side-scan", side_scan_sentence(survey));
     if let Some(scale) = header_scale(survey) {
-        line(
-            "scale",
-            format!("{:.2} samples a metre, as recorded", scale.px_per_m),
-        );
+        line("scale", format!("{:.2} samples a metre, as recorded", scale.px_per_m));
     }
     match depth_span(survey) {
         Some((low, high)) => {
             let soundings = counted(survey.soundings.len(), "sounding");
-            line(
-                "depth",
-                format!("{low:.2} m to {high:.2} m below transducer ({soundings})"),
-            );
+            line("depth", format!("{low:.2} m to {high:.2} m below transducer ({soundings})"));
         }
         None => line("depth", "none recorded".to_owned()),
     }
@@ -169,10 +151,7 @@ fn to_text(survey: &Survey) -> String {
             let place = format!("{:.6}, {:.6}", fix.position.lat_deg, fix.position.lon_deg);
             let records = counted(survey.track.fixes.len(), "record");
             let distinct = distinct_fixes(survey);
-            line(
-                "position",
-                format!("{place} (lat, lon); {distinct} distinct in {records}"),
-            );
+            line("position", format!("{place} (lat, lon); {distinct} distinct in {records}"));
         }
         None => line("position", "none recorded".to_owned()),
     }
@@ -223,10 +202,7 @@ fn channel_row(channel: &Channel) -> String {
 
 fn distinct_fixes(survey: &Survey) -> usize {
     let fixes = &survey.track.fixes;
-    let changes = fixes
-        .windows(2)
-        .filter(|pair| pair[0].position != pair[1].position)
-        .count();
+    let changes = fixes.windows(2).filter(|pair| pair[0].position != pair[1].position).count();
     if fixes.is_empty() { 0 } else { changes + 1 }
 }
 
@@ -296,9 +272,5 @@ fn to_json(survey: &Survey) -> Value {
 
 /// Unix seconds as `2012-05-05 17:01:02 UTC`.
 fn utc(unix_s: f64) -> String {
-    format!(
-        "{} {} UTC",
-        calendar::date(unix_s),
-        calendar::time_of_day(unix_s)
-    )
+    format!("{} {} UTC", calendar::date(unix_s), calendar::time_of_day(unix_s))
 }

@@ -1,9 +1,11 @@
-//! The command line: what was typed, which subcommand it means, and the exit code. One file a subcommand.
+//! The command line: what was typed, which subcommand it means, and the exit code. One file a
+//! subcommand.
 //!
 //! In: arguments of the command line. Out: a window, or files and lines of text, and an exit code.
 //! It uses all other top folders.
 //!
-//! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
+//! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2
+//! wrong usage.
 
 mod archive;
 mod compare;
@@ -61,7 +63,8 @@ use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Set by the program of the start menu of Windows (`assets/packaging/windows/starter.rs`), where nobody sees what is printed.
+/// Set by the program of the start menu of Windows (`assets/packaging/windows/starter.rs`), where
+/// nobody sees what is printed.
 const NO_CONSOLE: &str = "BATHYSCOPE_NO_CONSOLE";
 
 /// Bytes of a text that the user names, settings or a scene: longer than any.
@@ -78,7 +81,8 @@ struct Cli {
     #[arg(long, conflicts_with = "surveys")]
     demo: bool,
 
-    /// What is known to lie in the survey (a table of objects, or a review): boxes are compared with it
+    /// What is known to lie in the survey (a table of objects, or a review): boxes are compared
+    /// with it
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 
@@ -100,9 +104,11 @@ enum Command {
     Filter(filter::FilterArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
-    /// Plan survey lines where they reduce the uncertainty most: GPX, KML, QGroundControl, Mission Planner
+    /// Plan survey lines where they reduce the uncertainty most: GPX, KML, QGroundControl, Mission
+    /// Planner
     Plan(plan::PlanArgs),
-    /// Bring an archive of many logs up to date: height offsets, maps and mosaics of its tiles, index
+    /// Bring an archive of many logs up to date: height offsets, maps and mosaics of its tiles,
+    /// index
     #[command(alias = "lake")]
     Archive(archive::ArchiveArgs),
     /// List the tiles of an archive, what is in them, and whose map is stale
@@ -116,7 +122,8 @@ enum Command {
     Coverage(archive::CoverageArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
-    /// Write what was decided about a log's boxes: places for maps, pictures with labels for training
+    /// Write what was decided about a log's boxes: places for maps, pictures with labels for
+    /// training
     Review(review::ReviewArgs),
     /// Draw the window, or one of its views, into a picture
     Snapshot(snapshot::SnapshotArgs),
@@ -130,7 +137,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Print the manual, or one page of it, as Markdown
     Manual(manual::ManualArgs),
-    /// Open projects and logs by double click: writes a desktop entry, file types, manual pages and completions for this user
+    /// Open projects and logs by double click: writes a desktop entry, file types, manual pages and
+    /// completions for this user
     Desktop(desktop::DesktopArgs),
 }
 
@@ -148,9 +156,7 @@ fn misspelt_command(word: &str) -> Option<String> {
     }
     let commands = program();
     let names = commands.get_subcommands().map(clap::Command::get_name);
-    let mut old_names = commands
-        .get_subcommands()
-        .flat_map(clap::Command::get_all_aliases);
+    let mut old_names = commands.get_subcommands().flat_map(clap::Command::get_all_aliases);
     if old_names.any(|name| name == word) {
         return None;
     }
@@ -164,9 +170,7 @@ pub fn main() -> ExitCode {
     let first = std::env::args_os().nth(1);
     let sentence = first.and_then(|word| misspelt_command(word.to_str()?));
     if let Some(sentence) = sentence {
-        program()
-            .error(ErrorKind::InvalidSubcommand, sentence)
-            .exit();
+        program().error(ErrorKind::InvalidSubcommand, sentence).exit();
     }
     let cli = Cli::parse();
     let opens_window = cli.command.is_none() && window::display_available();
@@ -202,12 +206,7 @@ fn is_printed_to_a_person() -> bool {
 }
 
 fn run(cli: Cli) -> Result<(), Failure> {
-    let Cli {
-        surveys,
-        demo,
-        truth,
-        command,
-    } = cli;
+    let Cli { surveys, demo, truth, command } = cli;
     match command {
         Some(command) => command.run(),
         None => default_command::run(surveys, demo, truth),

@@ -1,5 +1,6 @@
-//! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is full. Whatever a file holds,
-//! what reaches a terminal from here is text that it shows and no command to it.
+//! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is
+//! full. Whatever a file holds, what reaches a terminal from here is text that it shows and no
+//! command to it.
 
 use super::Failure;
 use crate::app::system_words::in_plain_words;
@@ -8,7 +9,8 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
 
-/// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen enough: no error.
+/// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen
+/// enough: no error.
 pub(super) fn results(text: impl Display) -> Result<(), Failure> {
     print(&printable::lines(&text.to_string()))
 }

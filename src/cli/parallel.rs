@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Does some work on each of many things, on as many threads as there are processors and at most `most`; results are in the order of
-/// the things. The threads are not those of rayon, where one that waits for a part of its own work would begin the next thing
-/// meanwhile, so that there is never more than one in the memory of each.
+/// Does some work on each of many things, on as many threads as there are processors and at most
+/// `most`; results are in the order of the things. The threads are not those of rayon, where one
+/// that waits for a part of its own work would begin the next thing meanwhile, so that there is
+/// never more than one in the memory of each.
 pub(super) fn each_in_parallel<T: Sync, R: Send>(
     things: &[T],
     most: usize,
@@ -20,9 +21,7 @@ pub(super) fn each_in_parallel<T: Sync, R: Send>(
             things.get(index).map(|thing| (index, thing))
         } {
             let result = work(thing);
-            done.lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .push((index, result));
+            done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
         }
     };
     let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);

@@ -23,7 +23,8 @@ const USED: f64 = 0.8;
 /// `bathyscope plan SURVEY... -o FILE`.
 #[derive(Debug, clap::Args)]
 pub(super) struct PlanArgs {
-    /// The logs, or folders of logs; several are one survey. Or a project, NAME.bathyscope, with its settings and decisions
+    /// The logs, or folders of logs; several are one survey. Or a project, NAME.bathyscope, with
+    /// its settings and decisions
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
     /// Where the lines go: .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner)
@@ -38,15 +39,17 @@ pub(super) struct PlanArgs {
     /// Least radius that the boat turns with, metres
     #[arg(long, value_name = "METRES", default_value_t = PlanSettings::default().turn_radius_m)]
     turn_radius: f64,
-    /// Distance between lines that is close enough, metres; without it they come as close as reduces the uncertainty most
+    /// Distance between lines that is close enough, metres; without it they come as close as
+    /// reduces the uncertainty most
     #[arg(long, value_name = "METRES")]
     spacing: Option<f64>,
-    /// Polygon of water that lines and turns stay in, rings within it are islands: GeoJSON, KML or GPX. Without it they stay within the
-    /// outline of what was sailed, in which small gaps and islands count as water
+    /// Polygon of water that lines and turns stay in, rings within it are islands: GeoJSON, KML or
+    /// GPX. Without it they stay within the outline of what was sailed, in which small gaps and
+    /// islands count as water
     #[arg(long, value_name = "POLYGON")]
     area: Option<PathBuf>,
-    /// Decisions about the boxes of a log, LOG.review.json of Bathyscope: objects seen from one side only are passed on another. May be
-    /// given again, for each of several logs
+    /// Decisions about the boxes of a log, LOG.review.json of Bathyscope: objects seen from one
+    /// side only are passed on another. May be given again, for each of several logs
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
     /// Print JSON instead of lines

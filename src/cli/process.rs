@@ -19,17 +19,20 @@ pub(crate) use survey::{How, all_processed};
 /// `bathyscope process SURVEY... [-o DIR]`.
 #[derive(Debug, clap::Args)]
 pub(super) struct ProcessArgs {
-    /// The logs, or folders of logs; several are one survey, with one set of products. Or a project, NAME.bathyscope, with its settings
+    /// The logs, or folders of logs; several are one survey, with one set of products. Or a
+    /// project, NAME.bathyscope, with its settings
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
-    /// Folder for the products, made when missing; without it one in this folder, named after the log, the project or what the names of
-    /// several logs have in common
+    /// Folder for the products, made when missing; without it one in this folder, named after the
+    /// log, the project or what the names of several logs have in common
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Keep several logs apart: write each into a folder of its own, named after the log, in place of one survey of all of them
+    /// Keep several logs apart: write each into a folder of its own, named after the log, in place
+    /// of one survey of all of them
     #[arg(long)]
     each: bool,
-    /// Apply the height offsets that the crossings of several logs show, so that their depths agree; report.json lists them either way
+    /// Apply the height offsets that the crossings of several logs show, so that their depths
+    /// agree; report.json lists them either way
     #[arg(long, conflicts_with = "each")]
     adjust: bool,
     /// Move each log, too, by the shift of its positions that crossings over slopes show
@@ -38,27 +41,32 @@ pub(super) struct ProcessArgs {
     /// Correct, too, how late positions are, as crossings over slopes show it
     #[arg(long, requires = "adjust")]
     latency: bool,
-    /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time, lon and lat, or GPX;
-    /// `track.offset_s` is added to its times; the same as the setting `track.file`
+    /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time,
+    /// lon and lat, or GPX; `track.offset_s` is added to its times; the same as the setting
+    /// `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
-    /// Also compare the survey with points or other logs, named as `compare` takes them: quality/comparison.json, quality/comparison.csv
+    /// Also compare the survey with points or other logs, named as `compare` takes them:
+    /// quality/comparison.json, quality/comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
-    /// Decisions about the boxes of a log, LOG.review.json of Bathyscope: report.html shows them. May be given again, for each of several logs
+    /// Decisions about the boxes of a log, LOG.review.json of Bathyscope: report.html shows them.
+    /// May be given again, for each of several logs
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
-    /// What to write besides points/first_returns.csv, points/cloud.csv, report.json and manifest.json; all but tiles when not given
+    /// What to write besides points/first_returns.csv, points/cloud.csv, report.json and
+    /// manifest.json; all but tiles when not given
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PRODUCT,...")]
     products: Vec<Requested>,
     #[command(flatten)]
     settings: SettingsArgs,
 }
 
-/// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
+/// Processes every log. Of several, one that cannot be used does not keep the others from being
+/// processed.
 pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
     let inputs = survey_logs::inputs(&args.surveys, &args.settings, args.track.clone())?;
     let products = args.products()?;
@@ -74,10 +82,7 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
         model: model.as_ref(),
         requested: &products,
         reference: args.reference.as_deref(),
-        adjust: args.adjust.then_some(Wanted {
-            shifts: args.positions,
-            latencies: args.latency,
-        }),
+        adjust: args.adjust.then_some(Wanted { shifts: args.positions, latencies: args.latency }),
     };
     if args.each && inputs.len() > 1 {
         return each(&inputs, &how, &args);

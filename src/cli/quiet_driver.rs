@@ -1,12 +1,14 @@
 //! Keeps a graphics driver's remarks off stderr.
 
-/// Mesa's environment variable that leaves out its layer for choosing among adapters. Without a display there is nothing that it could
-/// ask, and it complains about a missing `XDG_RUNTIME_DIR` at every look.
+/// Mesa's environment variable that leaves out its layer for choosing among adapters. Without a
+/// display there is nothing that it could ask, and it complains about a missing `XDG_RUNTIME_DIR`
+/// at every look.
 #[cfg(target_os = "linux")]
 const NO_CHOICE: &str = "NODEVICE_SELECT";
 
-/// Starts the program anew in the same process, with the same arguments and the variable set, where the driver would complain.
-/// Returns where it would not, or where starting anew fails: then it complains, and all else works.
+/// Starts the program anew in the same process, with the same arguments and the variable set, where
+/// the driver would complain. Returns where it would not, or where starting anew fails: then it
+/// complains, and all else works.
 pub(super) fn restart_if_noisy() {
     #[cfg(target_os = "linux")]
     {

@@ -1,4 +1,5 @@
-//! `bathyscope review`: what was decided about the boxes of a log, or of all logs of a survey, written for maps and for training.
+//! `bathyscope review`: what was decided about the boxes of a log, or of all logs of a survey,
+//! written for maps and for training.
 
 use super::process::all_processed;
 use super::settings::SettingsArgs;
@@ -14,11 +15,12 @@ use std::path::PathBuf;
 /// `bathyscope review SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub(super) struct ReviewArgs {
-    /// The logs, or folders of logs; several are one survey, in which sightings of one object are one. Or a project, NAME.bathyscope, with
-    /// its decisions
+    /// The logs, or folders of logs; several are one survey, in which sightings of one object are
+    /// one. Or a project, NAME.bathyscope, with its decisions
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
-    /// The decisions about the boxes of a log; without it, SURVEY.review.json next to each log. May be given again
+    /// The decisions about the boxes of a log; without it, SURVEY.review.json next to each log. May
+    /// be given again
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
     /// Folder for objects.csv, .geojson, .kml, .gpx, .gpkg and dataset; made when missing
@@ -32,9 +34,7 @@ pub(super) struct ReviewArgs {
 }
 
 fn parse_part(text: &str) -> Result<DatasetPart, &'static str> {
-    let part = DatasetPart::ALL
-        .into_iter()
-        .find(|part| part.name() == text);
+    let part = DatasetPart::ALL.into_iter().find(|part| part.name() == text);
     part.ok_or("it is train, val or test")
 }
 
@@ -57,7 +57,8 @@ pub(super) fn run(args: ReviewArgs) -> Result<(), Failure> {
     all_or(failed, inputs.len())
 }
 
-/// Reads the files next to the logs that no project has boxes of. Of several logs not all need to have one; a single log must.
+/// Reads the files next to the logs that no project has boxes of. Of several logs not all need to
+/// have one; a single log must.
 fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), ReviewError> {
     let is_single = logs.len() == 1;
     for log in logs.iter_mut().filter(|log| log.review.is_none()) {

@@ -17,7 +17,8 @@ pub(super) struct SettingsArgs {
     /// The settings to start from
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// TOML file of settings applied to the preset; may be given again, LOG.bottom.toml of Bathyscope among them
+    /// TOML file of settings applied to the preset; may be given again, LOG.bottom.toml of
+    /// Bathyscope among them
     #[arg(long, value_name = "FILE.toml")]
     settings: Vec<PathBuf>,
     /// One setting, for example first_return.threshold=0.35
@@ -53,7 +54,8 @@ impl SettingsArgs {
     }
 }
 
-/// How logs are opened: the settings, and the track of another receiver if they name one, read once for all.
+/// How logs are opened: the settings, and the track of another receiver if they name one, read once
+/// for all.
 pub(super) struct LogOpener {
     /// All settings.
     pub settings: Settings,
@@ -67,10 +69,7 @@ impl LogOpener {
     /// When it cannot be used.
     pub(super) fn new(settings: Settings) -> Result<Self, TrackError> {
         let track = settings.track.file.as_deref();
-        Ok(Self {
-            track: track.map(TrackFile::read).transpose()?,
-            settings,
-        })
+        Ok(Self { track: track.map(TrackFile::read).transpose()?, settings })
     }
 
     /// Opens a log, applies the track, and names sidecar files that are not used.
@@ -95,9 +94,7 @@ impl LogOpener {
         progress: &Progress,
     ) -> Result<Products, Cancelled> {
         status.work_on("", survey.side_scan.len());
-        pipeline::run(survey, &self.settings, None, progress, |stage| {
-            status.step(stage.name())
-        })
+        pipeline::run(survey, &self.settings, None, progress, |stage| status.step(stage.name()))
     }
 }
 
@@ -109,7 +106,8 @@ fn of_log(error: &SourceError, path: &Path) -> String {
     }
 }
 
-/// Warns that bottom edits lie next to the log and are not in force: a run uses only what it was given.
+/// Warns that bottom edits lie next to the log and are not in force: a run uses only what it was
+/// given.
 fn tell_of_drawing(survey: &Survey, settings: &Settings) {
     let log = survey.source.files.first();
     let sidecar = log.map(|log| log.with_extension(BottomSettings::SIDECAR));

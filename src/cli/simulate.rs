@@ -1,4 +1,5 @@
-//! `bathyscope simulate`: a survey of known truth, as a log and tables; or many, as pictures with labels.
+//! `bathyscope simulate`: a survey of known truth, as a log and tables; or many, as pictures with
+//! labels.
 
 use super::dataset::{self, DatasetArgs};
 use super::simulated_files::{with_ending, write};
@@ -9,18 +10,14 @@ use bathyscope_log::support::regular_file;
 use bathyscope_simulation::{Scene, simulate};
 use std::path::{Path, PathBuf};
 
-/// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`, `bathyscope simulate --dataset DIR [--images N] [--seed N]`.
+/// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`, `bathyscope simulate --dataset DIR
+/// [--images N] [--seed N]`.
 #[derive(Debug, clap::Args)]
 pub(super) struct SimulateArgs {
     /// The scene; without one, the scene of the bundled demo survey
     scene: Option<PathBuf>,
     /// Written are PREFIX.sl2, PREFIX.truth.csv and PREFIX.objects.csv
-    #[arg(
-        short,
-        long,
-        value_name = "PREFIX",
-        required_unless_present = "dataset"
-    )]
+    #[arg(short, long, value_name = "PREFIX", required_unless_present = "dataset")]
     output: Option<PathBuf>,
     /// Another seed gives another ground, other objects and other noise
     #[arg(long, default_value_t = 1)]
@@ -62,7 +59,8 @@ fn check_prefix(prefix: &Path) -> Result<(), Failure> {
         )
         .into());
     }
-    // A log beside its truth was simulated and may be simulated again; any other may be somebody's survey.
+    // A log beside its truth was simulated and may be simulated again; any other may be somebody's
+    // survey.
     let log = with_ending(prefix, "sl2");
     if log.exists() && !with_ending(prefix, "truth.csv").exists() {
         return Err(format!(
@@ -71,11 +69,10 @@ fn check_prefix(prefix: &Path) -> Result<(), Failure> {
         ).into());
     }
     match prefix.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(format!(
-            "there is no folder to write into; make it first: {}",
-            folder.display()
-        )
-        .into()),
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(format!("there is no folder to write into; make it first: {}", folder.display())
+                .into())
+        }
         _ => Ok(()),
     }
 }

@@ -60,7 +60,8 @@ pub(super) struct SnapshotArgs {
     /// GeoTIFF of your own to lie under the map
     #[arg(long, value_name = "FILE.tif")]
     base_map: Option<PathBuf>,
-    /// What the points are compared with, as `compare` takes it: the layer `residuals` shows the differences
+    /// What the points are compared with, as `compare` takes it: the layer `residuals` shows the
+    /// differences
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
     /// How positions are written
@@ -147,20 +148,13 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     let settings = args.settings.resolve()?;
     check_picture(&args.output)?;
     if !args.scale.is_finite() || !(0.5..=8.0).contains(&args.scale) {
-        return Err(format!(
-            "a picture's scale lies between 0.5 and 8; got {}",
-            args.scale
-        )
-        .into());
+        return Err(format!("a picture's scale lies between 0.5 and 8; got {}", args.scale).into());
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
     app.use_settings(&settings);
     show_as(&mut app.view.options, &args);
     args.geometry.apply(&mut app);
-    open(
-        &mut app,
-        &args.survey.map_or(LogOrigin::Demo, LogOrigin::Path),
-    )?;
+    open(&mut app, &args.survey.map_or(LogOrigin::Demo, LogOrigin::Path))?;
     take_over(&mut app, settings)?;
     select(&mut app, args.pings)?;
     if let Some(truth) = args.truth {
@@ -227,7 +221,8 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
     }
 }
 
-/// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.
+/// Draws the window and each view of a survey into `folder`; the files' names and the adapter that
+/// drew them.
 pub(super) fn draw_into(
     origin: &LogOrigin,
     folder: &Path,
@@ -251,10 +246,7 @@ pub(super) fn draw_into(
         shell.app.check_logs()?;
         write_picture(&picture, &folder.join(name))?;
     }
-    Ok((
-        PICTURES.iter().map(|(name, ..)| *name).collect(),
-        studio.adapter(),
-    ))
+    Ok((PICTURES.iter().map(|(name, ..)| *name).collect(), studio.adapter()))
 }
 
 fn alone(picture: Picture) -> Option<Alone> {
@@ -267,7 +259,8 @@ fn alone(picture: Picture) -> Option<Alone> {
     }
 }
 
-/// Selects the middle of the pings asked for, or of the log, so that the profile and the selection show something.
+/// Selects the middle of the pings asked for, or of the log, so that the profile and the selection
+/// show something.
 fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     let survey = app.log.survey.clone().unwrap_or_default();
     let pings = within(&survey, pings)?;
@@ -278,7 +271,8 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would be replaced.
+/// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would
+/// be replaced.
 fn check_picture(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("png") {

@@ -37,9 +37,8 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let log = args.shown.open()?;
     let [width, height] = args.size;
-    let page = args
-        .page_pings
-        .map_or_else(|| one_to_one(&log, width, height), |pings| pings as usize);
+    let page =
+        args.page_pings.map_or_else(|| one_to_one(&log, width, height), |pings| pings as usize);
     let pages = pages(log.pings, page)?;
     make_folder(&args.output)?;
     let (mut shell, name) = (Shell::new(log.app), log.name);
@@ -67,12 +66,12 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Pings of a page on which a metre along is as long as one across; where the boat's speed is not known, one for each pixel.
+/// Pings of a page on which a metre along is as long as one across; where the boat's speed is not
+/// known, one for each pixel.
 fn one_to_one(log: &WaterfallLog, width: u32, height: u32) -> usize {
     let pixel_m = 2.0 * log.axis.far_m / f64::from(height);
-    let pings = log.axis.ping_m.map_or(f64::from(width), |ping_m| {
-        f64::from(width) * pixel_m / ping_m
-    });
+    let pings =
+        log.axis.ping_m.map_or(f64::from(width), |ping_m| f64::from(width) * pixel_m / ping_m);
     (pings.round() as usize).max(16)
 }
 
@@ -86,10 +85,7 @@ fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, Failure> {
         .into());
     }
     let starts = (pings.start..pings.end).step_by(page);
-    let pages = starts.map(|start| PingRange {
-        start,
-        end: (start + page).min(pings.end),
-    });
+    let pages = starts.map(|start| PingRange { start, end: (start + page).min(pings.end) });
     Ok(pages.collect())
 }
 
@@ -99,17 +95,11 @@ mod tests {
 
     #[test]
     fn pages_hold_every_ping_once() {
-        let all = PingRange {
-            start: 100,
-            end: 1250,
-        };
+        let all = PingRange { start: 100, end: 1250 };
         let made = pages(all, 500).expect("pages");
         let made: Vec<_> = made.iter().map(|page| (page.start, page.end)).collect();
         assert_eq!(made, [(100, 600), (600, 1100), (1100, 1250)]);
-        let many = PingRange {
-            start: 0,
-            end: 1_000_000,
-        };
+        let many = PingRange { start: 0, end: 1_000_000 };
         assert!(pages(many, 16).is_err());
     }
 }

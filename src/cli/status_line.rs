@@ -1,5 +1,5 @@
-//! Progress of a headless run on stderr: one line that is rewritten on a terminal; elsewhere a line a step, and lines with share and rate
-//! at intervals while a step takes long.
+//! Progress of a headless run on stderr: one line that is rewritten on a terminal; elsewhere a line
+//! a step, and lines with share and rate at intervals while a step takes long.
 
 use super::output;
 use bathyscope_log::support::progress::Progress;
@@ -73,12 +73,7 @@ impl StatusLine {
                 write_over(format_args!(""));
             }
         });
-        Self {
-            step,
-            is_terminal,
-            going_on: Some(going_on),
-            painter: Some(painter),
-        }
+        Self { step, is_terminal, going_on: Some(going_on), painter: Some(painter) }
     }
 
     /// Starts showing `progress` of the step that begins.
@@ -88,12 +83,10 @@ impl StatusLine {
         line
     }
 
-    /// Says what the steps that follow are done to: how many side-scan pings, and `log 2 of 5` where there is more than one thing.
+    /// Says what the steps that follow are done to: how many side-scan pings, and `log 2 of 5`
+    /// where there is more than one thing.
     pub(super) fn work_on(&self, name: &str, pings: usize) {
-        lock(&self.step).work = Work {
-            name: name.to_owned(),
-            pings,
-        };
+        lock(&self.step).work = Work { name: name.to_owned(), pings };
     }
 
     /// Names the step that begins.
@@ -145,12 +138,14 @@ fn lock(step: &Mutex<Step>) -> std::sync::MutexGuard<'_, Step> {
 struct Lines {
     /// When the step began that the last line was about, when that was said, and the share then.
     last: Option<(Instant, Instant, f32)>,
-    /// The part of a step that is under way: when the step and the part began, and the share at the last look.
+    /// The part of a step that is under way: when the step and the part began, and the share at the
+    /// last look.
     part: Option<(Instant, Instant, f32)>,
 }
 
 impl Lines {
-    /// The line that is due now: of a step that goes on for long, after each tenth, or after a longer silence.
+    /// The line that is due now: of a step that goes on for long, after each tenth, or after a
+    /// longer silence.
     fn next(&mut self, step: &Step, fraction: f32, now: Instant) -> Option<String> {
         let part_began = self.part_of(step, fraction, now);
         // The line that named the step counts as the first.
@@ -194,10 +189,12 @@ impl Lines {
     }
 }
 
-/// Replaces the line. A terminal that has gone away takes nothing, which is no reason to stop the work.
+/// Replaces the line. A terminal that has gone away takes nothing, which is no reason to stop the
+/// work.
 fn write_over(text: std::fmt::Arguments<'_>) {
     let mut err = std::io::stderr();
-    // Consoles of Windows know no command that clears the rest of a line until a program asks them to.
+    // Consoles of Windows know no command that clears the rest of a line until a program asks them
+    // to.
     let clear = match cfg!(windows) {
         true => format!("\r{:WIDTH$}\r", ""),
         false => "\r\x1b[K".to_owned(),
@@ -223,14 +220,7 @@ mod tests {
     use super::*;
 
     fn step(name: &str, began: Instant, pings: usize) -> Step {
-        Step {
-            name: name.to_owned(),
-            began,
-            work: Work {
-                pings,
-                ..Work::default()
-            },
-        }
+        Step { name: name.to_owned(), began, work: Work { pings, ..Work::default() } }
     }
 
     #[test]
@@ -243,27 +233,15 @@ mod tests {
         };
         assert_eq!(at(0.1, 0.05), None);
         assert_eq!(at(1.9, 0.2), None, "too early");
-        assert_eq!(
-            at(4.0, 0.25).as_deref(),
-            Some("objects 25 %, 4 s, 500 pings/s, 12 s to go")
-        );
+        assert_eq!(at(4.0, 0.25).as_deref(), Some("objects 25 %, 4 s, 500 pings/s, 12 s to go"));
         assert_eq!(at(6.5, 0.3), None, "no tenth more");
-        assert_eq!(
-            at(10.0, 0.5).as_deref(),
-            Some("objects 50 %, 10 s, 400 pings/s, 10 s to go")
-        );
+        assert_eq!(at(10.0, 0.5).as_deref(), Some("objects 50 %, 10 s, 400 pings/s, 10 s to go"));
         assert_eq!(at(19.9, 0.51), None);
-        assert_eq!(
-            at(20.5, 0.51).as_deref(),
-            Some("objects 51 %, 20 s, 199 pings/s, 20 s to go")
-        );
+        assert_eq!(at(20.5, 0.51).as_deref(), Some("objects 51 %, 20 s, 199 pings/s, 20 s to go"));
         assert_eq!(at(23.0, 1.0).as_deref(), Some("objects 100 %, 23 s"));
         // The next part of it has a share and a rate of its own.
         assert_eq!(at(25.0, 0.0).as_deref(), Some("objects 0 %, 25 s"));
-        assert_eq!(
-            at(27.0, 0.2).as_deref(),
-            Some("objects 20 %, 27 s, 800 pings/s, 8 s to go")
-        );
+        assert_eq!(at(27.0, 0.2).as_deref(), Some("objects 20 %, 27 s, 800 pings/s, 8 s to go"));
         let line = objects.ended(began + Duration::from_secs(32));
         assert_eq!(line.as_deref(), Some("objects done, 32 s, 250 pings/s"));
     }

@@ -1,4 +1,5 @@
-//! The logs of one survey on the command line: named one by one, as folders, or by a project, and opened in one frame.
+//! The logs of one survey on the command line: named one by one, as folders, or by a project, and
+//! opened in one frame.
 
 use super::settings::{LogOpener, SettingsArgs};
 use super::{Failure, many, output};
@@ -47,11 +48,12 @@ pub(super) fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     all
 }
 
-/// The logs that some paths name, all with the same settings, or the visible logs of a project with the settings that they have there;
-/// `track` is the file of another receiver's track.
+/// The logs that some paths name, all with the same settings, or the visible logs of a project with
+/// the settings that they have there; `track` is the file of another receiver's track.
 ///
 /// # Errors
-/// When settings cannot be used, a project stands beside logs or has settings from elsewhere, or one cannot be read.
+/// When settings cannot be used, a project stands beside logs or has settings from elsewhere, or
+/// one cannot be read.
 pub(super) fn inputs(
     paths: &[PathBuf],
     settings: &SettingsArgs,
@@ -88,12 +90,7 @@ pub(super) fn inputs(
                 ));
             }
             let paths = many::logs(paths).into_iter();
-            let input = |path| LogInput {
-                path,
-                logs: logs.clone(),
-                review: None,
-                frame: None,
-            };
+            let input = |path| LogInput { path, logs: logs.clone(), review: None, frame: None };
             Ok(paths.map(input).collect())
         }
     }
@@ -139,8 +136,9 @@ impl LogInput {
     }
 }
 
-/// Opens logs in the frame of the first that has a place, and counts those that cannot be used: they are named on stderr and do not keep
-/// the others from being opened. The same bytes under another name are taken once.
+/// Opens logs in the frame of the first that has a place, and counts those that cannot be used:
+/// they are named on stderr and do not keep the others from being opened. The same bytes under
+/// another name are taken once.
 fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
     let mut opened: Vec<OpenedLog> = Vec::new();
     let mut failed = 0;
@@ -171,9 +169,10 @@ pub(super) fn open(inputs: &[LogInput]) -> Result<(Vec<OpenedLog>, usize), Failu
 pub(super) fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
     match failed {
         0 => Ok(()),
-        _ => Err(
-            format!("{failed} of {all} logs could not be processed, for the reasons above").into(),
-        ),
+        _ => {
+            Err(format!("{failed} of {all} logs could not be processed, for the reasons above")
+                .into())
+        }
     }
 }
 
@@ -203,12 +202,7 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
     let (count, others) = (own(one), own(other));
     count == others
         && one.source.byte_count == other.source.byte_count
-        && one
-            .bytes
-            .iter()
-            .zip(&other.bytes)
-            .take(count)
-            .all(|(one, other)| one[..] == other[..])
+        && one.bytes.iter().zip(&other.bytes).take(count).all(|(one, other)| one[..] == other[..])
 }
 
 /// Whether a file has the decisions about the boxes of a log.
@@ -216,26 +210,26 @@ pub(super) fn is_of(path: &Path, log: &OpenedLog) -> bool {
     Review::open_for(path, &log.survey).is_ok()
 }
 
-/// Gives each review that is named by its file to the log that it is of, in the place of what that has.
+/// Gives each review that is named by its file to the log that it is of, in the place of what that
+/// has.
 ///
 /// # Errors
 /// Where a file cannot be used or is of none of the logs.
 pub(super) fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), ReviewError> {
     for path in files {
         let mut refused = None;
-        let is_taken = logs
-            .iter_mut()
-            .any(|log| match Review::open_for(path, &log.survey) {
-                Ok(review) => {
-                    log.review = Some(review.into());
-                    true
-                }
-                Err(error) => {
-                    refused = Some(error);
-                    false
-                }
-            });
-        // Of one log, its own words; of several, those about the last are those about all, but for the name in them.
+        let is_taken = logs.iter_mut().any(|log| match Review::open_for(path, &log.survey) {
+            Ok(review) => {
+                log.review = Some(review.into());
+                true
+            }
+            Err(error) => {
+                refused = Some(error);
+                false
+            }
+        });
+        // Of one log, its own words; of several, those about the last are those about all, but for
+        // the name in them.
         if let Some(error) = refused.filter(|_| !is_taken) {
             return Err(error);
         }
@@ -263,16 +257,8 @@ pub(super) fn open_reference(
                 ..first.settings.clone()
             };
             let logs = Arc::new(LogOpener::new(as_read)?);
-            let input = |path| LogInput {
-                path,
-                logs: logs.clone(),
-                review: None,
-                frame: None,
-            };
-            many::logs(&[path.to_owned()])
-                .into_iter()
-                .map(input)
-                .collect()
+            let input = |path| LogInput { path, logs: logs.clone(), review: None, frame: None };
+            many::logs(&[path.to_owned()]).into_iter().map(input).collect()
         }
         false => {
             let opened = Reference::open(argument, &first.survey, &first.settings, progress);

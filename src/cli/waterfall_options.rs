@@ -74,20 +74,12 @@ impl WaterfallArgs {
         waterfall.first_return = self.first_return;
         waterfall.flat_stretches = false;
         waterfall.boxes = false;
-        open(
-            &mut app,
-            &self.survey.map_or(LogOrigin::Demo, LogOrigin::Path),
-        )?;
+        open(&mut app, &self.survey.map_or(LogOrigin::Demo, LogOrigin::Path))?;
         take_over(&mut app, settings)?;
         let survey = app.log.survey.clone().unwrap_or_default();
         let axis = RangeAxis::of(&survey).filter(|_| survey.has_side_scan());
         let axis = axis.ok_or("the log holds no side-scan that could be shown")?;
-        Ok(WaterfallLog {
-            pings: within(&survey, self.pings)?,
-            axis,
-            name: survey.name(),
-            app,
-        })
+        Ok(WaterfallLog { pings: within(&survey, self.pings)?, axis, name: survey.name(), app })
     }
 }
 
@@ -97,10 +89,7 @@ impl WaterfallArgs {
 /// When the log has not so many.
 pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
     let count = survey.side_scan.len();
-    let pings = pings.unwrap_or(PingRange {
-        start: 0,
-        end: count,
-    });
+    let pings = pings.unwrap_or(PingRange { start: 0, end: count });
     if pings.end > count {
         return Err(format!(
             "the log has {count} side-scan pings; pings {}..{} were asked for",
@@ -141,8 +130,8 @@ pub(super) fn open(app: &mut App, origin: &LogOrigin) -> Result<(), Failure> {
     wait(app)
 }
 
-/// Takes over what the settings say of this survey only: its flat spot, its water, its track, its picture. A freshly opened log has
-/// forgotten it: in the window, it belonged to the log before.
+/// Takes over what the settings say of this survey only: its flat spot, its water, its track, its
+/// picture. A freshly opened log has forgotten it: in the window, it belonged to the log before.
 ///
 /// # Errors
 /// When the settings do not fit the log.
@@ -155,11 +144,7 @@ pub(super) fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure
         let mounted = pipeline::as_mounted(recorded, &settings.mounting, &settings.source);
         check_against(&mounted?, &settings)?;
     }
-    app.apply(Command::Change {
-        settings: Box::new(settings),
-        label: "settings",
-        live: false,
-    });
+    app.apply(Command::Change { settings: Box::new(settings), label: "settings", live: false });
     wait(app)
 }
 

@@ -9,7 +9,8 @@ pub(super) fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Re
     Ok(crate::ui::open_window(paths, demo, truth)?)
 }
 
-/// Says why there is no window to who has started the program from a desktop, and sees nothing else of it.
+/// Says why there is no window to who has started the program from a desktop, and sees nothing else
+/// of it.
 #[cfg(feature = "gui")]
 pub(super) fn say_in_a_box(sentence: &str) {
     use crate::app::system_words::in_plain_words;
@@ -31,7 +32,8 @@ pub fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> 
     Err(super::snapshot::NO_WINDOW.into())
 }
 
-/// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a display.
+/// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a
+/// display.
 pub(super) fn display_available() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     !cfg!(all(unix, not(target_os = "macos"))) || set("WAYLAND_DISPLAY") || set("DISPLAY")

@@ -1,14 +1,17 @@
-//! Class names, which are what two lists of classes have in common, and the list that an analyst keeps.
+//! Class names, which are what two lists of classes have in common, and the list that an analyst
+//! keeps.
 
 use serde::{Deserialize, Serialize};
 
-/// Class of a box that nobody has named: drawn before any model has named one, or found by a model whose confidence in its class is too low.
+/// Class of a box that nobody has named: drawn before any model has named one, or found by a model
+/// whose confidence in its class is too low.
 pub const NAMELESS_CLASS: &str = "object";
 
 /// Letters of the name of a class, a model or an object.
 const LONGEST_NAME: usize = 200;
 
-/// The classes that a survey begins with: what side-scan surveys usually name, and what the shipped detector knows besides.
+/// The classes that a survey begins with: what side-scan surveys usually name, and what the shipped
+/// detector knows besides.
 const USUAL_CLASSES: [&str; 14] = [
     "wreck", "anchor", "tree", "pipe", "tyre", "debris", "fish", "rock", "unknown", "block",
     "cylinder", "boat", "log", "effigy",
@@ -18,15 +21,14 @@ const USUAL_CLASSES: [&str; 14] = [
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReviewSettings {
-    /// The classes that boxes are given, in the order of their keys and of the numbers in labels for training.
+    /// The classes that boxes are given, in the order of their keys and of the numbers in labels
+    /// for training.
     pub classes: Vec<String>,
 }
 
 impl Default for ReviewSettings {
     fn default() -> Self {
-        Self {
-            classes: USUAL_CLASSES.map(str::to_owned).to_vec(),
-        }
+        Self { classes: USUAL_CLASSES.map(str::to_owned).to_vec() }
     }
 }
 
@@ -37,10 +39,7 @@ impl ReviewSettings {
     /// A sentence that names the key.
     pub fn check(&self) -> Result<(), &'static str> {
         let classes = &self.classes;
-        if !classes
-            .iter()
-            .all(|name| is_name(name) && name.trim() == name)
-        {
+        if !classes.iter().all(|name| is_name(name) && name.trim() == name) {
             return Err("review.classes holds names of one line, without spaces around them");
         }
         let is_twice = |(index, name): (usize, &String)| classes[..index].contains(name);
@@ -66,9 +65,7 @@ impl ReviewSettings {
             true => (!is_known).then(|| to.to_owned()),
             false => Some(name.clone()),
         };
-        Self {
-            classes: self.classes.iter().filter_map(renamed).collect(),
-        }
+        Self { classes: self.classes.iter().filter_map(renamed).collect() }
     }
 }
 
@@ -98,12 +95,7 @@ mod tests {
         };
         assert_eq!(ReviewSettings::default().check(), Ok(()));
         assert_eq!(list(&[]).check(), Ok(()));
-        for wrong in [
-            list(&["a", "a"]),
-            list(&[""]),
-            list(&[" a"]),
-            list(&["a\nb"]),
-        ] {
+        for wrong in [list(&["a", "a"]), list(&[""]), list(&[" a"]), list(&["a\nb"])] {
             assert!(wrong.check().is_err(), "{wrong:?}");
         }
         let two = list(&["wreck", "anchor"]);

@@ -3,17 +3,20 @@
 use super::Mark;
 use serde::{Deserialize, Serialize};
 
-/// Half of the range that the mark of a point covers, metres: a box without size could not be drawn or clicked.
+/// Half of the range that the mark of a point covers, metres: a box without size could not be drawn
+/// or clicked.
 const POINT_HALF_M: f64 = 0.05;
 
-/// How the extent of the object in a box is known. Slant ranges are by the recorder's scale, as those of [`Mark`].
+/// How the extent of the object in a box is known. Slant ranges are by the recorder's scale, as
+/// those of [`Mark`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ObjectExtent {
     /// The box holds the echo and its shadow, and the program finds them in it.
     #[default]
     Found,
-    /// The analyst has set the edges: the echo lies from the box's near edge to the border, the shadow from there to the far edge, and
-    /// both in the box's pings. A border on the far edge says that there is no shadow.
+    /// The analyst has set the edges: the echo lies from the box's near edge to the border, the
+    /// shadow from there to the far edge, and both in the box's pings. A border on the far edge
+    /// says that there is no shadow.
     Drawn {
         /// Slant range of the border between echo and shadow, metres.
         border_m: f64,
@@ -22,8 +25,9 @@ pub enum ObjectExtent {
     Point,
 }
 
-/// A shadow that the analyst measured on one ping of a box, in place of the one that is found or drawn with the box: the height of the
-/// object is that of what casts it. The echo of a hull with a list reaches farther than its upper gunwale, behind which the shadow begins.
+/// A shadow that the analyst measured on one ping of a box, in place of the one that is found or
+/// drawn with the box: the height of the object is that of what casts it. The echo of a hull with a
+/// list reaches farther than its upper gunwale, behind which the shadow begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredShadow {
     /// The ping; the side is that of the box.
@@ -53,8 +57,9 @@ impl ObjectExtent {
         }
     }
 
-    /// The extent of the same object in a box that was moved or resized: a border moves with a box that keeps its width in range, and
-    /// stays where it is between edges that are moved one by one.
+    /// The extent of the same object in a box that was moved or resized: a border moves with a box
+    /// that keeps its width in range, and stays where it is between edges that are moved one by
+    /// one.
     pub fn moved(self, from: &Mark, to: &Mark) -> Self {
         let ObjectExtent::Drawn { border_m } = self else {
             return self;
@@ -64,9 +69,7 @@ impl ObjectExtent {
             true => to.near_m - from.near_m,
             false => 0.0,
         };
-        ObjectExtent::Drawn {
-            border_m: (border_m + by_m).clamp(to.near_m, to.far_m),
-        }
+        ObjectExtent::Drawn { border_m: (border_m + by_m).clamp(to.near_m, to.far_m) }
     }
 }
 

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-/// Share of a tile that its neighbour sees as well: an object up to that length is whole in one of them.
+/// Share of a tile that its neighbour sees as well: an object up to that length is whole in one of
+/// them.
 const OVERLAP: f32 = 0.25;
 /// A picture up to this many times the network's input is evaluated as a whole.
 const WHOLE: f32 = 1.5;
@@ -24,9 +25,11 @@ pub struct DetectorSettings {
     pub model: Option<PathBuf>,
     /// Least confidence, 0 to 1; without one the model's own.
     pub score: Option<f32>,
-    /// Overlap above which the box of less confidence is dropped, 0 to 1; without one the model's own.
+    /// Overlap above which the box of less confidence is dropped, 0 to 1; without one the model's
+    /// own.
     pub iou: Option<f32>,
-    /// Confidence from which a box is named, 0 to 1, and below which it is an object of whatever class; without one the model's own.
+    /// Confidence from which a box is named, 0 to 1, and below which it is an object of whatever
+    /// class; without one the model's own.
     pub name_score: Option<f32>,
 }
 
@@ -41,9 +44,10 @@ pub struct SoFar {
     pub tiles: usize,
 }
 
-/// Searches both sides of a survey from its start to its end, tiles in parallel. `on_found` receives what was found up to some
-/// ping, from any thread, each time with more pings; a search that is cancelled has reported what can be kept of it. The result has
-/// each object once (see `merge`), in order of the pings.
+/// Searches both sides of a survey from its start to its end, tiles in parallel. `on_found`
+/// receives what was found up to some ping, from any thread, each time with more pings; a search
+/// that is cancelled has reported what can be kept of it. The result has each object once (see
+/// `merge`), in order of the pings.
 ///
 /// # Errors
 /// When the work was cancelled, or the model cannot be used on this picture.
@@ -56,10 +60,7 @@ pub fn find(
     on_found: impl Fn(SoFar) + Sync,
 ) -> Result<Vec<Detection>, DetectError> {
     let raster = Raster::new(survey, navigation, model.pixel_m());
-    let sides: Vec<Side> = Side::BOTH
-        .into_iter()
-        .filter(|&side| recorded(survey, side))
-        .collect();
+    let sides: Vec<Side> = Side::BOTH.into_iter().filter(|&side| recorded(survey, side)).collect();
     let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
         let pixels = match raster.is_recorded(survey, sides[side], row, column) {
@@ -94,19 +95,12 @@ pub fn find(
             tiles,
         });
     };
-    let found = search(
-        &grid,
-        sides.len(),
-        draw,
-        model,
-        settings,
-        progress,
-        on_found,
-    )?;
+    let found = search(&grid, sides.len(), draw, model, settings, progress, on_found)?;
     Ok(as_detections(found))
 }
 
-/// Searches a picture, whole or in tiles of the network's own size; boxes by falling score, in the picture's pixels.
+/// Searches a picture, whole or in tiles of the network's own size; boxes by falling score, in the
+/// picture's pixels.
 ///
 /// # Errors
 /// When the work was cancelled, or the model cannot be used on this picture.
@@ -126,14 +120,12 @@ pub fn find_in_picture(
 }
 
 fn recorded(survey: &Survey, side: Side) -> bool {
-    survey
-        .side_scan
-        .iter()
-        .any(|ping| ping.side(side).is_some())
+    survey.side_scan.iter().any(|ping| ping.side(side).is_some())
 }
 
-/// Draws and searches every tile of some pictures of one size, in parallel and from the first row of tiles to the last, and
-/// merges what they saw: the objects of each picture. `on_found` receives the objects, the tiles and the rows of pixels so far.
+/// Draws and searches every tile of some pictures of one size, in parallel and from the first row
+/// of tiles to the last, and merges what they saw: the objects of each picture. `on_found` receives
+/// the objects, the tiles and the rows of pixels so far.
 fn search(
     grid: &TileGrid,
     pictures: usize,
@@ -176,7 +168,8 @@ fn search(
         }
         found
     };
-    // A bridge hands the tiles out in their order, so that what is done is the survey's beginning and not pieces of it.
+    // A bridge hands the tiles out in their order, so that what is done is the survey's beginning
+    // and not pieces of it.
     (0..count).par_bridge().try_for_each(|index| {
         let place = grid.of_picture(index, pictures);
         let seen = look(place.picture, place.tile)?;
@@ -188,9 +181,7 @@ fn search(
         }
         Ok::<(), DetectError>(())
     })?;
-    let gathered = gathered
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
+    let gathered = gathered.into_inner().unwrap_or_else(PoisonError::into_inner);
     Ok(named(gathered.merged(grid.counts[1], model.nms(), iou)))
 }
 
@@ -235,8 +226,8 @@ impl<'a> Gathered<'a> {
         })
     }
 
-    /// The objects of each picture in its first rows of tiles. What goes on behind them is left out: it is searched as a whole
-    /// by the next row.
+    /// The objects of each picture in its first rows of tiles. What goes on behind them is left
+    /// out: it is searched as a whole by the next row.
     fn merged(&self, rows: usize, nms: Nms, iou: f32) -> Vec<Vec<Scored>> {
         let is_all = rows == self.missing.len();
         let end = self.grid.end_of(rows);
@@ -259,12 +250,10 @@ struct InPicture {
     tile: usize,
 }
 
-/// A box cut at the picture's end, which lies within a tile that is larger; `None` where most of it lies beyond: what looks
-/// like an object there is the edge itself.
+/// A box cut at the picture's end, which lies within a tile that is larger; `None` where most of it
+/// lies beyond: what looks like an object there is the edge itself.
 fn inside(found: Scored, [width, height]: [f32; 2]) -> Option<Scored> {
-    let rect = found
-        .rect
-        .intersection(&Rect::new([0.0, 0.0], [width, height]));
+    let rect = found.rect.intersection(&Rect::new([0.0, 0.0], [width, height]));
     (rect.area() >= 0.5 * found.rect.area()).then_some(Scored { rect, ..found })
 }
 
@@ -294,14 +283,12 @@ impl TileGrid {
         self.counts[0] * self.counts[1]
     }
 
-    /// The tile that is searched as the `index`th: a row of tiles of all pictures, then the next row.
+    /// The tile that is searched as the `index`th: a row of tiles of all pictures, then the next
+    /// row.
     fn of_picture(&self, index: usize, pictures: usize) -> InPicture {
         let [across, _] = self.counts;
         let (row, within) = (index / (across * pictures), index % (across * pictures));
-        InPicture {
-            picture: within / across,
-            tile: row * across + within % across,
-        }
+        InPicture { picture: within / across, tile: row * across + within % across }
     }
 
     /// Row of pixels that the first `rows` rows of tiles end before.
@@ -313,8 +300,8 @@ impl TileGrid {
         }
     }
 
-    /// The tile's first pixel, across and down, and its edges. The last tile of a row ends with the picture, so that no tile
-    /// but one larger than the picture reaches beyond it.
+    /// The tile's first pixel, across and down, and its edges. The last tile of a row ends with the
+    /// picture, so that no tile but one larger than the picture reaches beyond it.
     fn place(&self, index: usize) -> ([usize; 2], Rect) {
         let at = [index % self.counts[0], index / self.counts[0]];
         let place = [0, 1].map(|axis| {
@@ -322,10 +309,7 @@ impl TileGrid {
             (at[axis] * step(self.tile[axis])).min(last)
         });
         let [x0, y0] = place.map(|first| first as f32);
-        let rect = Rect::new(
-            [x0, y0],
-            [x0 + self.tile[0] as f32, y0 + self.tile[1] as f32],
-        );
+        let rect = Rect::new([x0, y0], [x0 + self.tile[0] as f32, y0 + self.tile[1] as f32]);
         (place, rect)
     }
 }

@@ -1,6 +1,7 @@
 //! Levels of a tile, brought to one scale before a detector sees it.
 //!
-//! Recorders differ in gain and curve, and the same rule must serve what a model learns from and what it later searches.
+//! Recorders differ in gain and curve, and the same rule must serve what a model learns from and
+//! what it later searches.
 
 /// Level that the brightest twentieth of a tile begins at.
 const BRIGHT_LEVEL: f32 = 180.0;
@@ -9,8 +10,9 @@ const BRIGHT_SHARE: f64 = 0.95;
 /// Weakest and strongest gain: a tile of noise alone is not blown up into echoes.
 const GAIN: (f32, f32) = (0.5, 4.0);
 
-/// Scales a tile's levels in place: the 95th percentile of the pixels above 0 becomes 180, by a gain between 0.5 and 4;
-/// what exceeds 255 is held there. Pixels of 0 (beyond the survey, or silence) count for nothing and stay 0.
+/// Scales a tile's levels in place: the 95th percentile of the pixels above 0 becomes 180, by a
+/// gain between 0.5 and 4; what exceeds 255 is held there. Pixels of 0 (beyond the survey, or
+/// silence) count for nothing and stay 0.
 pub fn level(pixels: &mut [u8]) {
     let mut counts = [0_usize; 256];
     for &pixel in pixels.iter() {
@@ -20,15 +22,15 @@ pub fn level(pixels: &mut [u8]) {
         return;
     };
     let gain = (BRIGHT_LEVEL / bright).clamp(GAIN.0, GAIN.1);
-    let table: Vec<u8> = (0..=u8::MAX)
-        .map(|pixel| (f32::from(pixel) * gain).round().min(255.0) as u8)
-        .collect();
+    let table: Vec<u8> =
+        (0..=u8::MAX).map(|pixel| (f32::from(pixel) * gain).round().min(255.0) as u8).collect();
     for pixel in pixels {
         *pixel = table[usize::from(*pixel)];
     }
 }
 
-/// The smallest level above 0 that [`BRIGHT_SHARE`] of the pixels above 0 do not exceed; `None` without such pixels.
+/// The smallest level above 0 that [`BRIGHT_SHARE`] of the pixels above 0 do not exceed; `None`
+/// without such pixels.
 fn percentile(counts: &[usize; 256]) -> Option<f32> {
     let total: usize = counts[1..].iter().sum();
     let goal = (BRIGHT_SHARE * total as f64).ceil() as usize;

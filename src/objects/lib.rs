@@ -1,15 +1,17 @@
-//! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in the survey.
+//! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in
+//! the survey.
 //!
-//! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
-//! box in the survey's own terms (side, pings, slant range), `extent` how the size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
-//! levels of a tile to one scale.
-//! `dataset` makes labelled pictures to learn from.
-//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean, `test_time_augmentation` combines the boxes of a picture and of its mirror image.
-//! `model` is a detector from an ONNX file, `decode` reads boxes from its numbers, `picture` is what it searches. `find` searches
-//! a survey tile by tile, `merge` makes one box of what several tiles saw.
-//! `review` holds what the analyst decides about the boxes.
-//! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
-//! `targets` places boxes in the world. `truth` is what is known to lie in a survey, and what the boxes make of it.
+//! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom,
+//! in tiles; `mark` is a box in the survey's own terms (side, pings, slant range), `extent` how the
+//! size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
+//! levels of a tile to one scale. `dataset` makes labelled pictures to learn from. `nms` keeps the
+//! surest of boxes that overlap, `vote` moves it to their mean, `test_time_augmentation` combines
+//! the boxes of a picture and of its mirror image. `model` is a detector from an ONNX file,
+//! `decode` reads boxes from its numbers, `picture` is what it searches. `find` searches a survey
+//! tile by tile, `merge` makes one box of what several tiles saw. `review` holds what the analyst
+//! decides about the boxes. `metrics` measures predicted boxes against true ones, and `labels`
+//! reads both from files. `targets` places boxes in the world. `truth` is what is known to lie in a
+//! survey, and what the boxes make of it.
 //!
 //! # Search a log for objects
 //!

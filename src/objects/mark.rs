@@ -3,8 +3,8 @@
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
-/// A box on one side of the survey. Slant ranges are by the recorder's scale, so that a box keeps its place whatever the
-/// calibration says, and over pings of different ranges.
+/// A box on one side of the survey. Slant ranges are by the recorder's scale, so that a box keeps
+/// its place whatever the calibration says, and over pings of different ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     /// The side.
@@ -31,15 +31,11 @@ pub struct Detection {
 impl Mark {
     /// A box by its side, its pings, and the slant ranges of its edges, metres.
     pub fn new(side: Side, pings: Range<usize>, [near_m, far_m]: [f64; 2]) -> Self {
-        Self {
-            side,
-            pings,
-            near_m,
-            far_m,
-        }
+        Self { side, pings, near_m, far_m }
     }
 
-    /// The samples that the box covers in its middle ping, the end excluded; empty where that ping has no such side.
+    /// The samples that the box covers in its middle ping, the end excluded; empty where that ping
+    /// has no such side.
     pub fn samples(&self, survey: &Survey) -> Range<u32> {
         let middle = usize::midpoint(self.pings.start, self.pings.end);
         let Some(span) = survey.span(middle, self.side) else {

@@ -1,11 +1,13 @@
 //! One box an object, where overlapping tiles have seen it several times.
 //!
-//! A box is *whole* when it ends inside its tile, and *cut* when it touches an edge beyond which the picture goes on. Of whole
-//! boxes the surest is kept, as within a tile. A cut box is a piece of a whole one of another tile that covers half of it within
-//! the strip that both tiles saw. It gives way to one of its own class, which is then as sure as the surer of both views, and to
-//! one of another class that is at least half as sure: otherwise a whole box that is hardly believed would hide a cut one that
-//! is. Two cut boxes are pieces of one object (longer than the strip) when they cover each other by half (IoU) there: the box
-//! around both is kept, with the class and score of the surer. A cut box that has no counterpart stays as it is.
+//! A box is *whole* when it ends inside its tile, and *cut* when it touches an edge beyond which
+//! the picture goes on. Of whole boxes the surest is kept, as within a tile. A cut box is a piece
+//! of a whole one of another tile that covers half of it within the strip that both tiles saw. It
+//! gives way to one of its own class, which is then as sure as the surer of both views, and to one
+//! of another class that is at least half as sure: otherwise a whole box that is hardly believed
+//! would hide a cut one that is. Two cut boxes are pieces of one object (longer than the strip)
+//! when they cover each other by half (IoU) there: the box around both is kept, with the class and
+//! score of the surer. A cut box that has no counterpart stays as it is.
 
 use super::{Nms, Rect, Scored, suppress};
 use std::collections::HashMap;
@@ -14,7 +16,8 @@ use std::collections::HashMap;
 const EDGE_PX: f32 = 2.0;
 /// Overlap within the strip from which two boxes are the same object.
 const SAME: f32 = 0.5;
-/// How sure a whole box must be, as a share of the score of a piece of another class, to take its place.
+/// How sure a whole box must be, as a share of the score of a piece of another class, to take its
+/// place.
 const SURE_ENOUGH: f32 = 0.5;
 /// Rows of the picture whose boxes are looked at together.
 const BAND_PX: f32 = 512.0;
@@ -31,18 +34,15 @@ pub(super) struct TileDetection {
 }
 
 impl TileDetection {
-    /// `found` is in the pixels of `tile`, which lies in a picture that ends at `width` and `height`.
+    /// `found` is in the pixels of `tile`, which lies in a picture that ends at `width` and
+    /// `height`.
     pub(super) fn new(found: Scored, tile: Rect, width: f32, height: f32) -> Self {
         let rect = found.rect.shifted(tile.x0, tile.y0);
         let cut = (tile.x0 > 0.0 && rect.x0 < tile.x0 + EDGE_PX)
             || (tile.y0 > 0.0 && rect.y0 < tile.y0 + EDGE_PX)
             || (tile.x1 < width && rect.x1 > tile.x1 - EDGE_PX)
             || (tile.y1 < height && rect.y1 > tile.y1 - EDGE_PX);
-        Self {
-            found: Scored { rect, ..found },
-            tile,
-            cut,
-        }
+        Self { found: Scored { rect, ..found }, tile, cut }
     }
 
     /// Whether it may go on behind a row of pixels that its tile ends at.
@@ -59,8 +59,7 @@ impl TileDetection {
 
     /// Whether two cut boxes show one object.
     fn continues(&self, other: &TileDetection) -> bool {
-        self.in_strip(other)
-            .is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
+        self.in_strip(other).is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
     }
 
     /// Whether a whole box takes the place of a cut one.
@@ -70,7 +69,8 @@ impl TileDetection {
         (same || sure) && self.is_piece_of(whole)
     }
 
-    /// What a whole box comes to among those that take the place of a cut one: its own class first, then the surest.
+    /// What a whole box comes to among those that take the place of a cut one: its own class first,
+    /// then the surest.
     fn rank_for(&self, cut: &TileDetection) -> f32 {
         self.found.score + f32::from(u8::from(self.found.class == cut.found.class))
     }
@@ -98,9 +98,7 @@ pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored>
     let mut joined: Vec<Scored> = Vec::new();
     for seen in cut {
         let rect = seen.found.rect;
-        let taken_by = wholes
-            .near(&rect)
-            .filter(|(_, whole)| seen.yields_to(whole));
+        let taken_by = wholes.near(&rect).filter(|(_, whole)| seen.yields_to(whole));
         let surest =
             taken_by.max_by(|(_, a), (_, b)| a.rank_for(&seen).total_cmp(&b.rank_for(&seen)));
         if let Some(&(index, _)) = surest {
@@ -170,9 +168,7 @@ mod tests {
         (0..3_u8)
             .zip(scores)
             .filter_map(|(index, score)| {
-                let rect = object
-                    .intersection(&tile(index))
-                    .shifted(0.0, -tile(index).y0);
+                let rect = object.intersection(&tile(index)).shifted(0.0, -tile(index).y0);
                 let found = Scored::new(class, score?, rect);
                 Some(TileDetection::new(found, tile(index), 416.0, HEIGHT))
             })
@@ -216,11 +212,7 @@ mod tests {
     #[test]
     fn a_long_object_is_put_together_from_its_pieces() {
         let boxes = seen(0, [200.0, 900.0], [Some(0.5), Some(0.8), Some(0.7)]);
-        assert!(
-            boxes
-                .iter()
-                .all(|one| one.cut || one.found.rect.y1 == 900.0)
-        );
+        assert!(boxes.iter().all(|one| one.cut || one.found.rect.y1 == 900.0));
         assert_eq!(merged(boxes), [(0.8, 200.0, 900.0)]);
     }
 

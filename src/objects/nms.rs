@@ -8,8 +8,9 @@ pub enum OverlapMeasure {
     /// Intersection over union.
     #[default]
     Plain,
-    /// Darknet's `greedynms`: `IoU - (d^2 / c^2)^0.6`, with `d` the distance of the centres and `c` the diagonal of the
-    /// box around both. Two objects side by side are kept where plain IoU would drop one.
+    /// Darknet's `greedynms`: `IoU - (d^2 / c^2)^0.6`, with `d` the distance of the centres and `c`
+    /// the diagonal of the box around both. Two objects side by side are kept where plain IoU would
+    /// drop one.
     Darknet,
 }
 
@@ -25,10 +26,7 @@ pub struct Nms {
 #[cfg(test)]
 impl Nms {
     /// Plain IoU within each class.
-    pub(crate) const PLAIN: Nms = Nms {
-        overlap: OverlapMeasure::Plain,
-        across_classes: false,
-    };
+    pub(crate) const PLAIN: Nms = Nms { overlap: OverlapMeasure::Plain, across_classes: false };
 }
 
 impl OverlapMeasure {
@@ -50,30 +48,25 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
     let diagonal = (around.x1 - around.x0).powi(2) + (around.y1 - around.y0).powi(2);
     let dx = 0.5 * (a.x0 + a.x1 - b.x0 - b.x1);
     let dy = 0.5 * (a.y0 + a.y1 - b.y0 - b.y1);
-    if diagonal > 0.0 {
-        (dx * dx + dy * dy) / diagonal
-    } else {
-        0.0
-    }
+    if diagonal > 0.0 { (dx * dx + dy * dy) / diagonal } else { 0.0 }
 }
 
-/// Greedy non-maximum suppression: the surest box drops every later one that it overlaps by more than `iou` (0 to 1), then
-/// the surest of the rest does. `boxes` come back by falling score, equal scores in their first order; boxes whose score or
-/// edges are not finite are dropped.
+/// Greedy non-maximum suppression: the surest box drops every later one that it overlaps by more
+/// than `iou` (0 to 1), then the surest of the rest does. `boxes` come back by falling score, equal
+/// scores in their first order; boxes whose score or edges are not finite are dropped.
 pub(crate) fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
     boxes.retain(|proposed| {
         let Rect { x0, y0, x1, y1 } = proposed.rect;
-        [proposed.score, x0, y0, x1, y1]
-            .iter()
-            .all(|value| value.is_finite())
+        [proposed.score, x0, y0, x1, y1].iter().all(|value| value.is_finite())
     });
     boxes.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut dropped = overlapped(boxes, how, iou.max(0.0)).into_iter();
     boxes.retain(|_| dropped.next() == Some(false));
 }
 
-/// Which of the sorted boxes a surer one drops. Only boxes that start within the tallest box's height of each other along
-/// the track can overlap, so that in a long survey each is compared with its neighbours only.
+/// Which of the sorted boxes a surer one drops. Only boxes that start within the tallest box's
+/// height of each other along the track can overlap, so that in a long survey each is compared with
+/// its neighbours only.
 fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
     let start = |index: &usize| boxes[*index].rect.y0;
     let mut by_start: Vec<usize> = (0..boxes.len()).collect();
@@ -115,10 +108,7 @@ mod tests {
     #[test]
     fn an_overlap_equal_to_the_threshold_is_kept() {
         // Two boxes of 4 x 2 that share 2 x 2: IoU 1/3.
-        let pair = vec![
-            scored(0, 0.5, [2.0, 0.0, 6.0, 2.0]),
-            scored(0, 0.9, [0.0, 0.0, 4.0, 2.0]),
-        ];
+        let pair = vec![scored(0, 0.5, [2.0, 0.0, 6.0, 2.0]), scored(0, 0.9, [0.0, 0.0, 4.0, 2.0])];
         assert_eq!(scores(pair.clone(), Nms::PLAIN, 1.0 / 3.0), [0.9, 0.5]);
         assert_eq!(scores(pair, Nms::PLAIN, 0.33), [0.9]);
     }
@@ -137,10 +127,7 @@ mod tests {
         let edges = [0.0, 0.0, 4.0, 2.0];
         let pair = vec![scored(0, 0.9, edges), scored(1, 0.8, edges)];
         assert_eq!(scores(pair.clone(), Nms::PLAIN, 0.5), [0.9, 0.8]);
-        let across = Nms {
-            across_classes: true,
-            ..Nms::PLAIN
-        };
+        let across = Nms { across_classes: true, ..Nms::PLAIN };
         assert_eq!(scores(pair, across, 0.5), [0.9]);
     }
 
@@ -157,7 +144,8 @@ mod tests {
         assert_eq!(scores(chain, Nms::PLAIN, 0.5), [0.9, 0.7]);
     }
 
-    /// The rule as it is said, without the sweep: in falling order of score, equal scores in their order.
+    /// The rule as it is said, without the sweep: in falling order of score, equal scores in their
+    /// order.
     fn by_the_book(boxes: &[Scored], how: Nms, iou: f32) -> Vec<Scored> {
         let mut left: Vec<Scored> = boxes.to_vec();
         left.sort_by(|a, b| b.score.partial_cmp(&a.score).expect("finite scores"));

@@ -16,16 +16,11 @@ pub struct Picture {
 impl Picture {
     /// A grey picture.
     pub fn grey(width: usize, height: usize, levels: Vec<u8>) -> Self {
-        Self {
-            width,
-            height,
-            channels: 1,
-            levels,
-        }
+        Self { width, height, channels: 1, levels }
     }
 
-    /// The level of a pixel in red, green or blue (0 to 2). Beyond the edge it is that of the nearest pixel inside; 0 where
-    /// the picture is empty.
+    /// The level of a pixel in red, green or blue (0 to 2). Beyond the edge it is that of the
+    /// nearest pixel inside; 0 where the picture is empty.
     pub fn level(&self, x: usize, y: usize, colour: usize) -> u8 {
         let x = x.min(self.width.saturating_sub(1));
         let y = y.min(self.height.saturating_sub(1));
@@ -53,13 +48,11 @@ impl Picture {
         Picture::grey(self.width, self.height, levels.collect())
     }
 
-    /// The picture with its rows in turned order: as a boat that comes from the other end records it.
+    /// The picture with its rows in turned order: as a boat that comes from the other end records
+    /// it.
     pub fn mirrored(&self) -> Picture {
         let row = (self.width * self.channels).max(1);
-        Picture {
-            levels: self.levels.rchunks(row).flatten().copied().collect(),
-            ..*self
-        }
+        Picture { levels: self.levels.rchunks(row).flatten().copied().collect(), ..*self }
     }
 
     /// A piece of the picture; what lies beyond its edge is 0.
@@ -73,11 +66,6 @@ impl Picture {
                 out[..across].copy_from_slice(inside);
             }
         }
-        Picture {
-            width,
-            height,
-            channels: self.channels,
-            levels,
-        }
+        Picture { width, height, channels: self.channels, levels }
     }
 }

@@ -1,9 +1,10 @@
 //! One side of the survey as a picture whose pixels are square on the bottom.
 //!
-//! Rows follow the distance sailed, columns the slant range outward, both in steps of [`Raster::pixel_m`]; port and
-//! starboard look alike (range grows to the right, shadows fall to the right), so that a detector learns one geometry. The
-//! range stays slant: the water column tells a fish from a stone, and the picture depends on no first return. Beyond twice
-//! the altitude a metre of slant range is within 15 % of a metre on the bottom.
+//! Rows follow the distance sailed, columns the slant range outward, both in steps of
+//! [`Raster::pixel_m`]; port and starboard look alike (range grows to the right, shadows fall to
+//! the right), so that a detector learns one geometry. The range stays slant: the water column
+//! tells a fish from a stone, and the picture depends on no first return. Beyond twice the altitude
+//! a metre of slant range is within 15 % of a metre on the bottom.
 
 use super::{Mark, Rect};
 use bathyscope_log::survey::{Navigation, Side, Survey};
@@ -13,9 +14,11 @@ use std::ops::Range;
 pub const TILE_PX: usize = 416;
 /// Speed assumed where the log states none, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
-/// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in the order.
+/// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in
+/// the order.
 const LEAST_SPEED_MPS: f64 = 0.05;
-/// Highest speed counted, 15 knots: what seems faster are positions that jump, and would draw every ping over many rows.
+/// Highest speed counted, 15 knots: what seems faster are positions that jump, and would draw every
+/// ping over many rows.
 const MOST_SPEED_MPS: f64 = 8.0;
 /// Longest pause counted between two pings, seconds.
 const LONGEST_PAUSE_S: f64 = 2.0;
@@ -97,7 +100,8 @@ impl Raster {
         self.columns
     }
 
-    /// The row, counted in fractions, of a ping counted in fractions (a ping covers `ping` to `ping + 1`).
+    /// The row, counted in fractions, of a ping counted in fractions (a ping covers `ping` to
+    /// `ping + 1`).
     pub fn row_of(&self, ping: f64) -> f64 {
         let centred = (ping - 0.5).clamp(0.0, self.along_m.len().saturating_sub(1) as f64);
         let low = centred.floor() as usize;
@@ -126,14 +130,8 @@ impl Raster {
     /// A mark as a box in the whole picture.
     pub fn rect_of(&self, mark: &Mark) -> Rect {
         Rect::new(
-            [
-                (mark.near_m / self.pixel_m) as f32,
-                self.row_of(mark.pings.start as f64) as f32,
-            ],
-            [
-                (mark.far_m / self.pixel_m) as f32,
-                self.row_of(mark.pings.end as f64) as f32,
-            ],
+            [(mark.near_m / self.pixel_m) as f32, self.row_of(mark.pings.start as f64) as f32],
+            [(mark.far_m / self.pixel_m) as f32, self.row_of(mark.pings.end as f64) as f32],
         )
     }
 
@@ -145,10 +143,7 @@ impl Raster {
         Mark::new(
             side,
             start.min(last)..end.clamp(start.min(last) + 1, last + 1),
-            [
-                f64::from(rect.x0.max(0.0)) * self.pixel_m,
-                f64::from(rect.x1) * self.pixel_m,
-            ],
+            [f64::from(rect.x0.max(0.0)) * self.pixel_m, f64::from(rect.x1) * self.pixel_m],
         )
     }
 
@@ -158,14 +153,12 @@ impl Raster {
             let requested = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
             requested.min(count.saturating_sub(TILE_PX))
         };
-        [
-            start(rect.y0, rect.y1, self.rows()),
-            start(rect.x0, rect.x1, self.columns()),
-        ]
+        [start(rect.y0, rect.y1, self.rows()), start(rect.x0, rect.x1, self.columns())]
     }
 
-    /// Whether most pings of a tile were recorded to the middle of its columns at least. A network sees nothing in rows of
-    /// which most are dark, and a few pings of a long range must not make a survey wide.
+    /// Whether most pings of a tile were recorded to the middle of its columns at least. A network
+    /// sees nothing in rows of which most are dark, and a few pings of a long range must not make a
+    /// survey wide.
     pub(crate) fn is_recorded(
         &self,
         survey: &Survey,
@@ -190,8 +183,9 @@ impl Raster {
         2 * reaching >= count
     }
 
-    /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between pings it is
-    /// interpolated; where pings lie closer than rows it is the mean of those in the row.
+    /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between
+    /// pings it is interpolated; where pings lie closer than rows it is the mean of those in the
+    /// row.
     pub fn tile(&self, survey: &Survey, side: Side, row: usize, column: usize) -> RasterTile {
         let mut pixels = vec![0; TILE_PX * TILE_PX];
         let mut lines = Lines::new(survey, side, self.pixel_m, column);
@@ -211,12 +205,7 @@ impl Raster {
                 *out = rounded(*sum);
             }
         }
-        RasterTile {
-            side,
-            row,
-            column,
-            pixels,
-        }
+        RasterTile { side, row, column, pixels }
     }
 
     /// The pings that make a row, with weights that add up to 1.
@@ -250,8 +239,8 @@ impl Raster {
     }
 }
 
-/// The sample whose near edge is nearest to a place counted in samples; the first of all before it. Without `f64::round`, which is a function
-/// of the C library and took a third of a tile.
+/// The sample whose near edge is nearest to a place counted in samples; the first of all before it.
+/// Without `f64::round`, which is a function of the C library and took a third of a tile.
 fn index_at(sample: f64) -> usize {
     let low = sample as usize;
     low.saturating_add(usize::from(sample - low as f64 >= 0.5))
@@ -276,14 +265,7 @@ struct Lines<'a> {
 impl<'a> Lines<'a> {
     fn new(survey: &'a Survey, side: Side, pixel_m: f64, column: usize) -> Self {
         let none = || (usize::MAX, vec![0.0; TILE_PX]);
-        Self {
-            survey,
-            side,
-            pixel_m,
-            column,
-            kept: [none(), none()],
-            samples: Vec::new(),
-        }
+        Self { survey, side, pixel_m, column, kept: [none(), none()], samples: Vec::new() }
     }
 
     fn of(&mut self, ping: usize) -> &[f32] {
@@ -298,17 +280,14 @@ impl<'a> Lines<'a> {
     fn resample(&mut self, ping: usize, slot: usize) {
         let line = &mut self.kept[slot].1;
         line.fill(0.0);
-        let (Some(span), Some(samples)) = (
-            self.survey.span(ping, self.side),
-            self.survey.samples(ping, self.side),
-        ) else {
+        let (Some(span), Some(samples)) =
+            (self.survey.span(ping, self.side), self.survey.samples(ping, self.side))
+        else {
             return;
         };
         let last_m = (self.column + line.len()) as f64 * self.pixel_m;
         let part = index_at(span.sample_at(self.column as f64 * self.pixel_m)).saturating_sub(1)
-            ..index_at(span.sample_at(last_m))
-                .saturating_add(2)
-                .min(samples.len());
+            ..index_at(span.sample_at(last_m)).saturating_add(2).min(samples.len());
         samples.copy_part_outward(part.clone(), &mut self.samples);
         let held = |samples: Range<usize>| {
             let [start, end] = [samples.start, samples.end].map(|at| at.checked_sub(part.start));

@@ -1,6 +1,7 @@
 //! Boxes in a picture's pixels.
 
-/// An axis-parallel box. `x` grows with slant range, `y` along the track; pixel `i` covers `i` to `i + 1`.
+/// An axis-parallel box. `x` grows with slant range, `y` along the track; pixel `i` covers `i` to
+/// `i + 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
     /// Near edge.

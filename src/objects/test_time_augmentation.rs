@@ -1,24 +1,22 @@
 //! Test-time augmentation: a second pass over a picture, mirrored along the track.
 //!
-//! The boat may come from either end, so a picture and its mirror image show the same objects, and what a network sees in one
-//! of them by chance it mostly does not see in the other: the mean of both passes raises
-//! fewer false alarms and places edges better (figures in the detector's model card). Columns are never mirrored: shadows
-//! fall outward.
+//! The boat may come from either end, so a picture and its mirror image show the same objects, and
+//! what a network sees in one of them by chance it mostly does not see in the other: the mean of
+//! both passes raises fewer false alarms and places edges better (figures in the detector's model
+//! card). Columns are never mirrored: shadows fall outward.
 
 use super::{Rect, Scored};
 
 /// Overlap (IoU) above which boxes of both passes are the same object.
 const SAME: f32 = 0.6;
 
-/// The candidates of both passes, each as sure as the mean of its own confidence and that of the surest of its class that the
-/// other pass has there; 0 where it has none. `second` holds the boxes of the mirrored picture, mirrored back.
+/// The candidates of both passes, each as sure as the mean of its own confidence and that of the
+/// surest of its class that the other pass has there; 0 where it has none. `second` holds the boxes
+/// of the mirrored picture, mirrored back.
 pub(super) fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
     let weighed = |own: &[Scored], other: &[Scored]| -> Vec<Scored> {
         own.iter()
-            .map(|one| Scored {
-                score: (one.score + surest_there(one, other)) / 2.0,
-                ..*one
-            })
+            .map(|one| Scored { score: (one.score + surest_there(one, other)) / 2.0, ..*one })
             .collect()
     };
     let mut both = weighed(first, second);
@@ -38,10 +36,7 @@ fn surest_there(one: &Scored, others: &[Scored]) -> f32 {
 /// A box of a picture of `height` pixels as it lies in the mirrored one, and back.
 pub(super) fn mirrored(found: Scored, height: f32) -> Scored {
     let Rect { x0, y0, x1, y1 } = found.rect;
-    Scored {
-        rect: Rect::new([x0, height - y1], [x1, height - y0]),
-        ..found
-    }
+    Scored { rect: Rect::new([x0, height - y1], [x1, height - y0]), ..found }
 }
 
 #[cfg(test)]
@@ -63,10 +58,7 @@ mod tests {
         let second = [scored(0, 0.25, [1.0, 11.0])];
         assert_eq!(scores(&first, &second), [0.5, 0.5]);
         let boxes = agree(&first, &second);
-        assert_eq!(
-            [boxes[0].rect, boxes[1].rect],
-            [first[0].rect, second[0].rect]
-        );
+        assert_eq!([boxes[0].rect, boxes[1].rect], [first[0].rect, second[0].rect]);
     }
 
     #[test]

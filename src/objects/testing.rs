@@ -2,23 +2,18 @@
 
 use bathyscope_log::survey::{Bytes, Navigation, PingNav, SidePing, SideSpan, Survey};
 
-/// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p holding `level`.
+/// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p
+/// holding `level`.
 pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Survey, Navigation) {
     let bytes: Vec<u8> = (0..pings)
         .flat_map(|ping| (0..100).map(move |sample| (ping, sample)))
         .map(|(ping, sample)| level(ping, sample))
         .collect();
     let side_scan = (0..pings).map(|ping| SidePing {
-        port: Some(SideSpan {
-            offset: ping as u64 * 100,
-            ..SideSpan::of_bytes(100, [0.0, 10.0])
-        }),
+        port: Some(SideSpan { offset: ping as u64 * 100, ..SideSpan::of_bytes(100, [0.0, 10.0]) }),
         ..SidePing::with_depth(ping as f64 * 0.1, 2.0)
     });
-    let survey = Survey {
-        bytes: vec![Bytes::Held(bytes.into())],
-        ..Survey::of_pings(side_scan)
-    };
+    let survey = Survey { bytes: vec![Bytes::Held(bytes.into())], ..Survey::of_pings(side_scan) };
     (survey, navigation_of(pings))
 }
 

@@ -1,14 +1,15 @@
 //! Where an object ends, by all boxes that propose it.
 //!
-//! Suppression keeps the surest box of a cluster, whose edges need not be the best: its neighbours saw the same object. Box
-//! voting (S. Gidaris, N. Komodakis: Object detection via a multi-region and semantic segmentation-aware CNN model, ICCV 2015,
-//! section 5) takes the mean of all of them.
+//! Suppression keeps the surest box of a cluster, whose edges need not be the best: its neighbours
+//! saw the same object. Box voting (S. Gidaris, N. Komodakis: Object detection via a multi-region
+//! and semantic segmentation-aware CNN model, ICCV 2015, section 5) takes the mean of all of them.
 
 use super::{Rect, Scored};
 
-/// Moves each kept box to the mean of the candidates of its class that it overlaps by more than `iou` (0 to 1), edge by edge,
-/// weighted by the squared score. A box without such candidates stays; scores and classes stay as they are. All overlaps are
-/// those before the vote. `candidates` should hold the kept boxes, too.
+/// Moves each kept box to the mean of the candidates of its class that it overlaps by more than
+/// `iou` (0 to 1), edge by edge, weighted by the squared score. A box without such candidates
+/// stays; scores and classes stay as they are. All overlaps are those before the vote. `candidates`
+/// should hold the kept boxes, too.
 pub(crate) fn vote(kept: &mut [Scored], candidates: &[Scored], iou: f32) {
     for one in kept {
         let voters = candidates
@@ -57,28 +58,20 @@ mod tests {
         let kept = scored(0, 0.8, [0.0, 10.0]);
         // Shares 9 of 11, weighs 0.16 against 0.64: a fifth of its metre on either side.
         let [x0, x1] = voted(kept, &[scored(0, 0.4, [1.0, 11.0])]);
-        assert!(
-            (x0 - 0.2).abs() < 1e-6 && (x1 - 10.2).abs() < 1e-5,
-            "{x0} {x1}"
-        );
-        // With a third that shares 8 of 10 and weighs 0.04: (0.16 + 0.08) / 0.84 and (6.4 + 1.76 + 0.4) / 0.84.
+        assert!((x0 - 0.2).abs() < 1e-6 && (x1 - 10.2).abs() < 1e-5, "{x0} {x1}");
+        // With a third that shares 8 of 10 and weighs 0.04: (0.16 + 0.08) / 0.84 and (6.4 + 1.76 +
+        // 0.4) / 0.84.
         let others = [scored(0, 0.4, [1.0, 11.0]), scored(0, 0.2, [2.0, 10.0])];
         let [x0, x1] = voted(kept, &others);
-        assert!(
-            (x0 - 0.285_714).abs() < 1e-6 && (x1 - 10.190_476).abs() < 1e-5,
-            "{x0} {x1}"
-        );
+        assert!((x0 - 0.285_714).abs() < 1e-6 && (x1 - 10.190_476).abs() < 1e-5, "{x0} {x1}");
     }
 
     #[test]
     fn other_classes_and_boxes_apart_have_no_vote() {
         let kept = scored(0, 0.8, [0.0, 10.0]);
         // Of another class; sharing 6 of 14; sharing 6.5 of 10, which is not above 0.65.
-        let others = [
-            scored(1, 0.8, [1.0, 11.0]),
-            scored(0, 0.7, [4.0, 14.0]),
-            scored(0, 0.7, [3.5, 10.0]),
-        ];
+        let others =
+            [scored(1, 0.8, [1.0, 11.0]), scored(0, 0.7, [4.0, 14.0]), scored(0, 0.7, [3.5, 10.0])];
         assert_eq!(voted(kept, &others), [0.0, 10.0]);
     }
 
@@ -95,7 +88,8 @@ mod tests {
 
     #[test]
     fn a_vote_looks_at_the_boxes_as_they_were() {
-        // In a chain each box meets the next, but not the one after: a moved box must not reach further.
+        // In a chain each box meets the next, but not the one after: a moved box must not reach
+        // further.
         let chain = [[0.0, 10.0], [2.0, 12.0], [4.0, 14.0]].map(|edges| scored(0, 0.5, edges));
         let mut boxes = chain;
         vote(&mut boxes, &chain, 0.65);

@@ -1,18 +1,18 @@
-//! Files that another program has open. On Windows such a file often cannot be written, renamed over or removed; elsewhere it can. It depends
-//! on no other module; any may use it.
+//! Files that another program has open. On Windows such a file often cannot be written, renamed
+//! over or removed; elsewhere it can. It depends on no other module; any may use it.
 
 use std::fs::OpenOptions;
 use std::io;
 use std::path::Path;
 use std::time::Duration;
 
-/// Windows' numbers for what another program keeps from us: `ERROR_SHARING_VIOLATION`, `ERROR_LOCK_VIOLATION`,
-/// `ERROR_USER_MAPPED_FILE`.
+/// Windows' numbers for what another program keeps from us: `ERROR_SHARING_VIOLATION`,
+/// `ERROR_LOCK_VIOLATION`, `ERROR_USER_MAPPED_FILE`.
 const IN_USE: [i32; 3] = [32, 33, 1224];
 /// `ERROR_ACCESS_DENIED`: what Windows says, too, of renaming over a file that is open.
 const DENIED: i32 = 5;
-/// How often, and how long apart, a file is tried that another program may have open for a moment: scanners for viruses and indexers open
-/// each new file.
+/// How often, and how long apart, a file is tried that another program may have open for a moment:
+/// scanners for viruses and indexers open each new file.
 const ATTEMPTS: u32 = 20;
 const APART: Duration = Duration::from_millis(50);
 
@@ -21,7 +21,8 @@ pub fn is_in_use(error: &io::Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(number) if IN_USE.contains(&number))
 }
 
-/// Does something to a file; on Windows again and again for a second while another program has it open.
+/// Does something to a file; on Windows again and again for a second while another program has it
+/// open.
 ///
 /// # Errors
 /// What was said the last time.
@@ -38,9 +39,10 @@ pub(crate) fn patiently<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Resul
     work()
 }
 
-/// Has a file that is opened for writing be written by this program alone as long as it is open: on Windows, where others may read it but
-/// neither write, rename nor remove it, and [`is_in_use`] is what they are told. Elsewhere nothing changes, and a lock does the same: a lock
-/// of Windows keeps others from reading, too.
+/// Has a file that is opened for writing be written by this program alone as long as it is open: on
+/// Windows, where others may read it but neither write, rename nor remove it, and [`is_in_use`] is
+/// what they are told. Elsewhere nothing changes, and a lock does the same: a lock of Windows keeps
+/// others from reading, too.
 pub(crate) fn for_one_writer(options: &mut OpenOptions) {
     #[cfg(windows)]
     {
@@ -52,7 +54,8 @@ pub(crate) fn for_one_writer(options: &mut OpenOptions) {
     let _ = options;
 }
 
-/// Whether another program has a file open so that it can be neither replaced nor removed; never so but on Windows.
+/// Whether another program has a file open so that it can be neither replaced nor removed; never so
+/// but on Windows.
 pub fn is_held(path: &Path) -> bool {
     #[cfg(windows)]
     {

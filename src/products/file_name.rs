@@ -1,13 +1,16 @@
-//! A log's or a survey's name as that of a file or folder. It depends on no other module; any may use it.
+//! A log's or a survey's name as that of a file or folder. It depends on no other module; any may
+//! use it.
 
-/// What Windows keeps out of names, by "Naming Files, Paths, and Namespaces" of its documentation, besides control characters.
+/// What Windows keeps out of names, by "Naming Files, Paths, and Namespaces" of its documentation,
+/// besides control characters.
 const FORBIDDEN: [char; 9] = ['<', '>', ':', '"', '/', '\\', '|', '?', '*'];
 /// Names of devices there, whatever ending they have. The last two come with a digit.
 const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
 const NUMBERED_DEVICES: [&str; 2] = ["COM", "LPT"];
 
-/// A name that a file or folder can have on every system, so that products can be copied from one to another: `2024-05-01T10:00` becomes
-/// `2024-05-01T10-00`, `aux` becomes `_aux`. Of nothing but dots and spaces it is `_`.
+/// A name that a file or folder can have on every system, so that products can be copied from one
+/// to another: `2024-05-01T10:00` becomes `2024-05-01T10-00`, `aux` becomes `_aux`. Of nothing but
+/// dots and spaces it is `_`.
 pub fn file_name(name: &str) -> String {
     let possible = |letter: char| match letter.is_control() || FORBIDDEN.contains(&letter) {
         true => '-',

@@ -1,7 +1,9 @@
-//! Elementary functions from IEEE 754 operations alone, so that a scene gives the same bytes on every machine.
+//! Elementary functions from IEEE 754 operations alone, so that a scene gives the same bytes on
+//! every machine.
 //!
-//! The standard library's `ln`, `exp`, `sin` and `atan` go to the system's math library, whose last digit differs from
-//! one system to the next. These agree with them to about 1e-9, far below what a recorder's byte can show.
+//! The standard library's `ln`, `exp`, `sin` and `atan` go to the system's math library, whose last
+//! digit differs from one system to the next. These agree with them to about 1e-9, far below what a
+//! recorder's byte can show.
 
 use std::f64::consts::{FRAC_PI_2, LN_2, LN_10, PI, SQRT_2};
 
@@ -75,18 +77,15 @@ pub(super) fn atan(x: f64) -> f64 {
     8.0 * s * series
 }
 
-/// Direction of the vector (`east`, `north`), radians clockwise from north, 0 to 2 pi; 0 for the zero vector.
+/// Direction of the vector (`east`, `north`), radians clockwise from north, 0 to 2 pi; 0 for the
+/// zero vector.
 pub(super) fn bearing(east: f64, north: f64) -> f64 {
     let length = (east * east + north * north).sqrt();
     if length == 0.0 {
         return 0.0;
     }
     // The half-angle form has no quadrants; it fails only at due south.
-    let angle = if north <= -length {
-        PI
-    } else {
-        2.0 * atan(east / (length + north))
-    };
+    let angle = if north <= -length { PI } else { 2.0 * atan(east / (length + north)) };
     angle.rem_euclid(2.0 * PI)
 }
 

@@ -47,14 +47,17 @@ const GAIN_DROP_M: f64 = 10.0;
 const DRIFT_S: f64 = 30.0;
 /// Longest row of pings that a dropout takes.
 const LONGEST_DROPOUT: u64 = 5;
-/// Longest row of pings that show a fish. In the real river recording, echoes in the water column are up to a dozen
-/// pings long, a metre of the boat's way: a fish of some length, or one that keeps up with the boat for a while.
+/// Longest row of pings that show a fish. In the real river recording, echoes in the water column
+/// are up to a dozen pings long, a metre of the boat's way: a fish of some length, or one that
+/// keeps up with the boat for a while.
 const LONGEST_FISH: u64 = 8;
-/// Fastest that a fish swims away or nearer, metres a second: cruising, two lengths of a fish of 15 cm.
+/// Fastest that a fish swims away or nearer, metres a second: cruising, two lengths of a fish of 15
+/// cm.
 const FISH_SPEED_MPS: f64 = 0.3;
 
 impl Fish {
-    /// Slant range over water of a depth, metres: the arch that a point makes on the picture of a boat that passes it.
+    /// Slant range over water of a depth, metres: the arch that a point makes on the picture of a
+    /// boat that passes it.
     pub(super) fn range_m(&self, depth_m: f64) -> f64 {
         let abeam_m = self.depth_share * depth_m + self.outward_m;
         (abeam_m * abeam_m + self.ahead_m * self.ahead_m).sqrt()
@@ -113,21 +116,12 @@ impl<'a> ArtefactPlan<'a> {
             gain: self.gain(travelled_m),
             roll_rad: self.roll_rad(time_s),
             missing: self
-                .row(
-                    ping,
-                    artefacts.dropouts,
-                    LONGEST_DROPOUT,
-                    RandomPurpose::Dropouts,
-                )
+                .row(ping, artefacts.dropouts, LONGEST_DROPOUT, RandomPurpose::Dropouts)
                 .is_some(),
             interference: Random::new(self.seed, RandomPurpose::Interference, ping)
                 .chance(artefacts.interference),
             fish: self.fish(ping),
-            range_m: if changed {
-                range_m * artefacts.range_change
-            } else {
-                range_m
-            },
+            range_m: if changed { range_m * artefacts.range_change } else { range_m },
         }
     }
 
@@ -135,11 +129,7 @@ impl<'a> ArtefactPlan<'a> {
         let artefacts = &self.scene.artefacts;
         let wander = from_db(artefacts.gain_wander_db * self.wander.at(travelled_m, 0.0));
         let dropped = (0.0..GAIN_DROP_M).contains(&(travelled_m - self.gain_drop_m));
-        if dropped {
-            wander * artefacts.gain_drop
-        } else {
-            wander
-        }
+        if dropped { wander * artefacts.gain_drop } else { wander }
     }
 
     /// A rocking boat: a period of 2.6 s whose strength comes and goes.
@@ -152,16 +142,9 @@ impl<'a> ArtefactPlan<'a> {
     fn fish(&self, ping: u64) -> Option<Fish> {
         let share = self.scene.artefacts.fish;
         let first_ping = self.row(ping, share, LONGEST_FISH, RandomPurpose::Fish)?;
-        let mut random = Random::new(
-            self.seed,
-            RandomPurpose::Fish,
-            first_ping.wrapping_add(1 << 40),
-        );
-        let side = if random.chance(0.5) {
-            Side::Port
-        } else {
-            Side::Starboard
-        };
+        let mut random =
+            Random::new(self.seed, RandomPurpose::Fish, first_ping.wrapping_add(1 << 40));
+        let side = if random.chance(0.5) { Side::Port } else { Side::Starboard };
         let track = &self.scene.track;
         let abeam = random.between(0.0, LONGEST_FISH as f64 - 1.0);
         let pings = (ping - first_ping) as f64 - abeam;
@@ -169,7 +152,8 @@ impl<'a> ArtefactPlan<'a> {
         Some(Fish {
             side,
             first_ping,
-            // Anywhere in the water, down to the bottom: as much of it lies at a range as the half circle there is long.
+            // Anywhere in the water, down to the bottom: as much of it lies at a range as the half
+            // circle there is long.
             depth_share: random.unit().sqrt(),
             outward_m: outward_mps * pings / track.ping_rate_hz,
             ahead_m: -pings * track.speed_mps / track.ping_rate_hz,
@@ -177,8 +161,8 @@ impl<'a> ArtefactPlan<'a> {
         })
     }
 
-    /// The start of the row of troubled pings that holds this ping. Rows are 1 to `longest` pings long and together take a
-    /// share of all pings.
+    /// The start of the row of troubled pings that holds this ping. Rows are 1 to `longest` pings
+    /// long and together take a share of all pings.
     fn row(&self, ping: u64, share: f64, longest: u64, purpose: RandomPurpose) -> Option<u64> {
         let mean_length = 0.5 * (1.0 + longest as f64);
         (0..longest).find_map(|back| {
@@ -211,9 +195,8 @@ mod tests {
         let path = Path::new(&scene.track);
         let plan = ArtefactPlan::new(&scene, &path, 11);
         let count = 60_000_u64;
-        let troubles: Vec<Trouble> = (0..count)
-            .map(|ping| plan.at(ping, 0.05 * ping as f64, 0.0))
-            .collect();
+        let troubles: Vec<Trouble> =
+            (0..count).map(|ping| plan.at(ping, 0.05 * ping as f64, 0.0)).collect();
         let share = |meets: &dyn Fn(&Trouble) -> bool| {
             troubles.iter().filter(|trouble| meets(trouble)).count() as f64 / count as f64
         };
@@ -228,10 +211,7 @@ mod tests {
         // 1 - 0.9^2 of a half disc lies in its outer tenth.
         let deep = deep as f64 / fish.len() as f64;
         assert!((deep - 0.19).abs() < 0.05, "{deep}");
-        let steepest = troubles
-            .iter()
-            .map(|trouble| trouble.roll_rad.abs())
-            .fold(0.0, f64::max);
+        let steepest = troubles.iter().map(|trouble| trouble.roll_rad.abs()).fold(0.0, f64::max);
         assert!((1.0..2.0).contains(&steepest.to_degrees()), "{steepest}");
     }
 }

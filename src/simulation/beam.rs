@@ -6,16 +6,19 @@ use std::f64::consts::{FRAC_PI_2, LN_2};
 
 /// The side beam in numbers that the rays need.
 ///
-/// One way, its gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the vertical.
+/// One way, its gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the
+/// vertical.
 pub(super) struct Beam {
     /// Angle of the axis from the vertical, radians.
     axis_rad: f64,
     half_width_rad: f64,
     /// Half-power width along the track, radians.
     pub azimuth_rad: f64,
-    /// Distance along the track from the middle ray to an outer one, per metre of distance to the ground.
+    /// Distance along the track from the middle ray to an outer one, per metre of distance to the
+    /// ground.
     spread: f64,
-    /// Distances from the track of the points at which the ground is looked at, metres, from 0 outward.
+    /// Distances from the track of the points at which the ground is looked at, metres, from 0
+    /// outward.
     pub steps_m: Vec<f64>,
 }
 
@@ -25,7 +28,8 @@ const STEP_M: (f64, f64) = (0.012, 0.002);
 const HALF_POWER: f64 = 2.354_82;
 
 impl Beam {
-    /// Weights of the three rays along the track, with the nodes 0 and +-sqrt(3) standard deviations (Gauss-Hermite).
+    /// Weights of the three rays along the track, with the nodes 0 and +-sqrt(3) standard
+    /// deviations (Gauss-Hermite).
     pub(super) const RAY_WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
 
     /// The beam of a recorder that listens up to `range_m`.
@@ -57,7 +61,8 @@ impl Beam {
         self.azimuth_rad / HALF_POWER * range_m
     }
 
-    /// Distance along the track between the middle and an outer ray where they meet the ground, metres.
+    /// Distance along the track between the middle and an outer ray where they meet the ground,
+    /// metres.
     pub(super) fn outer_ray_m(&self, across_m: f64, depth_m: f64) -> f64 {
         self.spread * (across_m * across_m + depth_m * depth_m).sqrt()
     }

@@ -14,11 +14,13 @@ struct Character {
     slope_deg: f64,
     /// Lengths of the swells, metres.
     wavelengths_m: [f64; 3],
-    /// Two sizes of roughness: distance between bumps and standard deviation of their height, metres.
+    /// Two sizes of roughness: distance between bumps and standard deviation of their height,
+    /// metres.
     roughness_m: [(f64, f64); 2],
     /// Whether stones lie about.
     stones: bool,
-    /// Shape of the texture's gamma distribution: how much the strength of neighbouring places differs (small: much).
+    /// Shape of the texture's gamma distribution: how much the strength of neighbouring places
+    /// differs (small: much).
     texture_shape: f64,
 }
 
@@ -42,8 +44,9 @@ impl BedKind {
             BedKind::Rough => Character {
                 slope_deg: 6.0,
                 wavelengths_m: [34.0, 21.0, 13.0],
-                // Coarse gravel and cobbles, whose surface stands out by about half of their size. In the real river
-                // recording, the first return scatters by 6 to 9 cm over 1.5 m on its boulder fields.
+                // Coarse gravel and cobbles, whose surface stands out by about half of their size.
+                // In the real river recording, the first return scatters by 6 to 9 cm over 1.5 m on
+                // its boulder fields.
                 roughness_m: [(0.9, 0.035), (0.4, 0.012)],
                 stones: true,
                 texture_shape: 1.0,
@@ -88,7 +91,8 @@ const SLOPE_SHARES: [f64; 3] = [0.55, 0.3, 0.15];
 const BANK_FOOT_M: f64 = 0.6;
 /// Size of the texture's grains, metres.
 const TEXTURE_M: f64 = 0.4;
-/// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural logarithm (about 2 dB).
+/// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural
+/// logarithm (about 2 dB).
 const PATCHES: (f64, f64) = (7.0, 0.45);
 
 impl SceneBed {
@@ -117,17 +121,11 @@ impl SceneBed {
                 .filter(|(_, (_, height_m))| *height_m > 0.0)
                 .map(|(octave, (spacing_m, height_m))| {
                     let seed = seed.wrapping_add(octave as u64);
-                    (
-                        NoiseField::new(seed, RandomPurpose::Roughness, *spacing_m),
-                        *height_m,
-                    )
+                    (NoiseField::new(seed, RandomPurpose::Roughness, *spacing_m), *height_m)
                 })
                 .collect(),
             stones: character.stones.then(|| Stones::new(seed)),
-            ripples: settings
-                .ripples
-                .as_ref()
-                .map(|ripples| Ripples::new(ripples, seed)),
+            ripples: settings.ripples.as_ref().map(|ripples| Ripples::new(ripples, seed)),
             pits: settings.pits.clone(),
             mounds: settings.mounds.clone(),
             texture: NoiseField::new(seed, RandomPurpose::Texture, TEXTURE_M),
@@ -211,11 +209,7 @@ impl Terrace {
 
 impl Bank {
     fn shape(&self) -> [f64; 3] {
-        [
-            0.5 * self.length_m,
-            0.5 * self.width_m,
-            tangent(self.slope_deg),
-        ]
+        [0.5 * self.length_m, 0.5 * self.width_m, tangent(self.slope_deg)]
     }
 }
 
@@ -261,25 +255,16 @@ mod tests {
     #[test]
     fn a_mound_rises_by_its_height_and_a_hollow_sinks() {
         let plain = Scene::gentle().bed;
-        let mound = |east_m: f64, height_m: f64| Mound {
-            east_m,
-            north_m: 3.0,
-            radius_m: 1.5,
-            height_m,
-        };
-        let settings = BedSettings {
-            mounds: vec![mound(5.0, 0.4), mound(-20.0, -0.3)],
-            ..plain.clone()
-        };
+        let mound =
+            |east_m: f64, height_m: f64| Mound { east_m, north_m: 3.0, radius_m: 1.5, height_m };
+        let settings =
+            BedSettings { mounds: vec![mound(5.0, 0.4), mound(-20.0, -0.3)], ..plain.clone() };
         let [flat, with] = [&plain, &settings].map(|bed| SceneBed::new(bed, 3));
         let rise = |east: f64, north: f64| flat.depth_m(east, north) - with.depth_m(east, north);
         // The height itself, exp(-1/2) of it a radius away, and nothing far off.
-        for (east_m, north_m, expected_m) in [
-            (5.0, 3.0, 0.4),
-            (5.0, 4.5, 0.4 * 0.606_530_66),
-            (-20.0, 3.0, -0.3),
-            (40.0, 40.0, 0.0),
-        ] {
+        for (east_m, north_m, expected_m) in
+            [(5.0, 3.0, 0.4), (5.0, 4.5, 0.4 * 0.606_530_66), (-20.0, 3.0, -0.3), (40.0, 40.0, 0.0)]
+        {
             let rise_m = rise(east_m, north_m);
             assert!((rise_m - expected_m).abs() < 1e-6, "{east_m}: {rise_m}");
         }

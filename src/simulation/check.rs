@@ -251,7 +251,5 @@ fn within(name: &str, value: f64, bounds: RangeInclusive<f64>) -> Result<(), Sce
         return Ok(());
     }
     let (low, high) = bounds.into_inner();
-    Err(SceneError(format!(
-        "{name} is {value}, but must lie between {low} and {high}"
-    )))
+    Err(SceneError(format!("{name} is {value}, but must lie between {low} and {high}")))
 }

@@ -28,7 +28,8 @@ pub struct Pit {
     pub depth_m: f64,
 }
 
-/// A round mound, or a hollow, without an edge: the ground rises by `height_m exp(-d^2 / (2 radius_m^2))` at the distance d.
+/// A round mound, or a hollow, without an edge: the ground rises by `height_m exp(-d^2 / (2
+/// radius_m^2))` at the distance d.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mound {

@@ -1,9 +1,11 @@
-//! What one side of a ping receives from the ground: echo power by slant range, and the true first return.
+//! What one side of a ping receives from the ground: echo power by slant range, and the true first
+//! return.
 //!
-//! The ground is followed outward in steps, along three rays that stand for the width of the beam along the track. A step
-//! is insonified as far as nothing nearer hides it: on a height field it is visible iff its direction from the vertical exceeds
-//! that of all steps before it. A step's echo is spread over the range samples that it covers, so none is missed however
-//! short it is. Each side receives only its own half of the ground, from the point under the boat outward.
+//! The ground is followed outward in steps, along three rays that stand for the width of the beam
+//! along the track. A step is insonified as far as nothing nearer hides it: on a height field it is
+//! visible iff its direction from the vertical exceeds that of all steps before it. A step's echo
+//! is spread over the range samples that it covers, so none is missed however short it is. Each
+//! side receives only its own half of the ground, from the point under the boat outward.
 
 use super::arithmetic::{atan, from_db};
 use super::beam::Beam;
@@ -14,15 +16,18 @@ use super::world::backscatter;
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
 pub(super) struct Echo {
-    /// `sum of sigma G^2 azimuth ds` of each range sample, square metres at 1 m; times `r^-3` and absorption it is power.
+    /// `sum of sigma G^2 azimuth ds` of each range sample, square metres at 1 m; times `r^-3` and
+    /// absorption it is power.
     pub power: Vec<f64>,
-    /// Slant range of the nearest ground in the plane across the boat's heading, metres; NaN where there is none.
+    /// Slant range of the nearest ground in the plane across the boat's heading, metres; NaN where
+    /// there is none.
     pub first_return_m: f64,
     /// Slant range of the nearest weed, metres; infinite without any.
     pub canopy_m: f64,
     /// Objects insonified.
     pub seen: Vec<ObjectEcho>,
-    /// For each object that the beam meets, its index and what `power` would be if it were not there.
+    /// For each object that the beam meets, its index and what `power` would be if it were not
+    /// there.
     pub without: Vec<(usize, Vec<f64>)>,
 }
 
@@ -35,9 +40,11 @@ pub(super) struct ObjectEcho {
     pub near_m: f64,
     /// Slant range of the farthest point of its visible surface, metres.
     pub far_m: f64,
-    /// Slant range at which the ground behind it is seen again, metres; NaN when its shadow runs off the range.
+    /// Slant range at which the ground behind it is seen again, metres; NaN when its shadow runs
+    /// off the range.
     pub shadow_end_m: f64,
-    /// Height above the ground of the visible surface's far edge, over which the last ray before the shadow goes, metres.
+    /// Height above the ground of the visible surface's far edge, over which the last ray before
+    /// the shadow goes, metres.
     pub top_height_m: f64,
     /// Slant range at which the ground, seen or not, ends: the recorded range or the shore, metres.
     pub reach_m: f64,
@@ -68,8 +75,7 @@ impl Listener<'_> {
         let visible = self.visible_steps(&ground.depth_m[1]);
         let ground_end_m = self.last_step_m(&ground.depth_m[1]).min(reach_m);
         for object in objects {
-            echo.seen
-                .extend(self.look_for(object, &visible, ground_end_m));
+            echo.seen.extend(self.look_for(object, &visible, ground_end_m));
         }
         for above in &bare.heights {
             let mut power = vec![0.0; self.samples];
@@ -79,7 +85,8 @@ impl Listener<'_> {
         echo
     }
 
-    /// Adds the echoes of the ground and of what grows on it; returns the slant range of the nearest weed, metres.
+    /// Adds the echoes of the ground and of what grows on it; returns the slant range of the
+    /// nearest weed, metres.
     fn sound(&self, ground: &Ground, reach_m: f64, power: &mut [f64]) -> f64 {
         for ray in 0..3 {
             self.scatter(ground, ray, power);
@@ -91,9 +98,7 @@ impl Listener<'_> {
 
     fn nearest(&self, depth_m: &[f64]) -> f64 {
         let squares = depth_m.iter().zip(&self.beam.steps_m);
-        let nearest = squares
-            .map(|(d, y)| d * d + y * y)
-            .fold(f64::INFINITY, f64::min);
+        let nearest = squares.map(|(d, y)| d * d + y * y).fold(f64::INFINITY, f64::min);
         nearest.sqrt()
     }
 
@@ -111,23 +116,18 @@ impl Listener<'_> {
             if t1 <= horizon {
                 continue;
             }
-            let visible = if t0 >= horizon {
-                1.0
-            } else {
-                (t1 - horizon) / (t1 - t0)
-            };
+            let visible = if t0 >= horizon { 1.0 } else { (t1 - horizon) / (t1 - t0) };
             horizon = t1;
             let (y, d, step) = (0.5 * (y0 + y1), 0.5 * (d0 + d1), y1 - y0);
             let across = (d1 - d0) / step;
             let along =
                 (ahead[j] - behind[j]) / (2.0 * self.beam.outer_ray_m(y, ground.under_boat_m));
-            // The slope's normal is (-across, -along, 1) / stretch; its product with the direction is cos th.
+            // The slope's normal is (-across, -along, 1) / stretch; its product with the direction
+            // is cos th.
             let stretch = (1.0 + across * across + along * along).sqrt();
             let facing = (d - y * across).max(0.0) / stretch;
-            let sigma = backscatter(
-                facing * facing / (y * y + d * d),
-                self.world.bed.scatter_power,
-            );
+            let sigma =
+                backscatter(facing * facing / (y * y + d * d), self.world.bed.scatter_power);
             let gain = 0.5 * (ground.gain[j - 1] + ground.gain[j]);
             let amount = sigma * ground.strength[j] * gain * weight * step * stretch * visible;
             let range = |y: f64, d: f64| (y * y + d * d).sqrt();
@@ -206,7 +206,8 @@ impl Listener<'_> {
         found
     }
 
-    /// Adds the echo of a bed of weed; returns the slant range of its nearest leaves, metres, infinite where none is met.
+    /// Adds the echo of a bed of weed; returns the slant range of its nearest leaves, metres,
+    /// infinite where none is met.
     fn weed_echo_m(&self, weed: &WeedBed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
         let mut canopy_m = f64::INFINITY;
         if !weed.is_near(self.pose.east_m, self.pose.north_m, reach_m) {
@@ -248,17 +249,10 @@ mod tests {
         let mut scene = Scene::gentle();
         scene.bed.mean_depth_m = 3.0;
         scene.bed.terrace = None;
-        let world = World {
-            bed: SceneBed::level(&scene.bed),
-            objects: Vec::new(),
-            weed: Vec::new(),
-        };
+        let world =
+            World { bed: SceneBed::level(&scene.bed), objects: Vec::new(), weed: Vec::new() };
         let beam = Beam::new(&scene.recorder, 12.0);
-        let pose = BoatPose {
-            east_m: 0.0,
-            north_m: 0.0,
-            heading_rad: 0.0,
-        };
+        let pose = BoatPose { east_m: 0.0, north_m: 0.0, heading_rad: 0.0 };
         let listener = Listener {
             world: &world,
             beam: &beam,
@@ -273,7 +267,8 @@ mod tests {
         listener.receive()
     }
 
-    /// Echo of level ground between two slant ranges, by integrating the scattering law over the ground.
+    /// Echo of level ground between two slant ranges, by integrating the scattering law over the
+    /// ground.
     fn integral(depth: f64, from_m: f64, to_m: f64) -> f64 {
         let ground = |range: f64| (range * range - depth * depth).max(0.0).sqrt();
         let (y0, y1) = (ground(from_m), ground(to_m));
@@ -299,10 +294,7 @@ mod tests {
             let ours = echo.power[first..first + 5].iter().sum::<f64>();
             let from = first as f64 * 0.01;
             let theirs = integral(3.0, from, from + 0.05);
-            assert!(
-                (ours / theirs - 1.0).abs() < 0.01,
-                "{first}: {ours} {theirs}"
-            );
+            assert!((ours / theirs - 1.0).abs() < 0.01, "{first}: {ours} {theirs}");
         }
         assert_eq!(echo.power[..300].iter().sum::<f64>(), 0.0);
         assert!((echo.first_return_m - 3.0).abs() < 1e-12);

@@ -1,9 +1,11 @@
-//! The ground as the three rays of a side meet it, with what lies on it or without one of the objects.
+//! The ground as the three rays of a side meet it, with what lies on it or without one of the
+//! objects.
 
 use super::arithmetic::atan;
 use super::listener::Listener;
 
-/// The ground as the rays meet it, one entry per step of the beam as far as there is water and range.
+/// The ground as the rays meet it, one entry per step of the beam as far as there is water and
+/// range.
 pub(super) struct Ground {
     /// Depth along the ray behind, the middle ray and the ray ahead, metres.
     pub depth_m: [Vec<f64>; 3],
@@ -64,9 +66,7 @@ impl Listener<'_> {
             strength: (ground.clone())
                 .map(|&[east, north]| self.world.bed.strength(east, north))
                 .collect(),
-            weed_loss: ground
-                .map(|&[east, north]| self.world.weed_loss(east, north))
-                .collect(),
+            weed_loss: ground.map(|&[east, north]| self.world.weed_loss(east, north)).collect(),
             heights: (objects.iter())
                 .filter_map(|&object| self.heights_of(object, &places))
                 .collect(),
@@ -121,9 +121,7 @@ impl Listener<'_> {
             self.beam.two_way_gain(atan(across / depth) + self.roll_rad)
         };
         Ground {
-            gain: (self.beam.steps_m.iter().zip(&depth_m[1]))
-                .map(towards)
-                .collect(),
+            gain: (self.beam.steps_m.iter().zip(&depth_m[1])).map(towards).collect(),
             strength,
             depth_m,
             under_boat_m: bare.under_boat_m,

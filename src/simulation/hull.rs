@@ -38,16 +38,14 @@ impl Hull {
         }
     }
 
-    /// Half of the width at a place along the hull (in half lengths, the bow at 1) as a share of the greatest.
+    /// Half of the width at a place along the hull (in half lengths, the bow at 1) as a share of
+    /// the greatest.
     fn outline(&self, u: f64) -> f64 {
-        if u < 0.0 {
-            1.0 - (1.0 - self.transom) * u * u
-        } else {
-            1.0 - u * u * (0.3 + 0.7 * u)
-        }
+        if u < 0.0 { 1.0 - (1.0 - self.transom) * u * u } else { 1.0 - u * u * (0.3 + 0.7 * u) }
     }
 
-    /// Height at a place as a share of the whole height. `side_m` is the width of the outer side's slope.
+    /// Height at a place as a share of the whole height. `side_m` is the width of the outer side's
+    /// slope.
     pub(super) fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2], side_m: f64) -> f64 {
         let [half_length, half_width] = size_m.map(|size| 0.5 * size);
         let (u, v) = (along_m / half_length, across_m / half_width);
@@ -72,11 +70,7 @@ impl Hull {
             return 0.85 + 0.15 * u * u;
         }
         let on_thwart = |at: &f64| (along_m - at * half_length).abs() < THWART_M;
-        if self.thwarts.iter().any(on_thwart) {
-            THWART
-        } else {
-            self.floor
-        }
+        if self.thwarts.iter().any(on_thwart) { THWART } else { self.floor }
     }
 
     /// The underside of a hull that lies keel up: a vault with a ridge.

@@ -1,8 +1,9 @@
 //! Simulated surveys of known truth, written as valid SL2.
 //!
-//! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a [`Simulated`] survey: the log as
-//! a Lowrance side-scan recorder would have written it, and for every ping the truth that the log hides: where the boat
-//! was, how deep the water under it, and the slant range of the nearest visible bed on each side.
+//! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a
+//! [`Simulated`] survey: the log as a Lowrance side-scan recorder would have written it, and for
+//! every ping the truth that the log hides: where the boat was, how deep the water under it, and
+//! the slant range of the nearest visible bed on each side.
 //!
 //! ```text
 //! Scene --path--> pings --echo--> acoustic power by range, true first return --recorder--> bytes --sl2--> log
@@ -11,8 +12,9 @@
 //!
 //! `training_scene` draws random scenes for a detector to learn from.
 //!
-//! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
-//! to its ping and purpose (`random`), and the arithmetic uses only operations that IEEE 754 fixes (`arithmetic`).
+//! The same scene and seed give the same log on every machine: every random number is drawn from a
+//! stream that belongs to its ping and purpose (`random`), and the arithmetic uses only operations
+//! that IEEE 754 fixes (`arithmetic`).
 //!
 //! # Simulate a survey
 //!

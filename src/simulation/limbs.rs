@@ -1,4 +1,5 @@
-//! Objects made of round members that lie on the ground: a tree trunk with its branches, a body with its limbs.
+//! Objects made of round members that lie on the ground: a tree trunk with its branches, a body
+//! with its limbs.
 
 use super::arithmetic::{cos, sin};
 use super::random::Random;
@@ -30,11 +31,7 @@ const TRUNK_PIECES: usize = 5;
 impl Limb {
     /// A member that touches the ground along its whole length.
     fn new(from: [f64; 2], to: [f64; 2], radius_m: [f64; 2]) -> Self {
-        Self {
-            ends: [from, to],
-            radius_m,
-            axis_m: radius_m,
-        }
+        Self { ends: [from, to], radius_m, axis_m: radius_m }
     }
 
     /// Height above the ground of the member's upper side. What is below it counts as filled.
@@ -48,18 +45,15 @@ impl Limb {
         let radius = here(self.radius_m);
         let aside = [off[0] - share * way[0], off[1] - share * way[1]];
         let rest = radius * radius - aside[0] * aside[0] - aside[1] * aside[1];
-        if rest > 0.0 {
-            here(self.axis_m) + rest.sqrt()
-        } else {
-            0.0
-        }
+        if rest > 0.0 { here(self.axis_m) + rest.sqrt() } else { 0.0 }
     }
 }
 
 impl Limbs {
-    /// A trunk that tapers and bends, with stout branches on both sides and often its root plate. `height_m` is the diameter
-    /// of its thick end; the width holds the branches. All this is what tells a tree from a pipe: a bare trunk looks like
-    /// one, to a person as to a network, so scenes hold none.
+    /// A trunk that tapers and bends, with stout branches on both sides and often its root plate.
+    /// `height_m` is the diameter of its thick end; the width holds the branches. All this is what
+    /// tells a tree from a pipe: a bare trunk looks like one, to a person as to a network, so
+    /// scenes hold none.
     pub(super) fn log(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let thick = 0.5 * height_m;
         let tip = thick * random.between(0.25, 0.5);
@@ -82,12 +76,10 @@ impl Limbs {
             let angle = random.between(0.5, 1.3);
             let reach = random.between(0.3, 0.5) * width_m / sin(angle);
             let from = trunk(share);
-            let to = [
-                from[0] + reach * cos(angle),
-                from[1] + side * reach * sin(angle),
-            ];
+            let to = [from[0] + reach * cos(angle), from[1] + side * reach * sin(angle)];
             let stout = (radius(share) * random.between(0.45, 0.75)).max(TWIG_M);
-            // It springs from the trunk's middle and stands off the ground, though not higher than the trunk.
+            // It springs from the trunk's middle and stands off the ground, though not higher than
+            // the trunk.
             let rise = (thick * random.between(0.7, 2.0) - TWIG_M).max(TWIG_M);
             limbs.push(Limb {
                 axis_m: [radius(share), rise],
@@ -106,7 +98,8 @@ impl Limbs {
         Self::fitted(limbs, length_m, width_m)
     }
 
-    /// A body on its back or face: head, torso, and limbs in any pose. `height_m` is the height of the torso.
+    /// A body on its back or face: head, torso, and limbs in any pose. `height_m` is the height of
+    /// the torso.
     pub(super) fn body(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let scale = length_m / 1.7;
         let at = |along: f64, across: f64| [along * scale, across * scale];
@@ -160,10 +153,7 @@ impl Limbs {
 
     /// Height at a place along and across the object as a share of its whole height.
     pub(super) fn share(&self, along_m: f64, across_m: f64) -> f64 {
-        let heights = self
-            .limbs
-            .iter()
-            .map(|limb| limb.height_m([along_m, across_m]));
+        let heights = self.limbs.iter().map(|limb| limb.height_m([along_m, across_m]));
         heights.fold(0.0, f64::max) / self.top_m
     }
 }
@@ -178,22 +168,17 @@ struct Member {
 }
 
 impl Member {
-    /// The two parts, spread by `first_rad` from the body's axis and bent by `second_rad` at the joint.
+    /// The two parts, spread by `first_rad` from the body's axis and bent by `second_rad` at the
+    /// joint.
     fn limbs(&self, side: f64, first_rad: f64, second_rad: f64, scale: f64) -> [Limb; 2] {
         let start = [self.from[0] * scale, side * self.from[1] * scale];
         let next = |from: [f64; 2], length: f64, angle: f64| {
             let length = length * scale;
-            [
-                from[0] - length * cos(angle),
-                from[1] + side * length * sin(angle),
-            ]
+            [from[0] - length * cos(angle), from[1] + side * length * sin(angle)]
         };
         let joint = next(start, self.lengths[0], first_rad);
         let end = next(joint, self.lengths[1], first_rad + second_rad);
         let [thick, middle, thin] = self.radii;
-        [
-            Limb::new(start, joint, [thick, middle]),
-            Limb::new(joint, end, [middle, thin]),
-        ]
+        [Limb::new(start, joint, [thick, middle]), Limb::new(joint, end, [middle, thin])]
     }
 }

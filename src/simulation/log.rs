@@ -1,4 +1,5 @@
-//! What the recorder writes down: fixes, recorded depths, and all channels' frames in the order of time.
+//! What the recorder writes down: fixes, recorded depths, and all channels' frames in the order of
+//! time.
 
 use super::random::{Random, RandomPurpose};
 use super::simulate::{ReceivedPing, SimulationRun, mercator};
@@ -42,7 +43,8 @@ impl SimulationRun<'_> {
         (number as u64, fix)
     }
 
-    /// All frames in the order in which the recorder would write them; takes the side-scan bytes out of the pings.
+    /// All frames in the order in which the recorder would write them; takes the side-scan bytes
+    /// out of the pings.
     pub(super) fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Sl2Frame> {
         let mut log = Log::default();
         let every = u64::from(self.scene.recorder.sonar_every.max(1));
@@ -68,10 +70,8 @@ impl SimulationRun<'_> {
         let true_depth_m = ping.truth.depth_m;
         let range_m = sonar_range_m(true_depth_m);
         let samples = self.scene.recorder.sonar_samples as usize;
-        for (channel, kind) in [
-            (PRIMARY, ChannelKind::Primary),
-            (DOWN_SCAN, ChannelKind::DownScan),
-        ] {
+        for (channel, kind) in [(PRIMARY, ChannelKind::Primary), (DOWN_SCAN, ChannelKind::DownScan)]
+        {
             let bytes = echogram(kind, samples, range_m, true_depth_m, self.seed, ping.ping);
             log.push(channel, [0.0, range_m], depth_m, moment, bytes);
         }
@@ -86,7 +86,8 @@ impl SimulationRun<'_> {
     }
 }
 
-/// Range of the sonar channels: the next step of 5 m that shows the second bottom echo begin, metres.
+/// Range of the sonar channels: the next step of 5 m that shows the second bottom echo begin,
+/// metres.
 fn sonar_range_m(depth_m: f64) -> f64 {
     5.0 * (1.6 * depth_m / 5.0).ceil().max(1.0)
 }

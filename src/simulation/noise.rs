@@ -1,4 +1,5 @@
-//! Smooth random fields over the ground: the same place has the same value from whichever line it is surveyed.
+//! Smooth random fields over the ground: the same place has the same value from whichever line it
+//! is surveyed.
 
 use super::random::{RandomPurpose, mix};
 
@@ -8,17 +9,14 @@ pub(super) struct NoiseField {
     per_metre: f64,
 }
 
-/// Standard deviation of the interpolated field for lattice values between -1 and 1: sqrt(1/3) at the lattice points,
-/// less between them (mean over a cell of the squared weights is 0.5515).
+/// Standard deviation of the interpolated field for lattice values between -1 and 1: sqrt(1/3) at
+/// the lattice points, less between them (mean over a cell of the squared weights is 0.5515).
 const SPREAD: f64 = 0.4288;
 
 impl NoiseField {
     /// A field with lattice points `spacing_m` apart.
     pub(super) fn new(seed: u64, purpose: RandomPurpose, spacing_m: f64) -> Self {
-        Self {
-            key: mix(seed ^ mix(purpose as u64)),
-            per_metre: 1.0 / spacing_m,
-        }
+        Self { key: mix(seed ^ mix(purpose as u64)), per_metre: 1.0 / spacing_m }
     }
 
     /// Value at a place: mean 0, standard deviation 1, never beyond 2.4.

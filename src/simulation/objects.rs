@@ -1,4 +1,5 @@
-//! Objects that lie on the ground, as heights above it: highlight and shadow then come from the geometry alone.
+//! Objects that lie on the ground, as heights above it: highlight and shadow then come from the
+//! geometry alone.
 
 use super::arithmetic::{cos, from_db, sin};
 use super::object_kind::ObjectKind;
@@ -20,7 +21,8 @@ pub(super) struct PlacedObject {
     shape: Shape,
 }
 
-/// How much stronger stone, wood and metal scatter than the ground where the scene does not say (6 dB).
+/// How much stronger stone, wood and metal scatter than the ground where the scene does not say (6
+/// dB).
 const USUAL_STRENGTH: f64 = 4.0;
 
 impl PlacedObject {
@@ -62,8 +64,8 @@ pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> 
         .collect()
 }
 
-/// How far scattered objects lie off the way at most, metres. They may lie under the boat: nobody knows where they are
-/// before the survey, and there the object gives the first return.
+/// How far scattered objects lie off the way at most, metres. They may lie under the boat: nobody
+/// knows where they are before the survey, and there the object gives the first return.
 const OFF_M: f64 = 7.0;
 
 /// A random object beside or below a random point of the way.

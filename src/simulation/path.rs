@@ -52,10 +52,7 @@ impl Path {
     /// The way through all lines, then all cross lines.
     pub(super) fn new(track: &TrackSettings) -> Self {
         let corners = corners(track);
-        let mut path = Self {
-            legs: Vec::new(),
-            length_m: 0.0,
-        };
+        let mut path = Self { legs: Vec::new(), length_m: 0.0 };
         let mut from = corners[0];
         if let [from, to] = corners[..]
             && track.bend_deg_per_m != 0.0
@@ -78,7 +75,8 @@ impl Path {
         path
     }
 
-    /// Adds the straight way from `from` towards `corner` and the round turn towards `next`; returns its end.
+    /// Adds the straight way from `from` towards `corner` and the round turn towards `next`;
+    /// returns its end.
     fn turn(
         &mut self,
         from: [f64; 2],
@@ -104,17 +102,9 @@ impl Path {
     }
 
     fn push(&mut self, at: [f64; 2], heading_rad: f64, length_m: f64, turn_per_m: f64) {
-        let start = BoatPose {
-            east_m: at[0],
-            north_m: at[1],
-            heading_rad,
-        };
+        let start = BoatPose { east_m: at[0], north_m: at[1], heading_rad };
         self.length_m += length_m;
-        self.legs.push(PathPiece {
-            start,
-            length_m,
-            turn_per_m,
-        });
+        self.legs.push(PathPiece { start, length_m, turn_per_m });
     }
 
     /// Length of the whole way, metres.
@@ -141,11 +131,7 @@ impl PathPiece {
         let turn = self.turn_per_m * travelled_m;
         // The chord of an arc points half the turn away and is shorter by sin(x) / x.
         let half = 0.5 * turn;
-        let chord = if half.abs() < 1e-9 {
-            travelled_m
-        } else {
-            travelled_m * sin(half) / half
-        };
+        let chord = if half.abs() < 1e-9 { travelled_m } else { travelled_m * sin(half) / half };
         let start = [self.start.east_m, self.start.north_m];
         let place = ahead(start, self.start.heading_rad + half, chord);
         BoatPose {
@@ -187,10 +173,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 fn ahead(from: [f64; 2], heading_rad: f64, metres: f64) -> [f64; 2] {
-    [
-        from[0] + metres * sin(heading_rad),
-        from[1] + metres * cos(heading_rad),
-    ]
+    [from[0] + metres * sin(heading_rad), from[1] + metres * cos(heading_rad)]
 }
 
 #[cfg(test)]

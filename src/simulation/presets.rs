@@ -28,7 +28,8 @@ impl Scene {
         Self::of_kind(BedKind::Rough, 2.6)
     }
 
-    /// The bundled demo survey: a retention pond with banks, a level terrace, crossing lines and a few objects.
+    /// The bundled demo survey: a retention pond with banks, a level terrace, crossing lines and a
+    /// few objects.
     pub fn demo() -> Self {
         // A test parses the bundled text, so the default is never seen.
         Self::from_toml(DEMO).unwrap_or_default()
@@ -36,26 +37,18 @@ impl Scene {
 
     fn of_kind(kind: BedKind, mean_depth_m: f64) -> Self {
         Self {
-            bed: BedSettings {
-                kind,
-                mean_depth_m,
-                ..BedSettings::default()
-            },
+            bed: BedSettings { kind, mean_depth_m, ..BedSettings::default() },
             ..Self::default()
         }
     }
 
-    /// A default scene with about `pings` pings a side: longer lines, at the same speed. For benchmarks.
+    /// A default scene with about `pings` pings a side: longer lines, at the same speed. For
+    /// benchmarks.
     pub fn with_pings(pings: u32) -> Self {
         let track = TrackSettings::default();
         let metres = f64::from(pings) * track.speed_mps / track.ping_rate_hz;
         Self {
-            track: TrackSettings {
-                lines: 1,
-                cross_lines: 0,
-                length_m: metres,
-                ..track
-            },
+            track: TrackSettings { lines: 1, cross_lines: 0, length_m: metres, ..track },
             ..Self::default()
         }
     }
@@ -63,7 +56,8 @@ impl Scene {
     /// Reads a scene from TOML; what is left out keeps its default.
     ///
     /// # Errors
-    /// When the text is not TOML, names an unknown setting, or describes a scene that [`Scene::check`] refuses.
+    /// When the text is not TOML, names an unknown setting, or describes a scene that
+    /// [`Scene::check`] refuses.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
         let scene: Self = toml::from_str(text).map_err(|error| SceneError(sentence(&error)))?;
         scene.check()?;

@@ -1,4 +1,5 @@
-//! Random numbers that depend only on the seed, the purpose and the ping: pings can be simulated in any order.
+//! Random numbers that depend only on the seed, the purpose and the ping: pings can be simulated in
+//! any order.
 
 use super::arithmetic::{cos, ln, sin};
 use std::f64::consts::PI;
@@ -95,7 +96,8 @@ mod tests {
 
     #[test]
     fn splitmix_gives_its_published_numbers() {
-        // First outputs of the reference implementation for the state 1234567 (Vigna's splitmix64.c).
+        // First outputs of the reference implementation for the state 1234567 (Vigna's
+        // splitmix64.c).
         let mut random = Random(1_234_567);
         assert_eq!(random.bits(), 6_457_827_717_110_365_317);
         assert_eq!(random.bits(), 3_203_168_211_198_807_973);
@@ -117,13 +119,7 @@ mod tests {
     #[test]
     fn streams_differ_by_purpose_and_index() {
         let first = |purpose, index| Random::new(1, purpose, index).bits();
-        assert_ne!(
-            first(RandomPurpose::Speckle, 0),
-            first(RandomPurpose::Speckle, 1)
-        );
-        assert_ne!(
-            first(RandomPurpose::Speckle, 0),
-            first(RandomPurpose::Fish, 0)
-        );
+        assert_ne!(first(RandomPurpose::Speckle, 0), first(RandomPurpose::Speckle, 1));
+        assert_ne!(first(RandomPurpose::Speckle, 0), first(RandomPurpose::Fish, 0));
     }
 }

@@ -1,4 +1,5 @@
-//! From echo power to recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's curve.
+//! From echo power to recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's
+//! curve.
 
 use super::arithmetic::{exp, from_db, ln, to_db};
 use super::artefacts::{Trouble, absorption, ring_down};
@@ -45,23 +46,19 @@ const FISH_M: f64 = 0.04;
 /// Strength of a glint over the ground: mean of an exponential, and its length in samples.
 const GLINT: f64 = 8.0;
 const GLINT_SAMPLES: usize = 3;
-/// Amplitude of neighbouring samples in the receiver's filter: a Gaussian with a standard deviation of one sample, which
-/// gives speckle correlated as in the real river recording (0.55 and 0.2 at one and two samples).
-const FILTER: [f64; 5] = [
-    0.135_335_283,
-    0.606_530_660,
-    1.0,
-    0.606_530_660,
-    0.135_335_283,
-];
+/// Amplitude of neighbouring samples in the receiver's filter: a Gaussian with a standard deviation
+/// of one sample, which gives speckle correlated as in the real river recording (0.55 and 0.2 at
+/// one and two samples).
+const FILTER: [f64; 5] = [0.135_335_283, 0.606_530_660, 1.0, 0.606_530_660, 0.135_335_283];
 /// Root of the sum of the squares of `FILTER`.
 const FILTER_NORM: f64 = 1.331_311_443_697_662;
-/// Samples that share one grain of speckle: the sum over all lags of the correlation of the power, which is the square of
-/// that of `FILTER`.
+/// Samples that share one grain of speckle: the sum over all lags of the correlation of the power,
+/// which is the square of that of `FILTER`.
 pub(super) const GRAIN: f32 = 2.485;
 
 impl<'a> Receiver<'a> {
-    /// The receiver of a scene at one recorded range; its level is set on a level bottom at the scene's mean depth.
+    /// The receiver of a scene at one recorded range; its level is set on a level bottom at the
+    /// scene's mean depth.
     pub(super) fn new(scene: &'a Scene, range_m: f64) -> Self {
         let recorder = &scene.recorder;
         let samples = recorder.samples_per_side as usize;
@@ -100,20 +97,11 @@ impl<'a> Receiver<'a> {
             bank: None,
             ..self.scene.bed.clone()
         };
-        let world = World {
-            bed: SceneBed::level(&settings),
-            objects: Vec::new(),
-            weed: Vec::new(),
-        };
-        let pose = BoatPose {
-            east_m: 0.0,
-            north_m: 0.0,
-            heading_rad: 0.0,
-        };
+        let world =
+            World { bed: SceneBed::level(&settings), objects: Vec::new(), weed: Vec::new() };
+        let pose = BoatPose { east_m: 0.0, north_m: 0.0, heading_rad: 0.0 };
         let echo = self.listen(&world, pose, Side::Starboard, 0.0);
-        self.after_gain(&echo.power, 0..self.samples)
-            .into_iter()
-            .fold(0.0, f64::max)
+        self.after_gain(&echo.power, 0..self.samples).into_iter().fold(0.0, f64::max)
     }
 
     /// What one side receives at a place.
@@ -143,14 +131,11 @@ impl<'a> Receiver<'a> {
             })
             .sum::<f64>()
         });
-        smeared
-            .zip(&self.echo_gain[samples])
-            .map(|(power, gain)| power * gain)
-            .collect()
+        smeared.zip(&self.echo_gain[samples]).map(|(power, gain)| power * gain).collect()
     }
 
-    /// By how much the mean levels of a ping differ for an object: its power as it is, and as it would be without the
-    /// object. The second echo, fish and glints are left out; both have them.
+    /// By how much the mean levels of a ping differ for an object: its power as it is, and as it
+    /// would be without the object. The second echo, fish and glints are left out; both have them.
     pub(super) fn trace(
         &self,
         [with, without]: [&[f64]; 2],
@@ -182,8 +167,8 @@ impl<'a> Receiver<'a> {
         })
     }
 
-    /// Standard deviation of the speckle around a mean level: of the logarithm of an exponential (5.57 dB), or of a Rayleigh
-    /// amplitude (0.463 of its root mean square); a byte at least.
+    /// Standard deviation of the speckle around a mean level: of the logarithm of an exponential
+    /// (5.57 dB), or of a Rayleigh amplitude (0.463 of its root mean square); a byte at least.
     fn speckle_bytes(&self, level: f64) -> f64 {
         let deviation = match self.scene.recorder.curve {
             Curve::Decibel => 5.57 * self.scene.recorder.bytes_per_db,
@@ -194,7 +179,8 @@ impl<'a> Receiver<'a> {
         deviation.max(1.0)
     }
 
-    /// The bytes of one side, nearest first; `fish` are the slant ranges (metres) and strengths (dB) of fish.
+    /// The bytes of one side, nearest first; `fish` are the slant ranges (metres) and strengths
+    /// (dB) of fish.
     pub(super) fn record(
         &self,
         echo: &Echo,
@@ -217,15 +203,12 @@ impl<'a> Receiver<'a> {
                 // The transducer rings much alike from ping to ping: a quarter of it fades.
                 let ringing = self.ringing[i] * (0.75 + 0.25 * speckle[i]) * trouble.gain;
                 let total = echo * trouble.gain + ringing;
-                let limited = self
-                    .byte(total)
-                    .min(f64::from(self.scene.recorder.echo_ceiling));
+                let limited = self.byte(total).min(f64::from(self.scene.recorder.echo_ceiling));
                 limited.max(self.byte(ringing)).clamp(0.0, 255.0)
             })
             .collect();
-        let mut bytes: Vec<u8> = (self.smoothed(levels).into_iter())
-            .map(|level| level as u8)
-            .collect();
+        let mut bytes: Vec<u8> =
+            (self.smoothed(levels).into_iter()).map(|level| level as u8).collect();
         if trouble.interference {
             self.interfere(&mut bytes, random);
         }
@@ -248,8 +231,8 @@ impl<'a> Receiver<'a> {
         (0..levels.len()).map(at).collect()
     }
 
-    /// The second echo of the bottom, after another way to the surface and back: later and weaker. Only the ground under the boat
-    /// is flat enough to return it.
+    /// The second echo of the bottom, after another way to the surface and back: later and weaker.
+    /// Only the ground under the boat is flat enough to return it.
     fn add_second_echo(&self, power: &mut [f64], first_return_m: f64) {
         let loss = self.scene.artefacts.second_echo_db;
         if loss <= 0.0 || first_return_m.is_nan() {
@@ -281,9 +264,7 @@ impl<'a> Receiver<'a> {
             if random.chance(self.scene.artefacts.glints) {
                 let factor = 2.0 + GLINT * random.exponential();
                 let end = (first + GLINT_SAMPLES).min(power.len());
-                power[first..end]
-                    .iter_mut()
-                    .for_each(|power| *power *= factor);
+                power[first..end].iter_mut().for_each(|power| *power *= factor);
             }
         }
     }
@@ -293,9 +274,8 @@ impl<'a> Receiver<'a> {
         if !self.scene.artefacts.speckle {
             return vec![1.0; self.samples];
         }
-        let field: Vec<[f64; 2]> = (0..self.samples + FILTER.len() - 1)
-            .map(|_| random.normal_pair())
-            .collect();
+        let field: Vec<[f64; 2]> =
+            (0..self.samples + FILTER.len() - 1).map(|_| random.normal_pair()).collect();
         let windows = field.windows(FILTER.len());
         windows
             .map(|window| {
@@ -334,7 +314,8 @@ impl<'a> Receiver<'a> {
     }
 }
 
-/// Time-varied gain: a power of the range (3 as a rule) with absorption between a start and a limit.
+/// Time-varied gain: a power of the range (3 as a rule) with absorption between a start and a
+/// limit.
 fn tvg(recorder: &RecorderSettings, range_m: f64) -> f64 {
     let range = range_m.clamp(TVG_START_M, recorder.tvg_limit_m);
     let beyond_cube = exp((recorder.tvg_power - 3.0) * ln(range));

@@ -47,7 +47,8 @@ impl Ripples {
     }
 }
 
-/// Square of the distance, in radii, beyond which a mound is lower than the last digit of any depth: e to the power of -50 of its height.
+/// Square of the distance, in radii, beyond which a mound is lower than the last digit of any
+/// depth: e to the power of -50 of its height.
 const FAR: f64 = 100.0;
 
 impl Mound {
@@ -63,7 +64,8 @@ impl Mound {
 }
 
 impl Pit {
-    /// How much lower the ground is at a place, metres; negative on the rim, where what was scoured out lies.
+    /// How much lower the ground is at a place, metres; negative on the rim, where what was scoured
+    /// out lies.
     pub(crate) fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
@@ -72,10 +74,6 @@ impl Pit {
         }
         // The rim is highest midway of a ring half a radius wide.
         let rim = (off - 1.0) * (2.25 - off);
-        if rim > 0.0 {
-            -0.4 * self.depth_m * rim * rim
-        } else {
-            0.0
-        }
+        if rim > 0.0 { -0.4 * self.depth_m * rim * rim } else { 0.0 }
     }
 }

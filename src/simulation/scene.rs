@@ -1,4 +1,5 @@
-//! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
+//! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its
+//! default.
 
 pub use super::clutter::Mound;
 pub(crate) use super::clutter::{Pit, RippleSettings, Shoal, WeedClump};
@@ -18,7 +19,8 @@ pub struct Scene {
     pub latitude_deg: f64,
     /// Unix time of the first ping, seconds; 0 for a recorder that does not know the time.
     pub start_unix_s: u32,
-    /// Ends the survey after so many seconds, wherever the boat is then; without it, at the end of the track.
+    /// Ends the survey after so many seconds, wherever the boat is then; without it, at the end of
+    /// the track.
     pub duration_s: Option<f64>,
     /// The ground.
     pub bed: BedSettings,
@@ -26,8 +28,8 @@ pub struct Scene {
     pub track: TrackSettings,
     /// How it is recorded.
     pub recorder: RecorderSettings,
-    /// How the recorder is mounted: the boat's path is the transducer's, and what the log says wrongly is what the settings of these names
-    /// put right. The clock is off by whole seconds.
+    /// How the recorder is mounted: the boat's path is the transducer's, and what the log says
+    /// wrongly is what the settings of these names put right. The clock is off by whole seconds.
     pub mounting: MountingSettings,
     /// What is not as it should be.
     pub artefacts: Artefacts,
@@ -60,7 +62,8 @@ pub enum BedKind {
 pub struct BedSettings {
     /// Its character.
     pub kind: BedKind,
-    /// Draws its swells, bumps and stones, so that several surveys meet one ground; the survey's own seed when left out.
+    /// Draws its swells, bumps and stones, so that several surveys meet one ground; the survey's
+    /// own seed when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// Depth that the ground swings about, metres.
@@ -75,9 +78,11 @@ pub struct BedSettings {
     pub pits: Vec<Pit>,
     /// Mounds and hollows.
     pub mounds: Vec<Mound>,
-    /// Power of the cosine that the ground scatters by, of the angle from its normal: 2 is Lambert's law.
+    /// Power of the cosine that the ground scatters by, of the angle from its normal: 2 is
+    /// Lambert's law.
     pub scatter_power: f64,
-    /// Factor on how much patches of finer and coarser sediment differ: 1 as a rule (2 dB), 0 for ground of one kind.
+    /// Factor on how much patches of finer and coarser sediment differ: 1 as a rule (2 dB), 0 for
+    /// ground of one kind.
     pub patch_factor: f64,
 }
 
@@ -124,7 +129,8 @@ pub struct Bank {
     pub slope_deg: f64,
 }
 
-/// Where the boat goes: lines to and fro from west to east, then lines from south to north across them.
+/// Where the boat goes: lines to and fro from west to east, then lines from south to north across
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackSettings {
@@ -167,7 +173,8 @@ pub struct RecorderSettings {
     pub beam_width_deg: f64,
     /// Horizontal (along-track) width of the side beam, degrees.
     pub beam_azimuth_deg: f64,
-    /// What the recorder adds to every slant range that it writes, metres: the delay of its receiver.
+    /// What the recorder adds to every slant range that it writes, metres: the delay of its
+    /// receiver.
     pub range_offset_m: f64,
     /// Length of the pulse: standard deviation of its power, metres of slant range.
     pub pulse_m: f64,
@@ -175,22 +182,27 @@ pub struct RecorderSettings {
     pub absorption_db_per_km: f64,
     /// Range beyond which the time-varied gain grows no more, metres.
     pub tvg_limit_m: f64,
-    /// Power of the range that the gain grows with: 3 leaves the ground fading outward, 5 makes level ground even.
+    /// Power of the range that the gain grows with: 3 leaves the ground fading outward, 5 makes
+    /// level ground even.
     pub tvg_power: f64,
-    /// Electronic noise, in the unit of the echo power of a square metre of perfect scatterer at 1 m.
+    /// Electronic noise, in the unit of the echo power of a square metre of perfect scatterer at 1
+    /// m.
     pub electronic_noise: f64,
     /// Sound scattered by the water itself at 1 m, same unit.
     pub volume_noise: f64,
-    /// Byte of a level bottom's edge at the mean depth. At 105, fading lifts 2 % of the echoes there above a ceiling of 120
-    /// (2.6 bytes a decibel): in the real river recording, 0.4 % (port) and 3.7 % (starboard) are at the top of the scale.
+    /// Byte of a level bottom's edge at the mean depth. At 105, fading lifts 2 % of the echoes
+    /// there above a ceiling of 120 (2.6 bytes a decibel): in the real river recording, 0.4 %
+    /// (port) and 3.7 % (starboard) are at the top of the scale.
     pub bottom_byte: f64,
     /// Bytes for each decibel.
     pub bytes_per_db: f64,
     /// How power becomes bytes; `bytes_per_db` counts for decibels only.
     pub curve: Curve,
-    /// Standard deviation of the window that levels are smoothed with along the ping before they are written, samples; 0 for none.
+    /// Standard deviation of the window that levels are smoothed with along the ping before they
+    /// are written, samples; 0 for none.
     pub smoothing_samples: f64,
-    /// Largest byte that an echo gets; ring-down may exceed it. The published recordings stay below 127.
+    /// Largest byte that an echo gets; ring-down may exceed it. The published recordings stay
+    /// below 127.
     pub echo_ceiling: u8,
     /// Samples in a frame of the primary and the down-scan channel.
     pub sonar_samples: u32,
@@ -224,18 +236,20 @@ pub struct Artefacts {
     pub roll_deg: f64,
     /// Noise of the recorded depth, metres (standard deviation).
     pub depth_noise_m: f64,
-    /// Factor on the recorded depth: 1 for a sounder that measures the ground under the boat, another where its depths belong
-    /// to something else.
+    /// Factor on the recorded depth: 1 for a sounder that measures the ground under the boat,
+    /// another where its depths belong to something else.
     pub depth_scale: f64,
     /// Added to the recorded depth, metres: a draft or keel offset that the log does not state.
     pub depth_offset_m: f64,
-    /// Slow wander of the fixes, metres east and north (standard deviation each): what satellites leave. It is counted from the first fix.
+    /// Slow wander of the fixes, metres east and north (standard deviation each): what satellites
+    /// leave. It is counted from the first fix.
     pub position_m: f64,
     /// Share of pings that are missing in the log.
     pub dropouts: f64,
     /// Factor on the recorded range along a fifth of the track; 1 for none.
     pub range_change: f64,
-    /// Slant range at which the water surface returns an echo, metres: how deep a towed transducer hangs; 0 for none.
+    /// Slant range at which the water surface returns an echo, metres: how deep a towed transducer
+    /// hangs; 0 for none.
     pub surface_m: f64,
     /// Share of the samples in which a pebble or a shell glints.
     pub glints: f64,
@@ -263,7 +277,8 @@ pub struct ObjectSettings {
     /// How much of its height has sunk into the ground, metres.
     #[serde(default)]
     pub buried_m: f64,
-    /// How much stronger it scatters than the ground, dB; 6 when left out. Metal more, wood and rubber less.
+    /// How much stronger it scatters than the ground, dB; 6 when left out. Metal more, wood and
+    /// rubber less.
     #[serde(default)]
     pub strength_db: Option<f64>,
 }

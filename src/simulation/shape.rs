@@ -32,11 +32,9 @@ impl Shape {
         let (length, width, height) = (object.length_m, object.width_m, object.height_m);
         let mut random = Random::new(seed, RandomPurpose::Shape, 0);
         match object.kind {
-            ObjectKind::Rock => Shape::Rock(NoiseField::new(
-                seed,
-                RandomPurpose::Bumps,
-                0.3 * length.min(width),
-            )),
+            ObjectKind::Rock => {
+                Shape::Rock(NoiseField::new(seed, RandomPurpose::Bumps, 0.3 * length.min(width)))
+            }
             ObjectKind::Block => Shape::Block,
             ObjectKind::Cylinder => Shape::Cylinder,
             ObjectKind::Tyre => Shape::Tyre,
@@ -46,8 +44,8 @@ impl Shape {
         }
     }
 
-    /// Height as a share of the object's whole height at a place `along_m` and `across_m` from its centre, `offset` from it
-    /// to the east and north.
+    /// Height as a share of the object's whole height at a place `along_m` and `across_m` from its
+    /// centre, `offset` from it to the east and north.
     pub(super) fn share(
         &self,
         along_m: f64,
@@ -77,7 +75,8 @@ impl Shape {
     }
 }
 
-/// Upper half of a round section that touches the ground from above: 1 at the middle, 1/2 at the widest, 0 beyond.
+/// Upper half of a round section that touches the ground from above: 1 at the middle, 1/2 at the
+/// widest, 0 beyond.
 fn round(offset: f64) -> f64 {
     if offset.abs() >= 1.0 {
         return 0.0;

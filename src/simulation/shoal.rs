@@ -1,4 +1,5 @@
-//! A shoal of fish: each an echo of its own wherever it swims, in the water column or over the ground.
+//! A shoal of fish: each an echo of its own wherever it swims, in the water column or over the
+//! ground.
 
 use super::arithmetic::{exp, to_db};
 use super::beam::Beam;
@@ -10,7 +11,8 @@ use bathyscope_log::survey::Side;
 /// Fish farther off the beam's middle than this many standard deviations return no echo.
 const BEAM_REACH: f64 = 3.0;
 
-/// The places of a shoal's fish: metres east, north and below the surface, and the strength of each, dB.
+/// The places of a shoal's fish: metres east, north and below the surface, and the strength of
+/// each, dB.
 pub(super) struct Fishes(Vec<([f64; 3], f64)>);
 
 impl Fishes {

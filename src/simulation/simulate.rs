@@ -28,7 +28,8 @@ pub struct Simulated {
     pub pings: Vec<PingTruth>,
     /// The objects on the ground.
     pub objects: Vec<ObjectTruth>,
-    /// The survey's frame: its origin is the first recorded fix, so it equals that of the opened log.
+    /// The survey's frame: its origin is the first recorded fix, so it equals that of the opened
+    /// log.
     pub frame: LocalFrame,
     frames: Vec<Sl2Frame>,
     start_unix_s: u32,
@@ -53,10 +54,8 @@ pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulat
     for first in (0..count).step_by(CHUNK) {
         progress.check()?;
         let last = (first + CHUNK as u64).min(count);
-        let chunk: Vec<ReceivedPing> = (first..last)
-            .into_par_iter()
-            .filter_map(|ping| run.ping(ping))
-            .collect();
+        let chunk: Vec<ReceivedPing> =
+            (first..last).into_par_iter().filter_map(|ping| run.ping(ping)).collect();
         received.extend(chunk);
         progress.advance(last - first);
     }
@@ -76,12 +75,14 @@ impl Simulated {
     /// The log as SL2 in memory.
     pub fn sl2_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        // Writing to memory fails only for a log beyond the format's 4 GiB, which `Scene::check` refuses.
+        // Writing to memory fails only for a log beyond the format's 4 GiB, which `Scene::check`
+        // refuses.
         self.write_sl2(&mut bytes).ok();
         bytes
     }
 
-    /// The truth about every ping as CSV: `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,`
+    /// The truth about every ping as CSV:
+    /// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,`
     /// `port_range_m,port_weed,starboard_range_m,starboard_weed`.
     ///
     /// # Errors
@@ -98,14 +99,16 @@ impl Simulated {
         truth::write_objects(&self.objects, self.pings.len(), out)
     }
 
-    /// True depth of the ground (objects included, weed not) at a place in the survey's frame, metres; negative on land.
+    /// True depth of the ground (objects included, weed not) at a place in the survey's frame,
+    /// metres; negative on land.
     pub fn bed_depth_m(&self, east_m: f64, north_m: f64) -> f64 {
         let position = self.frame.to_lon_lat(east_m, north_m);
         let [east, north] = self.scene_frame.to_enu(position);
         self.world.depth_m(east, north)
     }
 
-    /// True factor on how strongly the ground scatters at a place in the survey's frame, about 1; without objects.
+    /// True factor on how strongly the ground scatters at a place in the survey's frame, about 1;
+    /// without objects.
     pub fn bed_strength(&self, east_m: f64, north_m: f64) -> f64 {
         let position = self.frame.to_lon_lat(east_m, north_m);
         let [east, north] = self.scene_frame.to_enu(position);
@@ -171,10 +174,7 @@ impl<'a> SimulationRun<'a> {
     fn ping_count(&self) -> u64 {
         let track = &self.scene.track;
         let whole_s = self.path.length_m() / track.speed_mps;
-        let duration_s = self
-            .scene
-            .duration_s
-            .map_or(whole_s, |end| end.min(whole_s));
+        let duration_s = self.scene.duration_s.map_or(whole_s, |end| end.min(whole_s));
         (duration_s * track.ping_rate_hz).ceil() as u64
     }
 
@@ -225,11 +225,7 @@ impl<'a> SimulationRun<'a> {
                 port: side_truth(&port.0),
                 starboard: side_truth(&starboard.0),
             },
-            seen: [
-                seen(Side::Port, &port.0),
-                seen(Side::Starboard, &starboard.0),
-            ]
-            .concat(),
+            seen: [seen(Side::Port, &port.0), seen(Side::Starboard, &starboard.0)].concat(),
             traces: [
                 traces(&port.0, Side::Port, &trouble, receiver),
                 traces(&starboard.0, Side::Starboard, &trouble, receiver),
@@ -262,7 +258,8 @@ impl<'a> SimulationRun<'a> {
         (echo, bytes)
     }
 
-    /// Slant range (metres) and strength (dB) of a fish nearer than the ground, where this side insonifies one.
+    /// Slant range (metres) and strength (dB) of a fish nearer than the ground, where this side
+    /// insonifies one.
     fn fish(&self, trouble: &Trouble, side: Side, first_return_m: f64) -> Option<[f64; 2]> {
         let fish = trouble.fish.filter(|fish| fish.side == side)?;
         let range_m = fish.range_m(self.true_depth_m(fish.first_ping));
@@ -274,10 +271,8 @@ impl<'a> SimulationRun<'a> {
         let surface_m = self.scene.artefacts.surface_m;
         let mut random = Random::new(self.seed, RandomPurpose::Wander, ping);
         let [wave, strength] = random.normal_pair();
-        (surface_m > 0.0).then_some([
-            surface_m + SURFACE_WAVES_M * wave,
-            SURFACE_DB + 3.0 * strength,
-        ])
+        (surface_m > 0.0)
+            .then_some([surface_m + SURFACE_WAVES_M * wave, SURFACE_DB + 3.0 * strength])
     }
 
     /// True depth under the boat at a ping.
@@ -358,10 +353,7 @@ fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<WeedBed> {
     let clumps = scene.weed_clumps.iter().zip(seed.wrapping_add(1)..);
     let clumps = clumps
         .map(|(clump, seed)| WeedBed::at([clump.east_m, clump.north_m], clump.diameter_m, seed));
-    WeedBed::new(scene.artefacts.weed_m, path, seed)
-        .into_iter()
-        .chain(clumps)
-        .collect()
+    WeedBed::new(scene.artefacts.weed_m, path, seed).into_iter().chain(clumps).collect()
 }
 
 /// What the objects that one side met change in its levels.
@@ -387,9 +379,7 @@ fn pass<'a>(
     let pings = (first..end).zip(&received[first..end]);
     let traces =
         pings.flat_map(|(ping, received)| received.traces.iter().map(move |trace| (ping, trace)));
-    traces
-        .filter(|(_, trace)| trace.object == object && trace.side == sighting.side)
-        .collect()
+    traces.filter(|(_, trace)| trace.object == object && trace.side == sighting.side).collect()
 }
 
 fn side_truth(echo: &Echo) -> SideTruth {

@@ -1,10 +1,12 @@
-//! Echograms of the primary and the down-scan channel: plausible, not physical. Their depth is what matters.
+//! Echograms of the primary and the down-scan channel: plausible, not physical. Their depth is what
+//! matters.
 
 use super::arithmetic::exp;
 use super::random::{Random, RandomPurpose};
 use bathyscope_log::survey::ChannelKind;
 
-/// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at `depth_m`.
+/// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at
+/// `depth_m`.
 pub(super) fn echogram(
     kind: ChannelKind,
     samples: usize,
@@ -13,7 +15,8 @@ pub(super) fn echogram(
     seed: u64,
     ping: u64,
 ) -> Vec<u8> {
-    // The traditional sonar has a wide cone and a long pulse, the down-scan with a thin fan and a short one.
+    // The traditional sonar has a wide cone and a long pulse, the down-scan with a thin fan and a
+    // short one.
     let (stream, onset_m, tail_m, level) = match kind {
         ChannelKind::DownScan => (2 * ping, 0.02, 0.35, 175.0),
         _ => (2 * ping + 1, 0.06, 0.8, 215.0),

@@ -6,8 +6,8 @@ use super::random::{RandomPurpose, mix};
 const CELL_M: f64 = 1.6;
 /// Smallest and largest radius of a stone, metres.
 const RADIUS_M: (f64, f64) = (0.08, 0.28);
-/// Height of a stone as a share of its radius. Stones of a river lie on their flat side, about 0.6 of their length high, and
-/// half of that is in the ground.
+/// Height of a stone as a share of its radius. Stones of a river lie on their flat side, about 0.6
+/// of their length high, and half of that is in the ground.
 const HEIGHT_SHARE: f64 = 0.6;
 
 /// Strewn stones.
@@ -18,9 +18,7 @@ pub(super) struct Stones {
 impl Stones {
     /// Stones whose places and sizes come from the seed.
     pub(super) fn new(seed: u64) -> Self {
-        Self {
-            key: mix(seed ^ mix(RandomPurpose::Stones as u64)),
-        }
+        Self { key: mix(seed ^ mix(RandomPurpose::Stones as u64)) }
     }
 
     /// Height of a stone's surface above the ground at a place, metres; 0 between stones.
@@ -29,7 +27,8 @@ impl Stones {
         let place = (column as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             ^ (row as i64 as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
         let bits = mix(self.key ^ place);
-        // Three numbers between 0 and 1 from the same 64 bits; small stones are more common than large ones.
+        // Three numbers between 0 and 1 from the same 64 bits; small stones are more common than
+        // large ones.
         let share = |shift: u32| ((bits >> shift) & 0xf_ffff) as f64 / f64::from(1 << 20);
         let size = share(40);
         let radius = RADIUS_M.0 + (RADIUS_M.1 - RADIUS_M.0) * size * size;

@@ -1,4 +1,5 @@
-//! Random small surveys for a detector to learn from: every setting varied, as recorders, waters and bottoms vary.
+//! Random small surveys for a detector to learn from: every setting varied, as recorders, waters
+//! and bottoms vary.
 
 mod settings;
 mod strewn;
@@ -33,25 +34,21 @@ pub struct TrainingPlace {
 /// Metres of track beyond what the pictures need, so that they do not all start alike.
 const SPARE_M: f64 = 4.0;
 
-/// The seed of a scene: the `index`th of a part of a dataset (training, validation, test). No scene of one part is one of
-/// another, and a part's first scenes are the same however many follow.
+/// The seed of a scene: the `index`th of a part of a dataset (training, validation, test). No scene
+/// of one part is one of another, and a part's first scenes are the same however many follow.
 pub fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
     mix(mix(mix(dataset_seed).wrapping_add(part)).wrapping_add(index))
 }
 
-/// A random survey along one line, straight or gently turning, that holds `looks` pictures of `look_m` metres along the
-/// track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen objects of all kinds and what is mistaken for them. The
-/// same seed gives the same scene.
+/// A random survey along one line, straight or gently turning, that holds `looks` pictures of
+/// `look_m` metres along the track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen
+/// objects of all kinds and what is mistaken for them. The same seed gives the same scene.
 pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     let mut random = Random::new(seed, RandomPurpose::Training, 0);
     let rows = looks.div_ceil(2).max(1);
     let length_m = rows as f64 * look_m + SPARE_M;
     let depth_m = log_between(&mut random, 1.2, 6.0);
-    let range_m = log_between(
-        &mut random,
-        (3.0 * depth_m).max(8.0),
-        (11.0 * depth_m).min(30.0),
-    );
+    let range_m = log_between(&mut random, (3.0 * depth_m).max(8.0), (11.0 * depth_m).min(30.0));
     let mut scene = Scene {
         bed: bed(&mut random, depth_m, range_m),
         track: track(&mut random, length_m),
@@ -69,16 +66,9 @@ pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     let looks = (0..looks).map(|index| TrainingPlace {
         side: Side::BOTH[(first + index) % 2],
         along: ((index / 2) as f64 + random.unit()) / rows as f64,
-        outward: if random.chance(0.5) {
-            0.0
-        } else {
-            random.unit()
-        },
+        outward: if random.chance(0.5) { 0.0 } else { random.unit() },
     });
-    TrainingScene {
-        looks: looks.collect(),
-        scene,
-    }
+    TrainingScene { looks: looks.collect(), scene }
 }
 
 /// Uniform in the logarithm.

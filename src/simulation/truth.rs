@@ -8,8 +8,8 @@ use bathyscope_log::survey::Side;
 use std::io::{self, Write};
 use std::ops::Range;
 
-/// The truth about one recorded side-scan ping. East and north are metres in the survey's frame, whose origin is the
-/// first recorded fix ([`bathyscope_log::survey::Track::frame`]).
+/// The truth about one recorded side-scan ping. East and north are metres in the survey's frame,
+/// whose origin is the first recorded fix ([`bathyscope_log::survey::Track::frame`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PingTruth {
     /// Seconds after the first ping, as recorded (whole milliseconds).
@@ -22,10 +22,11 @@ pub struct PingTruth {
     pub north_m: f64,
     /// True heading, radians clockwise from north.
     pub heading_rad: f64,
-    /// True depth of the ground (objects included, weed not) under the boat, metres below the transducer.
+    /// True depth of the ground (objects included, weed not) under the boat, metres below the
+    /// transducer.
     pub depth_m: f64,
-    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this, less
-    /// `recorder.range_offset_m`.
+    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this,
+    /// less `recorder.range_offset_m`.
     pub metres_per_sample: f64,
     /// What the port side should find.
     pub port: SideTruth,
@@ -36,10 +37,12 @@ pub struct PingTruth {
 /// The truth about one side of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideTruth {
-    /// Slant range of the nearest ground (objects included, fish and weed not) on this side, in the vertical plane across
-    /// the boat's heading, metres. NaN where there is no water under the boat.
+    /// Slant range of the nearest ground (objects included, fish and weed not) on this side, in the
+    /// vertical plane across the boat's heading, metres. NaN where there is no water under the
+    /// boat.
     pub first_return_m: f64,
-    /// The echo of weed comes before that of the ground, or within 10 cm of it: the first return is a canopy, not an error.
+    /// The echo of weed comes before that of the ground, or within 10 cm of it: the first return is
+    /// a canopy, not an error.
     pub weed: bool,
 }
 
@@ -89,26 +92,28 @@ pub struct ObjectPass {
     pub near_m: f64,
     /// Farthest slant range of its visible surface, metres.
     pub far_m: f64,
-    /// Slant ranges between which its longest shadow lies, metres; the end is NaN when a shadow runs off the range. The
-    /// start is the far edge of its top: with the altitude H, its height is `H (end - start) / end`.
+    /// Slant ranges between which its longest shadow lies, metres; the end is NaN when a shadow
+    /// runs off the range. The start is the far edge of its top: with the altitude H, its height is
+    /// `H (end - start) / end`.
     pub shadow_m: [f64; 2],
     /// A ping with that shadow.
     pub shadow_ping: usize,
-    /// Height above the ground of what casts that shadow, metres: of an open hull that lists, or of a trunk that tapers, it is not the
-    /// greatest of the whole object.
+    /// Height above the ground of what casts that shadow, metres: of an open hull that lists, or of
+    /// a trunk that tapers, it is not the greatest of the whole object.
     pub top_height_m: f64,
-    /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the shore, metres.
+    /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the
+    /// shore, metres.
     pub reach_m: f64,
-    /// How many pings before the first and after the last still insonify it, because the beam is wide: one standard deviation
-    /// of its two-way width on the ground.
+    /// How many pings before the first and after the last still insonify it, because the beam is
+    /// wide: one standard deviation of its two-way width on the ground.
     pub spread_pings: usize,
     /// What a picture shows of it; `None` where speckle, noise, or the shadow of another hides it.
     pub shown: Option<VisiblePart>,
 }
 
 impl ObjectPass {
-    /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that insonify it, the spread of the beam
-    /// included, where nothing is shown.
+    /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that
+    /// insonify it, the spread of the beam included, where nothing is shown.
     pub fn pings(&self, count: usize) -> Range<usize> {
         if let Some(shown) = &self.shown {
             return shown.first_ping..shown.last_ping + 1;
@@ -117,8 +122,8 @@ impl ObjectPass {
         self.first_ping.saturating_sub(self.spread_pings)..end
     }
 
-    /// Slant ranges of the box around what is shown of its echo and its shadow, metres. Where nothing is shown, those of the
-    /// geometry; a shadow that runs off the range then ends with it.
+    /// Slant ranges of the box around what is shown of its echo and its shadow, metres. Where
+    /// nothing is shown, those of the geometry; a shadow that runs off the range then ends with it.
     pub fn echo_and_shadow_m(&self) -> [f64; 2] {
         if let Some(shown) = &self.shown {
             return [shown.near_m, shown.far_m];
@@ -129,8 +134,8 @@ impl ObjectPass {
     }
 }
 
-/// From one ping with an echo to the next of the same pass at most. In a turn the beam swings over an object more than once,
-/// with bare ground between: these are sightings of their own.
+/// From one ping with an echo to the next of the same pass at most. In a turn the beam swings over
+/// an object more than once, with bare ground between: these are sightings of their own.
 const PASS_GAP: usize = 3;
 
 /// Adds what one ping recorded of an object to its sightings.
@@ -198,8 +203,8 @@ pub(super) fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Resu
 
 /// Writes one line per sighting, and one with empty fields for an object that was never insonified:
 /// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
-/// The box holds what a picture shows of echo and shadow, so what a detector should propose; `visibility` is 0 where that is
-/// nothing ([`ObjectPass::shown`]). `count` pings were recorded.
+/// The box holds what a picture shows of echo and shadow, so what a detector should propose;
+/// `visibility` is 0 where that is nothing ([`ObjectPass::shown`]). `count` pings were recorded.
 pub(super) fn write_objects(
     objects: &[ObjectTruth],
     count: usize,
@@ -253,9 +258,5 @@ pub(super) fn write_objects(
 
 /// Metres for a table; empty when there is no value.
 fn metres(value: f64) -> String {
-    if value.is_finite() {
-        format!("{value:.4}")
-    } else {
-        String::new()
-    }
+    if value.is_finite() { format!("{value:.4}") } else { String::new() }
 }

@@ -1,9 +1,11 @@
-//! What of an object a picture shows: the part of its echo and shadow that stands out from the speckle and the noise.
+//! What of an object a picture shows: the part of its echo and shadow that stands out from the
+//! speckle and the noise.
 //!
-//! Geometry alone promises more than anybody can see: the thin end of a trunk, a shadow filled with noise, an object in the
-//! shadow of another. So each ping is simulated twice, with the object and without it, and what a recorder would write on
-//! average is compared. Where the two differ by a good part of the speckle's spread, the object is shown; and where all that
-//! differs, weighed as the best filter would, does not rise out of the speckle, nothing is.
+//! Geometry alone promises more than anybody can see: the thin end of a trunk, a shadow filled with
+//! noise, an object in the shadow of another. So each ping is simulated twice, with the object and
+//! without it, and what a recorder would write on average is compared. Where the two differ by a
+//! good part of the speckle's spread, the object is shown; and where all that differs, weighed as
+//! the best filter would, does not rise out of the speckle, nothing is.
 
 use bathyscope_log::survey::Side;
 use std::ops::Range;
@@ -19,7 +21,8 @@ pub(super) struct Trace {
     pub metres_per_sample: f64,
     /// The first sample that differs.
     pub first_sample: usize,
-    /// Level with the object less the level without it, of each sample from there on, in standard deviations of the speckle.
+    /// Level with the object less the level without it, of each sample from there on, in standard
+    /// deviations of the speckle.
     pub stands_out: Vec<f32>,
 }
 
@@ -47,28 +50,32 @@ pub struct VisibleSlice {
     pub near_m: f64,
     /// Farthest slant range that shows it, metres.
     pub far_m: f64,
-    /// How much it adds to the object's visibility; the object is seen where that adds up to 1. The sum over its samples of
-    /// the squared difference, in standard deviations of the speckle, over the samples of one grain of speckle, is its
-    /// share in the square of the signal-to-noise ratio behind the best (matched) filter; visibility is that over the
-    /// square of [`SEEN_RATIO`].
+    /// How much it adds to the object's visibility; the object is seen where that adds up to 1. The
+    /// sum over its samples of the squared difference, in standard deviations of the speckle, over
+    /// the samples of one grain of speckle, is its share in the square of the signal-to-noise ratio
+    /// behind the best (matched) filter; visibility is that over the square of [`SEEN_RATIO`].
     pub visibility: f32,
 }
 
-/// Signal-to-noise ratio from which an observer tells an object from chance (A. Rose, J. Opt. Soc. Am. 38, 1948).
+/// Signal-to-noise ratio from which an observer tells an object from chance (A. Rose, J. Opt. Soc.
+/// Am. 38, 1948).
 const SEEN_RATIO: f32 = 5.0;
 /// Side of the square over which an eye averages speckle, metres.
 const EYE_M: f64 = 0.2;
 /// Difference of such a square that stands out, in standard deviations of the speckle (2.2 dB).
 const SEEN: f32 = 0.4;
-/// Difference of a single sample that belongs to it (1.4 dB): an average alone would reach beyond the edges.
+/// Difference of a single sample that belongs to it (1.4 dB): an average alone would reach beyond
+/// the edges.
 const OWN: f32 = 0.25;
 /// Difference beyond which a sample counts no more when a box is trimmed.
 const PLAIN: f32 = 1.5;
-/// Share of what stands out that may stick out of each side of the box: the last hair of an edge or a twig.
+/// Share of what stands out that may stick out of each side of the box: the last hair of an edge or
+/// a twig.
 const TRIMMED: f64 = 0.01;
 
-/// What the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their order, and what stands out
-/// in them; `spacing_m` lies between two pings, and `grain` neighbouring samples have one speckle.
+/// What the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their
+/// order, and what stands out in them; `spacing_m` lies between two pings, and `grain` neighbouring
+/// samples have one speckle.
 pub(super) fn visible_part(
     rows: &[(usize, &Trace)],
     spacing_m: f64,
@@ -76,22 +83,14 @@ pub(super) fn visible_part(
 ) -> Option<VisiblePart> {
     let (first, last) = (rows.first()?, rows.last()?);
     let metres_per_sample = first.1.metres_per_sample;
-    // A recorder that changes its range in the middle of an object shows it twice; the first scale is the one kept.
-    let rows = rows
-        .iter()
-        .filter(|(_, trace)| trace.metres_per_sample == metres_per_sample);
+    // A recorder that changes its range in the middle of an object shows it twice; the first scale
+    // is the one kept.
+    let rows = rows.iter().filter(|(_, trace)| trace.metres_per_sample == metres_per_sample);
     let start = rows.clone().map(|(_, trace)| trace.first_sample).min()?;
-    let end = rows
-        .clone()
-        .map(|(_, trace)| trace.first_sample + trace.stands_out.len())
-        .max()?;
+    let end = rows.clone().map(|(_, trace)| trace.first_sample + trace.stands_out.len()).max()?;
     let mut picture = VisibilityPicture::new(last.0 + 1 - first.0, end - start);
     for (ping, trace) in rows {
-        picture.put(
-            ping - first.0,
-            trace.first_sample - start,
-            &trace.stands_out,
-        );
+        picture.put(ping - first.0, trace.first_sample - start, &trace.stands_out);
     }
     let half = |step_m: f64| (0.5 * EYE_M / step_m.max(1e-6)).round() as usize;
     let [pings, samples] = picture.extent([half(spacing_m), half(metres_per_sample)])?;
@@ -140,7 +139,8 @@ impl VisibilityPicture {
         self.levels[from..from + levels.len()].copy_from_slice(levels);
     }
 
-    /// Rows and columns of the box around what stands out when averaged over squares of twice `half` and one.
+    /// Rows and columns of the box around what stands out when averaged over squares of twice
+    /// `half` and one.
     fn extent(&mut self, half: [usize; 2]) -> Option<[Range<usize>; 2]> {
         let along_columns = running_mean(&self.levels, half[1], [self.rows, self.columns], false);
         let averaged = running_mean(&along_columns, half[0], [self.rows, self.columns], true);
@@ -171,20 +171,12 @@ impl VisibilityPicture {
     }
 }
 
-/// Mean over `half` neighbours on either side, along the columns of each row or, `down`, along the rows. What lies outside
-/// of the picture is nought.
+/// Mean over `half` neighbours on either side, along the columns of each row or, `down`, along the
+/// rows. What lies outside of the picture is nought.
 fn running_mean(levels: &[f32], half: usize, [rows, columns]: [usize; 2], down: bool) -> Vec<f32> {
-    let (lines, length) = if down {
-        (columns, rows)
-    } else {
-        (rows, columns)
-    };
+    let (lines, length) = if down { (columns, rows) } else { (rows, columns) };
     let at = |line: usize, place: usize| {
-        if down {
-            place * columns + line
-        } else {
-            line * columns + place
-        }
+        if down { place * columns + line } else { line * columns + place }
     };
     let mut means = vec![0.0; levels.len()];
     let width = (2 * half + 1) as f64;
@@ -224,13 +216,7 @@ mod tests {
     use super::*;
 
     fn trace(first_sample: usize, stands_out: Vec<f32>) -> Trace {
-        Trace {
-            object: 0,
-            side: Side::Port,
-            metres_per_sample: 0.02,
-            first_sample,
-            stands_out,
-        }
+        Trace { object: 0, side: Side::Port, metres_per_sample: 0.02, first_sample, stands_out }
     }
 
     #[test]
@@ -243,10 +229,7 @@ mod tests {
         assert_eq!([found.first_ping, found.last_ping], [40, 51]);
         assert_eq!(found.slices.len(), 12);
         let slice = found.slices[3];
-        assert_eq!(
-            (slice.ping, slice.near_m, slice.far_m),
-            (43, found.near_m, found.far_m)
-        );
+        assert_eq!((slice.ping, slice.near_m, slice.far_m), (43, found.near_m, found.far_m));
         // Ten samples of 1.5 and thirty of 1, squared, over 5 squared.
         assert!((slice.visibility - 52.5 / 25.0).abs() < 1e-4);
         assert!((found.near_m - 2.0).abs() < 1e-9 && (found.far_m - 2.8).abs() < 1e-9);
@@ -267,7 +250,8 @@ mod tests {
         let rows = |trace| (0..10).map(move |ping| (ping, trace));
         let plain = trace(5, vec![0.5; 30]);
         let rows: Vec<(usize, &Trace)> = rows(&plain).collect();
-        // Some 250 samples at a half, but for the edges: the root of 63 is 8; with four samples to a grain half of that.
+        // Some 250 samples at a half, but for the edges: the root of 63 is 8; with four samples to
+        // a grain half of that.
         assert!(visible_part(&rows, 0.1, 1.0).is_some());
         assert_eq!(visible_part(&rows, 0.1, 4.0), None);
     }
@@ -283,17 +267,10 @@ mod tests {
                     let half = half as isize;
                     let neighbours = (-half..=half).map(|off| {
                         let (row, column) = (row as isize, column as isize);
-                        let [row, column] = if down {
-                            [row + off, column]
-                        } else {
-                            [row, column + off]
-                        };
+                        let [row, column] =
+                            if down { [row + off, column] } else { [row, column + off] };
                         let inside = (0..5).contains(&row) && (0..7).contains(&column);
-                        if inside {
-                            levels[(row * 7 + column) as usize]
-                        } else {
-                            0.0
-                        }
+                        if inside { levels[(row * 7 + column) as usize] } else { 0.0 }
                     });
                     let mean = neighbours.sum::<f32>() / (2 * half + 1) as f32;
                     assert!((means[row * 7 + column] - mean).abs() < 1e-4);

@@ -1,5 +1,5 @@
-//! Which graphics adapter draws: the first that opens a device. A driver may be listed and fail then, as DirectX 12 does over some software
-//! drivers, where Vulkan on the same computer works.
+//! Which graphics adapter draws: the first that opens a device. A driver may be listed and fail
+//! then, as DirectX 12 does over some software drivers, where Vulkan on the same computer works.
 
 use crate::ui::block_on::block_on;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
@@ -39,7 +39,8 @@ fn rank(kind: DeviceType, preference: PowerPreference) -> u8 {
     }
 }
 
-/// The first for which `opens` is true. The only one is taken as it is: whoever opens it says what is wrong with it.
+/// The first for which `opens` is true. The only one is taken as it is: whoever opens it says what
+/// is wrong with it.
 ///
 /// # Errors
 /// What is wrong with each of them.
@@ -76,10 +77,7 @@ mod tests {
         let choose = |names: &[&'static str]| first_that_opens(names.to_vec(), opens);
         assert_eq!(choose(&["bad", "good", "good too"]), Ok("good"));
         assert_eq!(choose(&["bad"]), Ok("bad"), "nothing to choose");
-        assert_eq!(
-            choose(&["bad", "worse"]),
-            Err("bad fails; worse fails".to_owned())
-        );
+        assert_eq!(choose(&["bad", "worse"]), Err("bad fails; worse fails".to_owned()));
         assert_eq!(choose(&[]), Err("no driver was found".to_owned()));
     }
 

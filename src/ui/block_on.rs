@@ -5,7 +5,8 @@ use std::pin::pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, Wake, Waker};
 
-/// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else is async here.
+/// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else
+/// is async here.
 pub(crate) fn block_on<F: Future>(future: F) -> F::Output {
     struct Unpark(std::thread::Thread);
     impl Wake for Unpark {

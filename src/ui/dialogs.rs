@@ -1,4 +1,5 @@
-//! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where there is none.
+//! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where
+//! there is none.
 
 use super::ViewContext;
 use crate::app::{Command, FileToOpen, FileToWrite, Jobs, Task, TaskOutcome};
@@ -7,8 +8,9 @@ use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A dialog that is gone sooner than this was never shown: "cancelled" and "no dialog service" look the same. Nobody reads
-/// and cancels one so fast, and a busy machine takes that long to find out that there is none.
+/// A dialog that is gone sooner than this was never shown: "cancelled" and "no dialog service" look
+/// the same. Nobody reads and cancels one so fast, and a busy machine takes that long to find out
+/// that there is none.
 const TOO_FAST: Duration = Duration::from_millis(600);
 
 /// What is to be typed for a copy of a log.
@@ -85,11 +87,9 @@ impl PathPurpose {
             Self::OpenLogs => ("Open by path", "Path of a log or its folder", "Open"),
             Self::ExportInto => ("Choose a folder", "Path of the folder", "Choose"),
             Self::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
-            Self::OpenTruth => (
-                "Open known objects",
-                "Path of a table of objects or a review",
-                "Open",
-            ),
+            Self::OpenTruth => {
+                ("Open known objects", "Path of a table of objects or a review", "Open")
+            }
             Self::SaveProject => ("Save the project", "File to write, .bathyscope", "Save"),
             Self::SaveReview => ("Save the review", "File to write", "Save"),
             Self::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
@@ -99,32 +99,22 @@ impl PathPurpose {
                 "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log",
                 "Compare",
             ),
-            Self::OpenIsobathArea => (
-                "Open the area of the isobaths",
-                "Path of polygons: GeoJSON, KML or GPX",
-                "Open",
-            ),
-            Self::OpenWaterLevels => (
-                "Open water levels",
-                "Path of a CSV with time and level_m",
-                "Open",
-            ),
+            Self::OpenIsobathArea => {
+                ("Open the area of the isobaths", "Path of polygons: GeoJSON, KML or GPX", "Open")
+            }
+            Self::OpenWaterLevels => {
+                ("Open water levels", "Path of a CSV with time and level_m", "Open")
+            }
             Self::OpenTrack => (
                 "Open an external track",
                 "Path of a CSV with time, lon and lat, or of a GPX",
                 "Open",
             ),
             Self::SaveProfile => ("Save the depth profile", "File to write", "Save"),
-            Self::SaveFigure => (
-                "Save the measurement",
-                "File to write, .geojson or .csv",
-                "Save",
-            ),
-            Self::SavePlan => (
-                "Save the planned lines",
-                "File to write, .gpx, .kml, .plan or .waypoints",
-                "Save",
-            ),
+            Self::SaveFigure => ("Save the measurement", "File to write, .geojson or .csv", "Save"),
+            Self::SavePlan => {
+                ("Save the planned lines", "File to write, .gpx, .kml, .plan or .waypoints", "Save")
+            }
             Self::PrintInto => ("Print the view", "File to write", "Print"),
             Self::ExportLog => ("Export the log", COPY_FIELD, "Export"),
             Self::ExportPings => ("Export the visible pings", COPY_FIELD, "Export"),
@@ -153,7 +143,8 @@ pub(super) struct Dialogs {
     field: Option<Field>,
     /// Name that a file to be written gets unless another is chosen.
     proposed: Option<PathBuf>,
-    /// What was typed while the system's dialog was waited for. Where there is none, it is the beginning of the path.
+    /// What was typed while the system's dialog was waited for. Where there is none, it is the
+    /// beginning of the path.
     typed: String,
 }
 
@@ -209,7 +200,8 @@ impl Field {
         .inner
     }
 
-    /// The line that the path is typed into. In its first frame the cursor goes to where typing goes on.
+    /// The line that the path is typed into. In its first frame the cursor goes to where typing
+    /// goes on.
     fn line(&mut self, ui: &mut egui::Ui) -> egui::Response {
         let line = egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY);
         let mut shown = line.show(ui);
@@ -255,7 +247,8 @@ impl Dialogs {
         self.waiting.is_some()
     }
 
-    /// Keeps what is typed while the system's dialog is waited for, into no field of the window: it is meant for the dialog.
+    /// Keeps what is typed while the system's dialog is waited for, into no field of the window: it
+    /// is meant for the dialog.
     pub(super) fn take_typed(&mut self, ui: &egui::Ui) {
         if self.waiting.is_none() || ui.text_edit_focused() {
             return;
@@ -385,15 +378,15 @@ fn choose_logs(title: &str) -> Vec<PathBuf> {
 fn choose_path(purpose: PathPurpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
     match purpose {
         PathPurpose::OpenLogs | PathPurpose::AddLogs => None,
-        PathPurpose::OpenFolder => rfd::FileDialog::new()
-            .set_title("Open a folder of sonar logs")
-            .pick_folder(),
-        PathPurpose::ExportInto => rfd::FileDialog::new()
-            .set_title("Write the products into")
-            .pick_folder(),
-        PathPurpose::ExportBoxesInto => rfd::FileDialog::new()
-            .set_title("Write the boxes into")
-            .pick_folder(),
+        PathPurpose::OpenFolder => {
+            rfd::FileDialog::new().set_title("Open a folder of sonar logs").pick_folder()
+        }
+        PathPurpose::ExportInto => {
+            rfd::FileDialog::new().set_title("Write the products into").pick_folder()
+        }
+        PathPurpose::ExportBoxesInto => {
+            rfd::FileDialog::new().set_title("Write the boxes into").pick_folder()
+        }
         PathPurpose::OpenModel => rfd::FileDialog::new()
             .set_title("Choose a detector")
             .add_filter("ONNX models", &["onnx"])

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 /// Where Linux shows cards, sticks and drives that a person put in.
 const LINUX: [&str; 3] = ["/media", "/run/media", "/mnt"];
 
-/// Their top folders. Asking takes as long as the slowest of them: a drive of a network may need seconds.
+/// Their top folders. Asking takes as long as the slowest of them: a drive of a network may need
+/// seconds.
 pub(crate) fn drives() -> Vec<PathBuf> {
     match std::env::consts::OS {
         "windows" => {
@@ -21,7 +22,8 @@ pub(crate) fn drives() -> Vec<PathBuf> {
     }
 }
 
-/// The drives of Windows but the one of the system and those of floppy disks, which make a noise when they are asked.
+/// The drives of Windows but the one of the system and those of floppy disks, which make a noise
+/// when they are asked.
 fn letters(system: &str, is_there: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     let all = ('C'..='Z').map(|letter| format!("{letter}:"));
     let others = all.filter(|drive| !drive.eq_ignore_ascii_case(system));
@@ -47,9 +49,8 @@ fn mounted(lines: &str) -> Vec<PathBuf> {
         let point = point.replace(r"\040", " ").replace(r"\011", "\t");
         PathBuf::from(point.replace(r"\012", "\n").replace(r"\134", r"\"))
     });
-    let mut drives: Vec<PathBuf> = points
-        .filter(|point| LINUX.iter().any(|folder| point.starts_with(folder)))
-        .collect();
+    let mut drives: Vec<PathBuf> =
+        points.filter(|point| LINUX.iter().any(|folder| point.starts_with(folder))).collect();
     drives.sort();
     drives.dedup();
     drives

@@ -1,5 +1,6 @@
-//! Lists that drop down and obey the keyboard: arrow keys walk along the choices from the one in force, Return takes one, Escape leaves
-//! all as it is. A list that has the keyboard drops down with the arrow keys as well.
+//! Lists that drop down and obey the keyboard: arrow keys walk along the choices from the one in
+//! force, Return takes one, Escape leaves all as it is. A list that has the keyboard drops down
+//! with the arrow keys as well.
 
 use super::list_keys::keep_arrows;
 use egui::{AsIdSalt, ComboBox, Id, IdSalt, Key, Popup, Response, Ui, WidgetText};
@@ -21,11 +22,7 @@ pub(in crate::ui) struct Choices<'u> {
 impl DropDown {
     /// A list with a name that no other one of its place has, which shows a text while it is up.
     pub(super) fn new(id_salt: impl AsIdSalt, shown: impl Into<WidgetText>) -> Self {
-        Self {
-            id_salt: IdSalt::new(id_salt),
-            shown: shown.into(),
-            width: 0.0,
-        }
+        Self { id_salt: IdSalt::new(id_salt), shown: shown.into(), width: 0.0 }
     }
 
     /// Width at least, points.
@@ -41,9 +38,7 @@ impl DropDown {
         let had_keyboard = ctx.memory(|memory| memory.has_focus(button));
         let was_down = ComboBox::is_open(&ctx, button);
         drop_by_arrow(ui, button);
-        let mut combo = ComboBox::from_id_salt(self.id_salt)
-            .truncate()
-            .selected_text(self.shown);
+        let mut combo = ComboBox::from_id_salt(self.id_salt).truncate().selected_text(self.shown);
         if self.width > 0.0 {
             combo = combo.width(self.width);
         }
@@ -122,7 +117,8 @@ impl Choices<'_> {
     }
 }
 
-/// Drops a list down whose button has the keyboard when Up or Down is pressed; a panel would walk to another control.
+/// Drops a list down whose button has the keyboard when Up or Down is pressed; a panel would walk
+/// to another control.
 fn drop_by_arrow(ui: &Ui, button: Id) {
     let ctx = ui.ctx();
     if !ctx.memory(|memory| memory.has_focus(button)) || ComboBox::is_open(ctx, button) {
@@ -161,9 +157,8 @@ mod tests {
                 .accessible_name("Wind");
             ui.add(egui::Button::new("After"));
         };
-        let mut harness = Harness::builder()
-            .with_size([240.0, 240.0])
-            .build_ui_state(build, chosen);
+        let mut harness =
+            Harness::builder().with_size([240.0, 240.0]).build_ui_state(build, chosen);
         harness.run();
         harness
     }

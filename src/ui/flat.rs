@@ -1,4 +1,5 @@
-//! Areas of one colour, and pictures, drawn in the window's pass without its painter: see [`FlatRenderer`].
+//! Areas of one colour, and pictures, drawn in the window's pass without its painter: see
+//! [`FlatRenderer`].
 
 use super::render::{FlatRenderer, Rgba};
 use eframe::egui_wgpu::{
@@ -46,10 +47,7 @@ impl FlatPicture {
         let mut renderer = state.renderer.write();
         let resources = &mut renderer.callback_resources;
         let flat = flat_renderer(resources, &state.device, state.target_format);
-        Self {
-            binding: flat.bind_picture(&state.device, texture),
-            drawing: None,
-        }
+        Self { binding: flat.bind_picture(&state.device, texture), drawing: None }
     }
 
     /// Says that the texture has new content.
@@ -68,11 +66,7 @@ impl FlatPicture {
 }
 
 fn drawing(colour: Color32, state: &RenderState, picture: Option<wgpu::BindGroup>) -> Drawing {
-    let flat = Flat {
-        target: state.target_format,
-        colour: colour.to_array(),
-        picture,
-    };
+    let flat = Flat { target: state.target_format, colour: colour.to_array(), picture };
     Callback::new_paint_callback(Rect::NOTHING, flat).callback
 }
 
@@ -82,9 +76,7 @@ fn flat_renderer<'r>(
     device: &wgpu::Device,
     target: wgpu::TextureFormat,
 ) -> &'r mut FlatRenderer {
-    resources
-        .entry::<FlatRenderer>()
-        .or_insert_with(|| FlatRenderer::new(device, target))
+    resources.entry::<FlatRenderer>().or_insert_with(|| FlatRenderer::new(device, target))
 }
 
 /// One area.

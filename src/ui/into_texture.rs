@@ -31,10 +31,7 @@ pub(super) fn draw(
     let attachment = wgpu::RenderPassColorAttachment {
         view: target,
         resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         depth_slice: None,
     };
     let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -1,5 +1,5 @@
-//! Lists obey the keyboard: while a row has it, the arrow keys walk along the rows, also to those that are scrolled out of sight, Home and
-//! End go to the ends, and Return presses the row.
+//! Lists obey the keyboard: while a row has it, the arrow keys walk along the rows, also to those
+//! that are scrolled out of sight, Home and End go to the ends, and Return presses the row.
 
 use egui::{AsIdSalt, EventFilter, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
 
@@ -27,7 +27,8 @@ impl ListKeys {
         Self { id, next }
     }
 
-    /// Scrolls an area of rows of one height, points with their spacing, to the row that gets the keyboard.
+    /// Scrolls an area of rows of one height, points with their spacing, to the row that gets the
+    /// keyboard.
     pub(super) fn scroll(
         &self,
         area: ScrollArea,
@@ -123,15 +124,9 @@ mod tests {
             let row = list.ctx.memory(|memory| memory.focused());
             let row = row.and_then(|row| list.ctx.read_response(row));
             let offset = row.map(|row| row.rect.top());
-            (
-                offset.is_some_and(|top| (0.0..=100.0).contains(&top)),
-                *list.state(),
-            )
+            (offset.is_some_and(|top| (0.0..=100.0).contains(&top)), *list.state())
         };
-        assert_eq!(
-            press(&[Key::Tab, Key::ArrowDown, Key::ArrowDown]),
-            (true, None)
-        );
+        assert_eq!(press(&[Key::Tab, Key::ArrowDown, Key::ArrowDown]), (true, None));
         assert_eq!(press(&[Key::Enter]), (true, Some(2)));
         assert_eq!(press(&[Key::PageDown, Key::Enter]), (true, Some(10)));
         assert_eq!(press(&[Key::End, Key::Enter]), (true, Some(39)));

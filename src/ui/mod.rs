@@ -1,4 +1,5 @@
-//! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing but how it looks.
+//! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing
+//! but how it looks.
 //!
 //! It uses all other top folders but `cli` and `simulation`.
 
@@ -38,7 +39,8 @@ use render::Uploader;
 pub struct ViewContext<'a> {
     /// The state; read only.
     pub app: &'a App,
-    /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
+    /// The GPU of the window; `None` in a harness without one, where views say so instead of
+    /// drawing.
     pub render_state: Option<&'a eframe::egui_wgpu::RenderState>,
     /// The view that keys act in.
     pub target: View,
@@ -94,11 +96,7 @@ impl<'a> ViewContext<'a> {
     ) {
         let mut settings = Box::new(Settings::clone(&self.app.log.settings));
         change(&mut settings);
-        self.push(Command::Change {
-            settings,
-            label,
-            live,
-        });
+        self.push(Command::Change { settings, label, live });
     }
 
     /// Has a button do an action: what that does is said under the pointer.
@@ -176,7 +174,8 @@ pub enum ViewRequest {
     ZoomIn,
     /// Reduce about the centre.
     ZoomOut,
-    /// Make a metre along the track as long as one across, or stretch freely again (waterfall only).
+    /// Make a metre along the track as long as one across, or stretch freely again (waterfall
+    /// only).
     OneToOne,
     /// Look from above (3D only).
     Top,

@@ -1,4 +1,5 @@
-//! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
+//! The window without a window: frames are drawn into a texture and read back, on a GPU or on
+//! lavapipe.
 
 use super::adapter;
 use super::render::extent;
@@ -16,7 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for everything to be computed and drawn at its final quality.
 const TIME_LIMIT: Duration = Duration::from_secs(240);
-/// Quiet frames after which a picture is ready: sizes settle over two frames, and tiles asked for in one are drawn in the next.
+/// Quiet frames after which a picture is ready: sizes settle over two frames, and tiles asked for
+/// in one are drawn in the next.
 const STILL: u32 = 4;
 /// Steps of the progress.
 const STEPS: u64 = 100;
@@ -70,7 +72,8 @@ pub enum PictureError {
     File(#[from] ExportError),
 }
 
-/// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one shell with one studio.
+/// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one
+/// shell with one studio.
 pub struct Studio {
     gpu: RenderState,
 }
@@ -130,25 +133,21 @@ impl Studio {
 pub(crate) fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
-        picture
-            .write_to(&mut out, image::ImageFormat::Png)
-            .map_err(io::Error::other)?;
+        picture.write_to(&mut out, image::ImageFormat::Png).map_err(io::Error::other)?;
         out.flush()
     })
 }
 
 fn gpu() -> Result<RenderState, WgpuError> {
     let setup = adapter::setup();
-    let config = WgpuConfiguration {
-        wgpu_setup: setup.clone(),
-        ..WgpuConfiguration::default()
-    };
+    let config = WgpuConfiguration { wgpu_setup: setup.clone(), ..WgpuConfiguration::default() };
     let instance = block_on(setup.new_instance());
     let created = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);
     block_on(created)
 }
 
-/// Draws pictures that follow each other, as of a film: an egui context and the texture that it is drawn into.
+/// Draws pictures that follow each other, as of a film: an egui context and the texture that it is
+/// drawn into.
 pub(crate) struct Reel {
     gpu: RenderState,
     ctx: egui::Context,
@@ -172,14 +171,7 @@ impl Reel {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        Self {
-            gpu,
-            ctx,
-            target,
-            size,
-            pixels_per_point,
-            frames: 0,
-        }
+        Self { gpu, ctx, target, size, pixels_per_point, frames: 0 }
     }
 
     /// The next picture, once everything in it is drawn.
@@ -215,11 +207,7 @@ impl Reel {
             let now = (shell.drawn_share() * STEPS as f32) as u64;
             progress.advance(now.saturating_sub(drawn));
             drawn = drawn.max(now);
-            quiet = if shell.is_settled() && !repaint {
-                quiet + 1
-            } else {
-                0
-            };
+            quiet = if shell.is_settled() && !repaint { quiet + 1 } else { 0 };
             if started.elapsed() > TIME_LIMIT {
                 return Err(PictureError::Late);
             }
@@ -319,10 +307,8 @@ fn opaque(pixels: &mut [u8], format: wgpu::TextureFormat) {
 }
 
 fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
-    let polled = device.poll(wgpu::PollType::Wait {
-        submission_index: None,
-        timeout: Some(FRAME_LIMIT),
-    });
+    let polled =
+        device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(FRAME_LIMIT) });
     polled.map(|_| ())
 }
 
@@ -350,13 +336,7 @@ mod tests {
     }
 
     fn key(key: Key, modifiers: Modifiers) -> Event {
-        Event::Key {
-            key,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers,
-        }
+        Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
     }
 
     fn scroll(pings: f32) -> Event {

@@ -7,7 +7,8 @@ use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
 use bathyscope_log::survey::{HeadingSource, Side};
 use bathyscope_products::pipeline::Products;
 
-/// What samples and recorded depths are in metres by the last results; as recorded while there are none.
+/// What samples and recorded depths are in metres by the last results; as recorded while there are
+/// none.
 pub(super) fn reduction(app: &App) -> Reduction<'_> {
     let products = app.log.products.as_ref();
     products.map_or_else(Reduction::default, Products::reduction)
@@ -55,9 +56,7 @@ pub(super) fn ranges_m(app: &App, mark: &bathyscope_objects::Mark) -> [f64; 2] {
     let span = survey.and_then(|survey| survey.span(middle, mark.side));
     let reduction = reduction(app);
     [mark.near_m, mark.far_m].map(|recorded_m| {
-        span.map_or(recorded_m, |span| {
-            reduction.range_m(span, span.sample_at(recorded_m))
-        })
+        span.map_or(recorded_m, |span| reduction.range_m(span, span.sample_at(recorded_m)))
     })
 }
 
@@ -91,8 +90,8 @@ pub(super) struct BottomBelow {
     pub by: DepthBy,
 }
 
-/// The bottom under the boat at a ping: by the sounding where the recorder had the bottom, else by the first returns of both sides.
-/// `None` without either.
+/// The bottom under the boat at a ping: by the sounding where the recorder had the bottom, else by
+/// the first returns of both sides. `None` without either.
 pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     let survey = app.log.survey.as_ref()?;
     let recorded = survey.side_scan.get(ping)?;
@@ -108,11 +107,7 @@ pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
         }
     };
     let depth_m = reduction.depth_below_m(recorded.time_s, altitude_m);
-    depth_m.is_finite().then_some(BottomBelow {
-        altitude_m,
-        depth_m,
-        by,
-    })
+    depth_m.is_finite().then_some(BottomBelow { altitude_m, depth_m, by })
 }
 
 /// Height of the transducer over the bottom under the boat by the first return of a side, metres.
@@ -125,7 +120,8 @@ fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
     (pick.is_some() && altitude_m > 0.0).then_some(altitude_m)
 }
 
-/// The depth at a ping with what it counts from and what it is measured by; a dash where there is none.
+/// The depth at a ping with what it counts from and what it is measured by; a dash where there is
+/// none.
 pub(super) fn depth(app: &App, ping: usize) -> String {
     let bottom = bottom(app, ping);
     bottom.map_or_else(
@@ -185,7 +181,8 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
     }
 }
 
-/// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
+/// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the
+/// products.
 pub(super) fn written(app: &App, at: LonLat) -> String {
     let survey = app.log.survey.as_ref();
     let start = survey.map(|survey| survey.track.frame.origin());
@@ -201,7 +198,8 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
-/// Metres east and north of a mark: of the point, of the place across the track on the bottom, or of the boat.
+/// Metres east and north of a mark: of the point, of the place across the track on the bottom, or
+/// of the boat.
 pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;
@@ -209,26 +207,21 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
         return Some([point.east_m, point.north_m]);
     }
     let boat = products.navigation.pings.get(mark.ping)?;
-    let ground_m = ground_m(app, mark)
-        .or_else(|| range_m(app, mark))
-        .unwrap_or(0.0);
+    let ground_m = ground_m(app, mark).or_else(|| range_m(app, mark)).unwrap_or(0.0);
     // Starboard is a quarter turn clockwise from the heading.
     let across = match mark.side {
         Some(Side::Starboard) => ground_m,
         Some(Side::Port) => -ground_m,
         None => 0.0,
     };
-    let (sin, cos) = if boat.heading_rad.is_finite() {
-        boat.heading_rad.sin_cos()
-    } else {
-        (0.0, 0.0)
-    };
+    let (sin, cos) =
+        if boat.heading_rad.is_finite() { boat.heading_rad.sin_cos() } else { (0.0, 0.0) };
     let (east_m, north_m) = (boat.east_m + across * cos, boat.north_m - across * sin);
     (east_m.is_finite() && north_m.is_finite()).then_some([east_m, north_m])
 }
 
-/// Distance of a mark from the track on the bottom, metres. Under the boat that lies where the sounding says, or else the first return of
-/// the side. `None` where neither is known.
+/// Distance of a mark from the track on the bottom, metres. Under the boat that lies where the
+/// sounding says, or else the first return of the side. `None` where neither is known.
 pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let survey = app.log.survey.as_ref()?;

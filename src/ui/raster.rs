@@ -1,4 +1,5 @@
-//! Curves and strips painted into pixels. As triangles a pixel wide they would take most of a frame without a graphics card.
+//! Curves and strips painted into pixels. As triangles a pixel wide they would take most of a frame
+//! without a graphics card.
 
 use egui::{
     Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions,
@@ -20,11 +21,7 @@ impl PaintedArea {
         // A texture has a pixel, and no more than every driver can hold.
         let side = |points: f32| ((points * pixels_per_point) as usize).clamp(1, 2048);
         let size = [side(area.width()), side(area.height())];
-        Self {
-            area,
-            pixels_per_point,
-            image: ColorImage::filled(size, ground),
-        }
+        Self { area, pixels_per_point, image: ColorImage::filled(size, ground) }
     }
 
     /// Columns of pixels.
@@ -168,11 +165,7 @@ mod tests {
     fn a_line_of_a_spike_within_one_column_is_as_tall_as_the_spike() {
         let mut raster = raster();
         let [x, gone] = [11.5, f32::NAN];
-        raster.line(
-            &[pos2(x, 22.0), pos2(x, 27.0), pos2(gone, 0.0)],
-            1.0,
-            Color32::WHITE,
-        );
+        raster.line(&[pos2(x, 22.0), pos2(x, 27.0), pos2(gone, 0.0)], 1.0, Color32::WHITE);
         assert_eq!(column(&raster, 1)[2..7], [255; 5]);
         assert_eq!(column(&raster, 0), [0; 8]);
     }

@@ -303,7 +303,8 @@ pub(crate) const HAND_COLOUR: Color32 = Color32::from_rgb(120, 255, 140);
 /// The depth that the recorder itself found, on waterfall and profile.
 pub(crate) const DEPTH_LINE_COLOUR: Color32 = Color32::from_rgb(225, 200, 60);
 
-/// Makes a menu as wide as its longest entry: where it opens there may be less room, and words would be broken.
+/// Makes a menu as wide as its longest entry: where it opens there may be less room, and words
+/// would be broken.
 pub(crate) fn whole_words(ui: &mut egui::Ui) {
     ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
 }

@@ -1,5 +1,5 @@
-//! Buttons that are on or off. Their state is a shape as well as a colour: the knob of a switch lies right or left, and the one of
-//! several that is chosen is underlined.
+//! Buttons that are on or off. Their state is a shape as well as a colour: the knob of a switch
+//! lies right or left, and the one of several that is chosen is underlined.
 
 use egui::{Button, Response, Role, Stroke, StrokeKind, Ui, WidgetInfo, WidgetText, pos2, vec2};
 
@@ -53,8 +53,7 @@ pub(super) fn underline(ui: &mut Ui, chosen: bool, button: Button<'_>) -> Respon
     if chosen {
         let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
         let line = response.rect.shrink2(vec2(3.0, 0.0));
-        ui.painter()
-            .hline(line.x_range(), response.rect.bottom() - 1.0, stroke);
+        ui.painter().hline(line.x_range(), response.rect.bottom() - 1.0, stroke);
     }
     response
 }

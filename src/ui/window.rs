@@ -37,7 +37,8 @@ impl From<eframe::Error> for WindowError {
     }
 }
 
-/// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about it; returns when it is closed.
+/// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about
+/// it; returns when it is closed.
 ///
 /// # Errors
 /// When a display or a graphics driver is missing.
@@ -60,15 +61,15 @@ pub(crate) fn open_window(
     options.wgpu_options.wgpu_setup = adapter::setup();
     let start = move |cc: &eframe::CreationContext<'_>| {
         let ctx = cc.egui_ctx.clone();
-        // Soft edges multiply the triangles, each of which costs a processor that draws them as much as 16 pixels.
+        // Soft edges multiply the triangles, each of which costs a processor that draws them as
+        // much as 16 pixels.
         if let Some(state) = drawn_by_processor(cc) {
             ctx.tessellation_options_mut(|options| options.feathering = false);
             ctx.add_plugin(IncrementalPainter::new(state.clone()));
         }
-        let mut shell = Shell::new(App::new(Jobs::Threads(Arc::new(move || {
-            ctx.request_repaint()
-        }))))
-        .on_cleared_window();
+        let mut shell =
+            Shell::new(App::new(Jobs::Threads(Arc::new(move || ctx.request_repaint()))))
+                .on_cleared_window();
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }

@@ -1,8 +1,9 @@
-//! Every detector, geometry and calibration on simulated ponds of known truth: why the recommended preset is what it is.
+//! Every detector, geometry and calibration on simulated ponds of known truth: why the recommended
+//! preset is what it is.
 //!
-//! Errors are claimed depth minus true depth of the bed at the claimed place, all artefacts on, weed left out. They are
-//! errors on simulated beds, never field accuracy. The ponds change range along a fifth of the track, as users do, which
-//! is what breaks a constant scale from a flat spot.
+//! Errors are claimed depth minus true depth of the bed at the claimed place, all artefacts on,
+//! weed left out. They are errors on simulated beds, never field accuracy. The ponds change range
+//! along a fifth of the track, as users do, which is what breaks a constant scale from a flat spot.
 
 use super::truth::KnownSurvey;
 use bathyscope_bottom::calibration::{OffsetMode, PpdReach, ScaleMode};
@@ -15,19 +16,17 @@ use bathyscope_simulation::Scene;
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 20;
 
-/// Prints one line for each combination: bias, standard deviation and 95th percentile of the magnitude, centimetres.
+/// Prints one line for each combination: bias, standard deviation and 95th percentile of the
+/// magnitude, centimetres.
 pub(super) fn run() {
-    let seeds = std::env::var("BATHYSCOPE_SEEDS")
-        .ok()
-        .and_then(|text| text.parse().ok());
+    let seeds = std::env::var("BATHYSCOPE_SEEDS").ok().and_then(|text| text.parse().ok());
     let combinations = combinations();
     let kinds = [Scene::gentle(), Scene::steep(), Scene::rough()];
     let columns: Vec<Vec<String>> = kinds
         .iter()
         .map(|scene| {
-            let ponds: Vec<KnownSurvey> = (1..=seeds.unwrap_or(SEEDS))
-                .map(|seed| KnownSurvey::new(scene, seed))
-                .collect();
+            let ponds: Vec<KnownSurvey> =
+                (1..=seeds.unwrap_or(SEEDS)).map(|seed| KnownSurvey::new(scene, seed)).collect();
             column(&ponds, &combinations)
         })
         .collect();
@@ -44,10 +43,7 @@ pub(super) fn run() {
 fn combinations() -> Vec<(String, Settings)> {
     let mut rows = vec![
         ("recommended preset".to_owned(), Settings::default()),
-        (
-            "published preset".to_owned(),
-            Settings::preset(Preset::Published),
-        ),
+        ("published preset".to_owned(), Settings::preset(Preset::Published)),
     ];
     let detectors = [
         ("words threshold", SampleMode::Words, Method::Threshold),
@@ -55,30 +51,10 @@ fn combinations() -> Vec<(String, Settings)> {
         ("tracker", SampleMode::Bytes, Method::Tracker),
     ];
     let scales = [
-        (
-            "flat_spot, constant",
-            ScaleMode::FlatSpot,
-            PpdReach::Constant,
-            OffsetMode::None,
-        ),
-        (
-            "flat_spot",
-            ScaleMode::FlatSpot,
-            PpdReach::Factor,
-            OffsetMode::None,
-        ),
-        (
-            "header",
-            ScaleMode::Header,
-            PpdReach::Factor,
-            OffsetMode::None,
-        ),
-        (
-            "header, offset fit",
-            ScaleMode::Header,
-            PpdReach::Factor,
-            OffsetMode::Fit,
-        ),
+        ("flat_spot, constant", ScaleMode::FlatSpot, PpdReach::Constant, OffsetMode::None),
+        ("flat_spot", ScaleMode::FlatSpot, PpdReach::Factor, OffsetMode::None),
+        ("header", ScaleMode::Header, PpdReach::Factor, OffsetMode::None),
+        ("header, offset fit", ScaleMode::Header, PpdReach::Factor, OffsetMode::Fit),
     ];
     let geometries = [
         ("published", Geometry::Published),
@@ -93,7 +69,8 @@ fn combinations() -> Vec<(String, Settings)> {
                 settings.image.samples = samples;
                 settings.first_return.method = method;
                 if method == Method::Threshold {
-                    // Its own best: with the tracker's half metre the ring-down passes the threshold.
+                    // Its own best: with the tracker's half metre the ring-down passes the
+                    // threshold.
                     settings.first_return.dead_zone_m =
                         Settings::preset(Preset::Published).first_return.dead_zone_m;
                 }
@@ -116,22 +93,14 @@ fn column(ponds: &[KnownSurvey], combinations: &[(String, Settings)]) -> Vec<Str
         pings += pond.survey.side_scan.len();
         let mut previous: Option<Products> = None;
         for ((_, settings), errors) in combinations.iter().zip(&mut errors) {
-            let products = pipeline::run(
-                &pond.survey,
-                settings,
-                previous.as_ref(),
-                &Progress::new(),
-                |_| (),
-            )
-            .expect("not cancelled");
+            let products =
+                pipeline::run(&pond.survey, settings, previous.as_ref(), &Progress::new(), |_| ())
+                    .expect("not cancelled");
             errors.extend(pond.depth_errors_m(&products));
             previous = Some(products);
         }
     }
-    errors
-        .iter_mut()
-        .map(|errors| cell(errors, 2 * pings))
-        .collect()
+    errors.iter_mut().map(|errors| cell(errors, 2 * pings)).collect()
 }
 
 fn cell(errors: &mut [f64], picks: usize) -> String {

@@ -1,4 +1,5 @@
-//! A frame of the bottom in 3D, until the GPU (or lavapipe) is done with it: for small and large surveys, whole and from near.
+//! A frame of the bottom in 3D, until the GPU (or lavapipe) is done with it: for small and large
+//! surveys, whole and from near.
 
 use bathyscope::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, OrbitCamera,

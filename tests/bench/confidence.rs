@@ -1,4 +1,5 @@
-//! What the confidence of a first return is worth: the share of picks within 25 cm of the true first return at each level.
+//! What the confidence of a first return is worth: the share of picks within 25 cm of the true
+//! first return at each level.
 
 use super::truth::KnownSurvey;
 use bathyscope_bottom::first_return::{
@@ -10,7 +11,8 @@ use bathyscope_simulation::Scene;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 
-/// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer, `BATHYSCOPE_FIRST_SEED=101` those that the laws were fitted to.
+/// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer, `BATHYSCOPE_FIRST_SEED=101` those that the
+/// laws were fitted to.
 const SEEDS: u64 = 20;
 /// A pick is right within this, metres.
 const RIGHT_M: f64 = 0.25;
@@ -19,24 +21,9 @@ type Way = (&'static str, SampleMode, Method, f64);
 
 const WAYS: [Way; 4] = [
     ("tracker", SampleMode::Bytes, Method::Tracker, 0.5),
-    (
-        "bytes threshold, dead zone 0.5 m",
-        SampleMode::Bytes,
-        Method::Threshold,
-        0.5,
-    ),
-    (
-        "bytes threshold, dead zone 0.815 m",
-        SampleMode::Bytes,
-        Method::Threshold,
-        0.815,
-    ),
-    (
-        "published words threshold",
-        SampleMode::Words,
-        Method::Threshold,
-        0.815,
-    ),
+    ("bytes threshold, dead zone 0.5 m", SampleMode::Bytes, Method::Threshold, 0.5),
+    ("bytes threshold, dead zone 0.815 m", SampleMode::Bytes, Method::Threshold, 0.815),
+    ("published words threshold", SampleMode::Words, Method::Threshold, 0.815),
 ];
 
 /// Picks and right ones at each level of confidence, 0.0 to 0.1 first.
@@ -59,8 +46,8 @@ impl Levels {
     }
 }
 
-/// Prints the shares in percent, each with how many picks it is of. `BATHYSCOPE_EVIDENCE=FILE.csv` writes every pick with
-/// what speaks for it: what the laws were fitted to.
+/// Prints the shares in percent, each with how many picks it is of. `BATHYSCOPE_EVIDENCE=FILE.csv`
+/// writes every pick with what speaks for it: what the laws were fitted to.
 pub(super) fn run() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     let first: u64 = number("BATHYSCOPE_FIRST_SEED").unwrap_or(1);
@@ -76,12 +63,11 @@ pub(super) fn run() {
         .expect("room for the file");
     }
     println!("picks within 25 cm of the truth, % and number, at confidences from 0.0, 0.1 ... 0.9");
-    for (kind, scene) in [
-        ("gentle", Scene::gentle()),
-        ("steep", Scene::steep()),
-        ("rough", Scene::rough()),
-    ] {
-        // Weed left out, weed counted (its canopy gives the first return, and is not within 25 cm of the ground), no depth recorded.
+    for (kind, scene) in
+        [("gentle", Scene::gentle()), ("steep", Scene::steep()), ("rough", Scene::rough())]
+    {
+        // Weed left out, weed counted (its canopy gives the first return, and is not within 25 cm
+        // of the ground), no depth recorded.
         let mut levels = [[Levels::default(); 3]; WAYS.len()];
         for seed in seeds.clone() {
             let pond = KnownSurvey::new(&scene, seed);
@@ -89,23 +75,14 @@ pub(super) fn run() {
                 let add = |error_m: f64, weed: bool, evidence: Evidence| {
                     let is_right = error_m.abs() <= RIGHT_M;
                     let confidence = evidence.chance(way.2);
-                    let blind = Evidence {
-                        depth_m: f32::NAN,
-                        ..evidence
-                    };
+                    let blind = Evidence { depth_m: f32::NAN, ..evidence };
                     levels[1].add(confidence, is_right);
                     if !weed {
                         levels[0].add(confidence, is_right);
                         levels[2].add(blind.chance(way.2), is_right);
                     }
                     if let Some(out) = &mut out {
-                        write(
-                            out,
-                            &format!("{kind},{seed},{}", way.0),
-                            weed,
-                            error_m,
-                            evidence,
-                        );
+                        write(out, &format!("{kind},{seed},{}", way.0), weed, error_m, evidence);
                     }
                 };
                 each_pick(&pond, *way, add);
@@ -113,24 +90,18 @@ pub(super) fn run() {
         }
         for ((name, ..), levels) in WAYS.iter().zip(&levels) {
             println!("{kind:7} {name}");
-            for (what, levels) in ["weed left out", "weed counted", "no depth"]
-                .iter()
-                .zip(levels)
-            {
+            for (what, levels) in ["weed left out", "weed counted", "no depth"].iter().zip(levels) {
                 println!("  {what:14} {}", levels.row());
             }
         }
     }
 }
 
-/// Calls with the error of the range in metres, whether weed gives the first return there, and the evidence.
+/// Calls with the error of the range in metres, whether weed gives the first return there, and the
+/// evidence.
 fn each_pick(pond: &KnownSurvey, way: Way, mut add: impl FnMut(f64, bool, Evidence)) {
     let (_, samples, method, dead_zone_m) = way;
-    let settings = FirstReturnSettings {
-        method,
-        dead_zone_m,
-        ..FirstReturnSettings::default()
-    };
+    let settings = FirstReturnSettings { method, dead_zone_m, ..FirstReturnSettings::default() };
     let image = ImageSettings { samples };
     let sides = evidence(&pond.survey, &image, &settings, &Progress::new());
     for (side, found) in Side::BOTH.into_iter().zip(&sides.expect("not cancelled")) {
@@ -145,14 +116,8 @@ fn each_pick(pond: &KnownSurvey, way: Way, mut add: impl FnMut(f64, bool, Eviden
 }
 
 fn write(out: &mut impl Write, what: &str, weed: bool, error_m: f64, evidence: Evidence) {
-    let Evidence {
-        range_m,
-        signs: [one, two, three],
-        own,
-        other,
-        depth_m,
-        beyond_dead_zone_m,
-    } = evidence;
+    let Evidence { range_m, signs: [one, two, three], own, other, depth_m, beyond_dead_zone_m } =
+        evidence;
     writeln!(
         out,
         "{what},{},{error_m:.3},{range_m:.3},{one:.3},{two:.3},{three:.3},{own:.3},{other:.3},{depth_m:.3},{beyond_dead_zone_m:.3}",

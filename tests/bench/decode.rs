@@ -1,5 +1,5 @@
-//! Opening logs of each format, beside a plain read of the same bytes: a 500 MB SL2, its copy as XTF, and the files that
-//! BATHYSCOPE_BENCH_LOGS names (as PATH has folders).
+//! Opening logs of each format, beside a plain read of the same bytes: a 500 MB SL2, its copy as
+//! XTF, and the files that BATHYSCOPE_BENCH_LOGS names (as PATH has folders).
 
 use crate::large_log;
 use bathyscope_log::support::progress::Progress;
@@ -80,13 +80,7 @@ fn once(path: &Path) -> Times {
     let (bytes, all) = read.fold((0, sum), |sum, one| (sum.0 + one.0, sum.1 + one.1));
     let read_s = start.elapsed().as_secs_f64();
     assert!(all > 0);
-    Times {
-        read_s,
-        open_s,
-        decode_s,
-        bytes,
-        pings: survey.side_scan.len(),
-    }
+    Times { read_s, open_s, decode_s, bytes, pings: survey.side_scan.len() }
 }
 
 /// Bytes of a file, and their sum: touching each byte keeps the read honest.
@@ -96,10 +90,7 @@ fn plain_read(path: &Path) -> (u64, u64) {
     let (mut bytes, mut sum) = (0, 0);
     while let Ok(count @ 1..) = file.read(&mut buffer) {
         bytes += count as u64;
-        sum += buffer[..count]
-            .iter()
-            .map(|byte| u64::from(*byte))
-            .sum::<u64>();
+        sum += buffer[..count].iter().map(|byte| u64::from(*byte)).sum::<u64>();
     }
     (bytes, sum)
 }
@@ -109,9 +100,7 @@ fn sum_samples(survey: &Survey) -> u64 {
     let sides = pings.flat_map(|ping| Side::BOTH.map(|side| survey.samples(ping, side)));
     let levels = sides.flatten().map(|samples| match samples.stored_u8() {
         Some((bytes, _)) => bytes.iter().map(|byte| u64::from(*byte)).sum::<u64>(),
-        None => (0..samples.len())
-            .map(|index| u64::from(samples.wide(index)))
-            .sum(),
+        None => (0..samples.len()).map(|index| u64::from(samples.wide(index))).sum(),
     });
     levels.sum()
 }

@@ -14,7 +14,8 @@ use std::time::Instant;
 const PINGS: u32 = 10_000;
 const TILES: usize = 20;
 
-/// Goal: 10 000 pings in under 10 s on two cores. `BATHYSCOPE_MODEL` names another model than the one that is shipped.
+/// Goal: 10 000 pings in under 10 s on two cores. `BATHYSCOPE_MODEL` names another model than the
+/// one that is shipped.
 pub(super) fn run() {
     let progress = Progress::new();
     let simulated = simulate(&Scene::with_pings(PINGS), 1, &progress).expect("not cancelled");
@@ -35,27 +36,16 @@ fn measure(model: &Model, survey: &Survey) {
     );
 
     let progress = Progress::new();
-    let navigation = navigate(
-        survey,
-        &HeadingSettings::default(),
-        Projection::Enu,
-        &progress,
-    )
-    .expect("not cancelled");
+    let navigation = navigate(survey, &HeadingSettings::default(), Projection::Enu, &progress)
+        .expect("not cancelled");
     let tiles = AtomicUsize::new(0);
     let before_mb = peak_from_here_mb();
     let before = processor_s();
     let start = Instant::now();
-    let found = find(
-        survey,
-        &navigation,
-        model,
-        &DetectorSettings::default(),
-        &progress,
-        |so_far| {
+    let found =
+        find(survey, &navigation, model, &DetectorSettings::default(), &progress, |so_far| {
             tiles.fetch_max(so_far.tiles, Ordering::Relaxed);
-        },
-    );
+        });
     let survey_s = start.elapsed().as_secs_f64();
     let tiles = tiles.into_inner();
     println!(

@@ -25,26 +25,17 @@ pub(super) fn run() {
     println!("{PINGS} pings, {} MB of samples", bytes / 1_000_000);
 
     let (_, read_s) = timed(|| plain_read(&survey));
-    println!(
-        "plain read of the samples, one thread {:8.1} ms",
-        1e3 * read_s
-    );
+    println!("plain read of the samples, one thread {:8.1} ms", 1e3 * read_s);
 
     let (normalisation, scale_s) =
         timed(|| Normalisation::measure(&survey, &image, settings.dead_zone_m, &progress));
     let normalisation = normalisation.expect("not cancelled");
-    println!(
-        "scale of the picture                  {:8.1} ms",
-        1e3 * scale_s
-    );
+    println!("scale of the picture                  {:8.1} ms", 1e3 * scale_s);
 
     let (index, index_s) =
         timed(|| ThresholdIndex::build(&survey, &image, settings.dead_zone_m, &progress));
     let index = index.expect("not cancelled");
-    println!(
-        "threshold index                       {:8.1} ms",
-        1e3 * index_s
-    );
+    println!("threshold index                       {:8.1} ms", 1e3 * index_s);
 
     let mut steps: Vec<f64> = (0..40)
         .map(|step| {
@@ -64,10 +55,7 @@ pub(super) fn run() {
         found(&returns.expect("not cancelled"))
     };
     let (_, seen_s) = timed(|| track(50_000..51_500));
-    println!(
-        "tracker over 1500 pings in view       {:8.1} ms",
-        1e3 * seen_s
-    );
+    println!("tracker over 1500 pings in view       {:8.1} ms", 1e3 * seen_s);
     let (_, all_s) = timed(|| track(0..PINGS));
     println!(
         "tracker over all                      {:8.1} ms ({:.0} times the plain read)",
@@ -97,16 +85,10 @@ fn long_survey() -> Survey {
 
 fn plain_read(survey: &Survey) -> u64 {
     let sum = |ping: usize, side: Side| {
-        let stored = survey
-            .samples(ping, side)
-            .and_then(|samples| samples.stored_u8());
-        stored.map_or(0, |(bytes, _)| {
-            bytes.iter().map(|&byte| u64::from(byte)).sum()
-        })
+        let stored = survey.samples(ping, side).and_then(|samples| samples.stored_u8());
+        stored.map_or(0, |(bytes, _)| bytes.iter().map(|&byte| u64::from(byte)).sum())
     };
-    (0..PINGS)
-        .map(|ping| sum(ping, Side::Port) + sum(ping, Side::Starboard))
-        .sum()
+    (0..PINGS).map(|ping| sum(ping, Side::Port) + sum(ping, Side::Starboard)).sum()
 }
 
 fn found(returns: &FirstReturns) -> usize {

@@ -1,8 +1,10 @@
-//! A log that is followed: what each new ping costs, when the log has 10 000 pings and when it has 100 000.
+//! A log that is followed: what each new ping costs, when the log has 10 000 pings and when it has
+//! 100 000.
 //!
-//! One step takes in what was written, reads the tail, extends the survey and its results, as the window does four times a second; 100
-//! pings are what a recorder writes in that time at 20 times real speed. Beside it stands the run over the whole log, which is repeated
-//! whenever the log grew by a quarter.
+//! One step takes in what was written, reads the tail, extends the survey and its results, as the
+//! window does four times a second; 100 pings are what a recorder writes in that time at 20 times
+//! real speed. Beside it stands the run over the whole log, which is repeated whenever the log grew
+//! by a quarter.
 
 use crate::large_log;
 use bathyscope_log::formats::{GrowingLog, open_tail};
@@ -67,25 +69,15 @@ fn measure(folder: &Path, whole: &[u8], whole_pings: usize, length: usize) -> f6
     let mut results = GrowingResults::measure(&survey, &settings, &progress).expect("a scale");
     let mut versions = SurveyVersions::default();
     let settings = Arc::new(settings);
-    let mut file = OpenOptions::new()
-        .append(true)
-        .open(&path)
-        .expect("the log");
+    let mut file = OpenOptions::new().append(true).open(&path).expect("the log");
     let mut step_ms = Vec::new();
     let first = survey.side_scan.len();
     for _ in 0..STEPS {
-        file.write_all(&whole[end..end + ADDED * bytes_a_ping])
-            .expect("room");
+        file.write_all(&whole[end..end + ADDED * bytes_a_ping]).expect("room");
         end += ADDED * bytes_a_ping;
         let start = Instant::now();
-        (survey, products) = step(
-            &mut growing,
-            &survey,
-            &products,
-            &settings,
-            &mut results,
-            &mut versions,
-        );
+        (survey, products) =
+            step(&mut growing, &survey, &products, &settings, &mut results, &mut versions);
         step_ms.push(start.elapsed().as_secs_f64() * 1e3);
     }
     step_ms.sort_by(f64::total_cmp);
@@ -113,9 +105,7 @@ fn step(
     let files = growing.bytes().expect("bytes");
     let tail = open_tail(survey, &seam, files, &progress).expect("a tail");
     let longer = survey.extended(tail, &seam, versions).expect("it goes on");
-    let unchanged = longer
-        .side_scan
-        .partition_point(|ping| ping.time_s < seam.time_s);
+    let unchanged = longer.side_scan.partition_point(|ping| ping.time_s < seam.time_s);
     let made = extend(&longer, unchanged, products, settings, results, &progress);
     (longer, made.expect("results"))
 }

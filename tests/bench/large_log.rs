@@ -1,5 +1,6 @@
-//! A large SL2: a simulated survey's frames (2 x 1400 samples a ping, as an Elite Ti records) over and over, each with its own
-//! offset and a time that goes on, each survey beside the one before: a lake in patches.
+//! A large SL2: a simulated survey's frames (2 x 1400 samples a ping, as an Elite Ti records) over
+//! and over, each with its own offset and a time that goes on, each survey beside the one before: a
+//! lake in patches.
 
 use bathyscope_log::formats::lowrance::{FILE_HEADER, sl2::Header};
 use bathyscope_log::support::progress::Progress;
@@ -26,7 +27,8 @@ pub(super) fn write(path: &Path, bytes: usize) -> io::Result<usize> {
     write_patches(path, &survey.sl2_bytes(), 0, bytes)
 }
 
-/// Writes at least `bytes` bytes of a log over and over, the first time in patch `first`, and returns how many.
+/// Writes at least `bytes` bytes of a log over and over, the first time in patch `first`, and
+/// returns how many.
 pub(super) fn write_patches(
     path: &Path,
     log: &[u8],
@@ -34,9 +36,7 @@ pub(super) fn write_patches(
     bytes: usize,
 ) -> io::Result<usize> {
     let frames = frames(log);
-    let last = frames
-        .last()
-        .map_or(0, |frame| integer(frame, MILLISECONDS));
+    let last = frames.last().map_or(0, |frame| integer(frame, MILLISECONDS));
     let mut out = BufWriter::new(File::create(path)?);
     out.write_all(&log[..FILE_HEADER])?;
     let (mut offset, mut lap) = (FILE_HEADER, first);

@@ -1,7 +1,8 @@
 //! What levels between the lines is worth where something is not as it assumes, and on recordings.
 //!
-//! Simulated ponds are those of the bench `surface`, with one thing changed at a time; errors are those of cells more than a metre from
-//! a sounding. A recording has no known bed: points are left out of the map and then predicted, with levels and without.
+//! Simulated ponds are those of the bench `surface`, with one thing changed at a time; errors are
+//! those of cells more than a metre from a sounding. A recording has no known bed: points are left
+//! out of the map and then predicted, with levels and without.
 
 use super::missions::Mission;
 use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
@@ -35,29 +36,17 @@ const CHANGES: &[Change] = &[
     ("lines 12 m apart", |scene| scene.track.spacing_m = 12.0),
     ("no weed", |scene| scene.artefacts.weed_m = 0.0),
     ("weed of 16 m", |scene| scene.artefacts.weed_m = 16.0),
-    ("bed of one brightness", |scene| {
-        scene.bed.patch_factor = 0.0
-    }),
+    ("bed of one brightness", |scene| scene.bed.patch_factor = 0.0),
     ("patches of 5 dB", |scene| scene.bed.patch_factor = 2.5),
     ("no roll", |scene| scene.artefacts.roll_deg = 0.0),
     ("roll of 5 degrees", |scene| scene.artefacts.roll_deg = 5.0),
-    ("positions off by 0.5 m", |scene| {
-        scene.artefacts.position_m = 0.5
-    }),
-    ("positions off by 1 m", |scene| {
-        scene.artefacts.position_m = 1.0
-    }),
+    ("positions off by 0.5 m", |scene| scene.artefacts.position_m = 0.5),
+    ("positions off by 1 m", |scene| scene.artefacts.position_m = 1.0),
     ("bed scatters cos^1", |scene| scene.bed.scatter_power = 1.0),
     ("bed scatters cos^4", |scene| scene.bed.scatter_power = 4.0),
-    ("gain wanders by 3 dB", |scene| {
-        scene.artefacts.gain_wander_db = 3.0
-    }),
-    ("levels smoothed", |scene| {
-        scene.recorder.smoothing_samples = 2.0
-    }),
-    ("levels: roots of amplitudes", |scene| {
-        scene.recorder.curve = Curve::Root
-    }),
+    ("gain wanders by 3 dB", |scene| scene.artefacts.gain_wander_db = 3.0),
+    ("levels smoothed", |scene| scene.recorder.smoothing_samples = 2.0),
+    ("levels: roots of amplitudes", |scene| scene.recorder.curve = Curve::Root),
     ("levels: amplitudes", |scene| {
         scene.recorder.curve = Curve::Amplitude;
         scene.recorder.bottom_byte = 60.0;
@@ -83,19 +72,13 @@ pub(super) fn run() {
     );
     for (name, change) in CHANGES {
         for kind in KINDS {
-            println!(
-                "{name:28} {kind:7} {}",
-                changed(kind, (name, *change), seeds)
-            );
+            println!("{name:28} {kind:7} {}", changed(kind, (name, *change), seeds));
         }
     }
 }
 
 fn auto() -> SurfaceSettings {
-    SurfaceSettings {
-        swath: SwathDepth::Off,
-        ..from_levels()
-    }
+    SurfaceSettings { swath: SwathDepth::Off, ..from_levels() }
 }
 
 /// The row of a kind of pond with a change.
@@ -171,20 +154,15 @@ fn left_out(path: &Path) {
     let predicted = |what: &str, out: &dyn Fn(&CloudPoint) -> bool| {
         println!("{name}: {what}: {}", prediction(&survey, &products, out));
     };
-    predicted("first returns to port", &|point| {
-        point.source == PointSource::Port
-    });
-    predicted("first returns to starboard", &|point| {
-        point.source == PointSource::Starboard
-    });
-    predicted("both sides' first returns", &|point| {
-        point.source != PointSource::DownScan
-    });
+    predicted("first returns to port", &|point| point.source == PointSource::Port);
+    predicted("first returns to starboard", &|point| point.source == PointSource::Starboard);
+    predicted("both sides' first returns", &|point| point.source != PointSource::DownScan);
     predicted("even stretches of 15 m", &|point| is_left_out(point, 0));
     predicted("odd stretches of 15 m", &|point| is_left_out(point, 1));
 }
 
-/// RMS of what is left out minus the map of the rest, by auto and from_levels, where both have a depth.
+/// RMS of what is left out minus the map of the rest, by auto and from_levels, where both have a
+/// depth.
 fn prediction(survey: &Survey, products: &Products, out: &dyn Fn(&CloudPoint) -> bool) -> String {
     let maps = [auto(), from_levels()]
         .map(|settings| map(survey, products, &settings, |point| !out(point)));

@@ -1,4 +1,5 @@
-//! What levels costs beside the surface that it corrects, on a survey of ten lines and 100 000 pings.
+//! What levels costs beside the surface that it corrects, on a survey of ten lines and 100 000
+//! pings.
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
@@ -24,10 +25,7 @@ pub(super) fn run() {
         let mut settings = Settings::default();
         settings.surface.swath = swath;
         let products = pipeline::run(&survey, &settings, None, &progress, |_| ());
-        [ProcessedLog {
-            survey: survey.clone(),
-            products: products.expect("not cancelled"),
-        }]
+        [ProcessedLog { survey: survey.clone(), products: products.expect("not cancelled") }]
     });
     let map = {
         let origin = survey.track.frame.origin();
@@ -39,9 +37,7 @@ pub(super) fn run() {
             black_box(joint_depth_surface(logs, &map, &progress).expect("not cancelled"));
             let taken_s = processor_s() - before_s;
             least_s[which] = least_s[which].min(taken_s);
-            let more_mb = peak_mb()
-                .zip(before_mb)
-                .map_or(0.0, |(peak, before)| peak - before);
+            let more_mb = peak_mb().zip(before_mb).map_or(0.0, |(peak, before)| peak - before);
             most_mb[which] = most_mb[which].max(more_mb);
             println!(
                 "{} {taken_s:.2} s of processor, {:.2} s on the clock, {more_mb:.0} MB at the peak",

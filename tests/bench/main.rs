@@ -1,7 +1,7 @@
 //! Benchmarks: `cargo bench` runs all, with `-- NAME...` some of them.
 //!
-//! A figure is a ratio against a baseline in the same run, or a throughput beside a plain read of the same bytes:
-//! absolute times of one machine prove nothing on another.
+//! A figure is a ratio against a baseline in the same run, or a throughput beside a plain read of
+//! the same bytes: absolute times of one machine prove nothing on another.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "as in tests")]
 
@@ -58,10 +58,8 @@ const BENCHES: &[(&str, fn())] = &[
 /// Runs the benchmarks that the command line names, all of them without a name.
 fn main() {
     // Cargo passes `--bench`; what is left are names.
-    let requested: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|arg| !arg.starts_with("--"))
-        .collect();
+    let requested: Vec<String> =
+        std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
     for (name, run) in BENCHES {
         if requested.is_empty() || requested.iter().any(|requested| requested == name) {
             println!("== {name}");

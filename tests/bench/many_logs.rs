@@ -1,4 +1,5 @@
-//! One log and fifty of 100 000 pings each, open in one window: the time of a frame, memory, and how soon a moved threshold shows.
+//! One log and fifty of 100 000 pings each, open in one window: the time of a frame, memory, and
+//! how soon a moved threshold shows.
 
 use crate::large_log;
 use crate::resources::anonymous_mb;
@@ -14,7 +15,8 @@ use std::time::{Duration, Instant};
 
 /// Logs open beside each other.
 const COUNTS: [usize; 2] = [1, 50];
-/// Pings of a log, and samples a side: fewer than a recorder's, since no frame and no key depends on them.
+/// Pings of a log, and samples a side: fewer than a recorder's, since no frame and no key depends
+/// on them.
 const PINGS: usize = 100_000;
 const SAMPLES: u32 = 200;
 /// Frames timed.
@@ -44,27 +46,11 @@ pub(super) fn run() {
         );
         figures
     });
-    println!(
-        "ratio of frames:            {:.2}",
-        many.frame_ms / one.frame_ms
-    );
-    println!(
-        "ratio of slow frames:       {:.2}",
-        many.slowest_ms / one.slowest_ms
-    );
-    println!(
-        "ratio of the shown log:     {:.2}",
-        many.shown_s / one.shown_s
-    );
-    println!(
-        "ratio of all logs, of {}:   {:.2}",
-        COUNTS[1],
-        many.rest_s / one.rest_s
-    );
-    println!(
-        "ratio of memory:            {:.2}",
-        many.kept_mb / one.kept_mb
-    );
+    println!("ratio of frames:            {:.2}", many.frame_ms / one.frame_ms);
+    println!("ratio of slow frames:       {:.2}", many.slowest_ms / one.slowest_ms);
+    println!("ratio of the shown log:     {:.2}", many.shown_s / one.shown_s);
+    println!("ratio of all logs, of {}:   {:.2}", COUNTS[1], many.rest_s / one.rest_s);
+    println!("ratio of memory:            {:.2}", many.kept_mb / one.kept_mb);
 }
 
 /// Logs beside each other, of other bytes each.
@@ -109,11 +95,7 @@ fn reaction(app: &mut App) -> (f64, f64) {
     let mut settings = app.shared_settings().clone();
     settings.first_return.threshold *= 1.1;
     let started = Instant::now();
-    app.apply(Command::Change {
-        settings: Box::new(settings),
-        label: "threshold",
-        live: false,
-    });
+    app.apply(Command::Change { settings: Box::new(settings), label: "threshold", live: false });
     while app.stale().is_some() {
         app.poll();
         std::thread::sleep(LOOK);

@@ -19,22 +19,20 @@ use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Frames timed of each. The fastest tenth is compared: other programs, and lavapipe's own threads where there is no GPU, can
-/// only make a frame slower.
+/// Frames timed of each. The fastest tenth is compared: other programs, and lavapipe's own threads
+/// where there is no GPU, can only make a frame slower.
 const FRAMES: usize = 400;
 
 /// Lines and pings of the survey that is shown with every layer.
 const LINES: u32 = 10;
 const PINGS_A_LINE: f64 = 3000.0;
 
-/// Prints the time of a frame while the map is dragged, for 1 000 and for 1 000 000 pings, and with the track alone and every
-/// layer of a survey of ten lines; and what it takes, in a background thread, to paint those layers for the first time.
+/// Prints the time of a frame while the map is dragged, for 1 000 and for 1 000 000 pings, and with
+/// the track alone and every layer of a survey of ten lines; and what it takes, in a background
+/// thread, to paint those layers for the first time.
 pub(super) fn run() {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
-    let [few, many] = frames(
-        &state,
-        [1_000, 1_000_000].map(|count| Window::new(app(count))),
-    );
+    let [few, many] = frames(&state, [1_000, 1_000_000].map(|count| Window::new(app(count))));
     println!("map, 1 000 pings:      {few:8.1} us a frame");
     println!("map, 1 000 000 pings:  {many:8.1} us a frame");
     println!("ratio:                 {:8.2} (at most 1.5)", many / few);
@@ -52,10 +50,7 @@ pub(super) fn run() {
         window.frame(&state, 0);
         if every_layer {
             let painted_s = processor_s() - before;
-            println!(
-                "{} pings tracked:    {tracked_s:6.2} s of processor",
-                survey.side_scan.len()
-            );
+            println!("{} pings tracked:    {tracked_s:6.2} s of processor", survey.side_scan.len());
             println!(
                 "every layer, first picture: {painted_s:6.2} s of processor, {:.2} of tracking",
                 painted_s / tracked_s
@@ -80,7 +75,8 @@ fn frames<const N: usize>(state: &RenderState, mut windows: [Window; N]) -> [f64
     windows.map(|window| us(window.typical()))
 }
 
-/// A survey of lines side by side with its results, and the seconds of processor that tracking it took.
+/// A survey of lines side by side with its results, and the seconds of processor that tracking it
+/// took.
 fn surveyed() -> (Arc<Survey>, Products, f64) {
     let progress = Progress::new();
     let mut scene = Scene::with_pings(1);

@@ -1,4 +1,5 @@
-//! Memory beyond the map while a 2 GB log is open in the window: processed, drawn, its residuals shown, everything kept.
+//! Memory beyond the map while a 2 GB log is open in the window: processed, drawn, its residuals
+//! shown, everything kept.
 
 use crate::large_log;
 use crate::resources::anonymous_mb;
@@ -12,7 +13,8 @@ use std::time::{Duration, Instant};
 /// Between two looks at the memory.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Runs the benchmark and prints anonymous memory; file pages of the map are the system's to take back.
+/// Runs the benchmark and prints anonymous memory; file pages of the map are the system's to take
+/// back.
 pub(super) fn run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("large.sl2");
@@ -21,9 +23,7 @@ pub(super) fn run() {
     // An empty window first: what the graphics driver and the fonts take is not the log's.
     if let Ok(studio) = &studio {
         let mut empty = Shell::new(App::new(Jobs::Inline));
-        studio
-            .draw(&mut empty, [1280, 800], 1.0, &Progress::new())
-            .expect("an empty window");
+        studio.draw(&mut empty, [1280, 800], 1.0, &Progress::new()).expect("an empty window");
     }
     let Some(before_mb) = anonymous_mb() else {
         println!("skipped: this system does not report anonymous memory");
@@ -37,11 +37,7 @@ pub(super) fn run() {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::Open(path));
     measured("processed", before_mb, || settle(&mut app));
-    let pings = app
-        .log
-        .survey
-        .as_ref()
-        .map_or(0, |survey| survey.side_scan.len());
+    let pings = app.log.survey.as_ref().map_or(0, |survey| survey.side_scan.len());
     println!(
         "{:.2} GB of SL2, {pings} side-scan pings, opened and processed in {:.1} s",
         bytes as f64 / 1e9,
@@ -70,7 +66,8 @@ fn settle(app: &mut App) {
     }
 }
 
-/// Does some work and prints the memory kept after it and the most while it ran, beyond `before_mb`.
+/// Does some work and prints the memory kept after it and the most while it ran, beyond
+/// `before_mb`.
 fn measured<T>(what: &str, before_mb: f64, work: impl FnOnce() -> T) -> T {
     let done = AtomicBool::new(false);
     let (result, kept_mb, peak_mb) = std::thread::scope(|scope| {
@@ -85,11 +82,7 @@ fn measured<T>(what: &str, before_mb: f64, work: impl FnOnce() -> T) -> T {
         let result = work();
         let kept_mb = anonymous_mb().unwrap_or(0.0);
         done.store(true, Ordering::Relaxed);
-        (
-            result,
-            kept_mb,
-            looks.join().unwrap_or(kept_mb).max(kept_mb),
-        )
+        (result, kept_mb, looks.join().unwrap_or(kept_mb).max(kept_mb))
     });
     println!(
         "  {what}: {:.0} MB kept, {:.0} MB at the peak",

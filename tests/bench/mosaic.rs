@@ -13,7 +13,8 @@ use std::sync::Arc;
 const PINGS_A_LINE: f64 = 3000.0;
 const CELLS_M: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.02];
 
-/// Ten lines side by side. Each step has four times the cells of the one before; memory must not follow.
+/// Ten lines side by side. Each step has four times the cells of the one before; memory must not
+/// follow.
 pub(super) fn run() {
     let progress = Progress::new();
     let survey = Arc::new(ten_lines(PINGS_A_LINE));
@@ -25,17 +26,11 @@ pub(super) fn run() {
     let returns = first_return::detect(&survey, &settings.image, &settings.first_return, &progress);
     black_box(returns.expect("not cancelled"));
     let tracked_s = processor_s() - before;
-    println!(
-        "{} pings tracked: {tracked_s:.2} s of processor",
-        survey.side_scan.len()
-    );
+    println!("{} pings tracked: {tracked_s:.2} s of processor", survey.side_scan.len());
 
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |products: &Products, requested: &[Product]| {
-        let log = ProcessedLog {
-            survey: survey.clone(),
-            products: products.clone(),
-        };
+        let log = ProcessedLog { survey: survey.clone(), products: products.clone() };
         let order = Order {
             logs: std::slice::from_ref(&log),
             derived: &Derived::default(),
@@ -57,9 +52,7 @@ pub(super) fn run() {
         products.settings = Arc::new(settings.clone());
         let before_mb = peak_from_here_mb();
         let taken_s = write(&products, &[Product::Mosaic]) - always_s;
-        let more_mb = peak_mb()
-            .zip(before_mb)
-            .map_or(f64::NAN, |(peak, before)| peak - before);
+        let more_mb = peak_mb().zip(before_mb).map_or(f64::NAN, |(peak, before)| peak - before);
         println!(
             "mosaic, its hash and its record at {cell_m:4} m: {taken_s:6.2} s of processor, {:5.1} of tracking; {more_mb:4.0} MB at the peak",
             taken_s / tracked_s

@@ -29,10 +29,7 @@ fn line(name: &str, points: &[[f64; 3]]) {
         outliers::keep(points, RADIUS_M, MIN_NEIGHBORS, &progress).expect("not cancelled")
     });
     let count = kept.iter().filter(|&&kept| kept).count();
-    print!(
-        "{name:8} {:>9} {count:>9} {cpu_s:>6.2} {wall_s:>7.3}",
-        points.len()
-    );
+    print!("{name:8} {:>9} {count:>9} {cpu_s:>6.2} {wall_s:>7.3}", points.len());
     // Ten million take kiddo half a minute and teach nothing new.
     if points.len() > 1_000_000 {
         return println!();
@@ -45,15 +42,10 @@ fn line(name: &str, points: &[[f64; 3]]) {
 fn with_kiddo(points: &[[f64; 3]]) -> Vec<bool> {
     let tree = kiddo::ImmutableKdTree::<f64, 3>::new_from_slice(points).expect("a tree");
     let count = |point: &[f64; 3]| {
-        let query = tree
-            .query(point)
-            .within::<kiddo::SquaredEuclidean<f64>>(RADIUS_M * RADIUS_M);
+        let query = tree.query(point).within::<kiddo::SquaredEuclidean<f64>>(RADIUS_M * RADIUS_M);
         query.exclusive_boundaries().unsorted().execute().len()
     };
-    points
-        .par_iter()
-        .map(|point| count(point) > MIN_NEIGHBORS)
-        .collect()
+    points.par_iter().map(|point| count(point) > MIN_NEIGHBORS).collect()
 }
 
 /// Result, seconds of CPU over all threads, seconds on the clock.
@@ -67,17 +59,8 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
 fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     // Past the name in parentheses, user and system time are the twelfth and thirteenth fields.
-    let fields = stat
-        .rsplit(')')
-        .next()
-        .unwrap_or_default()
-        .split_whitespace();
-    fields
-        .skip(11)
-        .take(2)
-        .filter_map(|ticks| ticks.parse::<f64>().ok())
-        .sum::<f64>()
-        / 100.0
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    fields.skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
 }
 
 /// Uniform in a cube.
@@ -85,9 +68,7 @@ fn volume(count: usize) -> Vec<[f64; 3]> {
     let density = MEAN_NEIGHBORS / (4.0 / 3.0 * std::f64::consts::PI * RADIUS_M.powi(3));
     let edge_m = (count as f64 / density).cbrt();
     let mut random = Random(1);
-    (0..count)
-        .map(|_| [0, 1, 2].map(|_| edge_m * random.next()))
-        .collect()
+    (0..count).map(|_| [0, 1, 2].map(|_| edge_m * random.next())).collect()
 }
 
 /// A bed 3 m down with waves of half a metre, and 5 % of points anywhere in 40 m of height.
@@ -98,15 +79,7 @@ fn surface(count: usize) -> Vec<[f64; 3]> {
         let [x, y] = [edge_m * random.next(), edge_m * random.next()];
         let bed_m = -3.0 + 0.5 * (x / 20.0).sin() + 0.3 * (y / 15.0).cos() + 0.05 * random.next();
         let wild = random.next() < 0.05;
-        [
-            x,
-            y,
-            if wild {
-                40.0 * (random.next() - 0.5)
-            } else {
-                bed_m
-            },
-        ]
+        [x, y, if wild { 40.0 * (random.next() - 0.5) } else { bed_m }]
     };
     (0..count).map(|_| point()).collect()
 }

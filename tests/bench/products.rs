@@ -1,4 +1,5 @@
-//! Every product of a survey of ten lines and 100 000 pings: what each costs beside tracking it, and memory over the survey's own.
+//! Every product of a survey of ten lines and 100 000 pings: what each costs beside tracking it,
+//! and memory over the survey's own.
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
@@ -34,19 +35,14 @@ pub(super) fn run() {
         let (before_mb, before, began) = (peak_from_here_mb(), processor_s(), Instant::now());
         work();
         let taken_s = processor_s() - before;
-        let more_mb = peak_mb()
-            .zip(before_mb)
-            .map_or(f64::NAN, |(peak, before)| peak - before);
+        let more_mb = peak_mb().zip(before_mb).map_or(f64::NAN, |(peak, before)| peak - before);
         println!(
             "{name:18} {taken_s:6.2} s of processor, {:6.2} s on the clock, {:5.1} of tracking; {more_mb:4.0} MB at the peak",
             began.elapsed().as_secs_f64(),
             taken_s / tracked_s
         );
     };
-    let logs = [ProcessedLog {
-        survey: Arc::new(survey),
-        products,
-    }];
+    let logs = [ProcessedLog { survey: Arc::new(survey), products }];
     let write = |requested: &[Product]| {
         let order = Order {
             logs: &logs,

@@ -1,9 +1,10 @@
-//! Depth maps of simulated ponds against their known beds: what side-scan points add to soundings, and how well two missions
-//! over one pond agree.
+//! Depth maps of simulated ponds against their known beds: what side-scan points add to soundings,
+//! and how well two missions over one pond agree.
 //!
-//! Errors are the map's depth minus the bed's at the middle of each cell of 0.2 m. Maps with and without side-scan points are held
-//! against the bed on the same cells: those that the soundings alone can fill. All artefacts are on, weed included. The bed is
-//! sailed in four lines 8 m apart and two across. The ponds with mounds are gentle ones with mounds and hollows midway between the
+//! Errors are the map's depth minus the bed's at the middle of each cell of 0.2 m. Maps with and
+//! without side-scan points are held against the bed on the same cells: those that the soundings
+//! alone can fill. All artefacts are on, weed included. The bed is sailed in four lines 8 m apart
+//! and two across. The ponds with mounds are gentle ones with mounds and hollows midway between the
 //! lines.
 
 use super::missions::{Mission, repeatability};
@@ -14,7 +15,8 @@ use bathyscope_simulation::{Mound, Scene};
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 10;
-/// The weights were compared on ponds from this seed on; the figures reported are those of seeds from 1.
+/// The weights were compared on ponds from this seed on; the figures reported are those of seeds
+/// from 1.
 const TUNING_SEED: u64 = 101;
 /// Farther than this from any sounding a cell lies between the lines, metres.
 pub(super) const BETWEEN_M: f64 = 1.0;
@@ -23,14 +25,11 @@ const BANDS_M: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 10.0];
 
 /// Prints the tables.
 pub(super) fn run() {
-    let seeds = std::env::var("BATHYSCOPE_SEEDS")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(SEEDS);
-    for (first, what, ways) in [
-        (TUNING_SEED, "to choose the weight on", tuning()),
-        (1, "for the report", reported()),
-    ] {
+    let seeds =
+        std::env::var("BATHYSCOPE_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(SEEDS);
+    for (first, what, ways) in
+        [(TUNING_SEED, "to choose the weight on", tuning()), (1, "for the report", reported())]
+    {
         println!(
             "map minus bed, cm: RMS and p95 over the hull, and between the lines; ponds {what}"
         );
@@ -66,10 +65,7 @@ fn settings(side_scan_weight: f64, above_bottom: bool) -> SurfaceSettings {
 fn tuning() -> Vec<(String, SurfaceSettings)> {
     let weights = [0.0, 0.1, 0.3, 0.5, 1.0, 2.0];
     let ways = weights.map(|weight| (format!("side-scan at {weight}"), settings(weight, false)));
-    let above_bottom = (
-        "side-scan at 1 with above-bottom returns".to_owned(),
-        settings(1.0, true),
-    );
+    let above_bottom = ("side-scan at 1 with above-bottom returns".to_owned(), settings(1.0, true));
     ways.into_iter().chain([above_bottom]).collect()
 }
 
@@ -77,14 +73,8 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
     let chosen = SurfaceSettings::default().side_scan_weight;
     vec![
         ("down-scan only".to_owned(), settings(0.0, false)),
-        (
-            "down-scan and side-scan".to_owned(),
-            settings(chosen, false),
-        ),
-        (
-            "the same with above-bottom returns".to_owned(),
-            settings(chosen, true),
-        ),
+        ("down-scan and side-scan".to_owned(), settings(chosen, false)),
+        ("the same with above-bottom returns".to_owned(), settings(chosen, true)),
         ("both, from_levels".to_owned(), from_levels()),
     ]
 }
@@ -153,14 +143,14 @@ pub(super) fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
     pond.known.map_errors(map, &soundings)
 }
 
-/// What first returns gain, what levels gain over that, and what the stated errors of either are worth, by the distance to the nearest sounding.
+/// What first returns gain, what levels gain over that, and what the stated errors of either are
+/// worth, by the distance to the nearest sounding.
 fn print_by_distance(kind: &str, ponds: &[Mission]) {
     let triangles = settings(SurfaceSettings::default().side_scan_weight, false);
     let maps =
         [settings(0.0, false), triangles, from_levels()].map(|settings| errors(ponds, &settings));
-    for (names, maps) in [("soundings", "triangles"), ("triangles", "from_levels")]
-        .into_iter()
-        .zip(maps.windows(2))
+    for (names, maps) in
+        [("soundings", "triangles"), ("triangles", "from_levels")].into_iter().zip(maps.windows(2))
     {
         print_bands(kind, names, [&maps[0], &maps[1]]);
     }
@@ -210,7 +200,8 @@ fn row(ponds: &[Mission], settings: &SurfaceSettings) -> String {
     format!("{}   {}", cell(0.0), cell(BETWEEN_M))
 }
 
-/// Two missions over the bed of a seed: the second in five lines 7 m apart, with noise, weed and troubles of its own.
+/// Two missions over the bed of a seed: the second in five lines 7 m apart, with noise, weed and
+/// troubles of its own.
 fn repeated(scene: &Scene, seed: u64) -> String {
     let mut scene = scene.clone();
     scene.bed.seed = Some(seed);

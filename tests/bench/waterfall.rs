@@ -1,4 +1,5 @@
-//! A frame of the waterfall must cost the window's thread the same for a short log and for a very long one.
+//! A frame of the waterfall must cost the window's thread the same for a short log and for a very
+//! long one.
 
 use bathyscope::app::{App, Jobs, LogPlace, View};
 use bathyscope::ui::views::WaterfallView;
@@ -22,7 +23,8 @@ struct Window {
     view: WaterfallView,
 }
 
-/// Prints the cost of a frame for 1 000 and 1 000 000 pings: the whole log in view, and a stretch of 500 pings.
+/// Prints the cost of a frame for 1 000 and 1 000 000 pings: the whole log in view, and a stretch
+/// of 500 pings.
 pub(super) fn run() {
     println!("waterfall, 1200 x 500 points, first return shown, pointer moving");
     let (short, long) = (measure(1_000), measure(1_000_000));
@@ -49,10 +51,7 @@ fn measure(pings: usize) -> [f64; 2] {
     window.state_mut().view.request(ViewRequest::Fit);
     settle(&mut window);
     let whole = frame_ms(&mut window);
-    window
-        .state_mut()
-        .view
-        .show_pings(pings / 2..pings / 2 + 500);
+    window.state_mut().view.show_pings(pings / 2..pings / 2 + 500);
     settle(&mut window);
     [whole, frame_ms(&mut window)]
 }
@@ -75,36 +74,27 @@ fn frame_ms(window: &mut Harness<'_, Window>) -> f64 {
 }
 
 fn window(pings: usize) -> Harness<'static, Window> {
-    let render_state = create_render_state(
-        default_wgpu_setup(),
-        eframe::egui_wgpu::RendererOptions::PREDICTABLE,
-    );
+    let render_state =
+        create_render_state(default_wgpu_setup(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
     let mut app = App::new(Jobs::Inline);
     app.show_survey(Arc::new(survey(pings)), None);
     app.log.preview = Some(Arc::new(returns(pings)));
     app.view.selection = Some(LogPlace::ping(pings / 2));
-    let state = Window {
-        app,
-        view: WaterfallView::default(),
-    };
-    Harness::builder()
-        .with_size([1200.0, 500.0])
-        .build_ui_state(
-            move |ui, window: &mut Window| {
-                let mut commands = Vec::new();
-                let mut context = ViewContext {
-                    app: &window.app,
-                    render_state: Some(&render_state),
-                    target: View::Waterfall,
-                    commands: &mut commands,
-                };
-                window.view.ui(ui, &mut context);
-                commands
-                    .into_iter()
-                    .for_each(|command| window.app.apply(command));
-            },
-            state,
-        )
+    let state = Window { app, view: WaterfallView::default() };
+    Harness::builder().with_size([1200.0, 500.0]).build_ui_state(
+        move |ui, window: &mut Window| {
+            let mut commands = Vec::new();
+            let mut context = ViewContext {
+                app: &window.app,
+                render_state: Some(&render_state),
+                target: View::Waterfall,
+                commands: &mut commands,
+            };
+            window.view.ui(ui, &mut context);
+            commands.into_iter().for_each(|command| window.app.apply(command));
+        },
+        state,
+    )
 }
 
 fn settle(window: &mut Harness<'_, Window>) {
@@ -117,9 +107,8 @@ fn settle(window: &mut Harness<'_, Window>) {
 
 /// Pings over one small buffer, each a little further on in it.
 fn survey(pings: usize) -> Survey {
-    let bytes: Vec<u8> = (0..1_u32 << 16)
-        .map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8)
-        .collect();
+    let bytes: Vec<u8> =
+        (0..1_u32 << 16).map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     let span = |ping: usize, order| SideSpan {
         file: 0,
         encoding: Encoding::U8,

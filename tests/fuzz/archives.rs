@@ -22,9 +22,7 @@ pub(super) fn row_seeds() -> Vec<Vec<u8>> {
         let write = |file| write_parquet(file, &columns, &[]).expect("a table");
         scratch::written("seed.parquet", write)
     };
-    let mut points: Vec<Column> = ["x", "y", "depth_m", "weight", "time_s"]
-        .map(doubles)
-        .into();
+    let mut points: Vec<Column> = ["x", "y", "depth_m", "weight", "time_s"].map(doubles).into();
     points.extend(["velocity_x_mps", "velocity_y_mps"].map(floats));
     points.push(wholes("sounding"));
     let numbers = [
@@ -45,10 +43,7 @@ pub(super) fn row_seeds() -> Vec<Vec<u8>> {
     let mut pings: Vec<Column> = numbers.map(doubles).into();
     pings.extend(["port_samples", "starboard_samples", "ping"].map(wholes));
     pings.extend(["halo", "left_out"].map(flags));
-    pings.push(Column::new(
-        "time",
-        Values::Time(vec![Some(1), None, Some(3)]),
-    ));
+    pings.push(Column::new("time", Values::Time(vec![Some(1), None, Some(3)])));
     let numbers = [
         "x",
         "y",

@@ -1,4 +1,5 @@
-//! What is done to a recording: cut short, a byte changed, a field of a record's header set to an extreme.
+//! What is done to a recording: cut short, a byte changed, a field of a record's header set to an
+//! extreme.
 
 use super::records::{FieldKind, RecordLayout};
 use std::fmt;
@@ -59,7 +60,8 @@ impl Harm {
     }
 }
 
-/// All that is done to a file, one in `each` of it; the cuts first and from the end, so that the file only shrinks.
+/// All that is done to a file, one in `each` of it; the cuts first and from the end, so that the
+/// file only shrinks.
 pub(super) fn harms(
     bytes: &[u8],
     layout: Option<RecordLayout>,
@@ -78,10 +80,7 @@ fn changed_byte(bytes: &[u8], seed: u64) -> Option<Harm> {
     let mut random = Random(seed);
     let at = random.below(bytes.len())?;
     let other = bytes[at] ^ (1 + random.below(255)? as u8);
-    Some(Harm::Changed {
-        at,
-        bytes: vec![other],
-    })
+    Some(Harm::Changed { at, bytes: vec![other] })
 }
 
 fn changed_field(
@@ -166,8 +165,6 @@ impl Random {
         let mut mixed = self.0;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (mixed ^ (mixed >> 31))
-            .checked_rem(limit as u64)
-            .map(|at| at as usize)
+        (mixed ^ (mixed >> 31)).checked_rem(limit as u64).map(|at| at as usize)
     }
 }

@@ -27,9 +27,7 @@ pub(super) fn coco_seeds() -> Vec<Vec<u8>> {
         {"id": 2, "image_id": "b", "category_id": 2, "bbox": [0, 0, 100, 100], "iscrowd": 1, "score": 0.25}],
         "categories": [{"id": 5, "name": "tyre"}, {"id": 2, "name": "rock"}]}"#;
     let results = r#"[{"image_id": 7, "category_id": 5, "bbox": [20, 10, 40, 20], "score": 0.75}]"#;
-    [data_set, results]
-        .map(|text| text.as_bytes().to_vec())
-        .into()
+    [data_set, results].map(|text| text.as_bytes().to_vec()).into()
 }
 
 pub(super) fn yolo(bytes: &[u8]) {
@@ -42,7 +40,5 @@ pub(super) fn yolo(bytes: &[u8]) {
 pub(super) fn yolo_seeds() -> Vec<Vec<u8>> {
     let lines = "0 0.5 0.5 0.25 0.125\n3 0.1 0.9 0.05 0.05\n";
     let with_scores = "0 0.5 0.5 0.25 0.125 0.75\n3 0.1 0.9 0.05 0.05 0.5\n";
-    [lines, with_scores]
-        .map(|text| text.as_bytes().to_vec())
-        .into()
+    [lines, with_scores].map(|text| text.as_bytes().to_vec()).into()
 }

@@ -80,17 +80,9 @@ pub(super) fn humminbird(bytes: &[u8]) {
     };
     let (dat, sons) = files.split_at(length(0).min(files.len()));
     let (port, starboard) = sons.split_at(length(2).min(sons.len()));
-    let parts = [
-        ("Rec00007.DAT", dat),
-        ("Rec00007/B002.SON", port),
-        ("Rec00007/B003.SON", starboard),
-    ];
-    open(
-        "DAT",
-        parts
-            .map(|(name, bytes)| (PathBuf::from(name), bytes.to_vec()))
-            .into(),
-    );
+    let parts =
+        [("Rec00007.DAT", dat), ("Rec00007/B002.SON", port), ("Rec00007/B003.SON", starboard)];
+    open("DAT", parts.map(|(name, bytes)| (PathBuf::from(name), bytes.to_vec())).into());
 }
 
 /// A picture and its table: the length of the table as u16, then both.
@@ -106,7 +98,8 @@ pub(super) fn picture(bytes: &[u8]) {
     open("png", files.into());
 }
 
-/// A log of any format in three steps: some of it, a little more, all. The first two bytes say where it was cut.
+/// A log of any format in three steps: some of it, a little more, all. The first two bytes say
+/// where it was cut.
 pub(super) fn growing(bytes: &[u8]) {
     let [first, second, log @ ..] = bytes else {
         return;
@@ -169,11 +162,7 @@ fn walk(survey: &Survey) {
     for warning in &survey.warnings {
         assert!(!warning.text.is_empty());
         if let Some((file, offset)) = warning.place {
-            assert!(
-                offset <= survey.bytes[file].len() as u64,
-                "{}",
-                warning.text
-            );
+            assert!(offset <= survey.bytes[file].len() as u64, "{}", warning.text);
         }
     }
 }
@@ -182,10 +171,7 @@ fn walk(survey: &Survey) {
 fn check_times(times_s: impl Iterator<Item = f64>) {
     let mut last_s = f64::MIN;
     for time_s in times_s {
-        assert!(
-            time_s >= last_s && time_s.is_finite(),
-            "{time_s} s comes after {last_s} s"
-        );
+        assert!(time_s >= last_s && time_s.is_finite(), "{time_s} s comes after {last_s} s");
         last_s = time_s;
     }
 }
@@ -218,9 +204,7 @@ pub(super) fn repair_svlog(bytes: &mut [u8]) {
             return;
         };
         let (summed, sum) = packet.split_at_mut(end - at);
-        let all = summed
-            .iter()
-            .fold(0_u16, |all, byte| all.wrapping_add(u16::from(*byte)));
+        let all = summed.iter().fold(0_u16, |all, byte| all.wrapping_add(u16::from(*byte)));
         sum.copy_from_slice(&all.to_le_bytes());
         at = end + 2;
     }
@@ -261,22 +245,11 @@ pub(super) fn sl3_seeds() -> Vec<Vec<u8>> {
 
 /// The file header is not padded: the records are found by their number, wherever they begin.
 pub(super) fn rsd_seeds() -> Vec<Vec<u8>> {
-    let bands = [
-        (2, 150_000, 240_000),
-        (4, 425_000, 485_000),
-        (5, 425_000, 485_000),
-    ];
-    let channels = [
-        (4, 2, Some(-TILT_DEG)),
-        (5, 3, Some(TILT_DEG)),
-        (2, 1, None),
-    ];
+    let bands = [(2, 150_000, 240_000), (4, 425_000, 485_000), (5, 425_000, 485_000)];
+    let channels = [(4, 2, Some(-TILT_DEG)), (5, 3, Some(TILT_DEG)), (2, 1, None)];
     let file = |width: usize, has_trailer: bool| {
         let mut bytes = garmin_writer::header(GARMIN_S, &bands);
-        let end = bytes
-            .iter()
-            .rposition(|byte| *byte != 0)
-            .map_or(0, |at| at + 8);
+        let end = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |at| at + 8);
         bytes.truncate(end);
         for ping in 0..4 {
             for (channel, beam, tilt_deg) in channels {
@@ -320,11 +293,7 @@ pub(super) fn jsf_seeds() -> Vec<Vec<u8>> {
             ..JsfOptions::default()
         })
     };
-    vec![
-        of(0, false, vec![20]),
-        of(1, false, vec![20, 21]),
-        of(0, true, vec![20]),
-    ]
+    vec![of(0, false, vec![20]), of(1, false, vec![20, 21]), of(0, true, vec![20])]
 }
 
 pub(super) fn svlog_seeds() -> Vec<Vec<u8>> {
@@ -417,28 +386,11 @@ pub(super) fn growing_seeds() -> Vec<Vec<u8>> {
         data: vec![7; 20],
         ..Frame::new(channel, 1000 * ping + i32::from(channel))
     };
-    let minute: Vec<Frame> = (0..14)
-        .flat_map(|ping| [long(0, ping), long(5, ping)])
-        .collect();
-    let jsf = JsfOptions {
-        pings: 14,
-        samples: 10,
-        ..JsfOptions::default()
-    };
-    let svlog = SvlogOptions {
-        pings: 30,
-        samples: 10,
-        ..SvlogOptions::default()
-    };
+    let minute: Vec<Frame> = (0..14).flat_map(|ping| [long(0, ping), long(5, ping)]).collect();
+    let jsf = JsfOptions { pings: 14, samples: 10, ..JsfOptions::default() };
+    let svlog = SvlogOptions { pings: 30, samples: 10, ..SvlogOptions::default() };
     let mut logs = vec![handmade::sl2(&minute), handmade::sl3(&minute, 168)];
     logs.extend([jsf_file(&jsf), svlog_file(&svlog)]);
-    logs.extend(
-        xtf_seeds()
-            .into_iter()
-            .chain(rsd_seeds())
-            .chain(sl2_seeds()),
-    );
-    logs.into_iter()
-        .map(|log| [vec![100, 180], log].concat())
-        .collect()
+    logs.extend(xtf_seeds().into_iter().chain(rsd_seeds()).chain(sl2_seeds()));
+    logs.into_iter().map(|log| [vec![100, 180], log].concat()).collect()
 }

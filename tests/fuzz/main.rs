@@ -1,4 +1,5 @@
-//! The fuzzer: all readers of Bathyscope in one program, fed by libFuzzer, and sweeps over harmed recordings. `run` says how to use it.
+//! The fuzzer: all readers of Bathyscope in one program, fed by libFuzzer, and sweeps over harmed
+//! recordings. `run` says how to use it.
 //!
 //! ```text
 //! fuzz list                            names, longest inputs and shares of the readers
@@ -7,7 +8,8 @@
 //! fuzz READER [libFuzzer's options]    feeds one reader; with the name of a file, that input alone
 //! ```
 //!
-//! An input may take four times its own memory and 64 MiB; an allocation beyond that ends the program, as a panic does.
+//! An input may take four times its own memory and 64 MiB; an allocation beyond that ends the
+//! program, as a panic does.
 
 use bathyscope::fuzz::{self, TARGETS, Target, sweep};
 use libfuzzer_sys as _;
@@ -193,7 +195,8 @@ fn run_fuzzer(target: &'static Target, options: impl Iterator<Item = String>) ->
     let mut count = options.len() as c_int;
     options.push(std::ptr::null_mut());
     let mut list = options.as_mut_ptr();
-    // SAFETY: the options are C strings that live as long as the program, and the list ends with a null.
+    // SAFETY: the options are C strings that live as long as the program, and the list ends with a
+    // null.
     let status = unsafe { LLVMFuzzerRunDriver(&raw mut count, &raw mut list, feed) };
     ExitCode::from(u8::try_from(status).unwrap_or(1))
 }

@@ -1,4 +1,5 @@
-//! Detectors: what is refused of an ONNX file before anything is computed, and what may lie beside it.
+//! Detectors: what is refused of an ONNX file before anything is computed, and what may lie beside
+//! it.
 
 use super::say;
 use bathyscope_objects::model;
@@ -34,12 +35,11 @@ fn number(field: u8, value: u8) -> Vec<u8> {
     vec![field << 3, value]
 }
 
-/// A model that adds a weight to its picture, reshapes and pools it: graph, input, output, weights, opset and a note.
+/// A model that adds a weight to its picture, reshapes and pools it: graph, input, output, weights,
+/// opset and a note.
 fn small_model() -> Vec<u8> {
-    let shape: Vec<u8> = [1, 3, 64, 64]
-        .iter()
-        .flat_map(|size| field(1, &number(1, *size)))
-        .collect();
+    let shape: Vec<u8> =
+        [1, 3, 64, 64].iter().flat_map(|size| field(1, &number(1, *size))).collect();
     let float = |shape: &[u8]| field(2, &field(1, &[number(1, 1), field(2, shape)].concat()));
     let value = |name: &[u8], kind: &[u8]| [field(1, name), kind.to_vec()].concat();
     let node = |inputs: &[&[u8]], output: &[u8], layer: &[u8], attributes: &[Vec<u8>]| {
@@ -52,24 +52,10 @@ fn small_model() -> Vec<u8> {
         let values: Vec<u8> = values.iter().flat_map(|value| number(8, *value)).collect();
         [field(1, name), values, vec![20 << 3 & 0x7F | 0x80, 1, 7]].concat()
     };
-    let weight = [
-        number(1, 1),
-        number(2, 1),
-        field(4, &1.0_f32.to_le_bytes()),
-        field(8, b"w"),
-    ]
-    .concat();
-    let sizes = [
-        number(1, 4),
-        number(2, 7),
-        field(7, &[1, 3, 64, 64]),
-        field(8, b"s"),
-    ]
-    .concat();
-    let pool = [
-        whole_numbers(b"kernel_shape", &[2, 2]),
-        whole_numbers(b"strides", &[2, 2]),
-    ];
+    let weight =
+        [number(1, 1), number(2, 1), field(4, &1.0_f32.to_le_bytes()), field(8, b"w")].concat();
+    let sizes = [number(1, 4), number(2, 7), field(7, &[1, 3, 64, 64]), field(8, b"s")].concat();
+    let pool = [whole_numbers(b"kernel_shape", &[2, 2]), whole_numbers(b"strides", &[2, 2])];
     let graph = [
         node(&[b"x", b"w"], b"a", b"Add", &[]),
         node(&[b"a", b"s"], b"b", b"Reshape", &[]),
@@ -82,13 +68,7 @@ fn small_model() -> Vec<u8> {
     ];
     let note = [field(1, b"names"), field(2, b"{0: 'rock', 1: 'tyre'}")].concat();
     let opset = field(8, &number(2, 13));
-    [
-        number(1, 8),
-        field(7, &graph.concat()),
-        opset,
-        field(14, &note),
-    ]
-    .concat()
+    [number(1, 8), field(7, &graph.concat()), opset, field(14, &note)].concat()
 }
 
 pub(super) fn model_seeds() -> Vec<Vec<u8>> {

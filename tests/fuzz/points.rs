@@ -49,19 +49,14 @@ fn stored(format: PointFormat, name: &str) -> Vec<u8> {
     let text = b"x,y,z\n1,2,-3.5\n1.5,2.5,-3.75\n2,4,-5\n";
     let points = held_as("points.csv", text, |path| points::read(path, None)).expect("points");
     scratch::written(name, |file| {
-        points
-            .write_kept(file, format, &[true; 3])
-            .expect("a point file");
+        points.write_kept(file, format, &[true; 3]).expect("a point file");
     })
 }
 
 pub(super) fn ply_seeds() -> Vec<Vec<u8>> {
     let text = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty double z\nproperty uchar red\n\
         element face 0\nproperty list uchar int vertex_indices\nend_header\n1 2 3 4\n5 6 7 8\n";
-    vec![
-        stored(PointFormat::Ply, "points.ply"),
-        text.as_bytes().to_vec(),
-    ]
+    vec![stored(PointFormat::Ply, "points.ply"), text.as_bytes().to_vec()]
 }
 
 pub(super) fn las(bytes: &[u8]) {
@@ -77,10 +72,7 @@ pub(super) fn laz(bytes: &[u8]) {
 }
 
 pub(super) fn laz_seeds() -> Vec<Vec<u8>> {
-    vec![
-        stored(PointFormat::Laz, "points.laz"),
-        stored(PointFormat::Copc, "points.copc.laz"),
-    ]
+    vec![stored(PointFormat::Laz, "points.laz"), stored(PointFormat::Copc, "points.copc.laz")]
 }
 
 pub(super) fn geojson(bytes: &[u8]) {
@@ -117,16 +109,9 @@ pub(super) fn reference(bytes: &[u8]) {
 }
 
 pub(super) fn reference_seeds() -> Vec<Vec<u8>> {
-    let files = [
-        text_seeds(),
-        rasters::cells_seeds(),
-        geojson_seeds(),
-        logs::sl2_seeds(),
-    ];
+    let files = [text_seeds(), rasters::cells_seeds(), geojson_seeds(), logs::sl2_seeds()];
     let with_first = |(which, files): (u8, Vec<Vec<u8>>)| {
-        files
-            .into_iter()
-            .map(move |file| [vec![which], file].concat())
+        files.into_iter().map(move |file| [vec![which], file].concat())
     };
     (0..).zip(files).flat_map(with_first).collect()
 }

@@ -1,4 +1,5 @@
-//! What the program keeps itself: settings, projects with their journals, the files that earlier versions kept beside a log, scenes.
+//! What the program keeps itself: settings, projects with their journals, the files that earlier
+//! versions kept beside a log, scenes.
 
 use super::logs::sl2_seeds;
 use super::say;
@@ -82,9 +83,7 @@ pub(super) fn project_seeds() -> Vec<Vec<u8>> {
     first.review = Arc::new(a_review(&first.file.identity()));
     first.settings.set("draft_m", toml::Value::Float(0.3));
     let project = Project::default();
-    let project = project
-        .with_log(first)
-        .and_then(|all| all.with_log(log("pond")));
+    let project = project.with_log(first).and_then(|all| all.with_log(log("pond")));
     let mut project = project.expect("two logs");
     project.settings.first_return.threshold = 0.41;
     project.set_view("map", &["depth", "track"]);
@@ -94,18 +93,15 @@ pub(super) fn project_seeds() -> Vec<Vec<u8>> {
     vec![lines.into_bytes(), b"bathyscope = 1\n".to_vec()]
 }
 
-/// A project, a line of two dashes, and the lines of its journal without their sums, which nobody finds by trying.
+/// A project, a line of two dashes, and the lines of its journal without their sums, which nobody
+/// finds by trying.
 pub(super) fn journal(bytes: &[u8]) {
     let all = text(bytes);
     let (project, entries) = all.split_once("\n--\n").unwrap_or((&all, ""));
     let line = |json: &str| format!("{} {json}\n", in_hexadecimal(&Sha256::digest(json)[..4]));
     let sha256 = in_hexadecimal(&Sha256::digest(project));
     let saved = format!(r#"{{"saved":{{"sha256":"{sha256}","version":1}}}}"#);
-    let journal: String = [saved.as_str()]
-        .into_iter()
-        .chain(entries.lines())
-        .map(line)
-        .collect();
+    let journal: String = [saved.as_str()].into_iter().chain(entries.lines()).map(line).collect();
     let folder = Path::new(FOLDER);
     match project::with_journal(project, &sha256, journal.as_bytes(), folder) {
         Ok(project) => drop(project.to_text(folder)),
@@ -118,9 +114,7 @@ pub(super) fn journal_seeds() -> Vec<Vec<u8>> {
         {\"done\":{\"label\":\"Draft\",\"set\":[\"settings.draft_m = 0.4\"]}}\n\
         {\"done\":{\"label\":\"Undo\",\"gone\":[\"settings.draft_m\"]}}\n";
     let projects = project_seeds().into_iter();
-    projects
-        .map(|project| [project, entries.as_bytes().to_vec()].concat())
-        .collect()
+    projects.map(|project| [project, entries.as_bytes().to_vec()].concat()).collect()
 }
 
 /// A log that sidecars are read for.
@@ -144,9 +138,7 @@ pub(super) fn bottom_sidecar(bytes: &[u8]) {
 }
 
 pub(super) fn bottom_seeds() -> Vec<Vec<u8>> {
-    let Identity {
-        byte_count, pings, ..
-    } = Identity::of(pond());
+    let Identity { byte_count, pings, .. } = Identity::of(pond());
     let text = format!(
         "[bottom]\nlog_bytes = {byte_count}\npings = {pings}\n\n[[bottom.lines]]\nside = \"port\"\npings = [0, 1]\ncorners = [[0.0, 2.5], [1.0, 2.75]]\n\n\
         [[bottom.lines]]\nside = \"starboard\"\npings = [1, 2]\n"
@@ -155,12 +147,7 @@ pub(super) fn bottom_seeds() -> Vec<Vec<u8>> {
 }
 
 fn a_review(of: &Identity) -> Review {
-    let Identity {
-        file,
-        byte_count,
-        pings,
-        ..
-    } = of;
+    let Identity { file, byte_count, pings, .. } = of;
     let text = format!(
         r#"{{"version":1,"survey":{{"file":"{file}","byte_count":{byte_count},"pings":{pings}}},"classes":["rock","tyre"],
         "searched":[{{"model":"demo","pings":[0,2]}}],"boxes":[
@@ -209,10 +196,7 @@ pub(super) fn scene(bytes: &[u8]) {
 }
 
 pub(super) fn scene_seeds() -> Vec<Vec<u8>> {
-    vec![
-        include_bytes!("../../assets/demo.toml").to_vec(),
-        b"duration_s = 10.0\n".to_vec(),
-    ]
+    vec![include_bytes!("../../assets/demo.toml").to_vec(), b"duration_s = 10.0\n".to_vec()]
 }
 
 /// Reads text files without touching the disk.

@@ -12,8 +12,9 @@ use bathyscope_log::support::progress::Progress;
 use std::io::Cursor;
 use tiff::decoder::Decoder;
 
-/// Cells of an image, and of a block of it, that the fuzzer unpacks. A few bytes may ask for a million times as many as they are, within
-/// the limits of the readers: what that takes is a matter for other tests (`tests/suite/hostile`).
+/// Cells of an image, and of a block of it, that the fuzzer unpacks. A few bytes may ask for a
+/// million times as many as they are, within the limits of the readers: what that takes is a matter
+/// for other tests (`tests/suite/hostile`).
 const MOST_CELLS: u64 = 1 << 18;
 /// Images of one file that are looked at for that.
 const MOST_IMAGES: usize = 8;
@@ -128,23 +129,18 @@ pub(super) fn base_map(bytes: &[u8]) {
         return;
     }
     let progress = Progress::new();
-    scratch::with_file("map.tif", bytes, |path| {
-        match base_map::open(path, &progress) {
-            Ok(map) => {
-                assert!(map.pixel_m() >= 0.0 || map.pixel_m().is_nan());
-                for pixels in [1.0, 8.0] {
-                    let window = map.window([0.0; 2], [64.0; 2], pixels, &progress);
-                    if let Some(window) = window {
-                        assert_eq!(
-                            window.pixels.len(),
-                            (window.size[0] * window.size[1]) as usize
-                        );
-                        window.at([3.0, 3.0]);
-                    }
+    scratch::with_file("map.tif", bytes, |path| match base_map::open(path, &progress) {
+        Ok(map) => {
+            assert!(map.pixel_m() >= 0.0 || map.pixel_m().is_nan());
+            for pixels in [1.0, 8.0] {
+                let window = map.window([0.0; 2], [64.0; 2], pixels, &progress);
+                if let Some(window) = window {
+                    assert_eq!(window.pixels.len(), (window.size[0] * window.size[1]) as usize);
+                    window.at([3.0, 3.0]);
                 }
             }
-            Err(error) => say(&error),
         }
+        Err(error) => say(&error),
     });
 }
 

@@ -1,4 +1,5 @@
-//! Where the records of a whole log are, and what their headers state: found without the readers, from the format notes.
+//! Where the records of a whole log are, and what their headers state: found without the readers,
+//! from the format notes.
 
 use std::ops::Range;
 
@@ -128,11 +129,7 @@ pub(super) fn layout_of(bytes: &[u8]) -> Option<RecordLayout> {
         [0xC0, 0xDE, 0xAB, 0x21, ..] => (son_records, SON_FIELDS, true),
         _ => return None,
     };
-    Some(RecordLayout {
-        find,
-        fields,
-        big_endian,
-    })
+    Some(RecordLayout { find, fields, big_endian })
 }
 
 fn by_size(bytes: &[u8], start: usize, size_at: impl Fn(usize) -> usize) -> Vec<Range<u64>> {
@@ -162,9 +159,7 @@ pub(crate) fn sl3_records(bytes: &[u8]) -> Vec<Range<u64>> {
 
 /// Packets of XTF.
 pub(crate) fn xtf_records(bytes: &[u8]) -> Vec<Range<u64>> {
-    by_size(bytes, 1024, |at| {
-        u16_at(bytes, at + 10) | u16_at(bytes, at + 12) << 16
-    })
+    by_size(bytes, 1024, |at| u16_at(bytes, at + 10) | u16_at(bytes, at + 12) << 16)
 }
 
 /// Pings lie from one magic number to the next; the data of these logs does not contain it.

@@ -1,4 +1,5 @@
-//! A place on disk for the readers that read no bytes from memory: one file a thread, written anew for each input.
+//! A place on disk for the readers that read no bytes from memory: one file a thread, written anew
+//! for each input.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,12 +28,7 @@ pub(super) fn with_file<T>(name: &str, bytes: &[u8], read: impl FnOnce(&Path) ->
 /// What `write` puts into a file.
 pub(super) fn written(name: &str, write: impl FnOnce(fs::File)) -> Vec<u8> {
     let path = folder().join(name);
-    let file = fs::File::options()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .open(&path);
+    let file = fs::File::options().read(true).write(true).create(true).truncate(true).open(&path);
     write(file.expect("a file to write"));
     fs::read(&path).expect("a file that was written")
 }

@@ -1,7 +1,8 @@
-//! Whole recordings, harmed in every way, and what was lost of them: nothing but what the harm touched, and a warning says where.
+//! Whole recordings, harmed in every way, and what was lost of them: nothing but what the harm
+//! touched, and a warning says where.
 //!
-//! What can be lost is known from the records, which `records` finds without the readers. A ping is the same where its samples lie at the
-//! same place and its time and its range are the same.
+//! What can be lost is known from the records, which `records` finds without the readers. A ping is
+//! the same where its samples lie at the same place and its time and its range are the same.
 
 use super::harm::{Harm, harms};
 use super::records::layout_of;
@@ -20,13 +21,14 @@ use std::time::{Duration, Instant};
 const A_COPY: usize = 256;
 /// Violations, and losses without a place, of one file that are listed.
 const LISTED: usize = 10;
-/// A side has the time of the other one, which is another where that side's header is harmed: by less than from ping to ping.
+/// A side has the time of the other one, which is another where that side's header is harmed: by
+/// less than from ping to ping.
 const MOST_APART_MS: u64 = 250;
 /// A report that lists so many warnings may leave out the one that is looked for.
 const MANY_WARNINGS: usize = 20;
 
-/// Sweeps over recordings, one in `each` of all harms; a recording of several files is named by its description (`.DAT`). Prints a table;
-/// whether nothing was lost that should not be.
+/// Sweeps over recordings, one in `each` of all harms; a recording of several files is named by its
+/// description (`.DAT`). Prints a table; whether nothing was lost that should not be.
 pub fn sweep(paths: &[PathBuf], each: usize) -> bool {
     println!(
         "| file | records | harms | refused | lost outside | lost by a harmed header | slowest, ms | loss without a place | panics |"
@@ -112,32 +114,22 @@ impl Patient {
             (path, Bytes::Held(Arc::new(bytes)))
         };
         let mut files = vec![read(path.to_owned())];
-        if path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("dat"))
-        {
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("dat")) {
             let folder = fs::read_dir(path.with_extension("")).into_iter().flatten();
             let mut sons: Vec<PathBuf> = folder.flatten().map(|entry| entry.path()).collect();
             sons.retain(|son| {
-                son.extension()
-                    .is_some_and(|ending| ending.eq_ignore_ascii_case("son"))
+                son.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("son"))
             });
             sons.sort();
             files.extend(sons.into_iter().map(read));
         }
-        (0..files.len())
-            .map(|harmed| Self::new(files.clone(), harmed))
-            .collect()
+        (0..files.len()).map(|harmed| Self::new(files.clone(), harmed)).collect()
     }
 
     fn new(files: Vec<(PathBuf, Bytes)>, harmed: usize) -> Self {
         let (path, bytes) = &files[harmed];
         let records = layout_of(bytes).map_or_else(Vec::new, |layout| (layout.find)(bytes));
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let whole = open_at_hand(files.clone(), &Progress::new()).expect("a whole recording");
         Self {
             name,
@@ -153,21 +145,17 @@ impl Patient {
         let whole: &[u8] = &self.files[self.harmed].1;
         let harms = harms(whole, layout_of(whole), &self.records, each);
         let copy = || Arc::new(whole.to_vec());
-        let done = harms
-            .par_iter()
-            .with_min_len(A_COPY)
-            .map_init(copy, |copy, harm| {
-                if copy.len() != whole.len() && !matches!(harm, Harm::Cut(at) if *at <= copy.len())
-                {
-                    *copy = Arc::new(whole.to_vec());
-                }
-                harm.apply(Arc::make_mut(copy));
-                let began = Instant::now();
-                let found = catch_unwind(AssertUnwindSafe(|| self.try_out(harm, copy)));
-                let took = began.elapsed();
-                harm.undo(Arc::make_mut(copy).as_mut_slice(), whole);
-                (found.unwrap_or(Found::Panicked), took)
-            });
+        let done = harms.par_iter().with_min_len(A_COPY).map_init(copy, |copy, harm| {
+            if copy.len() != whole.len() && !matches!(harm, Harm::Cut(at) if *at <= copy.len()) {
+                *copy = Arc::new(whole.to_vec());
+            }
+            harm.apply(Arc::make_mut(copy));
+            let began = Instant::now();
+            let found = catch_unwind(AssertUnwindSafe(|| self.try_out(harm, copy)));
+            let took = began.elapsed();
+            harm.undo(Arc::make_mut(copy).as_mut_slice(), whole);
+            (found.unwrap_or(Found::Panicked), took)
+        });
         let done: Vec<(Found, Duration)> = done.collect();
         let mut outcome = Outcome::default();
         for (harm, (found, took)) in harms.iter().zip(done) {
@@ -184,27 +172,17 @@ impl Patient {
         let survey = match open_at_hand(files, &Progress::new()) {
             Ok(survey) => survey,
             Err(error) => {
-                assert!(!matches!(
-                    error,
-                    OpenError::Io { .. } | OpenError::Cancelled(_)
-                ));
-                let left = self
-                    .pings
-                    .iter()
-                    .filter(|ping| !self.is_touched(ping, &place));
+                assert!(!matches!(error, OpenError::Io { .. } | OpenError::Cancelled(_)));
+                let left = self.pings.iter().filter(|ping| !self.is_touched(ping, &place));
                 let lost = left.count();
                 // One frame, or one ping of two sides, is no proof of a format.
-                return Found::Refused {
-                    lost: if lost <= 2 { 0 } else { lost },
-                };
+                return Found::Refused { lost: if lost <= 2 { 0 } else { lost } };
             }
         };
         let found = pings_of(&survey, &self.files);
         let is_there = |ping: &PingPlace| {
             let from = found.partition_point(|other| other.key() < ping.key());
-            let mut alike = found[from..]
-                .iter()
-                .take_while(|other| other.key() == ping.key());
+            let mut alike = found[from..].iter().take_while(|other| other.key() == ping.key());
             alike.any(|other| other.is_same(ping))
         };
         let missing: Vec<&PingPlace> = self.pings.iter().filter(|ping| !is_there(ping)).collect();
@@ -217,10 +195,7 @@ impl Patient {
             let other = found.get(at);
             other.is_none_or(|other| (other.file, other.offset) != (ping.file, ping.offset))
         });
-        Found::Opened {
-            lost,
-            has_unplaced: gone && !self.says_where(&survey, &place),
-        }
+        Found::Opened { lost, has_unplaced: gone && !self.says_where(&survey, &place) }
     }
 
     /// Whether a warning is about the records that the harm touched.
@@ -231,9 +206,7 @@ impl Patient {
         });
         let (harmed, _) = &self.files[self.harmed];
         let is_here = |warning: &bathyscope_log::survey::Warning| {
-            let here = warning
-                .place
-                .filter(|(file, _)| survey.source.files[*file] == *harmed);
+            let here = warning.place.filter(|(file, _)| survey.source.files[*file] == *harmed);
             here.is_some_and(|(_, offset)| (bounds.start..=bounds.end).contains(&offset))
         };
         survey.warnings.len().max(self.warnings) >= MANY_WARNINGS
@@ -241,9 +214,7 @@ impl Patient {
     }
 
     fn is_touched(&self, ping: &PingPlace, place: &Range<u64>) -> bool {
-        let index = self
-            .records
-            .partition_point(|record| record.end <= ping.offset);
+        let index = self.records.partition_point(|record| record.end <= ping.offset);
         let record = self.records.get(index);
         usize::from(ping.file) == self.harmed && record.is_none_or(|record| touches(record, place))
     }
@@ -277,13 +248,11 @@ impl Outcome {
         }
         self.lost_outside = self.lost_outside.max(lost);
         if lost > 0 {
-            self.violations
-                .push(format!("{harm}: {lost} pings are lost outside of it"));
+            self.violations.push(format!("{harm}: {lost} pings are lost outside of it"));
         }
         if has_unplaced {
             self.unplaced += 1;
-            self.notes
-                .push(format!("{harm}: no warning says where a ping is lost"));
+            self.notes.push(format!("{harm}: no warning says where a ping is lost"));
         }
     }
 
@@ -303,16 +272,15 @@ impl Outcome {
     }
 }
 
-/// All channels of all pings, sorted. Files are counted as in `files`: a survey leaves out those without a ping.
+/// All channels of all pings, sorted. Files are counted as in `files`: a survey leaves out those
+/// without a ping.
 fn pings_of(survey: &Survey, files: &[(PathBuf, Bytes)]) -> Vec<PingPlace> {
     let file_of = |span: &SideSpan| {
         let path = &survey.source.files[usize::from(span.file)];
-        files
-            .iter()
-            .position(|(other, _)| other == path)
-            .unwrap_or(usize::MAX) as u8
+        files.iter().position(|(other, _)| other == path).unwrap_or(usize::MAX) as u8
     };
-    // Survey recorders count from their first ping, which may be lost; the others from their own zero.
+    // Survey recorders count from their first ping, which may be lost; the others from their own
+    // zero.
     let from_first = survey.range_source == RangeSource::SurveyRecorder;
     let zero_s = survey.start_unix_s.filter(|_| from_first).unwrap_or(0.0);
     let place = |channel: u8, time_s: f64, span: &SideSpan| PingPlace {
@@ -326,10 +294,7 @@ fn pings_of(survey: &Survey, files: &[(PathBuf, Bytes)]) -> Vec<PingPlace> {
     let mut all = Vec::new();
     for ping in survey.side_scan.iter() {
         for side in Side::BOTH {
-            all.extend(
-                ping.side(side)
-                    .map(|span| place(side as u8, ping.time_s, span)),
-            );
+            all.extend(ping.side(side).map(|span| place(side as u8, ping.time_s, span)));
         }
     }
     for echogram in &survey.echograms {

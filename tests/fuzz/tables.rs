@@ -41,12 +41,7 @@ pub(super) fn gauge(bytes: &[u8]) {
     held_as("levels.csv", bytes, |path| match read_gauge(path) {
         Ok(gauge) => {
             assert!(!gauge.readings.is_empty());
-            check_finite(
-                gauge
-                    .readings
-                    .iter()
-                    .flat_map(|(time_s, level_m)| [*time_s, *level_m]),
-            );
+            check_finite(gauge.readings.iter().flat_map(|(time_s, level_m)| [*time_s, *level_m]));
         }
         Err(error) => say(&error),
     });
@@ -56,9 +51,7 @@ pub(super) fn gauge_seeds() -> Vec<Vec<u8>> {
     let semicolons =
         "# gauge at the dam\nstation;time;level_m\nA;2021-10-12T00:53:20Z;1.5\nA;1634003600;2.5\n";
     let commas = "time,level_m\n1634000000,1.0\n1634000010,1.01\n";
-    [semicolons, commas]
-        .map(|text| text.as_bytes().to_vec())
-        .into()
+    [semicolons, commas].map(|text| text.as_bytes().to_vec()).into()
 }
 
 pub(super) fn area(bytes: &[u8]) {
@@ -77,7 +70,5 @@ pub(super) fn area_seeds() -> Vec<Vec<u8>> {
     let kml = "<?xml version='1.0'?><kml><Placemark><Polygon><outerBoundaryIs><LinearRing><coordinates>\n 8,47,0 8.1,47,0\n8.1,47.1 8,47 </coordinates>\
         </LinearRing></outerBoundaryIs></Polygon></Placemark></kml>";
     let gpx = "<gpx><trk><trkseg><trkpt lat='47' lon='8'/><trkpt lat='47' lon='8.1'/><trkpt lat='47.1' lon='8.1'/></trkseg></trk><rte><rtept lat='47' lon='8'/></rte></gpx>";
-    [geojson, kml, gpx]
-        .map(|text| text.as_bytes().to_vec())
-        .into()
+    [geojson, kml, gpx].map(|text| text.as_bytes().to_vec()).into()
 }

@@ -10,12 +10,7 @@ fn seeds_are_read() {
         let seeds = (target.seeds)();
         assert!(!seeds.is_empty(), "{}", target.name);
         for seed in &seeds {
-            assert!(
-                seed.len() <= target.longest,
-                "{}: {}",
-                target.name,
-                seed.len()
-            );
+            assert!(seed.len() <= target.longest, "{}: {}", target.name, seed.len());
             (target.run)(seed);
             // Cut and changed, as the fuzzer begins.
             for at in (0..seed.len()).step_by(seed.len() / 24 + 1) {

@@ -1,4 +1,5 @@
-//! The borders between the modules: data flows one way, and the widgets and the GPU stay where they belong.
+//! The borders between the modules: data flows one way, and the widgets and the GPU stay where they
+//! belong.
 
 mod imports;
 
@@ -14,27 +15,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("formats::base_map", &["support::geo", "formats"]),
     ("simulation", &["survey", "support::geo", "formats"]),
     ("sonar::first_return", &["survey"]),
-    (
-        "imagery::waterfall",
-        &["survey", "support::geo", "sonar::first_return"],
-    ),
+    ("imagery::waterfall", &["survey", "support::geo", "sonar::first_return"]),
     ("sonar::calibration", &["survey", "sonar::first_return"]),
-    (
-        "bottom::cloud",
-        &["survey", "sonar::first_return", "sonar::calibration"],
-    ),
-    (
-        "bottom::bathymetry",
-        &["survey", "bottom::cloud", "support::presentation"],
-    ),
-    (
-        "products::map_tiles",
-        &[
-            "support::geo",
-            "bottom::bathymetry",
-            "support::presentation",
-        ],
-    ),
+    ("bottom::cloud", &["survey", "sonar::first_return", "sonar::calibration"]),
+    ("bottom::bathymetry", &["survey", "bottom::cloud", "support::presentation"]),
+    ("products::map_tiles", &["support::geo", "bottom::bathymetry", "support::presentation"]),
     ("bottom::planning", &["bottom::bathymetry"]),
     ("bottom::swath", &["survey", "bottom::bathymetry"]),
     (
@@ -57,15 +42,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "imagery::waterfall",
         ],
     ),
-    (
-        "detection",
-        &[
-            "survey",
-            "support::geo",
-            "sonar::first_return",
-            "sonar::calibration",
-        ],
-    ),
+    ("detection", &["survey", "support::geo", "sonar::first_return", "sonar::calibration"]),
     (
         "products::export",
         &[
@@ -212,10 +189,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
     while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder)
-            .expect("a folder of the source tree")
-            .flatten()
-        {
+        for entry in fs::read_dir(&folder).expect("a folder of the source tree").flatten() {
             let path = entry.path();
             if path.is_dir() {
                 folders.push(path);
@@ -247,11 +221,8 @@ fn code(path: &Path) -> String {
 
 #[test]
 fn modules_name_only_modules_before_them() {
-    let modules: Vec<&str> = MAY_USE
-        .iter()
-        .map(|(module, _)| *module)
-        .chain(["ui", "cli"])
-        .collect();
+    let modules: Vec<&str> =
+        MAY_USE.iter().map(|(module, _)| *module).chain(["ui", "cli"]).collect();
     let mut offences = Vec::new();
     for file in SERVE_ALL {
         if code(&source().join("support").join(file)).contains("crate::") {
@@ -279,11 +250,8 @@ fn modules_name_only_modules_before_them() {
 fn only_ui_names_egui_and_wgpu_and_render_names_no_egui() {
     let mut offences = Vec::new();
     for path in rust_files(&source()) {
-        let relative = path
-            .strip_prefix(source())
-            .expect("a path below src")
-            .to_string_lossy()
-            .into_owned();
+        let relative =
+            path.strip_prefix(source()).expect("a path below src").to_string_lossy().into_owned();
         let code = code(&path);
         let in_ui = relative.starts_with("ui/");
         let names_egui = ["egui::", "egui_tiles", "eframe::", "egui_wgpu"]
@@ -307,13 +275,7 @@ fn the_pipeline_computes_and_writes_nothing() {
     let mut offences = Vec::new();
     for path in rust_files(&source().join("pipeline")) {
         let code = code(&path);
-        for name in [
-            "write_aside",
-            "fs::write",
-            "create_dir",
-            "File::create",
-            "io::Write",
-        ] {
+        for name in ["write_aside", "fs::write", "create_dir", "File::create", "io::Write"] {
             if code.contains(name) {
                 offences.push(format!("{} names {name}", path.display()));
             }
@@ -349,21 +311,16 @@ const MAKERS: [&str; 7] = [
     "Surface::",
 ];
 
-/// Names that the code takes out of a module: `{a, b::C}` after `crate::module::` gives `a` and `C`.
+/// Names that the code takes out of a module: `{a, b::C}` after `crate::module::` gives `a` and
+/// `C`.
 fn names_of(code: &str, module: &str) -> Vec<String> {
     let within = |text: &str| -> Vec<String> {
         let in_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
         let (path, rest) = text.split_at(text.find(|c| !in_path(c)).unwrap_or(text.len()));
-        let listed = rest
-            .strip_prefix('{')
-            .filter(|_| path.is_empty() || path.ends_with("::"));
+        let listed = rest.strip_prefix('{').filter(|_| path.is_empty() || path.ends_with("::"));
         let names = listed.map_or(path, |rest| rest.split('}').next().unwrap_or(rest));
         let last = |name: &str| name.trim().rsplit("::").next().map(str::to_owned);
-        names
-            .split(',')
-            .filter_map(last)
-            .filter(|name| !name.is_empty())
-            .collect()
+        names.split(',').filter_map(last).filter(|name| !name.is_empty()).collect()
     };
     let path = format!("crate::{module}::");
     let mut found: Vec<String> = (code.split(&path).skip(1)).flat_map(within).collect();
@@ -387,10 +344,7 @@ fn ui_computes_no_result() {
         // Tests compare what is drawn with results.
         let code = code.split("#[cfg(test)]").next().unwrap_or_default();
         for module in MAKES_RESULTS {
-            for name in names_of(code, module)
-                .iter()
-                .filter(|name| is_function(name))
-            {
+            for name in names_of(code, module).iter().filter(|name| is_function(name)) {
                 offences.push(format!("{} takes {module}::{name}", path.display()));
             }
         }
@@ -401,18 +355,10 @@ fn ui_computes_no_result() {
     assert!(offences.is_empty(), "{offences:#?}");
     // The check itself: it sees functions however they are named.
     let seen = |code: &str| names_of(code, "bottom::bathymetry").iter().any(is_function);
-    assert!(seen(
-        "use bathyscope_bottom::bathymetry::{Grid, hill_shade};"
-    ));
-    assert!(seen(
-        "use bathyscope_bottom::bathymetry;\nlet x = bathymetry::depth_range(y);"
-    ));
-    assert!(seen(
-        "let x = bathyscope_bottom::bathymetry::isobaths::smoothed(line, 2);"
-    ));
-    assert!(!seen(
-        "use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;"
-    ));
+    assert!(seen("use bathyscope_bottom::bathymetry::{Grid, hill_shade};"));
+    assert!(seen("use bathyscope_bottom::bathymetry;\nlet x = bathymetry::depth_range(y);"));
+    assert!(seen("let x = bathyscope_bottom::bathymetry::isobaths::smoothed(line, 2);"));
+    assert!(!seen("use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;"));
 }
 
 #[test]
@@ -434,10 +380,7 @@ fn files_stay_small_enough_to_read() {
     let long: Vec<String> = rust_files(&source())
         .into_iter()
         .filter_map(|path| {
-            let lines = fs::read_to_string(&path)
-                .expect("a readable source file")
-                .lines()
-                .count();
+            let lines = fs::read_to_string(&path).expect("a readable source file").lines().count();
             (lines > 600).then(|| format!("{}: {lines} lines", path.display()))
         })
         .collect();
@@ -446,21 +389,17 @@ fn files_stay_small_enough_to_read() {
 
 #[test]
 fn controls_of_settings_have_their_range_from_the_table() {
-    // The filter of boxes, the comparison and the plan of further lines have controls that move no setting.
-    const NO_SETTINGS: [&str; 3] = [
-        "review/queue.rs",
-        "residuals/reference.rs",
-        "panels/plan.rs",
-    ];
+    // The filter of boxes, the comparison and the plan of further lines have controls that move no
+    // setting.
+    const NO_SETTINGS: [&str; 3] = ["review/queue.rs", "residuals/reference.rs", "panels/plan.rs"];
     let panels = source().join("ui/panels");
     let parts = panels.join("parts.rs");
     let mut offences = Vec::new();
     for path in rust_files(&panels) {
         let other = NO_SETTINGS.iter().any(|name| path.ends_with(name));
         let code = code(&path);
-        let makes_one = ["Slider::new", "DragValue::new"]
-            .iter()
-            .any(|control| code.contains(control));
+        let makes_one =
+            ["Slider::new", "DragValue::new"].iter().any(|control| code.contains(control));
         if makes_one && !other && path != parts {
             offences.push(format!("{} makes a control of its own", path.display()));
         }

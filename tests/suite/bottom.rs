@@ -1,4 +1,5 @@
-//! Bottom edits: in the window with the mouse and the keys, and headless from the file that the window keeps.
+//! Bottom edits: in the window with the mouse and the keys, and headless from the file that the
+//! window keeps.
 
 use crate::cli::{refusal, run, stderr_of};
 use crate::review::mouse::{at, drag, pull};
@@ -39,40 +40,22 @@ fn near(found: Option<f64>, expected: f64) -> bool {
 fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::F);
-    let found = |window: &Window| {
-        app(window)
-            .log
-            .products
-            .as_ref()
-            .expect("a result")
-            .found
-            .clone()
-    };
+    let found =
+        |window: &Window| app(window).log.products.as_ref().expect("a result").found.clone();
     let (search, before) = (found(&window), range_m(app(&window), Side::Port, 350));
     press(&mut window, Modifiers::NONE, Key::M);
     window.get_by_label_contains(", drawing the bottom");
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     assert!(near(range_m(app(&window), Side::Port, 302), 6.0));
-    assert_eq!(
-        range_m(app(&window), Side::Starboard, 350),
-        starboard(&search, &window)
-    );
-    assert!(
-        Arc::ptr_eq(&search, &found(&window)),
-        "the search ran again"
-    );
+    assert_eq!(range_m(app(&window), Side::Starboard, 350), starboard(&search, &window));
+    assert!(Arc::ptr_eq(&search, &found(&window)), "the search ran again");
     let products = app(&window).log.products.as_ref().expect("a result");
     assert_eq!(products.returns.port[350].confidence, 1.0);
     window.get_by_label_contains("pings edited");
 
     // With Ctrl none is detected; with Alt the search counts again, but for what is left beside it.
-    draw(
-        &mut window,
-        Modifiers::COMMAND,
-        (320.0, -7.0),
-        (380.0, -7.0),
-    );
+    draw(&mut window, Modifiers::COMMAND, (320.0, -7.0), (380.0, -7.0));
     assert_eq!(range_m(app(&window), Side::Port, 350), None);
     assert!(near(range_m(app(&window), Side::Port, 310), 5.8));
     draw(&mut window, Modifiers::ALT, (330.0, -7.0), (370.0, -7.0));
@@ -82,17 +65,12 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     for expected in [None, Some(5.0), before] {
         press(&mut window, Modifiers::COMMAND, Key::Z);
         let now = range_m(app(&window), Side::Port, 350);
-        assert!(
-            now == expected || near(now, expected.unwrap_or(f64::NAN)),
-            "{now:?} {expected:?}"
-        );
+        assert!(now == expected || near(now, expected.unwrap_or(f64::NAN)), "{now:?} {expected:?}");
     }
     assert!(app(&window).log.settings.bottom.is_empty());
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
-    window
-        .get_by_label("Remove the bottom edits")
-        .click_accesskit();
+    window.get_by_label("Remove the bottom edits").click_accesskit();
     window.run();
     assert_eq!(range_m(app(&window), Side::Port, 350), before);
     // Without the pen a drag moves the picture.
@@ -116,9 +94,7 @@ fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::M);
-    window
-        .get_by_label("Draw the bottom on both sides")
-        .click_accesskit();
+    window.get_by_label("Draw the bottom on both sides").click_accesskit();
     window.run();
     draw(&mut window, Modifiers::NONE, (500.0, 4.0), (600.0, 4.0));
     for side in Side::BOTH {
@@ -138,23 +114,13 @@ fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     for (side, before_m) in Side::BOTH.into_iter().zip(before) {
         let step_m = survey.span(0, side).expect("a side").metres_per_sample();
         let now_m = range_m(app(&window), side, 0).expect("a return");
-        assert!(
-            (now_m - before_m - 9.0 * step_m).abs() < 1e-3,
-            "{side:?}: {now_m}"
-        );
+        assert!((now_m - before_m - 9.0 * step_m).abs() < 1e-3, "{side:?}: {now_m}");
     }
 }
 
 /// The drawing that the window keeps, headless.
-const PROCESS: [&str; 7] = [
-    "process",
-    "pond.sl2",
-    "-o",
-    "out",
-    "--no-objects",
-    "--settings",
-    "pond.bottom.toml",
-];
+const PROCESS: [&str; 7] =
+    ["process", "pond.sl2", "-o", "out", "--no-objects", "--settings", "pond.bottom.toml"];
 
 fn copied(folder: &Path) -> PathBuf {
     let log = folder.join("pond.sl2");
@@ -192,40 +158,21 @@ fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
     let table =
         fs::read_to_string(folder.path().join("out/points/first_returns.csv")).expect("a table");
     let row = table.lines().nth(351).expect("ping 350");
-    let sample: f64 = row
-        .split(',')
-        .nth(8)
-        .and_then(|field| field.parse().ok())
-        .expect("a sample");
+    let sample: f64 = row.split(',').nth(8).and_then(|field| field.parse().ok()).expect("a sample");
     let products = app(&window).log.products.as_ref().expect("a result");
-    assert!(
-        (sample - f64::from(products.returns.port[350].sample)).abs() < 0.01,
-        "{row}"
-    );
+    assert!((sample - f64::from(products.returns.port[350].sample)).abs() < 0.01, "{row}");
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
     let count = drawn.ping_count();
     assert!((95..107).contains(&count), "{count}");
     assert!(report.contains(&format!("{count} first returns are manual picks.")));
-    assert!(
-        report.contains("\"bottom\""),
-        "settings are all in the report"
-    );
+    assert!(report.contains("\"bottom\""), "settings are all in the report");
 
     // Nothing is taken up unasked; that it lies there is said.
-    let said = stderr_of(
-        folder.path(),
-        &["process", "pond.sl2", "-o", "plain", "--no-objects"],
-    );
-    assert!(
-        said.contains("bottom edits lie next to the log and are not used"),
-        "{said}"
-    );
+    let said = stderr_of(folder.path(), &["process", "pond.sl2", "-o", "plain", "--no-objects"]);
+    assert!(said.contains("bottom edits lie next to the log and are not used"), "{said}");
 
     // Taken back, nothing is left to be taken up.
-    window
-        .state_mut()
-        .app
-        .apply(Command::Do(Action::ForgetBottom));
+    window.state_mut().app.apply(Command::Do(Action::ForgetBottom));
     window.run();
     assert!(!kept.exists());
 }
@@ -235,10 +182,7 @@ fn track_next_to(log: &Path) -> PathBuf {
     let survey = bathyscope_log::formats::open(log, &Progress::new()).expect("the demo");
     let mut text = "time,lon,lat\n".to_owned();
     for fix in survey.track.fixes.iter() {
-        let (at, time_s) = (
-            fix.position,
-            survey.start_unix_s.expect("a time") + fix.time_s,
-        );
+        let (at, time_s) = (fix.position, survey.start_unix_s.expect("a time") + fix.time_s);
         text += &format!("{time_s:.3},{:.9},{:.9}\n", at.lon_deg, at.lat_deg);
     }
     let path = log.with_file_name("rtk.csv");
@@ -264,20 +208,8 @@ fn a_drawing_stays_under_another_receivers_track() {
     let follow = Command::OpenFile(FileToOpen::Track(track.clone()));
     window.state_mut().app.apply(follow);
     window.run();
-    assert!(
-        app(&window)
-            .log
-            .survey
-            .as_ref()
-            .expect("a survey")
-            .track
-            .external
-            .is_some()
-    );
-    assert!(
-        near(range_m(app(&window), Side::Port, 350), 5.0),
-        "lost under the track"
-    );
+    assert!(app(&window).log.survey.as_ref().expect("a survey").track.external.is_some());
+    assert!(near(range_m(app(&window), Side::Port, 350), 5.0), "lost under the track");
     // The next stroke joins it.
     window.state_mut().app.apply(stroke(Side::Starboard));
     window.run();
@@ -291,26 +223,18 @@ fn a_drawing_stays_under_another_receivers_track() {
     }
     drop(window);
 
-    // As an earlier version kept it, with the bytes of the track: with the track or without, it is the same log.
+    // As an earlier version kept it, with the bytes of the track: with the track or without, it is
+    // the same log.
     let bytes = |path: &Path| fs::metadata(path).expect("a file").len();
     let [own, both] = [bytes(&log), bytes(&log) + bytes(&track)];
-    let earlier = text.replace(
-        &format!("log_bytes = {own}"),
-        &format!("log_bytes = {both}"),
-    );
+    let earlier = text.replace(&format!("log_bytes = {own}"), &format!("log_bytes = {both}"));
     assert_ne!(earlier, text);
     fs::write(&kept, &earlier).expect("a file");
     let window = opened(&log);
     assert_eq!(app(&window).log.settings.bottom.lines.len(), 2);
-    run(
-        folder.path(),
-        &[&PROCESS[..], &["--track", "rtk.csv"]].concat(),
-    );
+    run(folder.path(), &[&PROCESS[..], &["--track", "rtk.csv"]].concat());
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
-    assert!(
-        report.contains("202 first returns are manual picks."),
-        "{report}"
-    );
+    assert!(report.contains("202 first returns are manual picks."), "{report}");
 }
 
 #[test]
@@ -322,18 +246,11 @@ fn a_review_that_cannot_be_used_is_kept_when_another_is_saved() {
     let mut window = opened(&log);
     window.get_by_label_contains("this is no review");
     let place = app(&window).review_path().expect("a place");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Review(place)));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Review(place)));
     window.run();
     let aside = folder.path().join("pond.review-older.json");
     assert_eq!(fs::read_to_string(aside).expect("kept"), "years of work");
-    assert!(
-        fs::read_to_string(&path)
-            .expect("saved")
-            .contains("\"survey\"")
-    );
+    assert!(fs::read_to_string(&path).expect("saved").contains("\"survey\""));
 }
 
 #[test]
@@ -343,14 +260,8 @@ fn a_drawing_of_another_log_is_kept_aside_and_said() {
     let kept = folder.path().join("pond.bottom.toml");
     let lines = "[[bottom.lines]]\nside = 'port'\npings = [3, 9]\ncorners = [[3, 2.0]]\n";
     for (text, words) in [
-        (
-            format!("[bottom]\npings = 50\n{lines}"),
-            "belongs to a log of 0 bytes and 50 pings",
-        ),
-        (
-            format!("[bottom]\npings = 5\n{lines}"),
-            "below bottom.pings",
-        ),
+        (format!("[bottom]\npings = 50\n{lines}"), "belongs to a log of 0 bytes and 50 pings"),
+        (format!("[bottom]\npings = 5\n{lines}"), "below bottom.pings"),
         ("bottom = 3".to_owned(), "cannot use the bottom edits"),
     ] {
         fs::write(&kept, &text).expect("a file");
@@ -365,19 +276,13 @@ fn a_drawing_of_another_log_is_kept_aside_and_said() {
         let aside = folder.path().join("pond.bottom-older.toml");
         assert_eq!(fs::read_to_string(&aside).expect("kept aside"), text);
         window.get_by_label_contains("is kept as");
-        assert_eq!(
-            app(&opened(&log)).log.settings.bottom,
-            app(&window).log.settings.bottom
-        );
+        assert_eq!(app(&opened(&log)).log.settings.bottom, app(&window).log.settings.bottom);
         fs::remove_file(aside).expect("the file");
     }
     fs::write(&kept, format!("[bottom]\npings = 50\n{lines}")).expect("a file");
     run(folder.path(), &PROCESS);
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
-    assert!(
-        report.contains("it belongs to a log of 0 bytes and 50 pings"),
-        "{report}"
-    );
+    assert!(report.contains("it belongs to a log of 0 bytes and 50 pings"), "{report}");
     fs::write(&kept, format!("[bottom]\npings = 5\n{lines}")).expect("a file");
     let sentence = refusal(folder.path(), &PROCESS, 1);
     assert!(sentence.contains("below bottom.pings"), "{sentence}");
@@ -391,16 +296,8 @@ fn the_window_with_the_pen_in_hand_looks_as_it_did() {
     window.state_mut().show_pings(0..500);
     press(&mut window, Modifiers::NONE, Key::M);
     for (side, path, ink) in [
-        (
-            Side::Port,
-            vec![[40.0, 2.6], [90.0, 4.0], [140.0, 2.6]],
-            Ink::Bottom,
-        ),
-        (
-            Side::Starboard,
-            vec![[200.0, 2.0], [300.0, 2.0]],
-            Ink::Silence,
-        ),
+        (Side::Port, vec![[40.0, 2.6], [90.0, 4.0], [140.0, 2.6]], Ink::Bottom),
+        (Side::Starboard, vec![[200.0, 2.0], [300.0, 2.0]], Ink::Silence),
     ] {
         let stroke = BottomStroke { side, path, ink };
         window.state_mut().app.apply(Command::DrawBottom(stroke));

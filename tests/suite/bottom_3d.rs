@@ -26,8 +26,8 @@ const SIDE_PX: u32 = 256;
 const RED: [u8; 3] = [200, 40, 30];
 const BLUE: [u8; 3] = [30, 60, 200];
 
-/// Two tiles beside each other, 1 m squares: the western one red and 2 m deep, the eastern one blue and 6 m deep, with a square hole of
-/// unknown depth in its middle.
+/// Two tiles beside each other, 1 m squares: the western one red and 2 m deep, the eastern one blue
+/// and 6 m deep, with a square hole of unknown depth in its middle.
 fn tiles() -> Vec<Vec<BottomVertex>> {
     let side = BOTTOM_TILE + 1;
     let tile = |(rgb, up): ([u8; 3], f32)| {
@@ -36,11 +36,7 @@ fn tiles() -> Vec<Vec<BottomVertex>> {
             let (row, column) = (cell / side, cell % side);
             let is_hole = rgb == BLUE && (24..40).contains(&row) && (24..40).contains(&column);
             let place = Vec3::new((first + column) as f32, -(row as f32), up);
-            let part = if is_hole {
-                BottomPart::None
-            } else {
-                BottomPart::Lit
-            };
+            let part = if is_hole { BottomPart::None } else { BottomPart::Lit };
             BottomVertex::new(place, [0.0, 0.0, 1.0], rgb, part)
         };
         (0..side * side).map(corner).collect()
@@ -112,17 +108,11 @@ fn read_back(
                 rows_per_image: None,
             },
         },
-        wgpu::Extent3d {
-            width: SIDE_PX,
-            height: SIDE_PX,
-            depth_or_array_layers: 1,
-        },
+        wgpu::Extent3d { width: SIDE_PX, height: SIDE_PX, depth_or_array_layers: 1 },
     );
     queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("mapped"));
-    device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .expect("the GPU is done");
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("the GPU is done");
     let bytes = buffer.get_mapped_range(..).expect("mapped").to_vec();
     image::RgbaImage::from_raw(SIDE_PX, SIDE_PX, bytes).expect("all pixels")
 }
@@ -165,7 +155,8 @@ fn tiles_lie_where_their_places_are_in_their_colours_and_holes_stay_open() {
 
 #[test]
 fn what_is_nearer_hides_what_is_behind() {
-    // From the west and above: over the edge of the red tile, 4 m higher, the blue one is seen from 42 m behind it on.
+    // From the west and above: over the edge of the red tile, 4 m higher, the blue one is seen from
+    // 42 m behind it on.
     let camera = OrbitCamera {
         target: Vec3::new(0.0, -32.0, -2.0),
         distance_m: 30.0,
@@ -191,10 +182,7 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
         BottomVertex::new(place, [0.0, 0.0, 1.0], RED, BottomPart::Lit)
     };
     let slope: Vec<BottomVertex> = (0..(BOTTOM_TILE + 1).pow(2)).map(corner).collect();
-    let camera = OrbitCamera {
-        target: Vec3::new(32.0, -32.0, -3.0),
-        ..overhead(100.0)
-    };
+    let camera = OrbitCamera { target: Vec3::new(32.0, -32.0, -3.0), ..overhead(100.0) };
     let picture = drawn(vec![slope], camera, Some([2.0, 1.0]), ScenePart::WHOLE);
     let red_at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -0.1 * east_m));
@@ -212,16 +200,13 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
 
 #[test]
 fn what_is_plain_has_its_own_colour_and_no_isobaths_whatever_the_light() {
-    // All of it falls 1 in 1 towards the east, away from a light in the west that stands on the horizon; its northern half is plain.
+    // All of it falls 1 in 1 towards the east, away from a light in the west that stands on the
+    // horizon; its northern half is plain.
     let falling = tiles().into_iter().map(|tile| {
         let corner = |vertex: BottomVertex| {
             let [east_m, north_m, _] = vertex.place;
             let is_plain = north_m > -0.5 * BOTTOM_TILE as f32;
-            let part = if is_plain {
-                BottomPart::Plain
-            } else {
-                BottomPart::Lit
-            };
+            let part = if is_plain { BottomPart::Plain } else { BottomPart::Lit };
             let place = Vec3::new(east_m, north_m, -east_m);
             BottomVertex::new(place, [0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt()], RED, part)
         };
@@ -270,9 +255,7 @@ fn from_far_away_the_bottom_has_the_mean_colours_of_its_ground() {
             let [x, y] = pixel(camera, Vec3::new(12.0 + step as f32, -30.0, -2.0));
             picture.get_pixel(x, y).0[0]
         });
-        levels.fold([255, 0], |[least, most], level| {
-            [least.min(level), most.max(level)]
-        })
+        levels.fold([255, 0], |[least, most], level| [least.min(level), most.max(level)])
     };
     let [least, most] = ends(60.0);
     assert!(most - least > 150, "{least} to {most} from near");
@@ -283,32 +266,24 @@ fn from_far_away_the_bottom_has_the_mean_colours_of_its_ground() {
 fn only_what_lies_in_the_clip_box_is_drawn() {
     let camera = overhead(180.0);
     // East of 10 m and down to 4 m: a part of the red tile, and nothing of the deeper blue one.
-    let part = ScenePart {
-        corners: [Vec3::new(10.0, f32::MIN, -4.0), Vec3::MAX],
-        cut: None,
-    };
+    let part = ScenePart { corners: [Vec3::new(10.0, f32::MIN, -4.0), Vec3::MAX], cut: None };
     let picture = drawn(tiles(), camera, None, part);
     let alpha_at = |east_m: f32, up_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -50.0, up_m));
         picture.get_pixel(x, y).0[3]
     };
-    assert_eq!(
-        [8.0, 12.0, 60.0].map(|east_m| alpha_at(east_m, -2.0)),
-        [0, 255, 255]
-    );
+    assert_eq!([8.0, 12.0, 60.0].map(|east_m| alpha_at(east_m, -2.0)), [0, 255, 255]);
     assert_eq!(alpha_at(110.0, -6.0), 0);
 }
 
 #[test]
 fn nothing_is_drawn_in_front_of_a_cross_section() {
     let camera = overhead(180.0);
-    // An upright plane through (40, -60) towards north-east: what lies south-east of it is left out.
+    // An upright plane through (40, -60) towards north-east: what lies south-east of it is left
+    // out.
     let outward = Vec2::new(1.0, -1.0).normalize();
     let part = ScenePart {
-        cut: Some(Cut {
-            outward,
-            at_m: outward.dot(Vec2::new(40.0, -60.0)),
-        }),
+        cut: Some(Cut { outward, at_m: outward.dot(Vec2::new(40.0, -60.0)) }),
         ..ScenePart::WHOLE
     };
     let picture = drawn(tiles(), camera, None, part);
@@ -341,32 +316,20 @@ fn faces_of_the_clip_box_are_dragged_and_what_lies_outside_goes() {
     settle(&mut window);
     assert_eq!(clip(&window), Some(ClipBox::WHOLE));
     let name = "west end of the clip box";
-    let from = window
-        .get_by_role_and_label(Role::Slider, name)
-        .rect()
-        .center();
-    let to = window
-        .get_by_role_and_label(Role::Slider, "east end of the clip box")
-        .rect()
-        .center();
+    let from = window.get_by_role_and_label(Role::Slider, name).rect().center();
+    let to = window.get_by_role_and_label(Role::Slider, "east end of the clip box").rect().center();
     let middle = from.lerp(to, 0.5);
     drag(&mut window, from, middle);
     settle(&mut window);
     let ends_m = clip(&window).expect("a clip box").ends_m;
     let [west_m, _] = ends_m[0];
-    assert!(
-        west_m.is_finite() && ends_m[0][1].is_infinite(),
-        "{ends_m:?}"
-    );
+    assert!(west_m.is_finite() && ends_m[0][1].is_infinite(), "{ends_m:?}");
     assert_eq!(ends_m[1..], ClipBox::WHOLE.ends_m[1..]);
     let half = points_seen(&mut window);
     assert!(half < all * 3 / 4 && half > all / 8, "{half} of {all}");
     window.snapshot("cloud_clip_box");
     // Back to where everything begins.
-    let here = window
-        .get_by_role_and_label(Role::Slider, name)
-        .rect()
-        .center();
+    let here = window.get_by_role_and_label(Role::Slider, name).rect().center();
     drag(&mut window, here, from + (from - to));
     assert_eq!(clip(&window), Some(ClipBox::WHOLE));
     press(&mut window, Modifiers::SHIFT, Key::X);
@@ -440,11 +403,9 @@ fn the_mosaic_goes_on_beside_the_depths_on_a_level_bed() {
             }
         }
     }
-    assert!(
-        echoes.grid.cell_m < 0.5 * depths.grid.cell_m,
-        "as fine as the mosaic"
-    );
-    // Ranges of 12 m about a pond of 45 m by 20 m: the picture covers some half as much ground again.
+    assert!(echoes.grid.cell_m < 0.5 * depths.grid.cell_m, "as fine as the mosaic");
+    // Ranges of 12 m about a pond of 45 m by 20 m: the picture covers some half as much ground
+    // again.
     let known = depths.depth_m.iter().filter(|depth_m| !depth_m.is_nan());
     let known_m2 = known.count() as f64 * depths.grid.cell_m.powi(2);
     let beyond_m2 = f64::from(beyond) * echoes.grid.cell_m.powi(2);
@@ -500,10 +461,7 @@ fn a_click_on_the_mosaic_in_3d_shows_the_place_in_the_waterfall() {
     };
     wheel(&mut window, 2.0);
     let again = place(&mut window, from);
-    assert!(
-        (again[0] - a[0]).hypot(again[1] - a[1]) < 0.6,
-        "{a:?} {again:?}"
-    );
+    assert!((again[0] - a[0]).hypot(again[1] - a[1]) < 0.6, "{a:?} {again:?}");
     let nearer = place(&mut window, from + step);
     assert!((nearer[0] - a[0]).abs() < 0.6 * step_m, "{a:?} {nearer:?}");
 }
@@ -512,29 +470,17 @@ fn a_click_on_the_mosaic_in_3d_shows_the_place_in_the_waterfall() {
 fn a_picture_is_drawn_of_the_bottom_in_each_of_its_colours() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    let pictures = [
-        "depth",
-        "mosaic",
-        "uncertainty",
-        "distance",
-        "source",
-        "none",
-        "no points",
-    ]
-    .map(|colours| {
-        let name = format!("{colours}.png");
-        let snapshot = [
-            "snapshot", "-o", &name, "--view", "cloud", "--size", "400x300",
-        ];
-        let options = match colours {
-            "no points" => vec!["--bottom", "mosaic", "--no-points"],
-            _ => vec!["--bottom", colours],
-        };
-        run(folder, &[&snapshot[..], &options].concat());
-        image::open(folder.join(&name))
-            .expect("a picture")
-            .to_rgb8()
-    });
+    let pictures = ["depth", "mosaic", "uncertainty", "distance", "source", "none", "no points"]
+        .map(|colours| {
+            let name = format!("{colours}.png");
+            let snapshot = ["snapshot", "-o", &name, "--view", "cloud", "--size", "400x300"];
+            let options = match colours {
+                "no points" => vec!["--bottom", "mosaic", "--no-points"],
+                _ => vec!["--bottom", colours],
+            };
+            run(folder, &[&snapshot[..], &options].concat());
+            image::open(folder.join(&name)).expect("a picture").to_rgb8()
+        });
     for (index, one) in pictures.iter().enumerate() {
         for other in &pictures[index + 1..] {
             let pairs = one.pixels().zip(other.pixels());
@@ -547,10 +493,7 @@ fn a_picture_is_drawn_of_the_bottom_in_each_of_its_colours() {
 /// JSON and bytes of a binary glTF, its lengths checked.
 fn parts(glb: &[u8]) -> (Value, &[u8]) {
     let number = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
-    assert_eq!(
-        (&glb[..4], number(4), number(8)),
-        (&b"glTF"[..], 2, glb.len())
-    );
+    assert_eq!((&glb[..4], number(4), number(8)), (&b"glTF"[..], 2, glb.len()));
     let json = number(12);
     assert_eq!(&glb[16..20], b"JSON");
     let bytes = number(20 + json);
@@ -566,10 +509,7 @@ fn the_file_for_3d_programs_holds_every_cell_of_the_depth_map_at_its_place() {
     let folder = temporary.path();
     run(folder, &["simulate", "-o", "pond", "--seed", "5"]);
     let process = ["process", "pond.sl2", "-o", "out", "--no-objects"];
-    run(
-        folder,
-        &[&process[..], &["--products", "bottom,xyz"]].concat(),
-    );
+    run(folder, &[&process[..], &["--products", "bottom,xyz"]].concat());
     let glb = fs::read(folder.join("out/depth/bottom.glb")).expect("the bottom");
     let (document, bytes) = parts(&glb);
     let origin = &document["asset"]["extras"]["origin"];
@@ -588,17 +528,9 @@ fn the_file_for_3d_programs_holds_every_cell_of_the_depth_map_at_its_place() {
     let corners: BTreeMap<[i64; 2], f64> = corners.collect();
     let text = fs::read_to_string(folder.join("out/depth/depth.xyz")).expect("the cells");
     let cells: Vec<Vec<f64>> = (text.lines())
-        .filter_map(|line| {
-            line.split([' ', ','])
-                .map(|part| part.parse().ok())
-                .collect()
-        })
+        .filter_map(|line| line.split([' ', ',']).map(|part| part.parse().ok()).collect())
         .collect();
-    assert!(
-        count > 500 && cells.len() == count,
-        "{} {count}",
-        cells.len()
-    );
+    assert!(count > 500 && cells.len() == count, "{} {count}", cells.len());
     for cell in cells {
         let [east, north, depth_m] = cell[..] else {
             panic!("{cell:?}");
@@ -625,11 +557,7 @@ fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
     settle(&mut window);
     press(&mut window, Modifiers::SHIFT, Key::Q);
     assert!(!app(&window).view.options.cloud.cut, "there is no line yet");
-    assert!(
-        window
-            .query_by_label_contains("draw a depth profile on the map first")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("draw a depth profile on the map first").is_some());
     window.get_by_label("Dismiss").click();
     window.run();
     let survey = app(&window).log.survey.clone().expect("a survey");
@@ -641,9 +569,7 @@ fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
     // Across the pond through the middle of the track.
     for [east_m, north_m] in [[-30.0, -12.0], [30.0, 12.0]] {
         let (east_m, north_m) = (middle.east_m + east_m, middle.north_m + north_m);
-        let corner = products
-            .navigation
-            .to_lon_lat(&survey.track, east_m, north_m);
+        let corner = products.navigation.to_lon_lat(&survey.track, east_m, north_m);
         app_mut.apply(Command::Measure(Measure::Corner(corner)));
     }
     app_mut.apply(Command::Do(Action::EndFigure));

@@ -1,4 +1,5 @@
-//! The bottom line at the recorded depth: the picture follows it, the measurements do not, and what was drawn stays.
+//! The bottom line at the recorded depth: the picture follows it, the measurements do not, and what
+//! was drawn stays.
 
 use crate::river::processed;
 use crate::support::{demo_log, real_data};
@@ -29,7 +30,8 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The demo, the river as Lowrance wrote it, the same as Humminbird recorded it, and a towed survey-grade XTF.
+/// The demo, the river as Lowrance wrote it, the same as Humminbird recorded it, and a towed
+/// survey-grade XTF.
 fn logs() -> Vec<PathBuf> {
     let data = real_data();
     let real = [
@@ -37,9 +39,7 @@ fn logs() -> Vec<PathBuf> {
         "humminbird-glen-canyon/Rec00001.DAT",
         "xtf/000_1236.xtf",
     ];
-    let real = data
-        .iter()
-        .flat_map(|data| real.map(|name| data.join(name)));
+    let real = data.iter().flat_map(|data| real.map(|name| data.join(name)));
     std::iter::once(demo_log()).chain(real).collect()
 }
 
@@ -95,8 +95,8 @@ fn it_lies_at_the_recorded_depth_and_moves_neither_points_nor_scales() {
         let said = recorded.bottom_line.warnings.iter();
         let said = said.filter(|text| text.contains("the bottom line is the first return"));
         assert_eq!(said.count(), usize::from(without > 0));
-        // A bank or a boulder beside the boat comes first; over level ground both are of one bottom: an offset of a keel or a draft would
-        // show here. The XTF has no depth at all.
+        // A bank or a boulder beside the boat comes first; over level ground both are of one
+        // bottom: an offset of a keel or a draft would show here. The XTF has no depth at all.
         match deepest_m {
             Some(deepest_m) => assert!(deepest_m.abs() < 0.15, "{path:?}: {deepest_m}"),
             None => assert!(survey.soundings.is_empty() && without > 0, "{path:?}"),
@@ -142,11 +142,8 @@ fn it_is_chosen_in_the_window_for_a_log_and_taken_back() {
     window.get_by_label_contains(", first return shown");
     let before = app(&window).log.products.clone().expect("results");
     let settings = with(&app(&window).log.settings, BottomLine::Recorded);
-    let change = Command::Change {
-        settings: Box::new(settings),
-        label: "bottom line",
-        live: false,
-    };
+    let change =
+        Command::Change { settings: Box::new(settings), label: "bottom line", live: false };
     window.state_mut().app.apply(change);
     window.run();
     window.get_by_label_contains("bottom line at the recorded depth shown");

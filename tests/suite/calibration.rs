@@ -17,11 +17,7 @@ use std::sync::Arc;
 
 /// A survey whose range does not change.
 fn pond(scene: Scene, seed: u64) -> KnownSurvey {
-    let artefacts = Artefacts {
-        range_change: 1.0,
-        weed_m: 0.0,
-        ..Artefacts::default()
-    };
+    let artefacts = Artefacts { range_change: 1.0, weed_m: 0.0, ..Artefacts::default() };
     KnownSurvey::new(&Scene { artefacts, ..scene }, seed)
 }
 
@@ -55,15 +51,8 @@ fn calibrated(pond: &KnownSurvey, returns: &FirstReturns, settings: &Settings) -
     let navigation =
         navigate(&pond.survey, &settings.heading, Projection::Enu, &progress).expect("a track");
     let spots = flat_spots(&pond.survey, &navigation, returns, 5, &progress).expect("spots");
-    calibrate(
-        &pond.survey,
-        &navigation,
-        returns,
-        &spots,
-        &settings.calibration,
-        &progress,
-    )
-    .expect("scales")
+    calibrate(&pond.survey, &navigation, returns, &spots, &settings.calibration, &progress)
+        .expect("scales")
 }
 
 #[test]
@@ -73,21 +62,10 @@ fn the_flattest_stretch_lies_on_the_terrace() {
     for seed in 0..3 {
         let pond = pond(scene.clone(), seed);
         let progress = Progress::new();
-        let navigation = navigate(
-            &pond.survey,
-            &Default::default(),
-            Projection::Enu,
-            &progress,
-        )
-        .expect("a track");
-        let spots = flat_spots(
-            &pond.survey,
-            &navigation,
-            &true_returns(&pond, 0.0),
-            6,
-            &progress,
-        )
-        .expect("spots");
+        let navigation = navigate(&pond.survey, &Default::default(), Projection::Enu, &progress)
+            .expect("a track");
+        let spots = flat_spots(&pond.survey, &navigation, &true_returns(&pond, 0.0), 6, &progress)
+            .expect("spots");
         assert!(spots.len() >= 3);
         for (index, spot) in spots.iter().enumerate() {
             let apart = |other: &FlatSpot| {
@@ -95,16 +73,13 @@ fn the_flattest_stretch_lies_on_the_terrace() {
             };
             assert!(spots[..index].iter().all(apart), "{spots:?}");
         }
-        let [x, y] = pond.truth.frame.to_enu(LonLat {
-            lon_deg: scene.longitude_deg,
-            lat_deg: scene.latitude_deg,
-        });
+        let [x, y] = pond
+            .truth
+            .frame
+            .to_enu(LonLat { lon_deg: scene.longitude_deg, lat_deg: scene.latitude_deg });
         let middle = (spots[0].pings.start + spots[0].pings.end) / 2;
         let at = &pond.truth.pings[middle];
-        let (east_m, north_m) = (
-            at.east_m - x - terrace.east_m,
-            at.north_m - y - terrace.north_m,
-        );
+        let (east_m, north_m) = (at.east_m - x - terrace.east_m, at.north_m - y - terrace.north_m);
         assert!(
             east_m.abs() < terrace.length_m / 2.0 + 3.0
                 && north_m.abs() < terrace.width_m / 2.0 + 3.0,
@@ -128,15 +103,9 @@ fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() 
     assert_eq!(calibration.mode, ScaleMode::FlatSpot);
     let ppd = calibration.ppd().expect("a scale");
     let truth = 1.0 / pond.truth.pings[0].metres_per_sample;
-    assert!(
-        (ppd.px_per_m / truth - 1.0).abs() < 0.006,
-        "{ppd:?}, truth {truth}"
-    );
+    assert!((ppd.px_per_m / truth - 1.0).abs() < 0.006, "{ppd:?}, truth {truth}");
     let spread = ppd.spread_px_per_m / truth;
-    assert!(
-        (0.003..0.03).contains(&spread),
-        "3 cm of depth noise in 2.5 m is 1.2 %: {spread}"
-    );
+    assert!((0.003..0.03).contains(&spread), "3 cm of depth noise in 2.5 m is 1.2 %: {spread}");
     // A slope across the track makes a first return nearer than the bottom below the boat is deep.
     let warnings = &calibration.warnings;
     let of_scale = |warning: &String| warning.starts_with("At the flat stretch");
@@ -145,11 +114,9 @@ fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() 
 
 #[test]
 fn the_lead_of_the_pulse_is_found_on_slopes_too() {
-    for (scene, early_m) in [
-        (Scene::gentle(), 0.05),
-        (Scene::steep(), 0.05),
-        (Scene::steep(), -0.1),
-    ] {
+    for (scene, early_m) in
+        [(Scene::gentle(), 0.05), (Scene::steep(), 0.05), (Scene::steep(), -0.1)]
+    {
         let pond = pond(scene, 2);
         let calibration = calibrated(&pond, &true_returns(&pond, early_m), &Settings::default());
         assert!(
@@ -162,7 +129,8 @@ fn the_lead_of_the_pulse_is_found_on_slopes_too() {
     }
 }
 
-/// Over a level bed the recorded depths vary by their noise alone, which says nothing of a factor between ranges and depths.
+/// Over a level bed the recorded depths vary by their noise alone, which says nothing of a factor
+/// between ranges and depths.
 #[test]
 fn a_level_bed_is_no_objection_to_an_offset() {
     let level = || {
@@ -201,9 +169,8 @@ fn scales_that_disagree_are_reported() {
     for pick in all_picks(&mut returns) {
         pick.sample *= 1.1;
     }
-    let chosen = Settings::default()
-        .with_assignment("calibration.pings=20..120")
-        .expect("a setting");
+    let chosen =
+        Settings::default().with_assignment("calibration.pings=20..120").expect("a setting");
     let calibration = calibrated(&pond, &returns, &chosen);
     assert_eq!(calibration.flat_spot.map(|spot| spot.pings), Some(20..120));
     let text = calibration.warnings.join(" ");
@@ -218,7 +185,8 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
         let products = pipeline::run(&pond.survey, &settings, None, &Progress::new(), |_| ())
             .expect("products");
         let spot = products.calibration.flat_spot.clone().expect("a flat spot");
-        // Every ping of the spot, heading or not, whose pick may calibrate: what is left is the formula alone.
+        // Every ping of the spot, heading or not, whose pick may calibrate: what is left is the
+        // formula alone.
         let mut ratios: Vec<f64> = Vec::new();
         for side in Side::BOTH {
             for ping in spot.pings.clone() {
@@ -246,13 +214,7 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
         ratios.sort_by(f64::total_cmp);
         let percent = 100.0 * ratios[ratios.len() / 2];
         assert!((percent + 3.87).abs() < 0.05, "seed {seed}: {percent} %");
-        assert!(
-            products
-                .cloud
-                .points
-                .iter()
-                .any(|point| point.source == PointSource::Port)
-        );
+        assert!(products.cloud.points.iter().any(|point| point.source == PointSource::Port));
     }
 }
 
@@ -288,7 +250,8 @@ fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom
     };
     let (all, sand) = (agreement(&products.classes), agreement(&sand));
     println!("river: all {all:?}, sand {sand:?}");
-    // The nearest ground is the boulders, most of which the line follows since it stops at faint ones too.
+    // The nearest ground is the boulders, most of which the line follows since it stops at faint
+    // ones too.
     assert!(all.n > 4000 && all.median_m.abs() < 0.40, "{all:?}");
     assert!(sand.n > 1000 && sand.median_m.abs() < 0.1, "{sand:?}");
 }
@@ -323,15 +286,9 @@ fn a_stretch_whose_first_returns_are_flagged_or_scattered_on_one_side_falls_behi
                 spoil(index, &mut Arc::make_mut(picks)[index]);
             }
             let best = ranked(&pond, &returns)[0].pings.clone();
-            let shared = best
-                .end
-                .min(first.pings.end)
-                .saturating_sub(best.start.max(first.pings.start));
-            assert!(
-                4 * shared < first.pings.len(),
-                "{side:?}: {best:?} for {:?}",
-                first.pings
-            );
+            let shared =
+                best.end.min(first.pings.end).saturating_sub(best.start.max(first.pings.start));
+            assert!(4 * shared < first.pings.len(), "{side:?}: {best:?} for {:?}", first.pings);
         }
     }
 }
@@ -364,16 +321,10 @@ fn a_stretch_tells_its_first_returns() {
         assert!((near(49)..=near(51)).contains(&ppd.px_per_m), "{ppd:?}");
         // Of noise alike to both sides of the middle, half lies within 0.674 standard deviations.
         let half = (near(75) - near(25)) / 2.0 / 0.6745;
-        assert!(
-            (0.7..1.4).contains(&(ppd.spread_px_per_m / half)),
-            "{ppd:?}, {half}"
-        );
+        assert!((0.7..1.4).contains(&(ppd.spread_px_per_m / half)), "{ppd:?}, {half}");
         let factor = spot.factor.expect("a factor");
         let header = 1.0 / pond.truth.pings[0].metres_per_sample;
-        assert!(
-            (factor * ppd.px_per_m / header - 1.0).abs() < 1e-3,
-            "{factor}"
-        );
+        assert!((factor * ppd.px_per_m / header - 1.0).abs() < 1e-3, "{factor}");
     }
 }
 
@@ -381,9 +332,7 @@ fn a_stretch_tells_its_first_returns() {
 fn the_ranking_follows_track_and_picks_only() {
     let pond = pond(Scene::gentle(), 5);
     let run = |assignment: &str, previous: Option<&Products>| {
-        let settings = Settings::default()
-            .with_assignment(assignment)
-            .expect("a setting");
+        let settings = Settings::default().with_assignment(assignment).expect("a setting");
         pipeline::run(&pond.survey, &settings, previous, &Progress::new(), |_| ())
             .expect("products")
     };
@@ -404,7 +353,8 @@ fn the_ranking_follows_track_and_picks_only() {
     }
 }
 
-/// Depth errors where the recorder was on another range than at the flat spot: bias and 95th percentile, metres.
+/// Depth errors where the recorder was on another range than at the flat spot: bias and 95th
+/// percentile, metres.
 fn errors_after_range_change(pond: &KnownSurvey, reach: &str) -> Residuals {
     let settings = Settings::default()
         .with_assignment("calibration.mode=flat_spot")
@@ -415,40 +365,23 @@ fn errors_after_range_change(pond: &KnownSurvey, reach: &str) -> Residuals {
     let spot = products.calibration.flat_spot.clone().expect("a flat spot");
     let range_at = |ping: usize| pond.truth.pings[ping].metres_per_sample;
     let there = range_at(spot.pings.start);
-    let warned = products
-        .calibration
-        .warnings
-        .join(" ")
-        .contains("range changes");
-    assert_eq!(
-        warned,
-        reach.ends_with("constant"),
-        "{:?}",
-        products.calibration.warnings
-    );
-    let other = of_pings(&products, |ping| {
-        (range_at(ping as usize) / there - 1.0).abs() > 0.1
-    });
+    let warned = products.calibration.warnings.join(" ").contains("range changes");
+    assert_eq!(warned, reach.ends_with("constant"), "{:?}", products.calibration.warnings);
+    let other = of_pings(&products, |ping| (range_at(ping as usize) / there - 1.0).abs() > 0.1);
     products.classes = Arc::new(other);
     Residuals::of(&mut pond.depth_errors_m(&products)).expect("points")
 }
 
 #[test]
 fn a_flat_spots_scale_survives_a_change_of_range() {
-    for (scene, p95_m) in [
-        (Scene::gentle(), 0.06),
-        (Scene::steep(), 0.15),
-        (Scene::rough(), 0.15),
-    ] {
+    for (scene, p95_m) in [(Scene::gentle(), 0.06), (Scene::steep(), 0.15), (Scene::rough(), 0.15)]
+    {
         for seed in 0..3 {
             let pond = KnownSurvey::new(&scene, seed);
             let factor = errors_after_range_change(&pond, "calibration.ppd=factor");
             let constant = errors_after_range_change(&pond, "calibration.ppd=constant");
             println!("factor {factor:?}\nconstant {constant:?}");
-            assert!(
-                factor.n > 100 && factor.p95_m <= p95_m,
-                "seed {seed}: {factor:?}"
-            );
+            assert!(factor.n > 100 && factor.p95_m <= p95_m, "seed {seed}: {factor:?}");
             assert!(factor.mean_m.abs() < 0.03, "seed {seed}: {factor:?}");
             // A quarter more metres a sample, or a fifth fewer.
             assert!(constant.mean_m.abs() > 0.25, "seed {seed}: {constant:?}");
@@ -465,16 +398,8 @@ fn the_rivers_best_flat_stretch_lies_on_its_sand() {
     }
     // Boulders before ping 1750; from 2350 on the recorder has lost the bottom.
     let best = &products.flat_spots[0];
-    assert!(
-        best.pings.start >= 1800 && best.pings.end <= 2300,
-        "{best:?}"
-    );
-    assert!(
-        best.picks
-            .iter()
-            .all(|&picks| 10 * picks > 8 * best.pings.len()),
-        "{best:?}"
-    );
+    assert!(best.pings.start >= 1800 && best.pings.end <= 2300, "{best:?}");
+    assert!(best.picks.iter().all(|&picks| 10 * picks > 8 * best.pings.len()), "{best:?}");
     let ppd = best.ppd.expect("a scale");
     assert!(ppd.spread_px_per_m / ppd.px_per_m < 0.03, "{ppd:?}");
 }

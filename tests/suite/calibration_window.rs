@@ -1,4 +1,5 @@
-//! The guided step of the calibration in the window: a stretch is proposed, what it would change is shown, and only then it is taken.
+//! The guided step of the calibration in the window: a stretch is proposed, what it would change is
+//! shown, and only then it is taken.
 
 use crate::support::real_data;
 use crate::window::{Window, app, demo_window, drop_file, empty_window, press};
@@ -34,10 +35,7 @@ fn a_proposal_changes_nothing_until_it_is_used_and_one_step_takes_it_back() {
     let before = depths_m(&window);
     press(&mut window, Modifiers::NONE, Key::C);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Calibrate);
-    let proposed = app(&window)
-        .log
-        .proposed_stretch()
-        .expect("the best stretch");
+    let proposed = app(&window).log.proposed_stretch().expect("the best stretch");
     let trial = app(&window).log.scale_trial().expect("a trial").clone();
     assert_eq!(mode(&window), ScaleMode::Header);
     assert_eq!(depths_m(&window), before);
@@ -53,20 +51,14 @@ fn a_proposal_changes_nothing_until_it_is_used_and_one_step_takes_it_back() {
     assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
     let notice = app(&window).notices.last().expect("a notice").clone();
     assert_eq!(notice.offer, Some(Action::Undo));
-    let said = format!(
-        "depths change by {:+.1} cm (median)",
-        100.0 * effect.change.median_m
-    );
+    let said = format!("depths change by {:+.1} cm (median)", 100.0 * effect.change.median_m);
     assert!(notice.text.contains(&said), "{} for {said}", notice.text);
     let after = depths_m(&window);
     assert_ne!(after, before);
     act(&mut window, Action::Undo);
     assert_eq!(mode(&window), ScaleMode::Header);
     assert_eq!(depths_m(&window), before);
-    let offered = app(&window)
-        .notices
-        .iter()
-        .any(|notice| notice.offer == Some(Action::Undo));
+    let offered = app(&window).notices.iter().any(|notice| notice.offer == Some(Action::Undo));
     assert!(!offered, "what was taken back is not offered any more");
 }
 
@@ -106,14 +98,8 @@ fn a_drag_in_the_waterfall_proposes_its_pings_and_escape_leaves_tool_then_propos
     let dragged = app(&window).log.proposed_stretch().expect("a proposal");
     assert_ne!(Some(dragged), first);
     let ping = |share: f64| seen.start as f64 + share * seen.len() as f64;
-    assert!(
-        (dragged.start as f64 - ping(0.40)).abs() < 0.02 * seen.len() as f64,
-        "{dragged:?}"
-    );
-    assert!(
-        (dragged.end as f64 - ping(0.55)).abs() < 0.02 * seen.len() as f64,
-        "{dragged:?}"
-    );
+    assert!((dragged.start as f64 - ping(0.40)).abs() < 0.02 * seen.len() as f64, "{dragged:?}");
+    assert!((dragged.end as f64 - ping(0.55)).abs() < 0.02 * seen.len() as f64, "{dragged:?}");
     assert_eq!(app(&window).undo_label(), None);
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
@@ -131,31 +117,20 @@ fn a_stretch_that_is_worse_says_so_and_one_without_scale_cannot_be_used() {
     let river = data.join("humminbird-glen-canyon/Rec00001.DAT");
     drop_file(&mut window, river);
     let survey = app(&window).log.survey.clone().expect("the river");
-    let lost: Vec<usize> = (0..survey.side_scan.len())
-        .filter(|&ping| !survey.side_scan[ping].depth_locked)
-        .collect();
+    let lost: Vec<usize> =
+        (0..survey.side_scan.len()).filter(|&ping| !survey.side_scan[ping].depth_locked).collect();
     let run = lost.chunk_by(|a, b| b - a == 1).max_by_key(|run| run.len());
     let run = run.expect("the recorder lost the bottom");
-    let stretch = PingRange {
-        start: run[0],
-        end: run[run.len() - 1] + 1,
-    };
+    let stretch = PingRange { start: run[0], end: run[run.len() - 1] + 1 };
     apply(&mut window, Command::ProposeStretch(stretch));
     let trial = app(&window).log.scale_trial().expect("a trial").clone();
     let why = trial.objections.join(" ");
     assert!(why.contains("lost the bottom"), "{stretch:?}: {why}");
-    assert!(
-        window
-            .query_by_label_contains("The recorder had lost the bottom")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("The recorder had lost the bottom").is_some());
     act(&mut window, Action::UseScale);
     assert_eq!(mode(&window), ScaleMode::Header, "nothing to use");
     let notice = app(&window).notices.last().expect("a notice");
-    assert!(
-        notice.is_error && notice.text.contains("lost the bottom"),
-        "{notice:?}"
-    );
+    assert!(notice.is_error && notice.text.contains("lost the bottom"), "{notice:?}");
     // The start of the log, where the scale of single pings scatters by much.
     let start = PingRange { start: 0, end: 100 };
     apply(&mut window, Command::ProposeStretch(start));
@@ -169,13 +144,7 @@ fn candidates_are_buttons_that_propose_and_say_what_is_worse() {
     let mut window = demo_window();
     window.set_size(egui::vec2(1400.0, 2800.0));
     window.run();
-    let spots = app(&window)
-        .log
-        .products
-        .as_ref()
-        .expect("results")
-        .flat_spots
-        .clone();
+    let spots = app(&window).log.products.as_ref().expect("results").flat_spots.clone();
     assert!(spots.len() > 2);
     // The list opens with the tool.
     press(&mut window, Modifiers::NONE, Key::C);
@@ -184,10 +153,7 @@ fn candidates_are_buttons_that_propose_and_say_what_is_worse() {
     window.run();
     let proposed = app(&window).log.proposed_stretch();
     assert_eq!(proposed, Some(spots[1].range()));
-    assert!(
-        app(&window).view.selection.is_some(),
-        "it is shown in all views"
-    );
+    assert!(app(&window).view.selection.is_some(), "it is shown in all views");
     let second = window.get_by_label_contains("Flat stretch 2, pings");
     let toggled = second.accesskit_node().toggled();
     assert_eq!(toggled, Some(egui::accesskit::Toggled::True));
@@ -198,16 +164,13 @@ fn candidates_are_buttons_that_propose_and_say_what_is_worse() {
     for (rank, spot) in spots.iter().enumerate() {
         let is_worse = !spot.objections(&survey, spots.first()).is_empty();
         let start = format!("Flat stretch {}, ", rank + 1);
-        let name = names
-            .iter()
-            .find(|name| name.starts_with(&start))
-            .expect("a row");
+        let name = names.iter().find(|name| name.starts_with(&start)).expect("a row");
         assert_eq!(name.contains("worse: "), is_worse, "{name}");
     }
 }
 
-/// First returns above the recorded depth that an analyst accepts as bottom count for the map; undo takes it back, and the settings
-/// that a project and `process` use hold it.
+/// First returns above the recorded depth that an analyst accepts as bottom count for the map; undo
+/// takes it back, and the settings that a project and `process` use hold it.
 #[test]
 fn a_stretch_is_accepted_as_bottom_with_one_action() {
     let mut window = demo_window();
@@ -219,20 +182,10 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
         .expect("the weed of the demo");
     let class = |window: &Window| {
         let products = app(window).log.products.as_ref().expect("results");
-        products
-            .classes
-            .iter()
-            .filter(|class| **class == PointClass::AboveBottom)
-            .count()
+        products.classes.iter().filter(|class| **class == PointClass::AboveBottom).count()
     };
     let before = (class(&window), depths_m(&window).len());
-    let calibration = app(&window)
-        .log
-        .products
-        .as_ref()
-        .expect("results")
-        .calibration
-        .clone();
+    let calibration = app(&window).log.products.as_ref().expect("results").calibration.clone();
     let [first, last] = stretch.pings;
     let side = stretch.side.name();
     let title = format!("{} such stretches", above.stretches.len());
@@ -245,31 +198,15 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
     window.run();
     assert_eq!(app(&window).undo_label(), Some("bottom"));
     let after = (class(&window), depths_m(&window).len());
-    assert!(
-        after.0 < before.0 && after.1 > before.1,
-        "{before:?}, {after:?}"
-    );
+    assert!(after.0 < before.0 && after.1 > before.1, "{before:?}, {after:?}");
     let found = app(&window).log.returns().expect("first returns").clone();
     assert!((first..=last).all(|ping| !found.side(stretch.side)[ping].above_bottom));
-    let now = app(&window)
-        .log
-        .products
-        .as_ref()
-        .expect("results")
-        .calibration
-        .clone();
-    assert_eq!(
-        format!("{now:?}"),
-        format!("{calibration:?}"),
-        "no scale rests on it"
-    );
+    let now = app(&window).log.products.as_ref().expect("results").calibration.clone();
+    assert_eq!(format!("{now:?}"), format!("{calibration:?}"), "no scale rests on it");
     // What a script reads gives the same.
     let bottom = app(&window).log.settings.bottom.clone();
     assert_eq!(bottom.accepted_count(), last - first + 1);
-    let settings = bathyscope_products::pipeline::Settings {
-        bottom,
-        ..Default::default()
-    };
+    let settings = bathyscope_products::pipeline::Settings { bottom, ..Default::default() };
     let survey = app(&window).log.survey.clone().expect("the demo");
     let progress = bathyscope_log::support::progress::Progress::new();
     let made = bathyscope_products::pipeline::run(&survey, &settings, None, &progress, |_| ());
@@ -279,23 +216,9 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
     assert_eq!((class(&window), depths_m(&window).len()), before);
     // With the tool the other side too, as asked for.
     act(&mut window, Action::BottomBothSides);
-    apply(
-        &mut window,
-        Command::AcceptBottom {
-            side: Side::Port,
-            pings: [10, 19],
-            accept: true,
-        },
-    );
+    apply(&mut window, Command::AcceptBottom { side: Side::Port, pings: [10, 19], accept: true });
     assert_eq!(app(&window).log.settings.bottom.accepted_count(), 20);
-    apply(
-        &mut window,
-        Command::AcceptBottom {
-            side: Side::Port,
-            pings: [0, 99],
-            accept: false,
-        },
-    );
+    apply(&mut window, Command::AcceptBottom { side: Side::Port, pings: [0, 99], accept: false });
     assert!(app(&window).log.settings.bottom.is_empty());
 }
 
@@ -305,14 +228,12 @@ fn the_key_proposes_at_the_selected_ping() {
     apply(&mut window, Command::Reveal(LogPlace::ping(700)));
     press(&mut window, Modifiers::NONE, Key::C);
     let proposed = app(&window).log.proposed_stretch().expect("a proposal");
-    assert!(
-        (proposed.start..proposed.end).contains(&700),
-        "{proposed:?}"
-    );
+    assert!((proposed.start..proposed.end).contains(&700), "{proposed:?}");
     assert_eq!(mode(&window), ScaleMode::Header);
 }
 
-/// Pictures for whoever looks: the folder that is named gets the window with a proposal, before it is used and after.
+/// Pictures for whoever looks: the folder that is named gets the window with a proposal, before it
+/// is used and after.
 #[test]
 fn pictures_of_the_step() {
     let Some(folder) = std::env::var_os("BATHYSCOPE_PICTURES").map(std::path::PathBuf::from) else {
@@ -321,9 +242,7 @@ fn pictures_of_the_step() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let save = |window: &mut Window, name: &str| {
         let picture = window.render().expect("a picture");
-        picture
-            .save(folder.join(format!("{name}.png")))
-            .expect("room");
+        picture.save(folder.join(format!("{name}.png"))).expect("room");
     };
     // What is accepted is kept beside the log: a copy of it.
     let copy = tempfile::tempdir().expect("a folder");
@@ -350,29 +269,18 @@ fn pictures_of_the_step() {
     save(&mut window, "calibration_3_worse");
     let survey = app(&window).log.survey.clone().expect("a log");
     if let Some(lost) = survey.side_scan.iter().position(|ping| !ping.depth_locked) {
-        let stretch = PingRange {
-            start: lost,
-            end: lost + 60,
-        };
+        let stretch = PingRange { start: lost, end: lost + 60 };
         apply(&mut window, Command::ProposeStretch(stretch));
         apply(&mut window, Command::Reveal(LogPlace::ping(lost)));
         save(&mut window, "calibration_4_lost");
     }
     act(&mut window, Action::DropProposal);
-    let stretches = app(&window)
-        .log
-        .figures
-        .as_ref()
-        .map(|one| one.above_bottom.stretches.len());
+    let stretches = app(&window).log.figures.as_ref().map(|one| one.above_bottom.stretches.len());
     let title = format!("{} such stretches", stretches.unwrap_or(0));
     window.get_by_label(&title).click();
     window.run();
     save(&mut window, "above_bottom_1_list");
-    let stretch = app(&window)
-        .log
-        .figures
-        .as_ref()
-        .map(|one| one.above_bottom.stretches[0]);
+    let stretch = app(&window).log.figures.as_ref().map(|one| one.above_bottom.stretches[0]);
     let stretch = stretch.expect("figures");
     apply(
         &mut window,
@@ -383,11 +291,7 @@ fn pictures_of_the_step() {
     );
     apply(
         &mut window,
-        Command::AcceptBottom {
-            side: stretch.side,
-            pings: stretch.pings,
-            accept: true,
-        },
+        Command::AcceptBottom { side: stretch.side, pings: stretch.pings, accept: true },
     );
     save(&mut window, "above_bottom_2_accepted");
 }

@@ -1,5 +1,5 @@
-//! A window that stays out of the way: room for the views in a small one, notices that are kept, banners of tools, knobs that say what
-//! they stand for.
+//! A window that stays out of the way: room for the views in a small one, notices that are kept,
+//! banners of tools, knobs that say what they stand for.
 
 use crate::review::{detections, propose};
 use crate::support::snapshot_options;
@@ -48,19 +48,12 @@ fn cut_off(window: &Window) -> Vec<(String, Rect)> {
     let width = window.ctx.content_rect().width();
     let height = window.ctx.content_rect().height();
     let inner = |name: &str| window.query_by_label(name).map(|node| node.rect());
-    let panels: Vec<Rect> = ["Survey section", "Selection section"]
-        .into_iter()
-        .filter_map(inner)
-        .collect();
+    let panels: Vec<Rect> =
+        ["Survey section", "Selection section"].into_iter().filter_map(inner).collect();
     let nodes = window.query_all_by(|_| true);
     let named = nodes.filter_map(|node| {
         let accesskit = node.accesskit_node();
-        let roles = [
-            Role::Window,
-            Role::GenericContainer,
-            Role::Pane,
-            Role::ScrollBar,
-        ];
+        let roles = [Role::Window, Role::GenericContainer, Role::Pane, Role::ScrollBar];
         if roles.contains(&accesskit.role()) {
             return None;
         }
@@ -86,11 +79,8 @@ fn cut_off(window: &Window) -> Vec<(String, Rect)> {
 #[test]
 fn a_small_window_leaves_half_of_it_to_the_views_and_cuts_nothing_off() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for (pixels, scale) in [
-        ([1280.0, 720.0], 1.0),
-        ([1920.0, 1080.0], 2.0),
-        ([1280.0, 720.0], 2.0),
-    ] {
+    for (pixels, scale) in [([1280.0, 720.0], 1.0), ([1920.0, 1080.0], 2.0), ([1280.0, 720.0], 2.0)]
+    {
         let mut window = window_of(pixels, scale, false);
         let found = detections(&window, 6);
         propose(&mut window, &found, folder.path());
@@ -165,10 +155,8 @@ fn notices_are_kept_in_a_list_and_lie_over_no_time_line() {
     let mut window = demo_window();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let missing = folder.path().join("lake 5 m deep.sl2");
-    window.state_mut().app.view.options.units = Units {
-        length: LengthUnit::Feet,
-        ..Units::default()
-    };
+    window.state_mut().app.view.options.units =
+        Units { length: LengthUnit::Feet, ..Units::default() };
     drop_file(&mut window, missing);
     let shown = window.get_by_label_contains("lake 5 m deep").rect();
     let line = window.get_by_label_contains("Time line, ping").rect();
@@ -201,9 +189,8 @@ fn what_is_typed_in_the_frame_of_the_palettes_key_goes_into_its_field() {
         let pressed = pressed.map(|pressed| key(pressed, Modifiers::NONE));
         pressed.into_iter().chain([text])
     });
-    let events: Vec<Event> = std::iter::once(key(Key::P, Modifiers::COMMAND))
-        .chain(typed)
-        .collect();
+    let events: Vec<Event> =
+        std::iter::once(key(Key::P, Modifiers::COMMAND)).chain(typed).collect();
     let before = app(&window).view.options.waterfall.orientation;
     window.input_mut().events.extend(events);
     window.step();
@@ -233,9 +220,8 @@ fn each_tool_has_a_banner_in_the_views_that_it_is_of_use_in() {
         (Modifiers::NONE, Key::K, "Exclude stretches: ", 2),
     ] {
         press(&mut window, modifiers, key);
-        let banners: Vec<Rect> = (window.query_all_by_label_contains(name))
-            .map(|node| node.rect())
-            .collect();
+        let banners: Vec<Rect> =
+            (window.query_all_by_label_contains(name)).map(|node| node.rect()).collect();
         assert_eq!(banners.len(), count, "{name}");
         let waterfall = window.get_by_label_contains("Waterfall, pings").rect();
         assert!(waterfall.contains_rect(banners[0].intersect(waterfall)));
@@ -262,20 +248,14 @@ fn zero_that_stands_for_no_value_says_so() {
     stops.set_value_accesskit(0.5);
     window.run();
     let shown = painted(&window);
-    assert!(
-        shown.iter().any(|(text, _)| text.starts_with("0.5")),
-        "{shown:?}"
-    );
+    assert!(shown.iter().any(|(text, _)| text.starts_with("0.5")), "{shown:?}");
     assert_eq!(app(&window).undo_label(), Some("stops to exclude 0.50 m/s"));
 }
 
 #[test]
 fn a_change_is_named_in_the_units_of_the_day_it_is_read() {
     let mut window = demo_window();
-    let feet = Units {
-        length: LengthUnit::Feet,
-        ..Units::default()
-    };
+    let feet = Units { length: LengthUnit::Feet, ..Units::default() };
     window.state_mut().app.view.options.units = feet;
     window.run();
     let draft = window.get_by_role_and_label(Role::Slider, "Draft");
@@ -337,10 +317,7 @@ fn small_windows_look_as_they_did() {
     window.snapshot("window_1280x720_light");
     let mut snapshots = window.take_snapshot_results();
     let mut window = window_of([1280.0, 720.0], 2.0, true);
-    window
-        .state_mut()
-        .app
-        .apply(Command::Focus(View::Waterfall));
+    window.state_mut().app.apply(Command::Focus(View::Waterfall));
     press(&mut window, Modifiers::NONE, Key::G);
     press(&mut window, Modifiers::NONE, Key::D);
     settle(&mut window);

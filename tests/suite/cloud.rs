@@ -63,7 +63,8 @@ fn many_points_at_one_place_are_counted_at_once() {
         _ => [0.0; 3],
     };
     let points: Vec<[f64; 3]> = (0..400_000).map(twins).collect();
-    // Two hundred thousand at either place, 1.56 m apart: in one cell of the grid, but not neighbours.
+    // Two hundred thousand at either place, 1.56 m apart: in one cell of the grid, but not
+    // neighbours.
     let kept = |min_neighbors| kept_indices(&points, 1.0, min_neighbors).len();
     assert_eq!(kept(10), 400_000);
     assert_eq!(kept(150_000), 400_000);
@@ -76,25 +77,17 @@ fn brute_force(points: &[[f64; 3]], radius_m: f64, min_neighbors: usize) -> Vec<
         let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
         x * x + y * y + z * z < radius_m * radius_m
     };
-    points
-        .iter()
-        .map(|a| points.iter().filter(|b| near(a, b)).count() > min_neighbors)
-        .collect()
+    points.iter().map(|a| points.iter().filter(|b| near(a, b)).count() > min_neighbors).collect()
 }
 
 /// A second opinion from a kd-tree.
 fn by_kd_tree(points: &[[f64; 3]], radius_m: f64, min_neighbors: usize) -> Vec<bool> {
     let tree = kiddo::ImmutableKdTree::<f64, 3>::new_from_slice(points).expect("a tree");
     let count = |point: &[f64; 3]| {
-        let query = tree
-            .query(point)
-            .within::<kiddo::SquaredEuclidean<f64>>(radius_m * radius_m);
+        let query = tree.query(point).within::<kiddo::SquaredEuclidean<f64>>(radius_m * radius_m);
         query.exclusive_boundaries().unsorted().execute().len()
     };
-    points
-        .iter()
-        .map(|point| count(point) > min_neighbors)
-        .collect()
+    points.iter().map(|point| count(point) > min_neighbors).collect()
 }
 
 /// Clouds of every shape that has its own way through the filter.
@@ -102,22 +95,15 @@ fn cloud() -> impl Strategy<Value = Vec<[f64; 3]>> {
     let point = |x: f64, z: f64| [-x..x, -x..x, -z..z];
     let volume = prop::collection::vec(point(6.0, 6.0), 0..400);
     let surface = prop::collection::vec(point(12.0, 0.3), 0..400);
-    let lattice = prop::collection::vec(
-        [0..6_i32, 0..6, 0..6].prop_map(|p| p.map(f64::from)),
-        0..300,
-    );
+    let lattice =
+        prop::collection::vec([0..6_i32, 0..6, 0..6].prop_map(|p| p.map(f64::from)), 0..300);
     let cluster = prop::collection::vec(
-        (
-            point(200.0, 20.0),
-            prop::collection::vec(point(1.0, 1.0), 1..60),
-        ),
+        (point(200.0, 20.0), prop::collection::vec(point(1.0, 1.0), 1..60)),
         1..6,
     )
     .prop_map(|clusters| {
         let around = |(centre, offsets): ([f64; 3], Vec<[f64; 3]>)| {
-            offsets
-                .into_iter()
-                .map(move |offset| [0, 1, 2].map(|axis| centre[axis] + offset[axis]))
+            offsets.into_iter().map(move |offset| [0, 1, 2].map(|axis| centre[axis] + offset[axis]))
         };
         clusters.into_iter().flat_map(around).collect::<Vec<_>>()
     });
@@ -128,10 +114,7 @@ fn cloud() -> impl Strategy<Value = Vec<[f64; 3]>> {
         .prop_map(|(near, far)| [near, far].concat());
     let track =
         prop::collection::vec((0.0..3000.0_f64, point(1.5, 0.5)), 0..300).prop_map(|places| {
-            places
-                .into_iter()
-                .map(|(s, [x, y, z])| [s + x, s + y, 0.2 * s + z])
-                .collect::<Vec<_>>()
+            places.into_iter().map(|(s, [x, y, z])| [s + x, s + y, 0.2 * s + z]).collect::<Vec<_>>()
         });
     prop_oneof![volume, surface, lattice, cluster, far, track]
 }
@@ -160,7 +143,8 @@ proptest! {
     }
 }
 
-/// The floors of the recommended preset on simulated ponds with all artefacts; the accuracy bench has twenty of each.
+/// The floors of the recommended preset on simulated ponds with all artefacts; the accuracy bench
+/// has twenty of each.
 #[test]
 fn recommended_depths_hold_their_floors_on_simulated_ponds() {
     for (kind, scene, p95_m) in [
@@ -174,13 +158,7 @@ fn recommended_depths_hold_their_floors_on_simulated_ponds() {
         };
         let mut errors = pond.depth_errors_m(&run(&Settings::default()));
         let depths = Residuals::of(&mut errors).expect("side-scan points");
-        assert!(
-            depths.n * 10 > pond.survey.side_scan.len() * 17,
-            "{kind}: {depths:?}"
-        );
-        assert!(
-            depths.mean_m.abs() <= 0.01 && depths.p95_m <= p95_m,
-            "{kind}: {depths:?}"
-        );
+        assert!(depths.n * 10 > pond.survey.side_scan.len() * 17, "{kind}: {depths:?}");
+        assert!(depths.mean_m.abs() <= 0.01 && depths.p95_m <= p95_m, "{kind}: {depths:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! Keys that users of other programs expect: full screen, the palette's second key, steps of playing, boxes and lines out of the way.
+//! Keys that users of other programs expect: full screen, the palette's second key, steps of
+//! playing, boxes and lines out of the way.
 
 use crate::review::{detections, propose};
 use crate::window::{Window, app, demo_window, press};
@@ -17,7 +18,8 @@ fn full_screen_requests(window: &Window) -> Vec<bool> {
     asked.collect()
 }
 
-/// Presses a key and returns what was asked of the desktop about the whole screen in the frame that saw it.
+/// Presses a key and returns what was asked of the desktop about the whole screen in the frame that
+/// saw it.
 fn asked_by(window: &mut Window, key: Key) -> Vec<bool> {
     let event = |pressed| Event::Key {
         key,
@@ -80,10 +82,7 @@ fn played_s(window: &mut Window) -> f64 {
         let survey = app(window).log.survey.as_ref().expect("a survey");
         survey.side_scan[mark.ping].time_s
     };
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(0)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(0)));
     window.run();
     let before_s = time_s(window);
     window.key_press(Key::Space);

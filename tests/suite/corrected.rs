@@ -10,14 +10,10 @@ use egui_kittest::kittest::Queryable as _;
 fn draft_and_sound_speed_move_the_cloud_and_can_be_undone() {
     let mut window = demo_window();
     let before_m = depth_m(&window);
-    window
-        .get_by_role_and_label(Role::Slider, "Draft")
-        .set_value_accesskit(0.4);
+    window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(0.4);
     window.run();
     assert!((depth_m(&window) - before_m - 0.4).abs() < 1e-6);
-    window
-        .get_by_label("Correct the speed of sound")
-        .click_accesskit();
+    window.get_by_label("Correct the speed of sound").click_accesskit();
     window.run();
     let speed = app(&window).log.settings.sound_speed.clone();
     assert_eq!(speed.temperature_c, Some(12.0));
@@ -80,21 +76,13 @@ fn readings_of_a_gauge_are_chosen_dropped_and_left() {
     drop_file(&mut window, early);
     let said = errors(&window);
     assert_eq!(said.len(), 2, "{said:?}");
-    assert!(
-        said[1].contains("add the readings that are missing"),
-        "{said:?}"
-    );
-    assert!(
-        (before_m - depth_m(&window) - 0.75).abs() < 1e-6,
-        "as it was"
-    );
+    assert!(said[1].contains("add the readings that are missing"), "{said:?}");
+    assert!((before_m - depth_m(&window) - 0.75).abs() < 1e-6, "as it was");
 
     let low = write("low.csv", &readings(&window, 0.25));
     drop_file(&mut window, low);
     assert!((before_m - depth_m(&window) - 0.25).abs() < 1e-6);
-    window
-        .get_by_label("Remove the water levels")
-        .click_accesskit();
+    window.get_by_label("Remove the water levels").click_accesskit();
     window.run();
     assert_eq!(depth_m(&window), before_m);
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -102,7 +90,8 @@ fn readings_of_a_gauge_are_chosen_dropped_and_left() {
     assert!((before_m - depth_m(&window) - 0.75).abs() < 1e-6);
 }
 
-/// The recorder's own track as another receiver would have it: each fix once, its clock `behind_s` behind.
+/// The recorder's own track as another receiver would have it: each fix once, its clock `behind_s`
+/// behind.
 fn other_track(window: &Window, behind_s: f64) -> String {
     let survey = app(window).log.survey.as_ref().expect("the demo");
     let start_s = survey.start_unix_s.expect("a clock");
@@ -122,15 +111,7 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("rtk.csv");
     let mut window = demo_window();
-    let places = |window: &Window| {
-        app(window)
-            .log
-            .products
-            .as_ref()
-            .unwrap()
-            .navigation
-            .clone()
-    };
+    let places = |window: &Window| app(window).log.products.as_ref().unwrap().navigation.clone();
     let recorded = places(&window);
     let returns = app(&window).log.products.as_ref().unwrap().returns.clone();
     std::fs::write(&path, other_track(&window, 3.0)).expect("a temporary file");
@@ -139,35 +120,22 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     let apart_m = |window: &Window| app(window).log.external.apart.median_m;
     let moved_m = |window: &Window| {
         let now = places(window);
-        let pairs = now
-            .pings
-            .iter()
-            .zip(recorded.pings.iter())
-            .skip(200)
-            .take(1000);
+        let pairs = now.pings.iter().zip(recorded.pings.iter()).skip(200).take(1000);
         let off = pairs.map(|(a, b)| (a.east_m - b.east_m).hypot(a.north_m - b.north_m));
         off.sum::<f64>() / 1000.0
     };
     let late_m = moved_m(&window);
     let speed_mps = recorded.pings[1000].speed_mps;
-    assert!(
-        (apart_m(&window) / (3.0 * speed_mps) - 1.0).abs() < 0.3,
-        "{}",
-        apart_m(&window)
-    );
-    window
-        .get_by_role_and_label(Role::SpinButton, "Time offset")
-        .set_value_accesskit(3.0);
+    assert!((apart_m(&window) / (3.0 * speed_mps) - 1.0).abs() < 0.3, "{}", apart_m(&window));
+    window.get_by_role_and_label(Role::SpinButton, "Time offset").set_value_accesskit(3.0);
     window.run();
     assert!(apart_m(&window) < 0.01, "{}", apart_m(&window));
-    // Not to the millimetre: the fit weighs each fix once now, and not as often as the recorder repeated it.
+    // Not to the millimetre: the fit weighs each fix once now, and not as often as the recorder
+    // repeated it.
     let off_m = moved_m(&window);
     assert!(off_m < 0.2 * late_m, "{off_m} of {late_m} m");
     let now = app(&window).log.products.as_ref().unwrap();
-    assert!(
-        std::sync::Arc::ptr_eq(&now.returns, &returns),
-        "nothing is tracked anew"
-    );
+    assert!(std::sync::Arc::ptr_eq(&now.returns, &returns), "nothing is tracked anew");
 
     let into = folder.path().join("out");
     type_export_folder(&mut window, &into);
@@ -182,18 +150,12 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     assert_eq!(places(&window).pings[1000], recorded.pings[1000]);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert!(app(&window).log.external.recorded.is_some());
-    window
-        .get_by_label("Remove the external track")
-        .click_accesskit();
+    window.get_by_label("Remove the external track").click_accesskit();
     window.run();
     assert_eq!(places(&window).pings[1000], recorded.pings[1000]);
 
     std::fs::write(&path, "time,lon,lat\n900000,2,3\n900001,3,4\n").expect("a temporary file");
     drop_file(&mut window, path);
-    assert!(
-        errors(&window)[0].contains("covers no ping"),
-        "{:?}",
-        errors(&window)
-    );
+    assert!(errors(&window)[0].contains("covers no ping"), "{:?}", errors(&window));
     assert!(app(&window).log.settings.track.file.is_none());
 }

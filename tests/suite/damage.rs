@@ -1,5 +1,6 @@
-//! A thousand cuts and a thousand lost kilobytes in every kind of log: no panic, no hang, and nothing is lost beyond the
-//! frames that the damage touched. What can be lost is known from a walk of its own over the whole log.
+//! A thousand cuts and a thousand lost kilobytes in every kind of log: no panic, no hang, and
+//! nothing is lost beyond the frames that the damage touched. What can be lost is known from a walk
+//! of its own over the whole log.
 
 use crate::fuzz::records::{FindRecords, sl2_records, sl3_records, son_records, xtf_records};
 use crate::support;
@@ -29,7 +30,8 @@ struct Patient {
 }
 
 impl Patient {
-    /// Copies `files` (paths below a folder) and opens the first; `damaged` is the index of the one to damage.
+    /// Copies `files` (paths below a folder) and opens the first; `damaged` is the index of the one
+    /// to damage.
     fn new(files: &[(PathBuf, Vec<u8>)], damaged: usize, oracle: FindRecords) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         for (path, bytes) in files {
@@ -54,15 +56,10 @@ impl Patient {
     fn cut(&self, seed: u64) {
         let mut random = Random(seed);
         let len = self.bytes.len() as u64;
-        let mut cuts: Vec<u64> = (0..CASES)
-            .map(|_| random.below(len as usize) as u64)
-            .collect();
+        let mut cuts: Vec<u64> = (0..CASES).map(|_| random.below(len as usize) as u64).collect();
         cuts.sort_unstable();
         for cut in cuts.into_iter().rev() {
-            let file = OpenOptions::new()
-                .write(true)
-                .open(&self.damaged)
-                .expect("the copy");
+            let file = OpenOptions::new().write(true).open(&self.damaged).expect("the copy");
             file.set_len(cut).expect("a cut");
             self.check(&format!("cut at {cut}"), cut..len);
         }
@@ -97,24 +94,19 @@ impl Patient {
     }
 
     fn write(&self, at: u64, bytes: &[u8]) {
-        let mut file = OpenOptions::new()
-            .write(true)
-            .open(&self.damaged)
-            .expect("the copy");
+        let mut file = OpenOptions::new().write(true).open(&self.damaged).expect("the copy");
         file.seek(SeekFrom::Start(at)).expect("a seek");
         file.write_all(bytes).expect("a write");
     }
 
     fn check(&self, what: &str, damage: Range<u64>) {
-        let left: Vec<&Range<u64>> = self
-            .frames
-            .iter()
-            .filter(|frame| !touches(frame, &damage))
-            .collect();
+        let left: Vec<&Range<u64>> =
+            self.frames.iter().filter(|frame| !touches(frame, &damage)).collect();
         let touched = self.frames.len() - left.len();
         match formats::open(&self.opened, &Progress::new()) {
             Ok(survey) => self.compare(what, &survey, &damage, touched),
-            // Fewer frames than it takes to recognise a log without its header may be left of a cut one.
+            // Fewer frames than it takes to recognise a log without its header may be left of a cut
+            // one.
             Err(OpenError::Broken { .. } | OpenError::NotRecognised { .. }) => {
                 assert!(
                     left.len() < 2,
@@ -128,11 +120,7 @@ impl Patient {
 
     fn compare(&self, what: &str, survey: &Survey, damage: &Range<u64>, touched: usize) {
         let pings = |survey: &Survey| {
-            survey
-                .channels
-                .iter()
-                .map(|channel| channel.ping_count)
-                .sum::<usize>()
+            survey.channels.iter().map(|channel| channel.ping_count).sum::<usize>()
         };
         let (before, after) = (pings(&self.whole), pings(survey));
         assert!(after <= before, "{what}: {after} pings of {before}");
@@ -145,7 +133,8 @@ impl Patient {
         }
     }
 
-    /// Every side of a ping whose frame the damage left alone is there, at its time, with its samples.
+    /// Every side of a ping whose frame the damage left alone is there, at its time, with its
+    /// samples.
     fn compare_side(&self, what: &str, survey: &Survey, damage: &Range<u64>, side: Side) {
         let mut found = sides(survey, side).peekable();
         for (time_s, span) in sides(&self.whole, side) {
@@ -174,17 +163,13 @@ impl Patient {
     }
 
     fn frame_of(&self, span: &SideSpan) -> Range<u64> {
-        let index = self
-            .frames
-            .partition_point(|frame| frame.end <= span.offset);
-        self.frames
-            .get(index)
-            .cloned()
-            .unwrap_or(span.offset..span.offset)
+        let index = self.frames.partition_point(|frame| frame.end <= span.offset);
+        self.frames.get(index).cloned().unwrap_or(span.offset..span.offset)
     }
 }
 
-/// One side of every ping with its time; XTF counts from its first ping, which may be lost, the others from their own zero.
+/// One side of every ping with its time; XTF counts from its first ping, which may be lost, the
+/// others from their own zero.
 fn sides(survey: &Survey, side: Side) -> impl Iterator<Item = (f64, SideSpan)> {
     let from_first = survey.source.format == "XTF";
     let zero_s = survey.start_unix_s.filter(|_| from_first).unwrap_or(0.0);
@@ -228,13 +213,7 @@ fn handmade_sl3() {
 
 #[test]
 fn handmade_xtf() {
-    damage_one(
-        "pond.xtf",
-        handmade::xtf(60, 1, 3, (-73.6, 42.7), 5.0),
-        xtf_records,
-        3,
-    )
-    .garble(3);
+    damage_one("pond.xtf", handmade::xtf(60, 1, 3, (-73.6, 42.7), 5.0), xtf_records, 3).garble(3);
 }
 
 #[test]
@@ -282,17 +261,9 @@ fn real_humminbird() {
         return;
     };
     let folder = data.join("humminbird-glen-canyon");
-    let names = [
-        "Rec00001.DAT",
-        "Rec00001/B001.SON",
-        "Rec00001/B002.SON",
-        "Rec00001/B003.SON",
-    ];
+    let names = ["Rec00001.DAT", "Rec00001/B001.SON", "Rec00001/B002.SON", "Rec00001/B003.SON"];
     let read = |name: &&str| {
-        (
-            PathBuf::from(name),
-            fs::read(folder.join(Path::new(name))).expect("a readable recording"),
-        )
+        (PathBuf::from(name), fs::read(folder.join(Path::new(name))).expect("a readable recording"))
     };
     let files: Vec<(PathBuf, Vec<u8>)> = names.iter().map(read).collect();
     let patient = Patient::new(&files, 2, son_records);

@@ -1,4 +1,5 @@
-//! Labelled pictures of simulated surveys: boxes against what objects really change in the picture, and the files.
+//! Labelled pictures of simulated surveys: boxes against what objects really change in the picture,
+//! and the files.
 
 use bathyscope::cli::known_objects;
 use bathyscope_log::formats;
@@ -21,21 +22,18 @@ fn survey(scene: &Scene, seed: u64) -> (Simulated, Survey, Raster) {
     let quiet = Progress::new();
     let simulated = simulate(scene, seed, &quiet).expect("nobody cancels");
     let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet).expect("our log");
-    let navigation = navigate(
-        &survey,
-        &HeadingSettings::default(),
-        Projection::Enu,
-        &quiet,
-    );
+    let navigation = navigate(&survey, &HeadingSettings::default(), Projection::Enu, &quiet);
     let raster = Raster::new(&survey, &navigation.expect("nobody cancels"), PIXEL_M);
     (simulated, survey, raster)
 }
 
-/// Pixels of a tile that its objects changed: the same survey without them has the same ground, noise and speckle.
+/// Pixels of a tile that its objects changed: the same survey without them has the same ground,
+/// noise and speckle.
 struct Changed(Vec<bool>);
 
 impl Changed {
-    /// The box around the changed pixels near a place, without the outermost hundredth on each side.
+    /// The box around the changed pixels near a place, without the outermost hundredth on each
+    /// side.
     fn around(&self, near: &Rect) -> Option<Rect> {
         let (mut columns, mut rows) = (Vec::new(), Vec::new());
         for y in near.y0.max(0.0) as usize..near.y1.min(TILE_PX as f32) as usize {
@@ -56,14 +54,11 @@ impl Changed {
     }
 }
 
-/// For every label whose neighbourhood it has to itself: its IoU with what really changed; and the changed pixels in and
-/// outside of all boxes.
+/// For every label whose neighbourhood it has to itself: its IoU with what really changed; and the
+/// changed pixels in and outside of all boxes.
 fn compare(training: &TrainingScene, seed: u64, ious: &mut Vec<f32>) -> [usize; 2] {
     let (simulated, with, raster) = survey(&training.scene, seed);
-    let bare = Scene {
-        objects: Vec::new(),
-        ..training.scene.clone()
-    };
+    let bare = Scene { objects: Vec::new(), ..training.scene.clone() };
     let (_, without, _) = survey(&bare, seed);
     let known = known_objects(&simulated);
     let mut changed_pixels = [0, 0];
@@ -74,43 +69,19 @@ fn compare(training: &TrainingScene, seed: u64, ious: &mut Vec<f32>) -> [usize; 
         let pairs = tile.pixels.iter().zip(&plain.pixels);
         let changed = Changed(pairs.map(|(a, b)| a.abs_diff(*b) > 8).collect());
         let boxes = Chip::new(tile, &raster, &known).boxes;
-        let all: Vec<Rect> = boxes
-            .labels
-            .iter()
-            .chain(&boxes.ignored)
-            .map(|label| label.rect)
-            .collect();
+        let all: Vec<Rect> =
+            boxes.labels.iter().chain(&boxes.ignored).map(|label| label.rect).collect();
         for label in &boxes.labels {
             let near = widened(&label.rect, 15.0);
-            if all
-                .iter()
-                .filter(|other| other.intersection(&near).area() > 0.0)
-                .count()
-                == 1
-            {
-                ious.push(
-                    changed
-                        .around(&near)
-                        .map_or(0.0, |found| found.iou(&label.rect)),
-                );
+            if all.iter().filter(|other| other.intersection(&near).area() > 0.0).count() == 1 {
+                ious.push(changed.around(&near).map_or(0.0, |found| found.iou(&label.rect)));
             }
         }
-        for (index, _) in changed
-            .0
-            .iter()
-            .enumerate()
-            .filter(|(_, changed)| **changed)
-        {
+        for (index, _) in changed.0.iter().enumerate().filter(|(_, changed)| **changed) {
             let (x, y) = ((index % TILE_PX) as f32, (index / TILE_PX) as f32);
-            let pixel = Rect {
-                x0: x,
-                y0: y,
-                x1: x + 1.0,
-                y1: y + 1.0,
-            };
-            let inside = all
-                .iter()
-                .any(|rect| widened(rect, 3.0).intersection(&pixel).area() > 0.0);
+            let pixel = Rect { x0: x, y0: y, x1: x + 1.0, y1: y + 1.0 };
+            let inside =
+                all.iter().any(|rect| widened(rect, 3.0).intersection(&pixel).area() > 0.0);
             changed_pixels[usize::from(!inside)] += 1;
         }
     }
@@ -118,12 +89,7 @@ fn compare(training: &TrainingScene, seed: u64, ious: &mut Vec<f32>) -> [usize; 
 }
 
 fn widened(rect: &Rect, margin: f32) -> Rect {
-    Rect {
-        x0: rect.x0 - margin,
-        y0: rect.y0 - margin,
-        x1: rect.x1 + margin,
-        y1: rect.y1 + margin,
-    }
+    Rect { x0: rect.x0 - margin, y0: rect.y0 - margin, x1: rect.x1 + margin, y1: rect.y1 + margin }
 }
 
 #[test]
@@ -186,16 +152,7 @@ fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 fn a_dataset_is_whole_and_the_same_for_a_seed() {
     let folder = tempfile::tempdir().expect("a folder");
     let (once, again) = (folder.path().join("once"), folder.path().join("again"));
-    let arguments = [
-        "--images",
-        "12",
-        "--split",
-        "2/1/1",
-        "--per-scene",
-        "3",
-        "--seed",
-        "5",
-    ];
+    let arguments = ["--images", "12", "--split", "2/1/1", "--per-scene", "3", "--seed", "5"];
     make(&once, &[&arguments[..], &["--threads", "1"]].concat());
     make(&again, &[&arguments[..], &["--threads", "3"]].concat());
     let files = contents(&once);
@@ -208,10 +165,7 @@ fn a_dataset_is_whole_and_the_same_for_a_seed() {
         assert_eq!(coco["images"].as_array().expect("images").len(), images);
         assert_same_boxes(&once, part, &coco);
         let parts = manifest["parts"].as_array().expect("parts");
-        let entry = parts
-            .iter()
-            .find(|entry| entry["name"] == part)
-            .expect("the part");
+        let entry = parts.iter().find(|entry| entry["name"] == part).expect("the part");
         for seed in entry["scene_seeds"].as_array().expect("seeds") {
             assert!(seeds.insert(seed.to_string()), "a scene is in two parts");
         }
@@ -226,10 +180,7 @@ fn a_dataset_is_whole_and_the_same_for_a_seed() {
         .output()
         .expect("the program starts");
     let sentence = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(
-        refused.status.code() == Some(1) && sentence.contains("not empty"),
-        "{sentence}"
-    );
+    assert!(refused.status.code() == Some(1) && sentence.contains("not empty"), "{sentence}");
 }
 
 /// YOLO lines and COCO annotations of every picture are the same boxes, and lie in the picture.
@@ -238,11 +189,7 @@ fn assert_same_boxes(folder: &Path, part: &str, coco: &Value) {
         let name = image["file_name"].as_str().expect("a name");
         let size = image::image_dimensions(folder.join("images").join(part).join(name));
         assert_eq!(size.expect("a picture"), (416, 416));
-        let text = folder
-            .join("labels")
-            .join(part)
-            .join(name)
-            .with_extension("txt");
+        let text = folder.join("labels").join(part).join(name).with_extension("txt");
         let text = fs::read_to_string(text).expect("labels");
         let annotations = coco["annotations"].as_array().expect("annotations");
         let boxes: Vec<&Value> = annotations
@@ -251,19 +198,14 @@ fn assert_same_boxes(folder: &Path, part: &str, coco: &Value) {
             .collect();
         assert_eq!(text.lines().count(), boxes.len());
         for (line, annotation) in text.lines().zip(boxes) {
-            let yolo: Vec<f64> = line
-                .split(' ')
-                .map(|word| word.parse().expect("a number"))
-                .collect();
+            let yolo: Vec<f64> =
+                line.split(' ').map(|word| word.parse().expect("a number")).collect();
             let [x, y, w, h] =
                 [0, 1, 2, 3].map(|i| annotation["bbox"][i].as_f64().expect("a number") / 416.0);
             assert_eq!(annotation["category_id"].as_f64(), Some(yolo[0] + 1.0));
-            for (ours, theirs) in [
-                (x + 0.5 * w, yolo[1]),
-                (y + 0.5 * h, yolo[2]),
-                (w, yolo[3]),
-                (h, yolo[4]),
-            ] {
+            for (ours, theirs) in
+                [(x + 0.5 * w, yolo[1]), (y + 0.5 * h, yolo[2]), (w, yolo[3]), (h, yolo[4])]
+            {
                 assert!((ours - theirs).abs() < 2e-6, "{line} {annotation}");
             }
             assert!(x >= 0.0 && y >= 0.0 && x + w <= 1.0 + 1e-6 && y + h <= 1.0 + 1e-6);
@@ -271,8 +213,8 @@ fn assert_same_boxes(folder: &Path, part: &str, coco: &Value) {
     }
 }
 
-/// The 41 scenes that models are judged on, six pictures each:
-/// `bathyscope simulate --dataset DIR --split 0/0/246 --seed 41`. Training never draws a scene of a test part.
+/// The 41 scenes that models are judged on, six pictures each: `bathyscope simulate --dataset
+/// DIR --split 0/0/246 --seed 41`. Training never draws a scene of a test part.
 #[test]
 fn the_committed_test_split_is_what_its_seed_gives() {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/detector/test-split.json");
@@ -284,17 +226,7 @@ fn the_committed_test_split_is_what_its_seed_gives() {
 
     let folder = tempfile::tempdir().expect("a folder");
     let made = folder.path().join("test");
-    make(
-        &made,
-        &[
-            "--images",
-            "6",
-            "--split",
-            "0/0/1",
-            "--seed",
-            &seed.to_string(),
-        ],
-    );
+    make(&made, &["--images", "6", "--split", "0/0/1", "--seed", &seed.to_string()]);
     let manifest = json(&made.join("manifest.json"));
     assert_eq!(manifest["parts"][2]["scene_seeds"][0], scenes[0]);
     assert_eq!(manifest["per_scene"], committed["per_scene"]);

@@ -1,4 +1,5 @@
-//! One truth for depths and ranges: what map, cloud, status bar, selection, time line and report say of the same water.
+//! One truth for depths and ranges: what map, cloud, status bar, selection, time line and report
+//! say of the same water.
 
 use crate::cli::run;
 use crate::support::demo_log;
@@ -17,11 +18,7 @@ fn change(window: &mut Window, assignments: &[&str]) {
     for assignment in assignments {
         settings = settings.with_assignment(assignment).expect("a setting");
     }
-    let change = Command::Change {
-        settings: Box::new(settings),
-        label: "a test",
-        live: false,
-    };
+    let change = Command::Change { settings: Box::new(settings), label: "a test", live: false };
     window.state_mut().app.apply(change);
     window.run();
 }
@@ -49,10 +46,7 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
     for (assignments, reference) in [
         (vec![], "below transducer"),
         (vec!["draft_m=0.4", "sound_speed.m_s=1440"], "below surface"),
-        (
-            vec!["draft_m=0.4", "water_level_m=1.25"],
-            "below water level zero",
-        ),
+        (vec!["draft_m=0.4", "water_level_m=1.25"], "below water level zero"),
     ] {
         change(&mut window, &assignments);
         let products = app(&window).log.products.clone().expect("a result");
@@ -68,15 +62,9 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
             "status bar: {depth}, {:?}",
             names(&window, "depth ")
         );
-        assert!(
-            window.query_by_label(&depth).is_some(),
-            "selection: {depth}"
-        );
+        assert!(window.query_by_label(&depth).is_some(), "selection: {depth}");
         // Time line: the deepest of them.
-        let deepest_m = depths
-            .iter()
-            .map(|(_, depth_m)| *depth_m)
-            .fold(0.0, f64::max);
+        let deepest_m = depths.iter().map(|(_, depth_m)| *depth_m).fold(0.0, f64::max);
         let deepest = format!("depth to {deepest_m:.1} m {reference}");
         assert!(
             window.query_by_label_contains(&deepest).is_some(),
@@ -98,16 +86,10 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
 #[test]
 fn the_speed_of_sound_scales_the_range_of_a_sample_as_it_does_the_cloud() {
     let mut window = demo_window();
-    change(
-        &mut window,
-        &["sound_speed.m_s=1440", "cloud.geometry=nadir"],
-    );
+    change(&mut window, &["sound_speed.m_s=1440", "cloud.geometry=nadir"]);
     let products = app(&window).log.products.clone().expect("a result");
     let points = products.cloud.points.iter();
-    let point = points
-        .filter(|point| point.source == PointSource::Port)
-        .nth(200)
-        .expect("a point");
+    let point = points.filter(|point| point.source == PointSource::Port).nth(200).expect("a point");
     let mark = LogPlace {
         side: Some(bathyscope_log::survey::Side::Port),
         sample: Some(point.sample),
@@ -117,11 +99,7 @@ fn the_speed_of_sound_scales_the_range_of_a_sample_as_it_does_the_cloud() {
     window.run();
     // Straight below, the range is the depth.
     let range = format!("range {:.2} m port", -point.z_m);
-    assert!(
-        window.query_by_label(&range).is_some(),
-        "{range}, {:?}",
-        names(&window, "range ")
-    );
+    assert!(window.query_by_label(&range).is_some(), "{range}, {:?}", names(&window, "range "));
 }
 
 fn json(path: &Path) -> Value {
@@ -150,53 +128,28 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
     let median_m = report["residuals"]["median_m"].as_f64().expect("a median");
     assert!((0.01..0.1).contains(&median_m), "{median_m}");
     let record = json(&folder.path().join("out/quality/residuals.json"));
-    assert!(
-        record["sign"]
-            .as_str()
-            .is_some_and(|sign| sign.contains("positive is shallower"))
-    );
-    let at_place_m = record["comparisons"][0]["median_m"]
-        .as_f64()
-        .expect("a median");
-    assert!(
-        (at_place_m - median_m).abs() < 0.05,
-        "{at_place_m} {median_m}"
-    );
+    assert!(record["sign"].as_str().is_some_and(|sign| sign.contains("positive is shallower")));
+    let at_place_m = record["comparisons"][0]["median_m"].as_f64().expect("a median");
+    assert!((at_place_m - median_m).abs() < 0.05, "{at_place_m} {median_m}");
 
     let mut window = demo_window();
     change(&mut window, &["calibration.offset=none"]);
     let figures = app(&window).log.figures.clone().expect("figures");
     let found = figures.residuals.expect("residuals");
     assert_eq!(found.median_m, median_m);
-    let same_ping = format!(
-        "+{:.1} cm · p95 {:.1} cm",
-        100.0 * median_m,
-        100.0 * found.p95_m
-    );
+    let same_ping = format!("+{:.1} cm · p95 {:.1} cm", 100.0 * median_m, 100.0 * found.p95_m);
     let shown = names(&window, &same_ping);
-    assert!(
-        !shown.is_empty(),
-        "{same_ping}: {:?}",
-        names(&window, "p95")
-    );
+    assert!(!shown.is_empty(), "{same_ping}: {:?}", names(&window, "p95"));
     window.state_mut().app.apply(Command::CompareWithReference);
     window.run();
     let panels = names(&window, &same_ping).len();
-    assert_eq!(
-        panels,
-        2,
-        "cloud and residuals: {:?}",
-        names(&window, "p95")
-    );
+    assert_eq!(panels, 2, "cloud and residuals: {:?}", names(&window, "p95"));
 }
 
 #[test]
 fn the_share_of_outliers_is_one_number() {
     let mut window = demo_window();
-    change(
-        &mut window,
-        &["outliers.radius_m=0.25", "outliers.min_neighbors=4"],
-    );
+    change(&mut window, &["outliers.radius_m=0.25", "outliers.min_neighbors=4"]);
     let products = app(&window).log.products.clone().expect("a result");
     let classes = ClassCounts::of(&products.cloud, &products.classes);
     assert!(classes.noise() > 20, "{classes:?}");
@@ -231,10 +184,7 @@ fn the_share_of_outliers_is_one_number() {
     let share = counts["outliers_removed_share"].as_f64().expect("a share");
     assert!((share - classes.noise_share()).abs() < 1e-12);
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).expect("a page");
-    assert!(
-        page.contains(&format!("{percent}) were set aside")),
-        "{percent}"
-    );
+    assert!(page.contains(&format!("{percent}) were set aside")), "{percent}");
 }
 
 #[test]
@@ -246,15 +196,9 @@ fn info_and_process_state_one_scale() {
         serde_json::from_str(&run(folder.path(), &["info", log, "--json"])).expect("JSON");
     let stated = info["header_px_per_m"].as_f64().expect("a scale");
     let process = ["process", log, "-o", "out", "--no-objects"];
-    let said = run(
-        folder.path(),
-        &[&process[..], &["--products", "track"]].concat(),
-    );
+    let said = run(folder.path(), &[&process[..], &["--products", "track"]].concat());
     let report = json(&folder.path().join("out/report.json"));
-    assert_eq!(
-        report["calibration"]["header_px_per_m"].as_f64(),
-        Some(stated)
-    );
+    assert_eq!(report["calibration"]["header_px_per_m"].as_f64(), Some(stated));
     let line = format!("{stated:.2} samples a metre, as recorded");
     assert!(run(folder.path(), &["info", log]).contains(&line), "{line}");
     // What process says first is the scale that is in force.
@@ -273,35 +217,20 @@ fn the_offset_in_use_stands_in_panel_picture_report_and_page() {
     assert!(window.query_by_label(&shown).is_some(), "panel: {shown}");
     let picture = format!("range offset {added}");
     assert!(
-        names(&window, "Waterfall, pings")
-            .iter()
-            .any(|name| name.contains(&picture)),
+        names(&window, "Waterfall, pings").iter().any(|name| name.contains(&picture)),
         "{:?}",
         names(&window, "Waterfall")
     );
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = demo_log();
     let log = log.to_str().expect("a path");
-    let said = run(
-        folder.path(),
-        &[
-            "process",
-            log,
-            "-o",
-            "out",
-            "--no-objects",
-            "--products",
-            "report",
-        ],
-    );
+    let said =
+        run(folder.path(), &["process", log, "-o", "out", "--no-objects", "--products", "report"]);
     assert!(said.contains(&picture), "{said}");
     let calibration = &json(&folder.path().join("out/report.json"))["calibration"];
     assert_eq!(calibration["offset_m"].as_f64(), Some(-added_m));
     assert_eq!(calibration["offset_measured_m"], calibration["offset_m"]);
     assert!(calibration["offset_note"].is_null());
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).expect("a page");
-    assert!(
-        page.contains(&format!("{added} are added to every range")),
-        "{added}"
-    );
+    assert!(page.contains(&format!("{added} are added to every range")), "{added}");
 }

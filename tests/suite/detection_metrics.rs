@@ -1,5 +1,5 @@
-//! The detector's figures against `pycocotools` 2.0.11 and `mean_average_precision` 2024.1.5, on the boxes that
-//! `detection_fixtures/make_metrics.py` made.
+//! The detector's figures against `pycocotools` 2.0.11 and `mean_average_precision` 2024.1.5, on
+//! the boxes that `detection_fixtures/make_metrics.py` made.
 
 use bathyscope_objects::metrics::{
     ApMethod, Cause, Evaluation, Image, MetricSettings, TrueBox, evaluate,
@@ -80,10 +80,7 @@ fn images(case: &Case) -> Vec<Image> {
 
 /// At score 0, so that what is counted is what the oracles count.
 fn measured(case: &Case, settings: MetricSettings) -> Evaluation {
-    let settings = MetricSettings {
-        score: 0.0,
-        ..settings
-    };
+    let settings = MetricSettings { score: 0.0, ..settings };
     evaluate(&images(case), case.classes, &settings)
 }
 
@@ -127,18 +124,12 @@ fn darknets_rule_gives_the_figures_of_mean_average_precision() {
     let mut seen = 0;
     for case in cases() {
         let Some(theirs) = &case.voc else { continue };
-        for (method, theirs) in [
-            (ApMethod::AllPoint, &theirs.all),
-            (ApMethod::Voc11, &theirs.eleven),
-        ] {
-            let ours = measured(
-                &case,
-                MetricSettings {
-                    ap: method,
-                    ..MetricSettings::darknet()
-                },
-            );
-            // They call the AP of a class without truths 0; it is unknown, and counts as 0 in the mean.
+        for (method, theirs) in
+            [(ApMethod::AllPoint, &theirs.all), (ApMethod::Voc11, &theirs.eleven)]
+        {
+            let ours = measured(&case, MetricSettings { ap: method, ..MetricSettings::darknet() });
+            // They call the AP of a class without truths 0; it is unknown, and counts as 0 in the
+            // mean.
             let or_zero = |ap: f64| if ap.is_nan() { 0.0 } else { ap };
             let what = format!("{}, {method:?}", case.name);
             same(&what, or_zero(ours.map), Some(theirs.map));
@@ -159,33 +150,14 @@ fn counts_confusion_and_mistakes_tell_the_same_story() {
             let ours = evaluate(&images, case.classes, &settings);
             let (confusion, counts) = (&ours.confusion, ours.counts);
             let background = confusion.classes();
-            let diagonal: usize = (0..background)
-                .map(|class| confusion.at(class, class))
-                .sum();
+            let diagonal: usize = (0..background).map(|class| confusion.at(class, class)).sum();
             assert_eq!(diagonal, counts.found, "{}", case.name);
             let rows: Vec<usize> = confusion.rows().map(|row| row.iter().sum()).collect();
-            assert_eq!(
-                rows[..background].iter().sum::<usize>(),
-                counts.truths,
-                "{}",
-                case.name
-            );
+            assert_eq!(rows[..background].iter().sum::<usize>(), counts.truths, "{}", case.name);
             let all: usize = rows.iter().sum();
-            let unseen: usize = (0..background)
-                .map(|class| confusion.at(class, background))
-                .sum();
-            assert_eq!(
-                all - unseen,
-                counts.found + counts.false_alarms,
-                "{}",
-                case.name
-            );
-            assert_eq!(
-                ours.false_alarms.len(),
-                counts.false_alarms,
-                "{}",
-                case.name
-            );
+            let unseen: usize = (0..background).map(|class| confusion.at(class, background)).sum();
+            assert_eq!(all - unseen, counts.found + counts.false_alarms, "{}", case.name);
+            assert_eq!(ours.false_alarms.len(), counts.false_alarms, "{}", case.name);
             assert_eq!(ours.misses.len(), counts.missed(), "{}", case.name);
             if counts.found + counts.false_alarms > 0 {
                 assert!(counts.darknet_iou() <= counts.precision() + 1e-12);
@@ -195,14 +167,11 @@ fn counts_confusion_and_mistakes_tell_the_same_story() {
 }
 
 fn boxed(class: usize, score: f32, [x0, y0, x1, y1]: [f32; 4]) -> Scored {
-    Scored {
-        class,
-        score,
-        rect: Rect { x0, y0, x1, y1 },
-    }
+    Scored { class, score, rect: Rect { x0, y0, x1, y1 } }
 }
 
-/// Two pictures: a stone found loosely, and seen twice; a tyre taken for a stone; a stone missed; a ghost.
+/// Two pictures: a stone found loosely, and seen twice; a tyre taken for a stone; a stone missed; a
+/// ghost.
 fn worked_example() -> Vec<Image> {
     let truth = |class, [x0, y0, x1, y1]: [f32; 4]| TrueBox {
         class,
@@ -211,10 +180,7 @@ fn worked_example() -> Vec<Image> {
     };
     vec![
         Image {
-            truth: vec![
-                truth(0, [0.0, 0.0, 10.0, 10.0]),
-                truth(1, [50.0, 0.0, 60.0, 10.0]),
-            ],
+            truth: vec![truth(0, [0.0, 0.0, 10.0, 10.0]), truth(1, [50.0, 0.0, 60.0, 10.0])],
             predicted: vec![
                 boxed(0, 0.9, [0.0, 0.0, 10.0, 8.0]),
                 boxed(0, 0.8, [0.0, 0.0, 10.0, 9.0]),
@@ -236,11 +202,9 @@ fn worked_example() -> Vec<Image> {
 fn a_worked_example_by_hand() {
     let ours = evaluate(&worked_example(), 2, &MetricSettings::darknet());
     let counts = ours.counts;
-    // Found: the first box, IoU 80 / 100. False: the second, the third, the ghost and the loose one.
-    assert_eq!(
-        (counts.found, counts.false_alarms, counts.missed()),
-        (1, 4, 2)
-    );
+    // Found: the first box, IoU 80 / 100. False: the second, the third, the ghost and the loose
+    // one.
+    assert_eq!((counts.found, counts.false_alarms, counts.missed()), (1, 4, 2));
     assert_eq!(counts.precision(), 0.2);
     assert_eq!(counts.recall(), 1.0 / 3.0);
     assert_eq!(counts.f1(), 0.25);
@@ -250,27 +214,13 @@ fn a_worked_example_by_hand() {
     let rows: Vec<&[usize]> = ours.confusion.rows().collect();
     assert_eq!(rows, [[1, 0, 1], [1, 0, 0], [2, 1, 0]]);
     let causes: Vec<Cause> = ours.false_alarms.iter().map(|one| one.cause).collect();
-    assert_eq!(
-        causes,
-        [
-            Cause::Duplicate,
-            Cause::OtherClass,
-            Cause::Background,
-            Cause::Loose
-        ]
-    );
-    let missed: Vec<(usize, usize)> = ours
-        .misses
-        .iter()
-        .map(|one| (one.image, one.truth))
-        .collect();
+    assert_eq!(causes, [Cause::Duplicate, Cause::OtherClass, Cause::Background, Cause::Loose]);
+    let missed: Vec<(usize, usize)> =
+        ours.misses.iter().map(|one| (one.image, one.truth)).collect();
     assert_eq!(missed, [(0, 1), (1, 0)]);
     // The tyre's own box is below the score, but on its curve: 1 of 2 at its end.
     let tyre = &ours.classes[1].curve;
-    assert_eq!(
-        (tyre[1].score, tyre[1].precision, tyre[1].recall),
-        (0.1, 0.5, 1.0)
-    );
+    assert_eq!((tyre[1].score, tyre[1].precision, tyre[1].recall), (0.1, 0.5, 1.0));
     assert_eq!(ours.curve.len(), 6);
     assert_eq!(ours.curve[0].f1, 2.0 / (1.0 + 3.0));
 }
@@ -280,9 +230,5 @@ fn boxes_of_unknown_classes_are_left_out() {
     let ours = evaluate(&worked_example(), 1, &MetricSettings::coco());
     assert_eq!(ours.counts.truths, 2);
     assert_eq!(ours.confusion.classes(), 1);
-    assert!(
-        ours.misses
-            .iter()
-            .all(|one| (one.image, one.truth) != (0, 1))
-    );
+    assert!(ours.misses.iter().all(|one| (one.image, one.truth) != (0, 1)));
 }

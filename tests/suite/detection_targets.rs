@@ -38,13 +38,7 @@ fn sail(scene: &Scene, seed: u64) -> Sailed {
     let settings = CalibrationSettings::default();
     let calibration = calibrate(&survey, &navigation, &returns, &[], &settings, &progress)
         .expect("nobody cancels");
-    Sailed {
-        truth,
-        survey,
-        navigation,
-        returns,
-        calibration,
-    }
+    Sailed { truth, survey, navigation, returns, calibration }
 }
 
 /// The box that a labeller draws around echo and shadow; `None` for a glimpse of under four pings.
@@ -52,28 +46,14 @@ fn true_box(survey: &Survey, seen: &ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
     let shadow_end_m = seen.shadow_m[1];
-    let far_m = if shadow_end_m.is_nan() {
-        f64::from(span.far_m)
-    } else {
-        shadow_end_m.max(seen.far_m)
-    };
-    (pings.len() >= 4).then_some(Mark {
-        side: seen.side,
-        pings,
-        near_m: seen.near_m,
-        far_m,
-    })
+    let far_m =
+        if shadow_end_m.is_nan() { f64::from(span.far_m) } else { shadow_end_m.max(seen.far_m) };
+    (pings.len() >= 4).then_some(Mark { side: seen.side, pings, near_m: seen.near_m, far_m })
 }
 
 /// Every sighting of a scene, placed: index of its object, the target, distance from the truth.
 fn placed(sailed: &Sailed) -> Vec<(usize, Target, f64)> {
-    let Sailed {
-        truth,
-        survey,
-        navigation,
-        returns,
-        calibration,
-    } = sailed;
+    let Sailed { truth, survey, navigation, returns, calibration } = sailed;
     let placer = Placer::new(survey, navigation, returns, calibration);
     let mut all = Vec::new();
     for (index, object) in truth.objects.iter().enumerate() {
@@ -81,10 +61,7 @@ fn placed(sailed: &Sailed) -> Vec<(usize, Target, f64)> {
             let Some(target) = true_box(survey, seen).and_then(|mark| placer.place(&mark)) else {
                 continue;
             };
-            let off_m = f64::hypot(
-                target.east_m - object.east_m,
-                target.north_m - object.north_m,
-            );
+            let off_m = f64::hypot(target.east_m - object.east_m, target.north_m - object.north_m);
             all.push((index, target, off_m));
         }
     }
@@ -123,10 +100,7 @@ fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
         };
         assert_eq!(drawn(other, 1.5), Some(found_m));
         let drawn_m = drawn(mark.side, 1.5).expect("a place");
-        assert!(
-            (drawn_m - 1.5).abs() < 0.1 && found_m > 1.8,
-            "{found_m} {drawn_m}"
-        );
+        assert!((drawn_m - 1.5).abs() < 0.1 && found_m > 1.8, "{found_m} {drawn_m}");
     }
 }
 
@@ -145,9 +119,7 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
     let [plain, corrected] =
         [&plain, &corrected].map(|products| ObjectLocator::new(&sailed.survey, products));
     let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
-    let marks: Vec<Mark> = seen
-        .filter_map(|seen| true_box(&sailed.survey, seen))
-        .collect();
+    let marks: Vec<Mark> = seen.filter_map(|seen| true_box(&sailed.survey, seen)).collect();
     assert!(marks.len() > 3);
     let factor = 1455.0 / 1500.0;
     for mark in &marks {
@@ -166,17 +138,14 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
     }
 }
 
-/// A pond like a trough: banks of 18 degrees meet in 7 m of water, and blocks stand on them between the lines.
+/// A pond like a trough: banks of 18 degrees meet in 7 m of water, and blocks stand on them between
+/// the lines.
 pub(super) fn trough() -> Scene {
     let mut scene = Scene::gentle();
     scene.artefacts = Default::default();
     scene.bed.mean_depth_m = 7.0;
     scene.bed.terrace = None;
-    scene.bed.bank = Some(Bank {
-        length_m: 200.0,
-        width_m: 43.0,
-        slope_deg: 18.0,
-    });
+    scene.bed.bank = Some(Bank { length_m: 200.0, width_m: 43.0, slope_deg: 18.0 });
     scene.track.lines = 3;
     scene.track.cross_lines = 0;
     scene.recorder.range_m = 20.0;
@@ -231,14 +200,8 @@ fn objects_on_a_bank_lie_where_they_are_and_not_where_a_level_bottom_has_them() 
         (of(&off_m), of(&deeper_m))
     });
     assert!(by_level.0[0] > 1.0 && by_level.1[0] > 1.0, "{by_level:?}");
-    assert!(
-        by_relief.0[0] < 0.5 && by_relief.0[1] < 1.0,
-        "{by_relief:?}"
-    );
-    assert!(
-        by_relief.1[0] < 0.3 && by_relief.1[1] < 0.6,
-        "{by_relief:?}"
-    );
+    assert!(by_relief.0[0] < 0.5 && by_relief.0[1] < 1.0, "{by_relief:?}");
+    assert!(by_relief.1[0] < 0.3 && by_relief.1[1] < 0.6, "{by_relief:?}");
 }
 
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
@@ -311,7 +274,8 @@ fn objects_lie_within_half_a_metre_of_the_truth_from_either_side_and_in_crossing
     let in_sigmas = |share| quantile(all.iter().map(|one| one.off_m / one.target.sigma_m), share);
     let [middle, wide] = [0.5, 0.9].map(in_sigmas);
     println!("in standard deviations: {middle:.2} (median), {wide:.2} (90 %)");
-    // Of two axes a median of 1.18 and 2.15; a stated error that is far too small or too large misleads.
+    // Of two axes a median of 1.18 and 2.15; a stated error that is far too small or too large
+    // misleads.
     assert!((0.5..1.3).contains(&middle) && wide < 2.4);
 
     let known = || all.iter().filter(|one| one.target.height_m.is_finite());
@@ -351,7 +315,8 @@ fn turning_scene() -> Scene {
     scene
 }
 
-/// Each sighting as a detector would claim it: every fifth is taken for something else, with less confidence.
+/// Each sighting as a detector would claim it: every fifth is taken for something else, with less
+/// confidence.
 fn claims<'a>(sailed: &Sailed, placed: &'a [(usize, Target, f64)]) -> Vec<Claim<'a>> {
     let claim = |(index, (object, target, _)): (usize, &'a (usize, Target, f64))| {
         let kind = sailed.truth.objects[*object].kind as usize;
@@ -369,11 +334,7 @@ fn claims<'a>(sailed: &Sailed, placed: &'a [(usize, Target, f64)]) -> Vec<Claim<
 #[test]
 fn an_object_seen_from_several_lines_is_one() {
     let mut all_mixed = 0;
-    for (scene, seed) in [
-        (dense_scene(), 1),
-        (dense_scene(), 2),
-        (turning_scene(), 10),
-    ] {
+    for (scene, seed) in [(dense_scene(), 1), (dense_scene(), 2), (turning_scene(), 10)] {
         let sailed = sail(&scene, seed);
         let placed = placed(&sailed);
         let groups = group(&claims(&sailed, &placed), &GroupSettings::default());
@@ -391,10 +352,7 @@ fn an_object_seen_from_several_lines_is_one() {
             group.members.len() > 1
                 && group.class == Some(sailed.truth.objects[object_of(group)].kind as usize)
         };
-        let repeated = groups
-            .iter()
-            .filter(|group| group.members.len() > 1)
-            .count();
+        let repeated = groups.iter().filter(|group| group.members.len() > 1).count();
         let classed = groups.iter().filter(known).count();
         let off_m = quantile(
             groups.iter().map(|group| {
@@ -434,7 +392,8 @@ fn every_sighting_is_a_pass_over_the_place() {
         for object in &sailed.truth.objects {
             let place = [object.east_m, object.north_m];
             let passes = passes_over(&sailed.survey, &sailed.navigation, place);
-            // A glimpse may miss the middle, and one of an object's end may have the middle out of the range.
+            // A glimpse may miss the middle, and one of an object's end may have the middle out of
+            // the range.
             let whole = object.sightings.iter().filter(|seen| {
                 let middle = usize::midpoint(seen.first_ping, seen.last_ping);
                 let boat = &sailed.truth.pings[middle];

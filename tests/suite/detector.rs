@@ -1,5 +1,6 @@
-//! Models of other makers: what each finds agrees with onnxruntime and a decoding of its own (`detector_models/make.py`); what
-//! cannot be used is refused with a sentence that says what to do; and no file takes the program down.
+//! Models of other makers: what each finds agrees with onnxruntime and a decoding of its own
+//! (`detector_models/make.py`); what cannot be used is refused with a sentence that says what to
+//! do; and no file takes the program down.
 
 use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
@@ -32,12 +33,7 @@ fn picture() -> Picture {
             levels.extend((0..3).map(|c| (x * x / 9 + y * (5 + c) * 3 + c * 40 + x * y / 7) as u8));
         }
     }
-    Picture {
-        width: 96,
-        height: 80,
-        channels: 3,
-        levels,
-    }
+    Picture { width: 96, height: 80, channels: 3, levels }
 }
 
 /// Class, score, x0, y0, x1, y1.
@@ -48,7 +44,8 @@ fn expected() -> Expected {
     serde_json::from_str(&text).expect("boxes of each model")
 }
 
-/// The widest differences of scores and of edges in pixels; boxes of nearly equal scores may change places.
+/// The widest differences of scores and of edges in pixels; boxes of nearly equal scores may change
+/// places.
 fn differences(found: &[Scored], expected: &[[f32; 6]]) -> (f32, f32) {
     assert_eq!(found.len(), expected.len());
     let mut left: Vec<&Scored> = found.iter().collect();
@@ -93,11 +90,7 @@ fn every_family_is_recognised_and_finds_what_onnxruntime_finds() {
         assert_eq!(text.contains("guessed"), name != "raw_heads", "{text}");
         let found = model.detect(&picture(), SCORE, IOU).expect("boxes");
         // Arithmetic in f16 rounds to three digits, in onnxruntime.
-        let tolerance = if name == "half" {
-            (3e-3, 0.3)
-        } else {
-            (1e-5, 1e-3)
-        };
+        let tolerance = if name == "half" { (3e-3, 0.3) } else { (1e-5, 1e-3) };
         let away = differences(&found, &expected[name]);
         assert!(
             away.0 <= tolerance.0 && away.1 <= tolerance.1,
@@ -124,14 +117,8 @@ fn what_cannot_be_used_is_refused_with_what_to_do() {
         ("loop", "may never end"),
         ("huge", "asks for a size of [1, 1, 1000000, 1000000]"),
         ("huge_input", "is 1099511627776 x 1099511627776 pixels"),
-        (
-            "costly",
-            "billion multiplications; export a smaller network",
-        ),
-        (
-            "outer_product",
-            "makes 1,1048576,1048576 numbers of constants",
-        ),
+        ("costly", "billion multiplications; export a smaller network"),
+        ("outer_product", "makes 1,1048576,1048576 numbers of constants"),
         ("worked_out", "makes 1,3,19200,19200 numbers of constants"),
         ("many_constants", "numbers of its constants"),
         ("gathering", "gathers 68183654400 numbers under its kernel"),
@@ -154,15 +141,9 @@ fn missing_companions_are_named() {
         fs::copy(models().join(&file), folder.path().join(&file)).expect("a copy");
     }
     let text = refusal(&folder.path().join("outside.onnx"));
-    assert!(
-        text.contains("its weights lie in `outside.onnx.data`"),
-        "{text}"
-    );
+    assert!(text.contains("its weights lie in `outside.onnx.data`"), "{text}");
     let text = refusal(&folder.path().join("raw_heads.onnx"));
-    assert!(
-        text.contains("write them into the sidecar JSON file"),
-        "{text}"
-    );
+    assert!(text.contains("write them into the sidecar JSON file"), "{text}");
     let text = refusal(&folder.path().join("none.onnx"));
     assert!(text.contains("cannot be read"), "{text}");
     let text = refusal(folder.path());
@@ -179,10 +160,7 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
     )
     .expect("a usable sidecar");
     assert_eq!(model.classes(), ["a", "b", "c"]);
-    assert_eq!(
-        (model.pixel_m(), model.score(), model.iou()),
-        (0.1, 0.6, 0.3)
-    );
+    assert_eq!((model.pixel_m(), model.score(), model.iou()), (0.1, 0.6, 0.3));
     assert!(model.description().contains("stretched (by its JSON file)"));
     let error_of = |text: &str| with(text).expect_err("a wrong sidecar").to_string();
     assert!(error_of("{").contains("sidecar JSON file is wrong"));
@@ -198,11 +176,8 @@ fn a_box_is_named_from_a_confidence_on_and_is_an_object_below_it() {
     let named = |sidecar: &str, name_score: Option<f32>| {
         let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
         assert_eq!(model.names(), ["rock", "tyre", "log", "object"]);
-        let settings = DetectorSettings {
-            score: Some(SCORE),
-            name_score,
-            ..DetectorSettings::default()
-        };
+        let settings =
+            DetectorSettings { score: Some(SCORE), name_score, ..DetectorSettings::default() };
         let found = find_in_picture(&picture(), &model, &settings, &Progress::new());
         let found = found.expect("boxes").into_iter();
         found.map(|one| (one.score, one.class)).collect::<Vec<_>>()
@@ -235,23 +210,13 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
     let (plain, voted) = (found("{}", SCORE), found(voting, SCORE));
     assert_eq!(plain.len(), voted.len());
     let class_and_score = |one: &Scored| (one.class, one.score);
-    assert!(
-        plain
-            .iter()
-            .map(class_and_score)
-            .eq(voted.iter().map(class_and_score))
-    );
+    assert!(plain.iter().map(class_and_score).eq(voted.iter().map(class_and_score)));
     assert_ne!(plain, voted);
     let surest = voted.len() / 2;
     assert_eq!(found(voting, voted[surest].score), voted[..=surest]);
     assert_eq!(found(voting, 0.02)[..voted.len()], voted);
     let refused = Model::from_bytes(bytes.clone(), Some(r#"{"thresholds": {"vote": 2}}"#));
-    assert!(
-        refused
-            .expect_err("a share")
-            .to_string()
-            .contains("lie between 0 and 1")
-    );
+    assert!(refused.expect_err("a share").to_string().contains("lie between 0 and 1"));
 }
 
 #[test]
@@ -280,18 +245,12 @@ fn confidences_are_calibrated_as_the_sidecar_says() {
 fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
     let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
     let model = |sidecar: &str| Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a model");
-    let (once, twice) = (
-        model("{}"),
-        model(r#"{"test_time_augmentation": "mirrored"}"#),
-    );
+    let (once, twice) = (model("{}"), model(r#"{"test_time_augmentation": "mirrored"}"#));
     assert!(!once.description().contains("test-time augmentation"));
-    assert!(
-        twice
-            .description()
-            .contains("test-time augmentation (mirrored)")
-    );
+    assert!(twice.description().contains("test-time augmentation (mirrored)"));
     let scores = |model: &Model, picture: &Picture| -> Vec<f32> {
-        // Nothing suppressed: of two views of one object that are as sure as each other either may be kept.
+        // Nothing suppressed: of two views of one object that are as sure as each other either may
+        // be kept.
         let found = model.detect(picture, SCORE, 1.0).expect("boxes");
         found.iter().map(|one| one.score).collect()
     };

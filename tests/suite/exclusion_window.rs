@@ -1,4 +1,5 @@
-//! Stretches excluded in the window: drawn over waterfall and map, found by turn rate and speed, listed and included again.
+//! Stretches excluded in the window: drawn over waterfall and map, found by turn rate and speed,
+//! listed and included again.
 
 use crate::bottom::draw;
 use crate::logs_window::{change, opened, settle};
@@ -10,11 +11,7 @@ use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 fn out_of(log: &OpenLog) -> Vec<ExcludedStretch> {
-    log.exclusions()
-        .expect("a result")
-        .exclusions
-        .stretches
-        .clone()
+    log.exclusions().expect("a result").exclusions.stretches.clone()
 }
 
 fn exclusions(window: &Window) -> Vec<ExcludedStretch> {
@@ -35,9 +32,7 @@ fn near(found: [usize; 2], expected: [usize; 2]) -> bool {
 /// Kept points that a stretch of pings has in the results.
 fn points_in(window: &Window, [first, last]: [usize; 2]) -> usize {
     let products = app(window).log.products.as_ref().expect("results");
-    (products.kept_points())
-        .filter(|point| (first..=last).contains(&(point.ping as usize)))
-        .count()
+    (products.kept_points()).filter(|point| (first..=last).contains(&(point.ping as usize))).count()
 }
 
 fn name_of(window: &Window, part: &str) -> String {
@@ -99,9 +94,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     window.get_by_label_contains(", excluding stretches");
     // Backwards as well as forwards.
     draw(&mut window, Modifiers::NONE, (400.0, -4.0), (300.0, 5.0));
-    let [stretch] = pings(&window)[..] else {
-        panic!("{:?}", pings(&window))
-    };
+    let [stretch] = pings(&window)[..] else { panic!("{:?}", pings(&window)) };
     assert!(near(stretch, [300, 400]), "{stretch:?}");
     assert_eq!(exclusions(&window)[0].reason, ExclusionReason::Drawn);
     assert_eq!(points_in(&window, stretch), 0, "the results follow");
@@ -133,10 +126,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     let beside = at(&window, 600.0, 4.0);
     click(&mut window, beside);
     assert_eq!(pings(&window), [stretch]);
-    assert!(near(
-        [app(&window).view.selection.expect("a ping").ping; 2],
-        [600; 2]
-    ));
+    assert!(near([app(&window).view.selection.expect("a ping").ping; 2], [600; 2]));
     let inside = at(&window, 350.0, 4.0);
     click(&mut window, inside);
     assert!(pings(&window).is_empty());
@@ -176,31 +166,21 @@ fn turns_are_found_listed_and_taken_back_in() {
     let pings_out: usize = pings(&window).iter().map(|[a, b]| b + 1 - a).sum();
     let extent = app(&window).log.exclusions().expect("found").extent(None);
     assert_eq!(extent.pings, pings_out);
-    let name = if found.len() == 1 {
-        "1 turn: "
-    } else {
-        " turns: "
-    };
+    let name = if found.len() == 1 { "1 turn: " } else { " turns: " };
     window.get_by_label_contains(name);
     let [first, last] = found[0].pings.expect("pings");
-    window
-        .get_by_label(&format!("Stretch turn {first}..{last}"))
-        .click_accesskit();
+    window.get_by_label(&format!("Stretch turn {first}..{last}")).click_accesskit();
     settle(&mut window);
     let shown = app(&window).view.selection.expect("a ping").ping;
     assert!((first..=last).contains(&shown));
     window.get_by_label_contains(", excluded: turn");
 
-    window
-        .get_by_label(&format!("Include again: turn {first}..{last}"))
-        .click_accesskit();
+    window.get_by_label(&format!("Include again: turn {first}..{last}")).click_accesskit();
     settle(&mut window);
     assert_eq!(exclusions(&window), found[1..]);
     assert!(points_in(&window, [first, last]) > 0);
     // It is listed as kept, and left to the search again.
-    window
-        .get_by_label(&format!("Reset: kept {first}..{last}"))
-        .click_accesskit();
+    window.get_by_label(&format!("Reset: kept {first}..{last}")).click_accesskit();
     settle(&mut window);
     assert_eq!(exclusions(&window), found);
     // By key, at the selected ping.
@@ -208,11 +188,7 @@ fn turns_are_found_listed_and_taken_back_in() {
     settle(&mut window);
     assert_eq!(exclusions(&window), found[1..]);
     press(&mut window, Modifiers::SHIFT, Key::K);
-    assert!(
-        window
-            .query_by_label_contains("the selected ping is not excluded")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("the selected ping is not excluded").is_some());
 }
 
 #[test]
@@ -227,13 +203,8 @@ fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
     assert_eq!(app(&window).log.id, ids[0], "the shown log stays");
     assert!(pings(&window).is_empty());
     let other = app(&window).open_log(ids[1]).expect("it is open");
-    let [stretch] = out_of(other)[..] else {
-        panic!("{:?}", out_of(other))
-    };
-    assert!(
-        near(stretch.pings.expect("pings"), [40, 140]),
-        "{stretch:?}"
-    );
+    let [stretch] = out_of(other)[..] else { panic!("{:?}", out_of(other)) };
+    assert!(near(stretch.pings.expect("pings"), [40, 140]), "{stretch:?}");
     let products = other.products.as_ref().expect("results");
     assert_eq!(products.exclusions.stretches, [stretch]);
     let name = name_of(&window, "Map, track of");

@@ -54,19 +54,13 @@ fn points_survive_every_pair_of_formats() {
             if is_old && is_copc {
                 let refused = kept_points(&to, PointFormat::Copc, &file, &KEPT);
                 let refused = refused.expect_err("an old format").to_string();
-                assert!(
-                    refused.contains("these have format 0; write .laz"),
-                    "{refused}"
-                );
+                assert!(refused.contains("these have format 0; write .laz"), "{refused}");
                 continue;
             }
             write(&file, &to, &KEPT);
             let kept = read(&to).points;
-            let expected: Vec<[f64; 3]> = POINTS
-                .into_iter()
-                .zip(KEPT)
-                .filter_map(|(p, kept)| kept.then_some(p))
-                .collect();
+            let expected: Vec<[f64; 3]> =
+                POINTS.into_iter().zip(KEPT).filter_map(|(p, kept)| kept.then_some(p)).collect();
             assert_eq!(kept, expected, "{} to {}", from.display(), to.display());
         }
     }
@@ -119,27 +113,16 @@ fn unusable_point_files_are_refused_in_a_sentence() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);
     let text = refusal(&path("a.csv"), b"x,y,z\n1,2,3\n1,two,3\n");
-    assert!(
-        text.starts_with("line 3: `two` in column `y` is not a number; mend it"),
-        "{text}"
-    );
+    assert!(text.starts_with("line 3: `two` in column `y` is not a number; mend it"), "{text}");
     let text = refusal(&path("b.xyz"), b"1 2 3\n4 5\n");
-    assert!(
-        text.starts_with("line 2: there are 2 fields, and a point is x, y and z"),
-        "{text}"
-    );
+    assert!(text.starts_with("line 2: there are 2 fields, and a point is x, y and z"), "{text}");
     let text = refusal(&path("c.ply"), b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
-    assert!(
-        text.starts_with("the PLY file ends after 0 of 4000000000 vertices"),
-        "{text}"
-    );
+    assert!(text.starts_with("the PLY file ends after 0 of 4000000000 vertices"), "{text}");
     let text = refusal(&path("d.las"), b"LASF but nothing else");
     assert!(text.starts_with("the LAS file cannot be read"), "{text}");
     let text = refusal(&path("e.doc"), b"");
     assert!(text.starts_with("a point file ends in"), "{text}");
-    let missing = points::read(&path("none.xyz"), None)
-        .expect_err("a refusal")
-        .to_string();
+    let missing = points::read(&path("none.xyz"), None).expect_err("a refusal").to_string();
     assert!(missing.starts_with("cannot read the points"), "{missing}");
     let unnamed = points::read(&path("a.csv"), Some(&["e", "n", "h"].map(str::to_owned)));
     let unnamed = unnamed.expect_err("a refusal").to_string();

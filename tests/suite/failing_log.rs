@@ -1,5 +1,6 @@
-//! A window that pages through a log whose file fails under it: cut, overwritten, replaced, removed, and, where
-//! `tests/readers/failing_disk` has made one, on a disk that does not give it any more.
+//! A window that pages through a log whose file fails under it: cut, overwritten, replaced,
+//! removed, and, where `tests/readers/failing_disk` has made one, on a disk that does not give it
+//! any more.
 
 use super::window::{Window, app, settle};
 use crate::support::{demo_log, real_data, snapshot_options};
@@ -46,11 +47,7 @@ impl Disk {
     /// A folder of the system's own.
     fn plain(folder: &Path) -> Self {
         let log = folder.join("river.sl2");
-        Self {
-            seen: log.clone(),
-            kept: log,
-            control: None,
-        }
+        Self { seen: log.clone(), kept: log, control: None }
     }
 
     /// The disk of `tests/readers/failing_disk`.
@@ -68,9 +65,7 @@ impl Disk {
             fs::write(control, "").expect("a control file");
         }
         let river = real_data().map(|data| data.join("lowrance/glencanyon-transcoded.sl2"));
-        let log = river
-            .filter(|river| river.is_file())
-            .unwrap_or_else(demo_log);
+        let log = river.filter(|river| river.is_file()).unwrap_or_else(demo_log);
         fs::remove_file(&self.kept).ok();
         fs::copy(log, &self.kept).expect("a copy");
     }
@@ -94,11 +89,7 @@ impl Disk {
             }
             Harm::Removed => fs::remove_file(&self.kept).expect("no file"),
             Harm::Unreadable | Harm::Gone => {
-                let word = if harm == Harm::Gone {
-                    "gone"
-                } else {
-                    "unreadable"
-                };
+                let word = if harm == Harm::Gone { "gone" } else { "unreadable" };
                 let control = self.control.as_ref().expect("a disk that fails");
                 fs::write(control, word).expect("a control file");
             }
@@ -157,22 +148,16 @@ fn is_whole(app: &App, kept: &Path) -> bool {
 fn round(disk: &Disk, harm: Harm, round: usize) {
     disk.refill();
     let mut window = window();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Open(disk.seen.clone()));
+    window.state_mut().app.apply(Command::Open(disk.seen.clone()));
     let is_open = |app: &App| app.log.survey.is_some();
     assert!(wait(&mut window, PATIENCE, is_open), "it does not open");
     let before = said(app(&window)).len();
     page(&mut window, round % MOST_PAGES);
     disk.harm(harm, round);
     page(&mut window, MOST_PAGES);
-    // A file of the system's own that is replaced or removed is there as long as it is open. A disk that another program serves may say of
-    // the one that took its place what it says of the log.
-    let is_kept = matches!(
-        (harm, &disk.control),
-        (Harm::Removed, _) | (Harm::Replaced, None)
-    );
+    // A file of the system's own that is replaced or removed is there as long as it is open. A disk
+    // that another program serves may say of the one that took its place what it says of the log.
+    let is_kept = matches!((harm, &disk.control), (Harm::Removed, _) | (Harm::Replaced, None));
     // What the system has read before, it gives without the disk.
     let is_lost = match harm {
         Harm::Unreadable | Harm::Gone => !is_whole(app(&window), &disk.kept),
@@ -181,21 +166,12 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
     let is_said = |app: &App| said(app).len() > before;
     let patience = if is_lost { PATIENCE } else { SILENCE };
     let found = wait(&mut window, patience, is_said);
-    assert_eq!(
-        found,
-        is_lost,
-        "{harm:?}, round {round}: {:?}",
-        said(app(&window))
-    );
+    assert_eq!(found, is_lost, "{harm:?}, round {round}: {:?}", said(app(&window)));
     // It goes on as a window that says it once.
     page(&mut window, 2);
     wait(&mut window, SILENCE, |_| false);
     let said = said(app(&window));
-    assert_eq!(
-        said.len() - before,
-        usize::from(is_lost),
-        "{harm:?}: {said:?}"
-    );
+    assert_eq!(said.len() - before, usize::from(is_lost), "{harm:?}: {said:?}");
     settle(&mut window);
     if let Some(text) = said.last().filter(|_| is_lost) {
         assert!(text.contains("open"), "it does not say what to do: {text}");

@@ -11,17 +11,14 @@ use bathyscope_log::survey::{
     Bytes, Encoding, SampleOrder, Side, SidePing, SideScanState, SideSpan, Survey,
 };
 
-/// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range on each side.
+/// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range
+/// on each side.
 fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
     let half = rows[0].len() / 2;
     let span = |row: usize, side: Side| SideSpan {
         file: 0,
         encoding: Encoding::U8,
-        order: if side == Side::Port {
-            SampleOrder::FarToNear
-        } else {
-            SampleOrder::NearToFar
-        },
+        order: if side == Side::Port { SampleOrder::FarToNear } else { SampleOrder::NearToFar },
         offset: (row * 2 * half + if side == Side::Port { 0 } else { half }) as u64,
         count: half as u32,
         near_m: 0.0,
@@ -47,10 +44,7 @@ struct Noise(u64);
 
 impl Noise {
     fn byte(&mut self) -> u8 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 56) as u8
     }
 }
@@ -68,11 +62,7 @@ fn noisy_rows(
         .map(|row| {
             let mut side = |at: usize| {
                 let quiet = noise.byte() % water.max(1);
-                if at >= edge(row) {
-                    quiet + noise.byte() % bottom + bottom / 2
-                } else {
-                    quiet
-                }
+                if at >= edge(row) { quiet + noise.byte() % bottom + bottom / 2 } else { quiet }
             };
             let mut cells: Vec<u8> = (0..half).rev().map(&mut side).collect();
             cells.extend((0..half).map(&mut side));
@@ -81,7 +71,8 @@ fn noisy_rows(
         .collect()
 }
 
-/// The paper's normalisation and threshold, written down plainly: over the row as stored, middle zero, min-max, first hit.
+/// The paper's normalisation and threshold, written down plainly: over the row as stored, middle
+/// zero, min-max, first hit.
 fn by_definition(
     rows: &[Vec<u8>],
     samples: SampleMode,
@@ -103,26 +94,15 @@ fn by_definition(
                 })
                 .enumerate()
                 .map(|(column, value)| {
-                    let outward = if column >= middle {
-                        column - middle
-                    } else {
-                        middle - 1 - column
-                    };
+                    let outward =
+                        if column >= middle { column - middle } else { middle - 1 - column };
                     if outward * word < dead { 0.0 } else { value }
                 })
                 .collect()
         })
         .collect();
-    let lowest = pictures
-        .iter()
-        .flatten()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    let highest = pictures
-        .iter()
-        .flatten()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
+    let lowest = pictures.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let highest = pictures.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     pictures
         .iter()
         .map(|row| {
@@ -152,11 +132,7 @@ fn threshold_is_the_paper_s_for_every_level_and_both_pictures() {
             let found = index.detect(&survey, level, 0.15);
             let expected = by_definition(&rows, samples, 50, f64::from(level) - 1e-6);
             for (ping, [port, starboard]) in expected.iter().enumerate() {
-                assert_eq!(
-                    sample(&found.port[ping]),
-                    *port,
-                    "{samples:?} {level} port {ping}"
-                );
+                assert_eq!(sample(&found.port[ping]), *port, "{samples:?} {level} port {ping}");
                 assert_eq!(
                     sample(&found.starboard[ping]),
                     *starboard,
@@ -172,17 +148,9 @@ fn tracker_follows_a_slope_under_noise() {
     let edge = |row: usize| 300 + row / 2;
     let rows = noisy_rows(300, 800, edge, 60, 90);
     let survey = composite(&rows, 8.0, 3.5);
-    let settings = FirstReturnSettings {
-        method: Method::Tracker,
-        ..Default::default()
-    };
-    let found = detect(
-        &survey,
-        &ImageSettings::default(),
-        &settings,
-        &Progress::new(),
-    )
-    .expect("not cancelled");
+    let settings = FirstReturnSettings { method: Method::Tracker, ..Default::default() };
+    let found = detect(&survey, &ImageSettings::default(), &settings, &Progress::new())
+        .expect("not cancelled");
     for side in Side::BOTH {
         for (ping, pick) in found.side(side).iter().enumerate() {
             let off = f64::from(pick.sample) - edge(ping) as f64;
@@ -195,13 +163,8 @@ fn tracker_follows_a_slope_under_noise() {
 fn words_that_go_negative_are_warned_of() {
     let quiet = noisy_rows(20, 400, |_| 150, 40, 50);
     let loud = noisy_rows(20, 400, |_| 150, 40, 100);
-    let words = ImageSettings {
-        samples: SampleMode::Words,
-    };
-    let settings = FirstReturnSettings {
-        method: Method::Threshold,
-        ..Default::default()
-    };
+    let words = ImageSettings { samples: SampleMode::Words };
+    let settings = FirstReturnSettings { method: Method::Threshold, ..Default::default() };
     for (rows, warnings) in [(quiet, 0), (loud, 1)] {
         let survey = composite(&rows, 4.0, f32::NAN);
         let found = detect(&survey, &words, &settings, &Progress::new()).expect("not cancelled");
@@ -215,26 +178,12 @@ fn empty_and_silent_surveys_have_no_picks() {
     let mut none = composite(&[vec![0; 800]], 4.0, f32::NAN);
     none.side_scan = Default::default();
     for method in [Method::Threshold, Method::Tracker] {
-        let settings = FirstReturnSettings {
-            method,
-            ..Default::default()
-        };
+        let settings = FirstReturnSettings { method, ..Default::default() };
         for survey in [&silent, &none] {
-            let found = detect(
-                survey,
-                &ImageSettings::default(),
-                &settings,
-                &Progress::new(),
-            );
+            let found = detect(survey, &ImageSettings::default(), &settings, &Progress::new());
             let found = found.expect("not cancelled");
             assert_eq!(found.port.len(), survey.side_scan.len());
-            assert!(
-                found
-                    .port
-                    .iter()
-                    .chain(found.starboard.iter())
-                    .all(|pick| !pick.is_some())
-            );
+            assert!(found.port.iter().chain(found.starboard.iter()).all(|pick| !pick.is_some()));
         }
     }
 }

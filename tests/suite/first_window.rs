@@ -18,14 +18,9 @@ fn cards() -> Vec<PathBuf> {
             fs::write(&path, bytes).expect("a file");
             let written = SystemTime::UNIX_EPOCH + Duration::from_secs(day * 86_400 + 43_200);
             let file = File::options().append(true).open(&path);
-            file.and_then(|file| file.set_modified(written))
-                .expect("a time");
+            file.and_then(|file| file.set_modified(written)).expect("a time");
         };
-        write(
-            "Sonar0002.sl2",
-            include_bytes!("../../assets/demo.sl2"),
-            20_000,
-        );
+        write("Sonar0002.sl2", include_bytes!("../../assets/demo.sl2"), 20_000);
         write("Sonar0001.sl2", b"older", 19_000);
         write("WAYPOINTS.GPX", b"", 20_500);
         card
@@ -46,16 +41,8 @@ fn the_newest_log_of_a_card_is_offered_and_opens_with_a_click() {
     assert!(window.query_by_label("All 2 logs").is_some());
     assert!(window.query_by_label_contains("WAYPOINTS").is_none());
     let offered = window.get_all_by_label_contains("Sonar000");
-    let offered: Vec<String> = offered
-        .filter_map(|node| node.accesskit_node().label())
-        .collect();
-    assert_eq!(
-        offered,
-        [
-            "Sonar0002.sl2  ·  2024-10-04",
-            "Sonar0001.sl2  ·  2022-01-08"
-        ]
-    );
+    let offered: Vec<String> = offered.filter_map(|node| node.accesskit_node().label()).collect();
+    assert_eq!(offered, ["Sonar0002.sl2  ·  2024-10-04", "Sonar0001.sl2  ·  2022-01-08"]);
     window.get_by_label_contains("Sonar0002.sl2").click();
     window.run();
     let app = &window.state().app;

@@ -1,5 +1,6 @@
-//! Logs whose headers say anything at all, through the whole pipeline: opened, processed, written as every product. What
-//! comes out may be empty, but it is whole, holds numbers only, and nothing panics.
+//! Logs whose headers say anything at all, through the whole pipeline: opened, processed, written
+//! as every product. What comes out may be empty, but it is whole, holds numbers only, and nothing
+//! panics.
 
 use bathyscope_bottom::cloud::Geometry;
 use bathyscope_bottom::first_return::{Method, SampleMode};
@@ -49,7 +50,8 @@ fn times() -> impl Strategy<Value = Vec<i32>> {
     })
 }
 
-/// Positions that stand still, that move, at the poles, at the antimeridian (20 million Mercator metres), anywhere.
+/// Positions that stand still, that move, at the poles, at the antimeridian (20 million Mercator
+/// metres), anywhere.
 fn place() -> impl Strategy<Value = (i32, i32)> {
     prop_oneof![
         Just((0, 0)),
@@ -112,10 +114,7 @@ fn frames() -> impl Strategy<Value = Vec<Frame>> {
                 range_ft: ping.range_ft,
                 depth_ft: ping.depth_ft,
                 keel_ft: ping.keel_ft,
-                xy_m: (
-                    place.0.wrapping_add(ping.xy_m.0),
-                    place.1.wrapping_add(ping.xy_m.1),
-                ),
+                xy_m: (place.0.wrapping_add(ping.xy_m.0), place.1.wrapping_add(ping.xy_m.1)),
                 heading_rad: ping.heading_rad,
                 data: (0..ping.samples)
                     .map(|index| (index as u8).wrapping_mul(ping.level))
@@ -141,31 +140,23 @@ fn settings() -> impl Strategy<Value = Settings> {
         HeadingSource::Compass,
     ]);
     let preset = prop::sample::select(vec![Preset::Published, Preset::Recommended]);
-    (
-        preset,
-        geometry,
-        source,
-        any::<[bool; 3]>(),
-        prop::sample::select(vec![1e-300, 0.5, 1e300]),
-    )
-        .prop_map(
-            |(preset, geometry, source, [words, tracker, mercator], radius_m)| {
-                let mut settings = Settings::preset(preset);
-                settings.cloud.geometry = geometry;
-                settings.heading.source = source;
-                settings.outliers.radius_m = radius_m;
-                if words {
-                    settings.image.samples = SampleMode::Words;
-                }
-                if tracker {
-                    settings.first_return.method = Method::Tracker;
-                }
-                if mercator {
-                    settings.projection = Projection::Mercator;
-                }
-                settings
-            },
-        )
+    (preset, geometry, source, any::<[bool; 3]>(), prop::sample::select(vec![1e-300, 0.5, 1e300]))
+        .prop_map(|(preset, geometry, source, [words, tracker, mercator], radius_m)| {
+            let mut settings = Settings::preset(preset);
+            settings.cloud.geometry = geometry;
+            settings.heading.source = source;
+            settings.outliers.radius_m = radius_m;
+            if words {
+                settings.image.samples = SampleMode::Words;
+            }
+            if tracker {
+                settings.first_return.method = Method::Tracker;
+            }
+            if mercator {
+                settings.projection = Projection::Mercator;
+            }
+            settings
+        })
 }
 
 /// Bytes written over a log: where (a share of its length) and what.
@@ -198,10 +189,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     let progress = Progress::new();
     let products = pipeline::run(&survey, settings, None, &progress, |_| ()).expect("not stopped");
     let folder = tempfile::tempdir().expect("a folder");
-    let log = ProcessedLog {
-        survey: Arc::new(survey),
-        products,
-    };
+    let log = ProcessedLog { survey: Arc::new(survey), products };
     let (survey, products) = (&log.survey, &log.products);
     let order = Order {
         logs: std::slice::from_ref(&log),
@@ -218,10 +206,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         let text = fs::read_to_string(folder.path().join(name)).expect("a table");
         for line in text.lines() {
             assert_eq!(line.split(',').count(), columns, "{name}: {line}");
-            assert!(
-                !line.contains("NaN") && !line.contains("inf"),
-                "{name}: {line}"
-            );
+            assert!(!line.contains("NaN") && !line.contains("inf"), "{name}: {line}");
         }
         text.lines().count() - 1
     };
@@ -240,10 +225,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
 }
 
 fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        failure_persistence: None,
-        ..ProptestConfig::with_cases(cases)
-    }
+    ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(cases) }
 }
 
 proptest! {
@@ -275,22 +257,11 @@ proptest! {
 fn odd_logs_are_processed_or_refused() {
     let frame = |ping: i32| Frame::new(5, ping * 50);
     let alone = |channel: u16| (0..40).map(|ping| Frame::new(channel, ping * 50)).collect();
-    let still = |ping: i32| Frame {
-        xy_m: (-9_000_000, 3_400_000),
-        ..frame(ping)
-    };
+    let still = |ping: i32| Frame { xy_m: (-9_000_000, 3_400_000), ..frame(ping) };
     let backwards = |ping: i32| Frame::new(5, 100_000 - ping * 50);
-    let silent = |ping: i32| Frame {
-        data: Vec::new(),
-        ..frame(ping)
-    };
+    let silent = |ping: i32| Frame { data: Vec::new(), ..frame(ping) };
     let odd: [(&str, Vec<Frame>); 10] = [
-        (
-            "all at one time",
-            (0..60)
-                .flat_map(|_| [Frame::new(0, 0), Frame::new(5, 0)])
-                .collect(),
-        ),
+        ("all at one time", (0..60).flat_map(|_| [Frame::new(0, 0), Frame::new(5, 0)]).collect()),
         ("no ping", Vec::new()),
         ("one ping", vec![frame(0)]),
         ("two pings", vec![frame(0), frame(1)]),
@@ -301,9 +272,7 @@ fn odd_logs_are_processed_or_refused() {
         ("without samples", (0..40).map(silent).collect()),
         (
             "with a gap of a day",
-            (0..40)
-                .map(|ping| frame(ping % 20 + ping / 20 * 1_728_000))
-                .collect(),
+            (0..40).map(|ping| frame(ping % 20 + ping / 20 * 1_728_000)).collect(),
         ),
     ];
     for (name, frames) in odd {
@@ -316,17 +285,13 @@ fn odd_logs_are_processed_or_refused() {
     }
 }
 
-/// Five feet of noise is no picture and no bottom, whatever the preset; a log without side-scan has nothing to say of one.
+/// Five feet of noise is no picture and no bottom, whatever the preset; a log without side-scan has
+/// nothing to say of one.
 #[test]
 fn noise_and_absence_give_no_side_scan_points() {
-    let noise = |ping: i32| Frame {
-        range_ft: (-5.0, 5.0),
-        ..Frame::new(5, ping * 50)
-    };
-    let logs: [Vec<Frame>; 2] = [
-        (0..40).map(noise).collect(),
-        (0..40).map(|ping| Frame::new(0, ping * 50)).collect(),
-    ];
+    let noise = |ping: i32| Frame { range_ft: (-5.0, 5.0), ..Frame::new(5, ping * 50) };
+    let logs: [Vec<Frame>; 2] =
+        [(0..40).map(noise).collect(), (0..40).map(|ping| Frame::new(0, ping * 50)).collect()];
     for frames in logs {
         for preset in [Preset::Published, Preset::Recommended] {
             let log = handmade::sl2(&frames);
@@ -337,23 +302,12 @@ fn noise_and_absence_give_no_side_scan_points() {
                     .expect("not stopped");
             let pings = survey.side_scan.len();
             assert_eq!(
-                (
-                    products.returns.port.len(),
-                    products.returns.starboard.len()
-                ),
+                (products.returns.port.len(), products.returns.starboard.len()),
                 (pings, pings)
             );
-            let beside = products
-                .cloud
-                .points
-                .iter()
-                .filter(|point| point.sounding().is_none());
+            let beside = products.cloud.points.iter().filter(|point| point.sounding().is_none());
             assert_eq!(beside.count(), 0);
-            assert!(
-                products.returns.warnings.is_empty(),
-                "{:?}",
-                products.returns.warnings
-            );
+            assert!(products.returns.warnings.is_empty(), "{:?}", products.returns.warnings);
         }
     }
 }
@@ -363,9 +317,7 @@ fn noise_and_absence_give_no_side_scan_points() {
 fn damaged_point_files_are_read_or_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = folder.path().join("whole.csv");
-    let lines: String = (0..300)
-        .map(|i| format!("{i}.5,{},-2.25\n", i % 7))
-        .collect();
+    let lines: String = (0..300).map(|i| format!("{i}.5,{},-2.25\n", i % 7)).collect();
     fs::write(&whole, lines).expect("points");
     let source = points::read(&whole, None).expect("points");
     for kind in ["ply", "las", "laz"] {

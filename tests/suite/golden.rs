@@ -1,4 +1,5 @@
-//! Numbers that we did not compute: projections (pyproj 3.7.2 / PROJ 9.5.1) and the published geometry.
+//! Numbers that we did not compute: projections (pyproj 3.7.2 / PROJ 9.5.1) and the published
+//! geometry.
 
 use bathyscope_bottom::cloud::{Geometry, across_track, fixed_bottom_point};
 use bathyscope_log::support::geo::{
@@ -12,30 +13,15 @@ fn at(lon_deg: f64, lat_deg: f64) -> LonLat {
 }
 
 fn assert_close(got: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "{what}: got {got}, expected {expected}"
-    );
+    assert!((got - expected).abs() <= tolerance, "{what}: got {got}, expected {expected}");
 }
 
 /// Name, lon, lat, EPSG:3857 x and y, Lowrance x and y.
 type Mercator = (&'static str, f64, f64, [f64; 2], Option<[f64; 2]>);
 
 const MERCATORS: [Mercator; 6] = [
-    (
-        "Citra",
-        -82.110,
-        29.410,
-        [-9140443.3890, 3427934.0649],
-        Some([-9109797.213, 3416440.851]),
-    ),
-    (
-        "paper origin",
-        -82.170207413,
-        29.407394338,
-        [-9147145.6475, 3427601.0975],
-        None,
-    ),
+    ("Citra", -82.110, 29.410, [-9140443.3890, 3427934.0649], Some([-9109797.213, 3416440.851])),
+    ("paper origin", -82.170207413, 29.407394338, [-9147145.6475, 3427601.0975], None),
     (
         "Gainesville",
         -82.3248,
@@ -43,20 +29,8 @@ const MERCATORS: [Mercator; 6] = [
         [-9164354.8157, 3458844.4248],
         Some([-9133628.469, 3447247.574]),
     ),
-    (
-        "lat 45",
-        10.0,
-        45.0,
-        [1113194.9079, 5621521.4862],
-        Some([1109462.576, 5602673.589]),
-    ),
-    (
-        "Trondheim",
-        10.3951,
-        63.4305,
-        [1157177.2387, 9206597.5329],
-        Some([1153297.443, 9175729.554]),
-    ),
+    ("lat 45", 10.0, 45.0, [1113194.9079, 5621521.4862], Some([1109462.576, 5602673.589])),
+    ("Trondheim", 10.3951, 63.4305, [1157177.2387, 9206597.5329], Some([1153297.443, 9175729.554])),
     (
         "Sydney",
         151.2093,
@@ -87,8 +61,8 @@ fn mercators_agree_with_proj() {
     }
 }
 
-/// Targets by `Geod.fwd` from -82.110, 29.410; east and north by PROJ's cart + topocentric. The targets are printed to
-/// 1e-9 degrees, 0.1 mm.
+/// Targets by `Geod.fwd` from -82.110, 29.410; east and north by PROJ's cart + topocentric. The
+/// targets are printed to 1e-9 degrees, 0.1 mm.
 const ENU: [(f64, f64, f64, f64); 6] = [
     (-82.110000000, 29.410451090, 0.0, 50.0),
     (-82.109484812, 29.409999999, 50.0, 0.0),
@@ -114,12 +88,7 @@ fn local_metres_agree_with_proj_and_come_back() {
 
 #[test]
 fn local_metres_come_back_far_away_in_both_hemispheres() {
-    for origin in [
-        at(-82.11, 29.41),
-        at(151.2, -33.9),
-        at(10.4, 63.4),
-        at(179.99, 0.0),
-    ] {
+    for origin in [at(-82.11, 29.41), at(151.2, -33.9), at(10.4, 63.4), at(179.99, 0.0)] {
         let frame = LocalFrame::new(origin);
         for (east, north) in [(0.0, 0.0), (25_000.0, -40_000.0), (-300_000.0, 100_000.0)] {
             let [e, n] = frame.to_enu(frame.to_lon_lat(east, north));
@@ -129,7 +98,8 @@ fn local_metres_come_back_far_away_in_both_hemispheres() {
     }
 }
 
-/// First fix of the Humminbird recording of Glen Canyon, and the same fix in the Lowrance file that was made from it.
+/// First fix of the Humminbird recording of Glen Canyon, and the same fix in the Lowrance file that
+/// was made from it.
 #[test]
 fn humminbird_and_lowrance_metres_name_the_same_place() {
     let humminbird = humminbird_mercator_inverse(-12_414_199.0, 4_396_652.0);
@@ -142,7 +112,8 @@ fn humminbird_and_lowrance_metres_name_the_same_place() {
     assert_close(north_m, 0.0, 0.45, "north");
 }
 
-/// Section 2.4: p_i = (100, 200), p_(i+1) = (103, 204), p = 75 pixels of 0.0339774609375 m, alpha_2 = 16 degrees.
+/// Section 2.4: p_i = (100, 200), p_(i+1) = (103, 204), p = 75 pixels of 0.0339774609375 m, alpha_2
+/// = 16 degrees.
 #[test]
 fn the_published_point_is_exact() {
     let range_m = 75.0 * 0.0339774609375;

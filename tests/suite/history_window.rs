@@ -1,4 +1,5 @@
-//! The history as a list: steps by name, where we are in it, and a click or a key that goes anywhere.
+//! The history as a list: steps by name, where we are in it, and a click or a key that goes
+//! anywhere.
 
 use crate::logs_window::{change, ids, names, opened, settle};
 use crate::window::{Window, app, press};
@@ -31,14 +32,9 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     change(&mut window, "first_return.threshold=0.41");
     change(&mut window, "draft_m=0.7");
     change(&mut window, "cloud.geometry=nadir");
-    let stroke = BottomStroke {
-        side: Side::Port,
-        path: vec![[30.0, 3.1], [60.0, 3.3]],
-        ink: Ink::Bottom,
-    };
-    let [first, second] = ids(&window)[..] else {
-        panic!("two logs")
-    };
+    let stroke =
+        BottomStroke { side: Side::Port, path: vec![[30.0, 3.1], [60.0, 3.3]], ink: Ink::Bottom };
+    let [first, second] = ids(&window)[..] else { panic!("two logs") };
     for command in [
         Command::DrawBottom(stroke),
         Command::SetLogVisible(first, false),
@@ -81,9 +77,7 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     assert_eq!(app(&window).redo_label(), Some("a test 0.70 m of lake-1"));
 
     // By the keyboard: to the row, and Enter.
-    window
-        .get_by_label("Step bottom of lake-1, taken back")
-        .focus();
+    window.get_by_label("Step bottom of lake-1, taken back").focus();
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     settle(&mut window);

@@ -14,11 +14,7 @@ fn places(window: &Window) -> Vec<LonLat> {
     let app = app(window);
     let drawn = app.isobaths().expect("isobaths");
     let log = &app.log;
-    let (survey, products) = log
-        .survey
-        .as_ref()
-        .zip(log.products.as_ref())
-        .expect("results");
+    let (survey, products) = log.survey.as_ref().zip(log.products.as_ref()).expect("results");
     let to_lon_lat = |at: &[f64; 2]| products.navigation.to_lon_lat(&survey.track, at[0], at[1]);
     drawn.on_ground.iter().flatten().map(to_lon_lat).collect()
 }
@@ -44,15 +40,9 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
     );
     std::fs::write(&path, kml).expect("a file");
 
-    window
-        .state_mut()
-        .app
-        .apply(Command::OpenFile(FileToOpen::IsobathArea(path.clone())));
+    window.state_mut().app.apply(Command::OpenFile(FileToOpen::IsobathArea(path.clone())));
     settle(&mut window);
-    assert_eq!(
-        app(&window).log.settings.isobaths.clip.as_ref(),
-        Some(&path)
-    );
+    assert_eq!(app(&window).log.settings.isobaths.clip.as_ref(), Some(&path));
     let west = places(&window);
     assert!(!west.is_empty() && west.len() < whole.len());
     // The plane of the map is bent against that of the window, by far less than a millimetre here.
@@ -67,28 +57,19 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
     settle(&mut window);
     assert_eq!(places(&window).len(), west.len());
     // A preset leaves the shore of this water, and another survey has none of it.
-    window
-        .state_mut()
-        .app
-        .apply(Command::UsePreset(Preset::Published));
+    window.state_mut().app.apply(Command::UsePreset(Preset::Published));
     settle(&mut window);
     let clip = &app(&window).log.settings.isobaths.clip;
     assert_eq!(clip.as_ref(), Some(&path));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    window
-        .state_mut()
-        .app
-        .apply(Command::Do(Action::RemoveIsobathArea));
+    window.state_mut().app.apply(Command::Do(Action::RemoveIsobathArea));
     settle(&mut window);
     assert_eq!(places(&window).len(), whole.len());
 
     // What is no area is said, and leaves all as it was.
     std::fs::write(&path, "<kml/>").expect("a file");
-    window
-        .state_mut()
-        .app
-        .apply(Command::OpenFile(FileToOpen::IsobathArea(path)));
+    window.state_mut().app.apply(Command::OpenFile(FileToOpen::IsobathArea(path)));
     settle(&mut window);
     assert!(window.query_by_label_contains("no polygon").is_some());
     assert_eq!(app(&window).log.settings.isobaths.clip, None);
@@ -112,20 +93,10 @@ fn the_panel_has_a_control_for_each_setting_of_the_isobaths() {
         settle(&mut window);
     }
     let settings = &app(&window).log.settings.isobaths;
-    assert_eq!(
-        (settings.unit, settings.shoal_safe),
-        (LengthUnit::Feet, true)
-    );
-    assert!(
-        app(&window)
-            .isobaths()
-            .is_some_and(|drawn| drawn.settings.shoal_safe)
-    );
+    assert_eq!((settings.unit, settings.shoal_safe), (LengthUnit::Feet, true));
+    assert!(app(&window).isobaths().is_some_and(|drawn| drawn.settings.shoal_safe));
     for action in [Action::OpenIsobathArea, Action::IsobathLayer] {
-        assert!(
-            window.query_by_label(action.label()).is_some(),
-            "{action:?}"
-        );
+        assert!(window.query_by_label(action.label()).is_some(), "{action:?}");
     }
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert!(!app(&window).log.settings.isobaths.shoal_safe);

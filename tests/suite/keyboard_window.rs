@@ -1,4 +1,5 @@
-//! The whole job by keys alone, without one event of a pointer: open, look, mark and name a target, measure, review, save, export.
+//! The whole job by keys alone, without one event of a pointer: open, look, mark and name a target,
+//! measure, review, save, export.
 
 use crate::review::{detections, propose};
 use crate::support::demo_log;
@@ -134,10 +135,7 @@ fn the_keyboard_goes_into_the_panels_and_back() {
     window.run();
     assert!(is_focused(&window, "Review section"));
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert!(
-        window.query_by_label("Confidence").is_none(),
-        "it is folded"
-    );
+    assert!(window.query_by_label("Confidence").is_none(), "it is folded");
     press(&mut window, Modifiers::NONE, Key::F6);
     window.run();
     press(&mut window, Modifiers::NONE, Key::Tab);

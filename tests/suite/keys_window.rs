@@ -1,5 +1,5 @@
-//! Bare keys, those that could be part of a text: they act only where the keyboard is and on what is shown as selected, and what they
-//! change of depths and decisions is said, with undo.
+//! Bare keys, those that could be part of a text: they act only where the keyboard is and on what
+//! is shown as selected, and what they change of depths and decisions is said, with undo.
 
 use crate::keyboard_window::log_with_boxes;
 use crate::review::search::model;
@@ -61,24 +61,17 @@ fn held_and_key(keys: &str) -> (Modifiers, Key) {
 
 /// Every bare key, alone and with Shift: letters, digits, signs, and those that move.
 fn bare_keys() -> Vec<(Modifiers, Key)> {
-    let signs = ('A'..='Z')
-        .chain('0'..='9')
-        .filter_map(|sign| Key::from_name(&sign.to_string()));
+    let signs = ('A'..='Z').chain('0'..='9').filter_map(|sign| Key::from_name(&sign.to_string()));
     let keys: Vec<Key> = signs.chain(OTHERS).collect();
     assert_eq!(keys.len(), 36 + OTHERS.len());
     let held = [Modifiers::NONE, Modifiers::SHIFT];
-    held.into_iter()
-        .flat_map(|held| keys.iter().map(move |key| (held, *key)))
-        .collect()
+    held.into_iter().flat_map(|held| keys.iter().map(move |key| (held, *key))).collect()
 }
 
 #[test]
 fn every_bare_key_of_the_command_table_is_tried() {
     let tried = bare_keys();
-    for keys in Action::ALL
-        .iter()
-        .flat_map(|action| action.all_keys())
-        .filter(|keys| is_bare(keys))
+    for keys in Action::ALL.iter().flat_map(|action| action.all_keys()).filter(|keys| is_bare(keys))
     {
         let (held, key) = held_and_key(keys);
         assert!(tried.contains(&(held, key)) || key == Key::Escape, "{keys}");
@@ -153,35 +146,17 @@ type Opens = fn(&mut Window);
 
 /// What can have the keyboard, and how it gets it.
 const PLACES: [(&str, Opens); 14] = [
-    ("waterfall", |window| {
-        press(window, Modifiers::NONE, Key::Num1)
-    }),
+    ("waterfall", |window| press(window, Modifiers::NONE, Key::Num1)),
     ("map", |window| press(window, Modifiers::NONE, Key::Num2)),
-    ("3D cloud", |window| {
-        press(window, Modifiers::NONE, Key::Num3)
-    }),
-    ("table of objects", |window| {
-        press(window, Modifiers::NONE, Key::Num4)
-    }),
-    ("palette", |window| {
-        press(window, Modifiers::COMMAND, Key::P)
-    }),
+    ("3D cloud", |window| press(window, Modifiers::NONE, Key::Num3)),
+    ("table of objects", |window| press(window, Modifiers::NONE, Key::Num4)),
+    ("palette", |window| press(window, Modifiers::COMMAND, Key::P)),
     ("export", |window| press(window, Modifiers::COMMAND, Key::E)),
-    ("path field", |window| {
-        press(window, Modifiers::COMMAND, Key::O)
-    }),
-    ("print", |window| {
-        press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E)
-    }),
-    ("manual", |window| {
-        do_action(window, Action::Manual, "Manual")
-    }),
-    ("history", |window| {
-        do_action(window, Action::History, "History")
-    }),
-    ("notices", |window| {
-        do_action(window, Action::Notices, "Notices")
-    }),
+    ("path field", |window| press(window, Modifiers::COMMAND, Key::O)),
+    ("print", |window| press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E)),
+    ("manual", |window| do_action(window, Action::Manual, "Manual")),
+    ("history", |window| do_action(window, Action::History, "History")),
+    ("notices", |window| do_action(window, Action::Notices, "Notices")),
     ("drop-down list", |window| {
         press(window, Modifiers::NONE, Key::Num1);
         click(window, "Colour map");
@@ -192,10 +167,7 @@ const PLACES: [(&str, Opens); 14] = [
 
 /// Opens a window of the program, unless it is open.
 fn do_action(window: &mut Window, action: Action, title: &str) {
-    if window
-        .query_by_role_and_label(egui::accesskit::Role::Window, title)
-        .is_none()
-    {
+    if window.query_by_role_and_label(egui::accesskit::Role::Window, title).is_none() {
         let key = Key::from_name(match action {
             Action::Manual => "F1",
             Action::Notices => "F9",
@@ -244,10 +216,7 @@ fn no_key_changes_anything(keys: &[(Modifiers, Key)], every: usize) {
 
 /// The notice that undo can be pressed in.
 fn undo_notices(window: &Window) -> Vec<String> {
-    let offered = app(window)
-        .notices
-        .iter()
-        .filter(|one| one.offer == Some(Action::Undo));
+    let offered = app(window).notices.iter().filter(|one| one.offer == Some(Action::Undo));
     offered.map(|one| one.text.clone()).collect()
 }
 
@@ -257,10 +226,7 @@ fn the_threshold_moves_by_key_in_the_waterfall_alone_and_says_so() {
     let start = threshold(&window);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     assert_eq!(threshold(&window), start, "no ping is selected");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(200)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(200)));
     press(&mut window, Modifiers::NONE, Key::Num2);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     assert_eq!(threshold(&window), start, "the map has the keyboard");
@@ -275,11 +241,7 @@ fn the_threshold_moves_by_key_in_the_waterfall_alone_and_says_so() {
     window.get_by_label("Undo").click();
     window.run();
     assert!((threshold(&window) - start - 0.02).abs() < 1e-6);
-    assert_eq!(
-        undo_notices(&window),
-        [""; 0],
-        "it takes one step back, once"
-    );
+    assert_eq!(undo_notices(&window), [""; 0], "it takes one step back, once");
 }
 
 #[test]
@@ -288,11 +250,7 @@ fn a_decision_by_key_is_said_and_taken_back_by_its_button() {
     let mut window = window_with_boxes(folder.path(), 5);
     press(&mut window, Modifiers::NONE, Key::A);
     assert_eq!(app(&window).review_counts().boxes.accepted, 0);
-    assert_eq!(
-        app(&window).log.reviewing.selected,
-        None,
-        "it asks for a box"
-    );
+    assert_eq!(app(&window).log.reviewing.selected, None, "it asks for a box");
     press(&mut window, Modifiers::NONE, Key::Tab);
     let first = app(&window).log.reviewing.selected.expect("a box");
     press(&mut window, Modifiers::NONE, Key::A);
@@ -300,20 +258,12 @@ fn a_decision_by_key_is_said_and_taken_back_by_its_button() {
     let counts = app(&window).review_counts().boxes;
     assert_eq!([counts.accepted, counts.rejected], [1, 1]);
     let said = undo_notices(&window);
-    assert!(
-        matches!(&said[..], [one] if one.starts_with("key R: reject box")),
-        "{said:?}"
-    );
+    assert!(matches!(&said[..], [one] if one.starts_with("key R: reject box")), "{said:?}");
     window.get_by_label("Undo").click();
     window.run();
     let counts = app(&window).review_counts().boxes;
     assert_eq!([counts.accepted, counts.rejected], [1, 0]);
-    let state = app(&window)
-        .log
-        .reviewing
-        .review
-        .get(first)
-        .map(|one| one.state);
+    let state = app(&window).log.reviewing.review.get(first).map(|one| one.state);
     assert_eq!(state, Some(State::Accepted));
     // Another step than the key's takes the offer back.
     press(&mut window, Modifiers::NONE, Key::R);
@@ -328,14 +278,7 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
     let mut window = window_with_boxes(folder.path(), 5);
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = app(&window).log.reviewing.selected.expect("a box");
-    let pings = app(&window)
-        .log
-        .reviewing
-        .selected_box()
-        .expect("it")
-        .mark
-        .pings
-        .clone();
+    let pings = app(&window).log.reviewing.selected_box().expect("it").mark.pings.clone();
     let is_seen = |window: &Window| {
         let seen = app(window).view.visible.clone();
         pings.start < seen.end && seen.start < pings.end
@@ -354,35 +297,22 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
     press(&mut window, Modifiers::NONE, Key::A);
     assert_eq!(app(&window).review_counts().boxes.accepted, 1);
     let said = app(&window).notices.last().map(|one| one.text.clone());
-    assert_eq!(
-        said.as_deref(),
-        Some("boxes are hidden here; Shift+B shows them")
-    );
+    assert_eq!(said.as_deref(), Some("boxes are hidden here; Shift+B shows them"));
 }
 
 #[test]
 fn keys_that_change_every_depth_ask_first() {
     let mut window = crate::window::demo_window();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(200)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(200)));
     window.run();
     let before = setting_values(&app(&window).log.settings);
     let offered = |window: &Window, action: Action| {
-        app(window)
-            .notices
-            .iter()
-            .any(|one| one.offer == Some(action))
+        app(window).notices.iter().any(|one| one.offer == Some(action))
     };
     for (held, key) in [(Modifiers::NONE, Key::C), (Modifiers::SHIFT, Key::S)] {
         press(&mut window, held, key);
         press(&mut window, held, key);
-        assert_eq!(
-            setting_values(&app(&window).log.settings),
-            before,
-            "{key:?}"
-        );
+        assert_eq!(setting_values(&app(&window).log.settings), before, "{key:?}");
     }
     assert!(offered(&window, Action::SwapSides));
     assert!(app(&window).log.proposed_stretch().is_some());
@@ -402,16 +332,14 @@ fn a_key_acts_in_the_view_that_was_clicked_wherever_the_pointer_is() {
     window.hover_at(waterfall);
     window.run();
     press(&mut window, Modifiers::NONE, Key::G);
-    assert!(
-        !is_ground(&window),
-        "pointing at a view gives it no keyboard"
-    );
+    assert!(!is_ground(&window), "pointing at a view gives it no keyboard");
     window.drag_at(waterfall);
     window.drop_at(waterfall);
     window.run();
     press(&mut window, Modifiers::NONE, Key::G);
     assert!(is_ground(&window));
-    // With Shift a letter is another key: it does not turn the waterfall where the bottom in 3D is not.
+    // With Shift a letter is another key: it does not turn the waterfall where the bottom in 3D is
+    // not.
     let turned = app(&window).view.options.waterfall.orientation;
     press(&mut window, Modifiers::SHIFT, Key::V);
     assert_eq!(app(&window).view.options.waterfall.orientation, turned);
@@ -454,10 +382,7 @@ fn the_first_tab_after_a_search_selects_a_box() {
             .build_eframe(|_| Shell::new(App::new(Jobs::Threads(Arc::new(|| ())))));
         window.state_mut().app.apply(Command::OpenDemo);
         until_idle(&mut window);
-        window
-            .state_mut()
-            .app
-            .apply(Command::UseModel(model("end_to_end")));
+        window.state_mut().app.apply(Command::UseModel(model("end_to_end")));
         window.step();
         search(&mut window);
         window.run_steps(3);

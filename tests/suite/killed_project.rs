@@ -1,8 +1,9 @@
-//! The program as the window drives it, killed at any moment while it edits and saves a project of two logs: the project opens, what it
-//! told of is there, and at most one gesture is there of which it did not tell yet. The bytes of the logs stay.
+//! The program as the window drives it, killed at any moment while it edits and saves a project of
+//! two logs: the project opens, what it told of is there, and at most one gesture is there of which
+//! it did not tell yet. The bytes of the logs stay.
 //!
-//! The program is this test itself: with [`FOLDER`] in its environment it edits until it is killed. What should be there is found by
-//! an own run of the same gestures that nobody kills.
+//! The program is this test itself: with [`FOLDER`] in its environment it edits until it is killed.
+//! What should be there is found by an own run of the same gestures that nobody kills.
 
 use bathyscope::app::{
     Action, App, BottomStroke, Command, ExclusionEdit, FileToWrite, Ink, Jobs, LogId, Measure,
@@ -39,25 +40,18 @@ const LOGS: [(&str, i32); 2] = [("pond.sl2", 60), ("lake.sl2", 75)];
 fn change(app: &App, assignment: &str, label: &'static str) -> Command {
     let settings = Settings::clone(&app.log.settings);
     let settings = settings.with_assignment(assignment).expect("a setting");
-    Command::Change {
-        settings: Box::new(settings),
-        label,
-        live: false,
-    }
+    Command::Change { settings: Box::new(settings), label, live: false }
 }
 
-/// The gesture of a number, as the window would ask for it. The commands depend on the number and on what is open only.
+/// The gesture of a number, as the window would ask for it. The commands depend on the number and
+/// on what is open only.
 fn gesture(app: &App, number: usize, folder: &Path) -> Command {
     let round = number / KINDS;
     let from = (7 * number) % 40;
     let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
     let other = ids[round % ids.len()];
     let part = LogPart::Pings([from, from + 5]);
-    let exclude = |edit| Command::Exclude {
-        log: other,
-        part,
-        edit,
-    };
+    let exclude = |edit| Command::Exclude { log: other, part, edit };
     let mark = Mark {
         side: Side::Port,
         pings: from..from + 3,
@@ -66,16 +60,9 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
     };
     let last = app.log.reviewing.review.next_id().0.saturating_sub(1);
     let edit = |edit| Command::Edit { edit, live: false };
-    let corner = LonLat {
-        lon_deg: 0.01 * from as f64,
-        lat_deg: 0.001 * number as f64,
-    };
+    let corner = LonLat { lon_deg: 0.01 * from as f64, lat_deg: 0.001 * number as f64 };
     match number % KINDS {
-        0 => change(
-            app,
-            &format!("first_return.threshold=0.{}", 20 + from),
-            "threshold",
-        ),
+        0 => change(app, &format!("first_return.threshold=0.{}", 20 + from), "threshold"),
         1 => change(app, &format!("draft_m=0.{}", 10 + from), "draft"),
         2 | 13 => exclude(ExclusionEdit::Exclude),
         3 => Command::DrawBottom(BottomStroke {
@@ -126,7 +113,8 @@ fn opened(project: &Path, jobs: Jobs) -> App {
     app
 }
 
-/// Edits and saves, and tells of each gesture that it has done. Results are made behind it, as in the window.
+/// Edits and saves, and tells of each gesture that it has done. Results are made behind it, as in
+/// the window.
 fn edit(folder: &Path, begins: &str) {
     let (name, first) = begins.split_once(' ').expect("a project and a number");
     let first: usize = first.parse().expect("a number");
@@ -137,19 +125,14 @@ fn edit(folder: &Path, begins: &str) {
         let renames = matches!(command, Command::Write(FileToWrite::Project(_)));
         let adds = matches!(command, Command::Add(_));
         // What is found in a log is known once its results are there.
-        let finds = matches!(
-            command,
-            Command::Exclude {
-                edit: ExclusionEdit::Include,
-                ..
-            }
-        );
+        let finds = matches!(command, Command::Exclude { edit: ExclusionEdit::Include, .. });
         while finds && !is_idle(&app) {
             app.poll();
         }
         app.apply(command);
         app.poll();
-        // Until the other file is there, what is done is kept in the one before. Saving goes on behind the next gestures.
+        // Until the other file is there, what is done is kept in the one before. Saving goes on
+        // behind the next gestures.
         while renames && app.is_keeping() || adds && !is_idle(&app) {
             app.poll();
         }
@@ -169,9 +152,8 @@ fn killed(folder: &Path, begins: &str, moment: Duration) -> Option<usize> {
         .stderr(Stdio::null())
         .spawn()
         .expect("this test again");
-    let mut lines = BufReader::new(child.stdout.take().expect("a pipe"))
-        .lines()
-        .map_while(Result::ok);
+    let mut lines =
+        BufReader::new(child.stdout.take().expect("a pipe")).lines().map_while(Result::ok);
     // From its first word on: starting takes longer than editing.
     let first = lines.find_map(|line| told(&line));
     std::thread::sleep(moment);
@@ -204,7 +186,8 @@ fn copy_project(from: &Path, into: &Path, name: &str) {
     }
 }
 
-/// The states that gestures make of a project that nobody kills: one for each number from `first` to `last`.
+/// The states that gestures make of a project that nobody kills: one for each number from `first`
+/// to `last`.
 fn states(folder: &Path, name: &str, first: usize, last: usize) -> Vec<State> {
     let mut app = opened(&folder.join(name), Jobs::Inline);
     let numbers = first..=last;
@@ -221,11 +204,7 @@ fn states(folder: &Path, name: &str, first: usize, last: usize) -> Vec<State> {
             let path = app.project_path().expect("a project").to_owned();
             State {
                 text: without_numbers(&fs::read_to_string(&path).expect("a project")),
-                name: path
-                    .file_name()
-                    .expect("a name")
-                    .to_string_lossy()
-                    .into_owned(),
+                name: path.file_name().expect("a name").to_string_lossy().into_owned(),
             }
         })
         .collect()
@@ -237,9 +216,7 @@ fn written(folder: &Path) -> PathBuf {
         fs::write(folder.join(name), sl2(&survey_frames(pings))).expect("a log");
     }
     let mut app = App::new(Jobs::Inline);
-    app.apply(Command::OpenAll(
-        LOGS.map(|(name, _)| folder.join(name)).to_vec(),
-    ));
+    app.apply(Command::OpenAll(LOGS.map(|(name, _)| folder.join(name)).to_vec()));
     while !is_idle(&app) {
         app.poll();
     }
@@ -248,25 +225,17 @@ fn written(folder: &Path) -> PathBuf {
     while app.is_keeping() {
         app.poll();
     }
-    assert_eq!(
-        app.project_path(),
-        Some(project.as_path()),
-        "{:?}",
-        app.notices
-    );
+    assert_eq!(app.project_path(), Some(project.as_path()), "{:?}", app.notices);
     project
 }
 
 fn hashes(folder: &Path) -> Vec<Vec<u8>> {
     let bytes = LOGS.map(|(name, _)| fs::read(folder.join(name)).expect("a log"));
-    bytes
-        .iter()
-        .map(|bytes| Sha256::digest(bytes).to_vec())
-        .collect()
+    bytes.iter().map(|bytes| Sha256::digest(bytes).to_vec()).collect()
 }
 
-/// A project's text without the numbers of objects: they follow from the decisions, and are noted with the gesture after they were made,
-/// whenever that was.
+/// A project's text without the numbers of objects: they follow from the decisions, and are noted
+/// with the gesture after they were made, whenever that was.
 fn without_numbers(text: &str) -> String {
     let mut parts = text.split(" object = ");
     let first = parts.next().unwrap_or_default().to_owned();
@@ -300,10 +269,8 @@ fn a_killed_program_loses_its_last_gesture_at_most() {
     written(folder);
     written(own);
     let hash = hashes(folder);
-    let mut at = State {
-        name: "one.bathyscope".to_owned(),
-        text: found(folder, "one.bathyscope").0,
-    };
+    let mut at =
+        State { name: "one.bathyscope".to_owned(), text: found(folder, "one.bathyscope").0 };
     let mut next = 0;
     let mut moments = Moments(15);
     let (mut gestures, mut unsaved, mut ahead) = (0, 0, 0);
@@ -321,11 +288,7 @@ fn a_killed_program_loses_its_last_gesture_at_most() {
         });
         let Some(there) = there else {
             let state = &states[reported - next];
-            assert_eq!(
-                found(folder, &state.name).0,
-                state.text,
-                "kill {kill}, {reported}"
-            );
+            assert_eq!(found(folder, &state.name).0, state.text, "kill {kill}, {reported}");
             panic!("kill {kill}: it told of {reported}, which is not there");
         };
         gestures += there + 1 - next;
@@ -339,11 +302,10 @@ fn a_killed_program_loses_its_last_gesture_at_most() {
         "{kills} kills over {gestures} gestures: {unsaved} with gestures that were not saved, {ahead} before it could tell"
     );
     assert!(gestures > kills, "it did nothing");
-    // Each program that saves takes away what those before it left half written; of the last one it may be there.
+    // Each program that saves takes away what those before it left half written; of the last one it
+    // may be there.
     let left = names(folder);
-    let parts = left
-        .iter()
-        .filter(|name| name.ends_with(".bathyscope-part"));
+    let parts = left.iter().filter(|name| name.ends_with(".bathyscope-part"));
     // `.NAME.PROCESS.bathyscope-part`: it may have been saving one project as another.
     let programs: std::collections::BTreeSet<_> =
         parts.map(|name| name.rsplit('.').nth(1)).collect();
@@ -353,9 +315,8 @@ fn a_killed_program_loses_its_last_gesture_at_most() {
 /// The names of the files in a folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder").flatten();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }

@@ -1,4 +1,5 @@
-//! Boxes that an analyst draws around a hull: the object is what was drawn, and its picture shows all of it.
+//! Boxes that an analyst draws around a hull: the object is what was drawn, and its picture shows
+//! all of it.
 
 use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, calibrate};
 use bathyscope_bottom::first_return::{FirstReturns, Pick};
@@ -23,8 +24,8 @@ fn north_m(ping: usize) -> f64 {
     0.2 * ping as f64 + 0.1 * ping.saturating_sub(300) as f64
 }
 
-/// What an even bottom shows with speckle that is the same on every run, and `level` where that is anything else. Samples are
-/// 0.1 m of slant range to starboard.
+/// What an even bottom shows with speckle that is the same on every run, and `level` where that is
+/// anything else. Samples are 0.1 m of slant range to starboard.
 fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
     let mut bytes = Vec::with_capacity(PINGS * SAMPLES);
     let mut random = 1_u32;
@@ -91,12 +92,7 @@ fn place(survey: &Survey, navigation: &Navigation, mark: &Mark) -> Target {
 }
 
 fn drawn(near_m: f64, far_m: f64) -> Mark {
-    Mark {
-        side: Side::Starboard,
-        pings: HULL,
-        near_m,
-        far_m,
-    }
+    Mark { side: Side::Starboard, pings: HULL, near_m, far_m }
 }
 
 /// Distance from the track of what lies on the bottom at a slant range.
@@ -152,7 +148,8 @@ fn the_shadow_of_a_hull_that_lies_askew_is_no_part_of_it() {
     // The echo reaches to 36 m, where the last slice of a fifth of the box tells it within a metre.
     let middle_m = 0.5 * (ground_m(20.0) + ground_m(36.0));
     println!("{:.2} m off across", target.east_m - middle_m);
-    // The shadow tells a height, and of what stands high the place is nearer by half of what it leans.
+    // The shadow tells a height, and of what stands high the place is nearer by half of what it
+    // leans.
     assert!((target.east_m - middle_m).abs() < 1.0, "{target:?}");
     assert!((0.5..1.5).contains(&target.height_m), "{target:?}");
 }
@@ -163,25 +160,14 @@ fn the_picture_of_a_hull_shows_all_of_it() {
     let raster = Raster::new(&survey, &navigation, 0.04);
     let chip = export::chip(&survey, &raster, &drawn(20.0, 44.0));
     // 100 by 24 m and what lies around, in pixels of one size.
-    assert!(
-        chip.width > 100 && chip.height > 380,
-        "{} x {}",
-        chip.width,
-        chip.height
-    );
+    assert!(chip.width > 100 && chip.height > 380, "{} x {}", chip.width, chip.height);
     let row = &chip.levels[chip.width * (chip.height / 2)..][..chip.width];
     let (least, most) = (row.iter().min(), row.iter().max());
-    assert!(
-        most > Some(&150) && least < Some(&60),
-        "walls and hold: {row:?}"
-    );
+    assert!(most > Some(&150) && least < Some(&60), "walls and hold: {row:?}");
     let column = |x: usize| (0..chip.height).map(move |y| y * chip.width + x);
     let wall = (0..chip.width)
         .max_by_key(|&x| column(x).map(|at| u32::from(chip.levels[at])).sum::<u32>());
     let bright = column(wall.expect("columns")).filter(|&at| chip.levels[at] > 120);
     let share = bright.count() as f64 / chip.height as f64;
-    assert!(
-        (0.75..0.97).contains(&share),
-        "{share:.2} of the rows show the wall"
-    );
+    assert!((0.75..0.97).contains(&share), "{share:.2} of the rows show the wall");
 }

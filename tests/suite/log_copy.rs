@@ -39,13 +39,12 @@ fn copied(survey: &Survey, ending: &str) -> Survey {
 fn samples(survey: &Survey, ping: usize, side: Side) -> Vec<u16> {
     let samples = survey.samples(ping, side);
     samples.map_or_else(Vec::new, |samples| {
-        (0..samples.len())
-            .map(|index| samples.wide(index))
-            .collect()
+        (0..samples.len()).map(|index| samples.wide(index)).collect()
     })
 }
 
-/// Whether pings, samples, ranges, times, depths and fixes of a copy are those of the log. Times count from the first ping of an XTF.
+/// Whether pings, samples, ranges, times, depths and fixes of a copy are those of the log. Times
+/// count from the first ping of an XTF.
 fn assert_same(log: &Survey, copy: &Survey, place_m: f64) {
     assert_eq!(log.side_scan.len(), copy.side_scan.len());
     assert_eq!(log.range_source, copy.range_source);
@@ -53,25 +52,13 @@ fn assert_same(log: &Survey, copy: &Survey, place_m: f64) {
     for (index, (one, other)) in log.side_scan.iter().zip(copy.side_scan.iter()).enumerate() {
         let [a, b] = [started(log) + one.time_s, started(copy) + other.time_s];
         let is_dated = log.start_unix_s.is_some() && copy.start_unix_s.is_some();
-        assert!(
-            !is_dated || (a - b).abs() < 0.000_6,
-            "ping {index}: {a} {b}"
-        );
+        assert!(!is_dated || (a - b).abs() < 0.000_6, "ping {index}: {a} {b}");
         let both_none = one.depth_m.is_nan() && other.depth_m.is_nan();
-        assert!(
-            both_none || (one.depth_m - other.depth_m).abs() < 1e-5,
-            "ping {index}"
-        );
+        assert!(both_none || (one.depth_m - other.depth_m).abs() < 1e-5, "ping {index}");
         for side in Side::BOTH {
-            assert_eq!(
-                samples(log, index, side),
-                samples(copy, index, side),
-                "ping {index}"
-            );
+            assert_eq!(samples(log, index, side), samples(copy, index, side), "ping {index}");
             let range = |survey: &Survey| survey.span(index, side).map(|span| span.far_m);
-            let apart_m = range(log)
-                .zip(range(copy))
-                .map_or(0.0, |(a, b)| (a - b).abs());
+            let apart_m = range(log).zip(range(copy)).map_or(0.0, |(a, b)| (a - b).abs());
             assert!(apart_m < 1e-5, "ping {index}");
         }
     }
@@ -98,13 +85,8 @@ fn the_demo_as_xtf_and_as_sl2_is_the_demo() {
     // Each depth is there once, though each ping of the file has one.
     assert_eq!(log.soundings.len(), xtf.soundings.len());
     // The heading of a log without a compass is that of the track, and no compass afterwards.
-    let compass = |survey: &Survey| {
-        survey
-            .track
-            .fixes
-            .iter()
-            .any(|fix| fix.compass_rad.is_finite())
-    };
+    let compass =
+        |survey: &Survey| survey.track.fixes.iter().any(|fix| fix.compass_rad.is_finite());
     assert_eq!(compass(&log), compass(&xtf));
     let again = copied(&log, "sl2");
     assert_same(&log, &again, 1e-6);
@@ -181,33 +163,18 @@ fn a_part_holds_its_pings_and_what_was_recorded_meanwhile() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("part.sl2");
     let choice = LogPartChoice {
-        pings: Some(PingRange {
-            start: 100,
-            end: 180,
-        }),
+        pings: Some(PingRange { start: 100, end: 180 }),
         ..LogPartChoice::default()
     };
     assert_eq!(copy(&log, &choice, &path), 80);
     let part = open(&path);
-    assert_eq!(
-        samples(&part, 0, Side::Port),
-        samples(&log, 100, Side::Port)
-    );
-    assert_eq!(
-        samples(&part, 79, Side::Starboard),
-        samples(&log, 179, Side::Starboard)
-    );
+    assert_eq!(samples(&part, 0, Side::Port), samples(&log, 100, Side::Port));
+    assert_eq!(samples(&part, 79, Side::Starboard), samples(&log, 179, Side::Starboard));
     let [from, to] = [100, 180].map(|ping| log.side_scan[ping].time_s);
-    let meanwhile = log
-        .soundings
-        .iter()
-        .filter(|one| (from..to).contains(&one.time_s));
+    let meanwhile = log.soundings.iter().filter(|one| (from..to).contains(&one.time_s));
     assert_eq!(part.soundings.len(), meanwhile.count());
     let time = Some([TimeBound::Log(from), TimeBound::Log(to - 1e-3)]);
-    let by_time = LogPartChoice {
-        time,
-        ..LogPartChoice::default()
-    };
+    let by_time = LogPartChoice { time, ..LogPartChoice::default() };
     let other = folder.path().join("time.sl2");
     copy(&log, &by_time, &other);
     assert!(std::fs::read(&path).expect("a file") == std::fs::read(&other).expect("a file"));
@@ -222,21 +189,15 @@ fn tables_have_a_row_for_each_trace() {
     for path in [&csv, &parquet, &gpx] {
         copy(&log, &LogPartChoice::default(), path);
     }
-    let down: usize = log
-        .echograms
-        .iter()
-        .map(|echogram| echogram.pings.len())
-        .sum();
+    let down: usize = log.echograms.iter().map(|echogram| echogram.pings.len()).sum();
     let count = 2 * log.side_scan.len() + down + log.soundings.len();
     let mut rows = csv::Reader::from_path(&csv).expect("a table");
     let header = rows.headers().expect("a header").clone();
     let column = |name: &str| header.iter().position(|one| one == name).expect("a column");
     let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.expect("a row")).collect();
     assert_eq!(rows.len(), count);
-    let starboard = rows
-        .iter()
-        .find(|row| &row[0] == "starboard" && &row[1] == "70")
-        .expect("a row");
+    let starboard =
+        rows.iter().find(|row| &row[0] == "starboard" && &row[1] == "70").expect("a row");
     let span = log.span(70, Side::Starboard).expect("a span");
     assert_eq!(starboard[column("offset")], span.offset.to_string());
     assert_eq!(starboard[column("samples")], span.count.to_string());
@@ -245,9 +206,7 @@ fn tables_have_a_row_for_each_trace() {
 
     let table = read_parquet(&parquet, &["channel", "index", "samples", "echoes"]);
     let table = table.expect("a table");
-    let [channels, indices, _, echoes] = table.as_slice() else {
-        panic!("four columns")
-    };
+    let [channels, indices, _, echoes] = table.as_slice() else { panic!("four columns") };
     let (Values::Bytes(echoes), Values::Whole(indices)) = (echoes, indices) else {
         panic!("bytes and whole numbers");
     };
@@ -277,17 +236,10 @@ fn the_window_writes_the_log_and_its_visible_pings() {
     let log = open(&demo_log());
     assert_eq!(open(&whole).side_scan.len(), log.side_scan.len());
     assert_eq!(open(&part).side_scan.len(), 50);
-    assert_eq!(
-        samples(&open(&part), 0, Side::Port),
-        samples(&log, 40, Side::Port)
-    );
+    assert_eq!(samples(&open(&part), 0, Side::Port), samples(&log, 40, Side::Port));
     let other = folder.path().join("log.doc");
     app.apply(Command::Write(FileToWrite::Log(other.clone())));
     app.poll();
     let said = app.notices.last().expect("a notice");
-    assert!(
-        said.text.contains(".parquet") && !other.exists(),
-        "{}",
-        said.text
-    );
+    assert!(said.text.contains(".parquet") && !other.exists(), "{}", said.text);
 }

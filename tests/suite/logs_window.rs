@@ -43,9 +43,7 @@ pub(super) fn names(window: &Window) -> Vec<String> {
 }
 
 fn pings(window: &Window) -> usize {
-    let surveys = app(window)
-        .visible_logs()
-        .filter_map(|log| log.survey.as_ref());
+    let surveys = app(window).visible_logs().filter_map(|log| log.survey.as_ref());
     surveys.map(|survey| survey.side_scan.len()).sum()
 }
 
@@ -74,26 +72,17 @@ fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
     assert_eq!(app(&window).log.name(), "lake-0", "the first one is shown");
     let all = pings(&window);
     let said = map_name(&window).replace([' ', ',', '\u{202f}', '\u{a0}'], "");
-    assert!(
-        said.contains(&format!("trackof{all}pings")),
-        "{said}: {all}"
-    );
-    let points: usize = (app(&window).shown_logs().iter())
-        .map(|shown| shown.log.kept_points().count())
-        .sum();
+    assert!(said.contains(&format!("trackof{all}pings")), "{said}: {all}");
+    let points: usize =
+        (app(&window).shown_logs().iter()).map(|shown| shown.log.kept_points().count()).sum();
     let cloud = window.get_by_label_contains("3D point cloud,");
     let cloud = cloud.accesskit_node().label().expect("a name");
     let cloud = cloud.replace([' ', ',', '\u{202f}', '\u{a0}'], "");
-    assert!(
-        cloud.contains(&format!("cloud{points}points")),
-        "{cloud}: {points}"
-    );
+    assert!(cloud.contains(&format!("cloud{points}points")), "{cloud}: {points}");
 
     // All of them lie in the plane of the first.
     let origins = app(&window).shown_logs();
-    let origins = origins
-        .iter()
-        .map(|shown| shown.log.survey.track.frame.origin());
+    let origins = origins.iter().map(|shown| shown.log.survey.track.frame.origin());
     let first = origins.clone().next().expect("three logs");
     assert!(origins.clone().all(|origin| origin == first));
 
@@ -142,11 +131,7 @@ fn what_is_unticked_takes_no_part_and_undo_goes_over_all_logs() {
         found.expect("it is open").settings.clone()
     };
     assert_eq!(of(&window, "lake-0").draft_m, 0.7);
-    assert_eq!(
-        of(&window, "lake-1").draft_m,
-        0.0,
-        "a draft is that of one log"
-    );
+    assert_eq!(of(&window, "lake-1").draft_m, 0.0, "a draft is that of one log");
     for name in ["lake-0", "lake-1"] {
         assert_eq!(of(&window, name).first_return.threshold, 0.41, "{name}");
     }
@@ -189,7 +174,8 @@ fn a_recording_is_opened_once_and_closed_again() {
     assert!(window.query_by_label_contains("Map, empty").is_some());
 }
 
-/// How far the one depth map of all logs is from the ground that was sailed over, RMS in metres, where a depth is within 2 m.
+/// How far the one depth map of all logs is from the ground that was sailed over, RMS in metres,
+/// where a depth is within 2 m.
 fn error_of_depth_map_m(app: &App, mean_m: f64) -> f64 {
     let depth_map = app.depth_map().flatten().expect("a depth map");
     let grid = &depth_map.surface.grid;
@@ -212,9 +198,7 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     settle(&mut window);
     change(&mut window, "draft_m=0.7");
     let kept = |path: &Path| {
-        let project = bathyscope_products::project::Store::open(path)
-            .expect("a project")
-            .project;
+        let project = bathyscope_products::project::Store::open(path).expect("a project").project;
         let drafts = project.logs().iter();
         let draft = |log: &std::sync::Arc<bathyscope_products::project::ProjectLog>| {
             let draft = log.settings.own().get("draft_m").map(ToString::to_string);
@@ -249,9 +233,7 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     settle(&mut window);
     assert_eq!(app(&window).log_count(), 2);
     drop(window);
-    let [(first, _), (second, _)] = &kept(&path)[..] else {
-        panic!("two logs")
-    };
+    let [(first, _), (second, _)] = &kept(&path)[..] else { panic!("two logs") };
     assert_eq!([first.as_str(), second.as_str()], ["lake-1", "lake-0"]);
 }
 
@@ -266,10 +248,7 @@ fn heights_are_compared_and_applied_as_one_step() {
     assert!(app(&window).height_offsets().is_some());
     window.get_by_label("Apply heights").click_accesskit();
     settle(&mut window);
-    let applied: Vec<f64> = app(&window)
-        .logs()
-        .map(|log| log.settings.height_offset_m)
-        .collect();
+    let applied: Vec<f64> = app(&window).logs().map(|log| log.settings.height_offset_m).collect();
     let mean_m = higher_m.iter().sum::<f64>() / higher_m.len() as f64;
     assert_eq!(applied.len(), higher_m.len());
     for (offset_m, higher_m) in applied.iter().zip(higher_m) {
@@ -281,9 +260,5 @@ fn heights_are_compared_and_applied_as_one_step() {
     assert!(error_m < 0.03, "{error_m}");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert!(
-        app(&window)
-            .logs()
-            .all(|log| log.settings.height_offset_m == 0.0)
-    );
+    assert!(app(&window).logs().all(|log| log.settings.height_offset_m == 0.0));
 }

@@ -1,4 +1,5 @@
-//! Tests of several crates together, of the window and of the program. `support` finds real recordings and simulated surveys.
+//! Tests of several crates together, of the window and of the program. `support` finds real
+//! recordings and simulated surveys.
 
 #![allow(
     clippy::expect_used,

@@ -1,4 +1,5 @@
-//! The manual against the program: what it names exists, and what exists is in it; and the manual in the window.
+//! The manual against the program: what it names exists, and what exists is in it; and the manual
+//! in the window.
 
 use crate::cli::{refusal, run};
 use crate::window::{app, empty_window, press};
@@ -33,15 +34,7 @@ fn examples(text: &str) -> Vec<String> {
     let fenced = fenced.filter(|code| code.starts_with("sh\n"));
     let lines = fenced.flat_map(str::lines);
     let program = lines.filter(|line| line.starts_with("bathyscope "));
-    program
-        .map(|line| {
-            line.split(" #")
-                .next()
-                .unwrap_or_default()
-                .trim()
-                .to_owned()
-        })
-        .collect()
+    program.map(|line| line.split(" #").next().unwrap_or_default().trim().to_owned()).collect()
 }
 
 /// Names at the start of the lines of a list in `--help`.
@@ -77,10 +70,7 @@ fn every_subcommand_is_in_it_and_its_examples_have_options_that_exist() {
         shown.insert(words[1].to_owned());
         let help = run(here(), &[words[1], "--help"]);
         for option in words.iter().filter(|word| word.starts_with("--")) {
-            assert!(
-                help.split_whitespace().any(|word| word == *option),
-                "{line}: {option}"
-            );
+            assert!(help.split_whitespace().any(|word| word == *option), "{line}: {option}");
         }
     }
     assert_eq!(shown, all, "commands of the manual and of the program");
@@ -112,9 +102,7 @@ fn every_file_of_a_run_is_in_it_and_every_record_that_it_names_exists() {
     }
     let endings = [".tif", ".laz", ".ply", ".csv", ".json", ".html", ".geojson"];
     let is_file = |name: &&String| {
-        endings
-            .iter()
-            .any(|ending| name.ends_with(ending) && name.len() > ending.len())
+        endings.iter().any(|ending| name.ends_with(ending) && name.len() > ending.len())
     };
     for name in page.iter().filter(is_file) {
         assert!(row_of(name).is_some(), "{name} is no file of a run");
@@ -125,10 +113,7 @@ fn every_file_of_a_run_is_in_it_and_every_record_that_it_names_exists() {
 fn every_key_that_it_names_is_one_of_the_window() {
     // Keys that act on a selected box, the bottom or the pointer, beyond those of the commands.
     let others = ["Ctrl", "Shift", "Alt", "Up", "Down", "1", "9"];
-    let keys: BTreeSet<&str> = Action::ALL
-        .iter()
-        .flat_map(|action| action.all_keys())
-        .collect();
+    let keys: BTreeSet<&str> = Action::ALL.iter().flat_map(|action| action.all_keys()).collect();
     let known = |name: &str| keys.contains(name) || others.contains(&name);
     let is_key = |name: &&String| {
         let last = name.rsplit('+').next().unwrap_or_default();
@@ -136,10 +121,8 @@ fn every_key_that_it_names_is_one_of_the_window() {
             .chars()
             .next()
             .is_some_and(|sign| sign.is_ascii_uppercase() || sign.is_ascii_digit());
-        let is_word = last
-            .chars()
-            .skip(1)
-            .all(|sign| sign.is_ascii_lowercase() || sign.is_ascii_digit());
+        let is_word =
+            last.chars().skip(1).all(|sign| sign.is_ascii_lowercase() || sign.is_ascii_digit());
         starts
             && is_word
             && !last.is_empty()
@@ -163,10 +146,7 @@ fn it_is_printed_whole_and_by_topic() {
     let all = run(here(), &["manual"]);
     for topic in Topic::ALL {
         assert!(all.contains(&format!("# {}\n", topic.title())), "{topic:?}");
-        assert!(
-            !topic.text().contains("{{"),
-            "{topic:?} has a table that nothing fills"
-        );
+        assert!(!topic.text().contains("{{"), "{topic:?} has a table that nothing fills");
     }
     let files = run(here(), &["manual", "files"]);
     assert!(files.starts_with("# Files\n") && files.contains("depth/depth.tif"));
@@ -187,35 +167,17 @@ fn the_window_shows_every_command_with_its_key_and_finds_words_in_all_pages() {
     }
     window.get_by_label("Limits").click();
     window.run();
-    assert!(
-        window
-            .query_by_label_contains("no search equipment")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("no search equipment").is_some());
     assert!(window.query_by_label(Action::Fit.hint()).is_none());
     let field = window.get_by_role_and_label(Role::TextInput, "Search the manual");
     field.focus();
     field.type_text("gain-normalised shadows");
     window.run();
-    assert!(
-        window
-            .query_by_label_contains("puts every echo at its place")
-            .is_some()
-    );
-    assert!(
-        window
-            .query_by_label_contains("no search equipment")
-            .is_none()
-    );
-    window
-        .get_by_role_and_label(Role::TextInput, "Search the manual")
-        .focus();
+    assert!(window.query_by_label_contains("puts every echo at its place").is_some());
+    assert!(window.query_by_label_contains("no search equipment").is_none());
+    window.get_by_role_and_label(Role::TextInput, "Search the manual").focus();
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert!(
-        window
-            .query_by_label_contains("puts every echo at its place")
-            .is_none()
-    );
+    assert!(window.query_by_label_contains("puts every echo at its place").is_none());
     assert!(app(&window).log.survey.is_none());
 }

@@ -25,8 +25,8 @@ use bathyscope_simulation::{
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// What the transducer of a log hangs lower or higher over the ground than that of the mean log, metres: its water level less its
-/// draft.
+/// What the transducer of a log hangs lower or higher over the ground than that of the mean log,
+/// metres: its water level less its draft.
 pub(super) const HIGHER_M: [f64; 10] =
     [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5, -0.31, 0.24];
 
@@ -53,7 +53,8 @@ fn object([east_m, north_m]: [f64; 2]) -> ObjectSettings {
     }
 }
 
-/// Log `index` over the lake: other lines, another day, another clock, another height over the ground.
+/// Log `index` over the lake: other lines, another day, another clock, another height over the
+/// ground.
 fn scene(index: usize, kind: BedKind) -> Scene {
     let bed = BedSettings {
         kind,
@@ -75,10 +76,7 @@ fn scene(index: usize, kind: BedKind) -> Scene {
             ping_rate_hz: 10.0,
             ..TrackSettings::default()
         },
-        artefacts: Artefacts {
-            weed_m: 0.0,
-            ..Artefacts::default()
-        },
+        artefacts: Artefacts { weed_m: 0.0, ..Artefacts::default() },
         objects: OBJECTS.map(object).to_vec(),
         scattered_objects: 0,
         ..Scene::default()
@@ -138,24 +136,17 @@ impl Lake {
         let with = |(log, offset): (&ProcessedLog, f64)| {
             let mut settings = Settings::clone(&log.products.settings);
             settings.height_offset_m = offset;
-            let products = pipeline::run(
-                &log.survey,
-                &settings,
-                Some(&log.products),
-                &progress,
-                |_| (),
-            )
-            .expect("nobody cancels");
-            ProcessedLog {
-                survey: log.survey.clone(),
-                products,
-            }
+            let products =
+                pipeline::run(&log.survey, &settings, Some(&log.products), &progress, |_| ())
+                    .expect("nobody cancels");
+            ProcessedLog { survey: log.survey.clone(), products }
         };
         let offsets = offsets.logs.iter().map(|log| log.offset_m);
         self.logs.iter().zip(offsets).map(with).collect()
     }
 
-    /// Depth of the ground at a place of the shared frame, metres below the transducer of the first log.
+    /// Depth of the ground at a place of the shared frame, metres below the transducer of the first
+    /// log.
     fn bed_depth_m(&self, place: [f64; 2]) -> f64 {
         self.truths[0].bed_depth_m(place[0], place[1])
     }
@@ -175,24 +166,19 @@ fn crossings_of_ten_logs_give_their_heights_to_a_centimetre() {
     for (kind, lake) in [("gentle", Lake::gentle()), ("steep", &steep)] {
         let found = height_offsets(&lake.logs, Datum::Mean, &progress).expect("nobody cancels");
         assert_eq!(found.groups(), 1);
-        for (log, (offset, true_m)) in found
-            .logs
-            .iter()
-            .zip(true_offsets_m(lake.logs.len()))
-            .enumerate()
+        for (log, (offset, true_m)) in
+            found.logs.iter().zip(true_offsets_m(lake.logs.len())).enumerate()
         {
             let off_m = offset.offset_m - true_m;
             eprintln!(
                 "{kind} log {log}: off by {:+.4} m, standard error {:.4} m, {} meetings",
                 off_m, offset.standard_error_m, offset.log_overlaps
             );
-            // On slopes up to 20 degrees a decimetre of position is as much as a centimetre of the mean of some sixty overlaps.
+            // On slopes up to 20 degrees a decimetre of position is as much as a centimetre of the
+            // mean of some sixty overlaps.
             let allowed_m = if kind == "gentle" { 0.01 } else { 0.03 };
             assert!(off_m.abs() < allowed_m, "{kind} log {log}: {off_m}");
-            assert!(
-                off_m.abs() < 4.0 * offset.standard_error_m,
-                "{kind} log {log}: {offset:?}"
-            );
+            assert!(off_m.abs() < 4.0 * offset.standard_error_m, "{kind} log {log}: {offset:?}");
         }
         let adjusted = lake.adjusted(&found);
         // What is in force is part of what is found.
@@ -205,21 +191,9 @@ fn crossings_of_ten_logs_give_their_heights_to_a_centimetre() {
             all.and_then(|all| all.between_logs).expect("crossings")
         };
         let (before, after) = (between(&lake.logs), between(&adjusted));
-        eprintln!(
-            "{kind}: between logs sd {:.3} m before, {:.3} m after",
-            before.sd_m, after.sd_m
-        );
-        assert!(
-            before.sd_m > 0.3 && after.mean_m.abs() < 0.01,
-            "{before:?} {after:?}"
-        );
-        assert!(
-            adjusted[1]
-                .products
-                .correction
-                .statement()
-                .contains("height offset")
-        );
+        eprintln!("{kind}: between logs sd {:.3} m before, {:.3} m after", before.sd_m, after.sd_m);
+        assert!(before.sd_m > 0.3 && after.mean_m.abs() < 0.01, "{before:?} {after:?}");
+        assert!(adjusted[1].products.correction.statement().contains("height offset"));
         let at = &adjusted[1].products.cloud.points[40];
         assert!((lake.bed_depth_m([at.east_m, at.north_m]) + at.z_m).abs() < 2.0);
     }
@@ -242,10 +216,7 @@ impl Maps {
                 .expect("a surface")
         };
         Self {
-            single: logs
-                .iter()
-                .map(|log| surface(std::slice::from_ref(log)))
-                .collect(),
+            single: logs.iter().map(|log| surface(std::slice::from_ref(log))).collect(),
             joint: surface(logs),
             map,
         }
@@ -257,10 +228,7 @@ impl Maps {
         let away: Vec<(usize, f32)> = self.single.iter().enumerate().filter_map(away).collect();
         let nearest = away.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let near = away.iter().filter(|(_, away_m)| *away_m < 2.0);
-        (
-            nearest.map(|(log, _)| *log),
-            near.map(|(log, _)| *log).collect(),
-        )
+        (nearest.map(|(log, _)| *log), near.map(|(log, _)| *log).collect())
     }
 
     /// Errors of the known cells of the joint map.
@@ -276,8 +244,8 @@ impl Maps {
             .collect()
     }
 
-    /// RMS of the error of the jump from a cell of the joint map to its eastern neighbour: where the two have another log nearest, and
-    /// elsewhere.
+    /// RMS of the error of the jump from a cell of the joint map to its eastern neighbour: where
+    /// the two have another log nearest, and elsewhere.
     fn jumps_m(&self, bed_m: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
         let grid = &self.joint.grid;
         let mut jumps = [Vec::new(), Vec::new()];
@@ -300,7 +268,8 @@ impl Maps {
     }
 }
 
-/// Depth of the ground of the lake at a place of the shared frame, metres below the transducer of the first log.
+/// Depth of the ground of the lake at a place of the shared frame, metres below the transducer of
+/// the first log.
 pub(super) fn bed_depth_m(place: [f64; 2]) -> f64 {
     Lake::gentle().bed_depth_m(place)
 }
@@ -327,10 +296,7 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
     for cell in 0..grid.len() {
         let place = grid.centre(cell / grid.columns, cell % grid.columns);
         let (_, near) = adjusted.near(place);
-        let Some((joint_m, _)) = adjusted
-            .joint
-            .at(place[0], place[1])
-            .filter(|_| near.len() > 1)
+        let Some((joint_m, _)) = adjusted.joint.at(place[0], place[1]).filter(|_| near.len() > 1)
         else {
             continue;
         };
@@ -370,39 +336,27 @@ pub(super) fn true_box(survey: &Survey, seen: &bathyscope_simulation::ObjectPass
         true => f64::from(span.far_m),
         false => seen.shadow_m[1].max(seen.far_m),
     };
-    (pings.len() >= 4).then_some(Mark {
-        side: seen.side,
-        pings,
-        near_m: seen.near_m,
-        far_m,
-    })
+    (pings.len() >= 4).then_some(Mark { side: seen.side, pings, near_m: seen.near_m, far_m })
 }
 
 /// The boxes that a labeller draws around all objects of a log over gentle ground.
 pub(super) fn true_boxes(index: usize, survey: &Survey) -> Vec<Mark> {
     let objects = sailed(index).objects.iter();
     let sightings = objects.flat_map(|object| &object.sightings);
-    sightings
-        .filter_map(|seen| true_box(survey, seen))
-        .collect()
+    sightings.filter_map(|seen| true_box(survey, seen)).collect()
 }
 
 #[test]
 fn an_object_that_several_logs_saw_is_one() {
     let lake = Lake::gentle();
-    // Every log, its object, and where it was placed; the receivers of other days are some decimetres off.
+    // Every log, its object, and where it was placed; the receivers of other days are some
+    // decimetres off.
     let mut placed: Vec<(usize, usize, Target)> = Vec::new();
     for (log, (one, truth)) in lake.logs.iter().zip(&lake.truths).enumerate() {
         let locator = ObjectLocator::new(&one.survey, &one.products);
-        let day_m = [
-            0.5 * (log as f64 * 2.1).sin(),
-            0.5 * (log as f64 * 1.3).cos(),
-        ];
+        let day_m = [0.5 * (log as f64 * 2.1).sin(), 0.5 * (log as f64 * 1.3).cos()];
         for (object, known) in truth.objects.iter().enumerate() {
-            let marks = known
-                .sightings
-                .iter()
-                .filter_map(|seen| true_box(&one.survey, seen));
+            let marks = known.sightings.iter().filter_map(|seen| true_box(&one.survey, seen));
             placed.extend(marks.filter_map(|mark| {
                 let target = locator.place(&mark)?;
                 let moved = Target {
@@ -419,11 +373,7 @@ fn an_object_that_several_logs_saw_is_one() {
         .map(|(log, _, target)| PlacedBox {
             log: *log,
             // One detector in ten takes it for something else.
-            class: if target.mark.pings.start % 10 == 0 {
-                "rock"
-            } else {
-                "block"
-            },
+            class: if target.mark.pings.start % 10 == 0 { "rock" } else { "block" },
             score: Some(0.9),
             target,
         })
@@ -435,9 +385,7 @@ fn an_object_that_several_logs_saw_is_one() {
         logs.dedup();
         assert!(logs.len() >= 4, "object {object}: {logs:?}");
         let of_object = |member: &usize| placed[*member].1 == object;
-        let split = groups
-            .iter()
-            .filter(|one| one.members.iter().any(of_object));
+        let split = groups.iter().filter(|one| one.members.iter().any(of_object));
         let split: Vec<usize> = split.map(|one| one.members.len()).collect();
         eprintln!(
             "object {object}: {} sightings of {} logs in groups of {split:?}",
@@ -446,10 +394,7 @@ fn an_object_that_several_logs_saw_is_one() {
         );
         // A glimpse in a sharp turn may stand alone; nine in ten sightings are one object.
         let largest = split.iter().max().copied().unwrap_or(0);
-        assert!(
-            10 * largest >= 9 * seen().count(),
-            "object {object}: {split:?}"
-        );
+        assert!(10 * largest >= 9 * seen().count(), "object {object}: {split:?}");
         let joined = groups.iter().find(|one| one.members.len() == largest);
         let joined = joined.expect("an object");
         assert_eq!(joined.class, "block", "object {object}");
@@ -473,10 +418,7 @@ fn an_object_that_several_logs_saw_is_one() {
 fn logs_of_one_mosaic_show_the_same_ground_alike() {
     let lake = Lake::gentle();
     let progress = Progress::new();
-    let settings = MosaicSettings {
-        cell_m: 0.5,
-        ..MosaicSettings::default()
-    };
+    let settings = MosaicSettings { cell_m: 0.5, ..MosaicSettings::default() };
     let logs = &lake.logs[..3];
     let origin = logs[0].survey.track.frame.origin();
     let map = MapPlane::new(Crs::utm(origin), origin);
@@ -488,20 +430,10 @@ fn logs_of_one_mosaic_show_the_same_ground_alike() {
     let ratio = |made: &[MosaicLog], a: usize, b: usize| {
         let drawn = [a, b].map(|log| {
             let log = &made[log];
-            window(
-                &log.survey,
-                &log.layout,
-                &grid,
-                &log.gain,
-                &settings,
-                &progress,
-            )
-            .expect("nobody cancels")
+            window(&log.survey, &log.layout, &grid, &log.gain, &settings, &progress)
+                .expect("nobody cancels")
         });
-        let both = drawn[0]
-            .iter()
-            .zip(&drawn[1])
-            .filter(|(a, b)| **a > 0 && **b > 0);
+        let both = drawn[0].iter().zip(&drawn[1]).filter(|(a, b)| **a > 0 && **b > 0);
         let mut ratios: Vec<f64> = both.map(|(a, b)| f64::from(*b) / f64::from(*a)).collect();
         assert!(ratios.len() > 1000, "{}", ratios.len());
         ratios.sort_by(f64::total_cmp);
@@ -522,9 +454,8 @@ fn logs_of_one_mosaic_show_the_same_ground_alike() {
     let parts: Vec<(&MosaicLog, &TileIndex)> = matched.iter().zip(&indices).collect();
     let joint = joint_tile(&parts, &grid, &settings, [0, 0]);
     let shown = |levels: &[u8]| levels.iter().filter(|level| **level > 0).count();
-    let single = parts
-        .iter()
-        .map(|part| shown(&joint_tile(&[*part], &grid, &settings, [0, 0]).levels));
+    let single =
+        parts.iter().map(|part| shown(&joint_tile(&[*part], &grid, &settings, [0, 0]).levels));
     assert!(shown(&joint.levels) > single.max().unwrap_or(0));
 }
 
@@ -535,24 +466,12 @@ fn what_is_excluded_is_in_no_result() {
     let log = &lake.logs[3];
     let mut settings = Settings::clone(&log.products.settings);
     settings.excluded.max_turn_deg_s = Some(6.0);
-    settings.excluded.stretches = vec![Stretch {
-        pings: Some([100, 159]),
-        time_s: None,
-        reason: Some(ExclusionReason::Bad),
-    }];
-    let made = pipeline::run(
-        &log.survey,
-        &settings,
-        Some(&log.products),
-        &progress,
-        |_| (),
-    )
-    .expect("nobody cancels");
+    settings.excluded.stretches =
+        vec![Stretch { pings: Some([100, 159]), time_s: None, reason: Some(ExclusionReason::Bad) }];
+    let made = pipeline::run(&log.survey, &settings, Some(&log.products), &progress, |_| ())
+        .expect("nobody cancels");
     let out = &made.exclusions;
-    let turns = out
-        .stretches
-        .iter()
-        .filter(|one| one.reason == ExclusionReason::Turn);
+    let turns = out.stretches.iter().filter(|one| one.reason == ExclusionReason::Turn);
     // Two lines and two cross lines have three turns, of which one is two.
     assert!((2..=5).contains(&turns.count()), "{:?}", out.stretches);
     assert_eq!(out.ping(100), Some(ExclusionReason::Bad));
@@ -566,11 +485,7 @@ fn what_is_excluded_is_in_no_result() {
     for ping in 0..log.survey.side_scan.len() {
         if out.ping(ping).is_some() {
             assert_eq!(made.depths[ping].source, DepthSource::None);
-            assert!(
-                Side::BOTH
-                    .iter()
-                    .all(|side| layout.ray(ping, *side).is_none())
-            );
+            assert!(Side::BOTH.iter().all(|side| layout.ray(ping, *side).is_none()));
         } else {
             assert_eq!(made.depths[ping].source, log.products.depths[ping].source);
         }
@@ -580,18 +495,9 @@ fn what_is_excluded_is_in_no_result() {
     let gone = log.products.cloud.points.len() - made.cloud.points.len();
     assert!(gone > 150, "{gone}");
     // Taken back, everything is as it was.
-    let again = pipeline::run(
-        &log.survey,
-        &log.products.settings,
-        Some(&made),
-        &progress,
-        |_| (),
-    )
-    .expect("nobody cancels");
+    let again = pipeline::run(&log.survey, &log.products.settings, Some(&made), &progress, |_| ())
+        .expect("nobody cancels");
     assert_eq!(again.cloud.points.len(), log.products.cloud.points.len());
     assert_eq!(again.classes, log.products.classes);
-    assert_eq!(
-        again.calibration.offset_m,
-        log.products.calibration.offset_m
-    );
+    assert_eq!(again.calibration.offset_m, log.products.calibration.offset_m);
 }

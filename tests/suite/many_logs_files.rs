@@ -1,4 +1,5 @@
-//! The files of a survey of several logs over one lake, written without a window, against the known bed.
+//! The files of a survey of several logs over one lake, written without a window, against the known
+//! bed.
 
 use crate::cli::{refusal, run};
 use crate::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
@@ -24,12 +25,11 @@ fn json(path: &Path) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("a number: {value}"))
+    value.as_f64().unwrap_or_else(|| panic!("a number: {value}"))
 }
 
-/// The bed below the transducer of the first log, as points of longitude, latitude and elevation around a place.
+/// The bed below the transducer of the first log, as points of longitude, latitude and elevation
+/// around a place.
 fn write_bed(path: &Path, at: LonLat) {
     let frame = LocalFrame::new(at);
     let mut text = "lon,lat,z_m\n".to_owned();
@@ -46,10 +46,7 @@ fn write_bed(path: &Path, at: LonLat) {
 fn origin(folder: &Path) -> LonLat {
     let record = manifest_entry(folder, "points/cloud.ply");
     let at = &record["crs"]["origin"];
-    LonLat {
-        lon_deg: number(&at["lon"]),
-        lat_deg: number(&at["lat"]),
-    }
+    LonLat { lon_deg: number(&at["lon"]), lat_deg: number(&at["lat"]) }
 }
 
 #[test]
@@ -67,7 +64,8 @@ fn points_of_all_logs_are_compared_with_a_reference() {
     process("residuals --reference bed.csv:lon,lat,z_m -o raw");
     process("residuals --reference bed.csv:lon,lat,z_m --adjust -o adjusted");
 
-    // Each log is off by the height that its transducer hangs higher over the bed, or with offsets by the mean of all.
+    // Each log is off by the height that its transducer hangs higher over the bed, or with offsets
+    // by the mean of all.
     let raw_m = [HIGHER_M[0], HIGHER_M[1], HIGHER_M[2]];
     let adjusted_m = [raw_m.iter().sum::<f64>() / 3.0; 3];
     for (out, higher_m) in [("raw", raw_m), ("adjusted", adjusted_m)] {
@@ -83,10 +81,7 @@ fn points_of_all_logs_are_compared_with_a_reference() {
         let counted: f64 = each.iter().map(|log| number(&log["n"])).sum();
         assert_eq!(counted, number(&compared["n"]));
         let all = &compared["sources"][0];
-        assert_eq!(
-            (&all["source"], &all["n"]),
-            (&"all points".into(), &compared["n"])
-        );
+        assert_eq!((&all["source"], &all["n"]), (&"all points".into(), &compared["n"]));
         let table = fs::read_to_string(out.join("quality/comparison.csv")).expect("a table");
         assert!(table.starts_with("log,source,ping,"), "{}", &table[..40]);
         for log in each {
@@ -118,38 +113,23 @@ fn residuals_are_those_of_all_logs_with_each_log_beside_them() {
     let [raw, adjusted, alone] = ["raw", "adjusted", "one"].map(record);
 
     let spread = |record: &Value| number(&record["crossline_analysis"]["between_logs"]["sd_m"]);
-    eprintln!(
-        "between logs: sd {:.3} m, with offsets {:.3} m",
-        spread(&raw),
-        spread(&adjusted)
-    );
+    eprintln!("between logs: sd {:.3} m, with offsets {:.3} m", spread(&raw), spread(&adjusted));
     assert!(spread(&raw) > 0.2 && spread(&adjusted) < 0.1);
-    let listed = raw["crossline_analysis"]["list"]
-        .as_array()
-        .expect("crossings");
+    let listed = raw["crossline_analysis"]["list"].as_array().expect("crossings");
     let is_between = |one: &&Value| one["logs"][0] != one["logs"][1];
     let between = &raw["crossline_analysis"]["between_logs"];
     let count = listed.iter().filter(is_between).count();
     assert_eq!(count as f64, number(&between["n"]));
     let of_two = |one: &&Value| one["logs"] == serde_json::json!(["lake-0", "lake-1"]);
-    let of_two: Vec<f64> = (listed.iter().filter(of_two))
-        .map(|one| number(&one["difference_m"]))
-        .collect();
+    let of_two: Vec<f64> =
+        (listed.iter().filter(of_two)).map(|one| number(&one["difference_m"])).collect();
     // The second hangs higher over the bed, so that its elevations are lower.
     let mean_m = of_two.iter().sum::<f64>() / of_two.len() as f64;
-    assert!(
-        (mean_m - (HIGHER_M[0] - HIGHER_M[1])).abs() < 0.05,
-        "{of_two:?}"
-    );
+    assert!((mean_m - (HIGHER_M[0] - HIGHER_M[1])).abs() < 0.05, "{of_two:?}");
 
     // All logs together see what their heights differ by; each by itself is what it is alone.
     let p95 = |record: &Value| number(&record["comparisons"][0]["p95_m"]);
-    assert!(
-        p95(&raw) > 1.5 * p95(&adjusted),
-        "{} {}",
-        p95(&raw),
-        p95(&adjusted)
-    );
+    assert!(p95(&raw) > 1.5 * p95(&adjusted), "{} {}", p95(&raw), p95(&adjusted));
     let of_log = &raw["logs"][1];
     assert_eq!(of_log["log"], "lake-1");
     for key in ["side_scan", "choices"] {
@@ -158,23 +138,14 @@ fn residuals_are_those_of_all_logs_with_each_log_beside_them() {
     let n = |record: &Value| number(&record["comparisons"][0]["n"]);
     assert_eq!(n(of_log), n(&alone));
     assert!((p95(of_log) - p95(&alone)).abs() < 1e-3);
-    assert_eq!(
-        of_log["crossline_analysis"]["n"],
-        alone["crossline_analysis"]["n"]
-    );
+    assert_eq!(of_log["crossline_analysis"]["n"], alone["crossline_analysis"]["n"]);
     let report = |out: &str| json(&folder.join(out).join("report.json"));
     let [all, one] = [report("raw"), report("one")].map(|report| report["residuals"].clone());
     let of_logs = report("raw")["logs"]["logs"].clone();
-    let counted: f64 = (0..3)
-        .map(|log| number(&of_logs[log]["residuals"]["n"]))
-        .sum();
+    let counted: f64 = (0..3).map(|log| number(&of_logs[log]["residuals"]["n"])).sum();
     assert_eq!(number(&all["n"]), counted);
     assert_eq!(of_logs[1]["residuals"]["n"], one["n"]);
-    assert!(
-        of_logs[1]["own_settings"]
-            .as_object()
-            .is_some_and(|own| own.is_empty())
-    );
+    assert!(of_logs[1]["own_settings"].as_object().is_some_and(|own| own.is_empty()));
     let adjusted = report("adjusted")["logs"]["logs"].clone();
     let own = adjusted[1]["own_settings"]["height_offset_m"].clone();
     assert_eq!(own, adjusted[1]["height_offset_in_force_m"]);
@@ -190,11 +161,7 @@ fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
     run(folder, &process.split(' ').collect::<Vec<_>>());
     let out = folder.join("out");
     // Nothing was searched, compared or reviewed.
-    let others = [
-        When::Searched,
-        When::Compared,
-        When::Chosen(Product::Targets),
-    ];
+    let others = [When::Searched, When::Compared, When::Chosen(Product::Targets)];
     let is_asked = |when| !others.contains(&when);
     for row in OUTPUT_FILES.iter().filter(|row| is_asked(row.when)) {
         assert!(out.join(row.name).is_file(), "{}", row.name);
@@ -208,10 +175,7 @@ fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
         eprintln!("{}: off by {off_m:+.4} m", log["log"]);
         assert!(off_m.abs() < 0.01, "{log}");
         let in_force_m = number(&log["height_offset_in_force_m"]);
-        assert!(
-            (in_force_m - number(&log["offset_m"])).abs() < 1e-4,
-            "{log}"
-        );
+        assert!((in_force_m - number(&log["offset_m"])).abs() < 1e-4, "{log}");
     }
     let between = &report["logs"]["crosslines"]["between_logs"];
     assert!(number(&between["median_m"]).abs() < 0.01, "{between}");
@@ -225,12 +189,7 @@ fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
         let row = format!("<td class=\"text\">lake-{index}</td>");
         let row = table.split(&row).nth(1).expect("a row");
         let offset = format!("{:+.3}", number(&log["offset_m"])).replace('-', "\u{2212}");
-        assert!(
-            row.split("</tr>")
-                .next()
-                .is_some_and(|row| row.contains(&offset)),
-            "{offset}"
-        );
+        assert!(row.split("</tr>").next().is_some_and(|row| row.contains(&offset)), "{offset}");
     }
     assert_eq!(page.matches("<h3>lake-").count(), 10);
     assert!(!page.contains(&folder.display().to_string()));
@@ -243,10 +202,7 @@ fn draw_boxes(folder: &Path, index: usize) -> usize {
     let mut review = Review::new(Identity::of(&survey), vec!["block".to_owned()]);
     let marks = true_boxes(index, &survey);
     for mark in &marks {
-        let edit = Edit::Add {
-            mark: mark.clone(),
-            class: 0,
-        };
+        let edit = Edit::Add { mark: mark.clone(), class: 0 };
         review = review.apply(&edit).expect("a box");
     }
     let path = folder.join(format!("lake-{index}.review.json"));
@@ -267,10 +223,7 @@ fn objects_that_several_logs_saw_are_one_in_the_files() {
     assert!(said.contains(&format!("Wrote {boxes} boxes")), "{said}");
     // The lake's middle, which places of objects count from.
     let lake = Scene::default();
-    let frame = LocalFrame::new(LonLat {
-        lon_deg: lake.longitude_deg,
-        lat_deg: lake.latitude_deg,
-    });
+    let frame = LocalFrame::new(LonLat { lon_deg: lake.longitude_deg, lat_deg: lake.latitude_deg });
     let features = json(&folder.join("out/objects.geojson"))["features"].clone();
     let features = features.as_array().expect("boxes");
     assert_eq!(features.len(), boxes, "all of them have a place");
@@ -278,10 +231,7 @@ fn objects_that_several_logs_saw_are_one_in_the_files() {
     let mut given: [BTreeMap<u64, Vec<String>>; 4] = Default::default();
     for feature in features {
         let at = &feature["geometry"]["coordinates"];
-        let position = LonLat {
-            lon_deg: number(&at[0]),
-            lat_deg: number(&at[1]),
-        };
+        let position = LonLat { lon_deg: number(&at[0]), lat_deg: number(&at[1]) };
         let [east_m, north_m] = frame.to_enu(position);
         let away_m = |place: &[f64; 2]| (place[0] - east_m).hypot(place[1] - north_m);
         let nearest =
@@ -290,29 +240,16 @@ fn objects_that_several_logs_saw_are_one_in_the_files() {
         assert!(away_m(&OBJECTS[nearest]) < 3.0, "{feature}");
         let number = feature["properties"]["object"].as_u64().expect("a number");
         let log = feature["properties"]["log"].as_str().expect("a log");
-        given[nearest]
-            .entry(number)
-            .or_default()
-            .push(log.to_owned());
+        given[nearest].entry(number).or_default().push(log.to_owned());
     }
     let mut numbers = Vec::new();
     for (object, given) in given.iter().enumerate() {
         let all: usize = given.values().map(Vec::len).sum();
-        let (number, logs) = given
-            .iter()
-            .max_by_key(|(_, logs)| logs.len())
-            .expect("seen");
+        let (number, logs) = given.iter().max_by_key(|(_, logs)| logs.len()).expect("seen");
         let mut of_logs = logs.clone();
         of_logs.dedup();
-        eprintln!(
-            "object {object}: {} of {all} sightings, {} logs",
-            logs.len(),
-            of_logs.len()
-        );
-        assert!(
-            of_logs.len() >= 4 && 10 * logs.len() >= 9 * all,
-            "{given:?}"
-        );
+        eprintln!("object {object}: {} of {all} sightings, {} logs", logs.len(), of_logs.len());
+        assert!(of_logs.len() >= 4 && 10 * logs.len() >= 9 * all, "{given:?}");
         numbers.push(*number);
     }
     numbers.sort_unstable();
@@ -322,37 +259,18 @@ fn objects_that_several_logs_saw_are_one_in_the_files() {
     for index in 0..LOGS {
         let out = folder.join("out");
         assert!(out.join(format!("lake-{index}.review.json")).is_file());
-        assert!(
-            out.join(format!("dataset/lake-{index}/train.json"))
-                .is_file()
-        );
+        assert!(out.join(format!("dataset/lake-{index}/train.json")).is_file());
     }
-    let page = [
-        "process",
-        "logs",
-        "--no-objects",
-        "--products",
-        "report",
-        "-o",
-        "page",
-    ];
-    let files: Vec<String> = (0..LOGS)
-        .map(|index| format!("out/lake-{index}.review.json"))
-        .collect();
+    let page = ["process", "logs", "--no-objects", "--products", "report", "-o", "page"];
+    let files: Vec<String> =
+        (0..LOGS).map(|index| format!("out/lake-{index}.review.json")).collect();
     let reviews = files.iter().flat_map(|file| ["--review", file.as_str()]);
     let args: Vec<&str> = page.into_iter().chain(reviews).collect();
     run(folder, &args);
     let page = fs::read_to_string(folder.join("page/report.html")).expect("a page");
     assert!(page.contains(&format!("0 accepted, {boxes} added")));
     assert!(page.contains(&format!("{boxes} boxes on ")) && page.contains(" passes, in 6 logs"));
-    let strange = [
-        "process",
-        "logs/lake-0.sl2",
-        "--review",
-        "out/lake-1.review.json",
-        "-o",
-        "no",
-    ];
+    let strange = ["process", "logs/lake-0.sl2", "--review", "out/lake-1.review.json", "-o", "no"];
     assert!(refusal(folder, &strange, 1).contains("another log"));
 }
 
@@ -378,22 +296,14 @@ fn a_search_goes_over_all_logs_and_says_which() {
     let of = |name: &'static str| both.iter().filter(move |row| &row[0] == name);
     assert!(of("lake-0").count() > 0 && !second.is_empty());
     // Side and pings of a box, which stand one column later.
-    let joint: Vec<Vec<&str>> = of("lake-1")
-        .map(|row| row.iter().skip(3).take(6).collect())
-        .collect();
-    let alone: Vec<Vec<&str>> = second
-        .iter()
-        .map(|row| row.iter().skip(2).take(6).collect())
-        .collect();
+    let joint: Vec<Vec<&str>> =
+        of("lake-1").map(|row| row.iter().skip(3).take(6).collect()).collect();
+    let alone: Vec<Vec<&str>> =
+        second.iter().map(|row| row.iter().skip(2).take(6).collect()).collect();
     assert_eq!(joint, alone, "each log is searched as it is alone");
-    let ids: Vec<usize> = both
-        .iter()
-        .map(|row| row[1].parse().expect("a number"))
-        .collect();
+    let ids: Vec<usize> = both.iter().map(|row| row[1].parse().expect("a number")).collect();
     assert_eq!(ids, (1..=both.len()).collect::<Vec<_>>());
-    let chips = fs::read_dir(folder.join("both/objects/chips"))
-        .expect("chips")
-        .count();
+    let chips = fs::read_dir(folder.join("both/objects/chips")).expect("chips").count();
     assert_eq!(chips, both.len());
     assert_eq!(manifest(&folder.join("both"))["logs"], 2);
 }
@@ -412,33 +322,22 @@ fn groups_of_logs_are_compared_with_each_other() {
     let compare = ["compare", "monday", "tuesday", "--by", "surface", "--json"];
     let found = run(folder, &[&compare[..], &["-o", "points.csv"]].concat());
     let found: Value = serde_json::from_str(&found).expect("JSON");
-    assert_eq!(
-        found["reference"]["inputs"].as_array().map(Vec::len),
-        Some(2)
-    );
+    assert_eq!(found["reference"]["inputs"].as_array().map(Vec::len), Some(2));
     let medians_m: Vec<f64> = (found["logs"].as_array().expect("logs").iter())
         .map(|log| number(&log["median_m"]))
         .collect();
-    // Both are compared with the same surface, so the second is lower by what it hangs higher over the bed.
+    // Both are compared with the same surface, so the second is lower by what it hangs higher over
+    // the bed.
     let lower_m = medians_m[0] - medians_m[1];
     eprintln!("apart by {lower_m:.3} m");
-    assert!(
-        (lower_m - (HIGHER_M[1] - HIGHER_M[0])).abs() < 0.05,
-        "{found}"
-    );
+    assert!((lower_m - (HIGHER_M[1] - HIGHER_M[0])).abs() < 0.05, "{found}");
     let table = fs::read_to_string(folder.join("points.csv")).expect("a table");
     assert!(table.starts_with("log,source,") && table.contains("\nlake-1,"));
     let said = run(folder, &compare[..5]);
-    assert!(
-        said.contains("\nlake-0: n ") && said.contains("\nlake-1: n "),
-        "{said}"
-    );
+    assert!(said.contains("\nlake-0: n ") && said.contains("\nlake-1: n "), "{said}");
 
     let process = "process monday --reference tuesday --no-objects --products residuals -o out";
     run(folder, &process.split(' ').collect::<Vec<_>>());
     let written = json(&folder.join("out/quality/comparison.json"));
-    assert_eq!(
-        (&written["n"], &written["mean_m"]),
-        (&found["n"], &found["mean_m"])
-    );
+    assert_eq!((&written["n"], &written["mean_m"]), (&found["n"], &found["mean_m"]));
 }

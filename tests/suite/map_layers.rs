@@ -1,4 +1,5 @@
-//! The layers of the map, chosen through the accessibility tree as a screen reader or an analyst would.
+//! The layers of the map, chosen through the accessibility tree as a screen reader or an analyst
+//! would.
 
 use crate::window::{Window, app, demo_window};
 use bathyscope::app::{Action, LayerShown, MapLayer};

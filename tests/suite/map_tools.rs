@@ -35,21 +35,9 @@ fn every_panel_writes_a_position_in_the_form_that_was_chosen() {
     window.run();
     assert!(window.query_all_by_label_contains("° W").next().is_some());
     for (name, format, sign) in [
-        (
-            "Coordinates: UTM metres",
-            CoordinateFormat::Utm,
-            "UTM 17N 3923",
-        ),
-        (
-            "Coordinates: degrees and minutes",
-            CoordinateFormat::Minutes,
-            "29° 24.6",
-        ),
-        (
-            "Coordinates: degrees, minutes and seconds",
-            CoordinateFormat::Seconds,
-            "29° 24' 3",
-        ),
+        ("Coordinates: UTM metres", CoordinateFormat::Utm, "UTM 17N 3923"),
+        ("Coordinates: degrees and minutes", CoordinateFormat::Minutes, "29° 24.6"),
+        ("Coordinates: degrees, minutes and seconds", CoordinateFormat::Seconds, "29° 24' 3"),
     ] {
         by_palette(&mut window, name);
         assert_eq!(app(&window).view.options.coordinates, format);
@@ -99,49 +87,20 @@ fn corners(window: &Window) -> Vec<LonLat> {
 fn a_distance_is_measured_by_mouse_and_taken_back() {
     let mut window = map_window();
     press(&mut window, Modifiers::NONE, Key::D);
-    assert!(
-        window
-            .query_by_label_contains("Measure distance: click")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("Measure distance: click").is_some());
     click(&mut window, pos2(200.0, 400.0));
     click(&mut window, pos2(300.0, 400.0));
     click(&mut window, pos2(300.0, 300.0));
     let found = corners(&window);
     let survey = app(&window).log.survey.clone().unwrap();
-    let places: Vec<[f64; 2]> = found
-        .iter()
-        .map(|at| survey.track.frame.to_enu(*at))
-        .collect();
-    let legs: Vec<f64> = places
-        .windows(2)
-        .map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1]))
-        .collect();
-    assert!(
-        (legs[0] - legs[1]).abs() < 1e-3 * legs[0],
-        "a hundred points each: {legs:?}"
-    );
-    assert!(
-        places[1][0] > places[0][0] && places[2][1] > places[1][1],
-        "{places:?}"
-    );
-    let distances_m = app(&window)
-        .map
-        .measuring
-        .figure
-        .as_ref()
-        .unwrap()
-        .measurement
-        .distances_m();
-    assert!(
-        (distances_m[2] - legs[0] - legs[1]).abs() < 1e-6,
-        "{distances_m:?}"
-    );
-    assert_eq!(
-        app(&window).view.selection,
-        None,
-        "the clicks select no ping"
-    );
+    let places: Vec<[f64; 2]> = found.iter().map(|at| survey.track.frame.to_enu(*at)).collect();
+    let legs: Vec<f64> =
+        places.windows(2).map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1])).collect();
+    assert!((legs[0] - legs[1]).abs() < 1e-3 * legs[0], "a hundred points each: {legs:?}");
+    assert!(places[1][0] > places[0][0] && places[2][1] > places[1][1], "{places:?}");
+    let distances_m = app(&window).map.measuring.figure.as_ref().unwrap().measurement.distances_m();
+    assert!((distances_m[2] - legs[0] - legs[1]).abs() < 1e-6, "{distances_m:?}");
+    assert_eq!(app(&window).view.selection, None, "the clicks select no ping");
     press(&mut window, Modifiers::NONE, Key::Backspace);
     assert_eq!(corners(&window), found[..2]);
     press(&mut window, Modifiers::NONE, Key::Enter);
@@ -177,28 +136,14 @@ fn an_area_is_drawn_by_keys_alone() {
     press(&mut window, Modifiers::NONE, Key::Enter);
     window.step();
     let figure = app(&window).map.measuring.figure.clone().expect("a figure");
-    assert!(
-        figure.done && figure.measurement.corners.len() == 3,
-        "{figure:?}"
-    );
+    assert!(figure.done && figure.measurement.corners.len() == 3, "{figure:?}");
     let distances_m = figure.measurement.distances_m();
     let legs = [distances_m[1], distances_m[2] - distances_m[1]];
     assert!((legs[1] / legs[0] - 2.0).abs() < 1e-3, "{legs:?}");
     let area_m2 = figure.measurement.area_m2();
-    assert!(
-        (area_m2 / (0.5 * legs[0] * legs[1]) - 1.0).abs() < 1e-3,
-        "half of a rectangle"
-    );
-    assert_eq!(
-        app(&window).view.selection,
-        None,
-        "the arrows walk along no pings"
-    );
-    assert!(
-        window
-            .query_by_label_contains(&format!("Area {area_m2:.1} m²"))
-            .is_some()
-    );
+    assert!((area_m2 / (0.5 * legs[0] * legs[1]) - 1.0).abs() < 1e-3, "half of a rectangle");
+    assert_eq!(app(&window).view.selection, None, "the arrows walk along no pings");
+    assert!(window.query_by_label_contains(&format!("Area {area_m2:.1} m²")).is_some());
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(app(&window).map.measuring.figure, None);
@@ -226,18 +171,13 @@ fn a_depth_profile_is_plotted_marked_and_saved() {
     let figure = app(&window).map.measuring.figure.clone().unwrap();
     let text = app(&window).profile_csv().expect("a profile");
     let mut lines = text.lines();
-    assert_eq!(
-        lines.next(),
-        Some("distance_m,lon,lat,east_m,north_m,depth_m")
-    );
+    assert_eq!(lines.next(), Some("distance_m,lon,lat,east_m,north_m,depth_m"));
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), stations.len());
     let number = |row: usize, column: usize| rows[row][column].parse::<f64>();
     assert!((number(rows.len() - 1, 0).unwrap() - figure.measurement.length_m()).abs() < 1e-3);
     assert!((1..rows.len()).all(|row| number(row, 0).unwrap() > number(row - 1, 0).unwrap()));
-    let depths: Vec<f64> = (0..rows.len())
-        .filter_map(|row| number(row, 5).ok())
-        .collect();
+    let depths: Vec<f64> = (0..rows.len()).filter_map(|row| number(row, 5).ok()).collect();
     let gaps = rows.iter().filter(|row| row[5].is_empty()).count();
     assert!(gaps > 10 && depths.len() > 40 && gaps + depths.len() == rows.len());
     assert!(depths.iter().all(|depth_m| (1.2..2.8).contains(depth_m)));
@@ -251,19 +191,8 @@ fn a_profile_is_written_where_the_path_field_says() {
     let path = folder.path().join("bed.csv");
     let mut window = demo_window();
     by_palette(&mut window, "Save the depth profile");
-    assert!(
-        window
-            .query_by_label_contains("there is no depth profile yet")
-            .is_some()
-    );
-    let origin = app(&window)
-        .log
-        .survey
-        .as_ref()
-        .unwrap()
-        .track
-        .frame
-        .origin();
+    assert!(window.query_by_label_contains("there is no depth profile yet").is_some());
+    let origin = app(&window).log.survey.as_ref().unwrap().track.frame.origin();
     let app = &mut window.state_mut().app;
     app.apply(Command::Do(Action::DepthProfile));
     for north_deg in [0.0, 1e-4] {
@@ -299,10 +228,7 @@ fn the_map_is_swiped_by_mouse_and_by_arrows() {
     let swipe = |window: &Window| app(window).view.options.map.swipe.clone();
     assert!(swipe(&window).on);
     let layers = &app(&window).view.options.map.layers;
-    assert!(
-        layers.is_visible(MapLayer::Mosaic),
-        "the left has something to show"
-    );
+    assert!(layers.is_visible(MapLayer::Mosaic), "the left has something to show");
     window.snapshot("map_swipe");
     let divider = window.get_by_label("Divider of the map, percent").rect();
     let map = window.get_by_label_contains("Map, track of").rect();
@@ -321,18 +247,10 @@ fn the_map_is_swiped_by_mouse_and_by_arrows() {
     press(&mut window, Modifiers::SHIFT, Key::ArrowLeft);
     window.step();
     assert!((swipe(&window).share - dragged + 0.08).abs() < 1e-4);
-    assert_eq!(
-        app(&window).view.selection,
-        None,
-        "the arrows walk along no pings"
-    );
+    assert_eq!(app(&window).view.selection, None, "the arrows walk along no pings");
     press(&mut window, Modifiers::NONE, Key::W);
     assert!(!swipe(&window).on);
-    assert!(
-        window
-            .query_by_label("Divider of the map, percent")
-            .is_none()
-    );
+    assert!(window.query_by_label("Divider of the map, percent").is_none());
 }
 
 #[test]
@@ -352,12 +270,7 @@ fn a_dropped_picture_lies_under_the_map() {
     settle(&mut window);
     window.snapshot("map_base_map");
     drop_file(&mut window, base_map::file("british.tif"));
-    assert!(
-        app(&window)
-            .notices
-            .last()
-            .is_some_and(|notice| notice.is_error)
-    );
+    assert!(app(&window).notices.last().is_some_and(|notice| notice.is_error));
     assert!(app(&window).map.base_map.is_some(), "the one before stays");
     let close = Command::Do(Action::CloseBaseMap);
     window.state_mut().app.apply(close);
@@ -374,28 +287,14 @@ fn a_base_map_is_opened_by_its_command() {
         .type_text(&base_map::file("mercator_palette.tif").to_string_lossy());
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert_eq!(
-        app(&window)
-            .map
-            .base_map
-            .as_ref()
-            .map(|map| map.place.crs.epsg()),
-        Some(3857)
-    );
+    assert_eq!(app(&window).map.base_map.as_ref().map(|map| map.place.crs.epsg()), Some(3857));
 }
 
 #[test]
 fn a_measured_area_is_saved_as_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = demo_window();
-    let origin = app(&window)
-        .log
-        .survey
-        .as_ref()
-        .unwrap()
-        .track
-        .frame
-        .origin();
+    let origin = app(&window).log.survey.as_ref().unwrap().track.frame.origin();
     let app_now = &mut window.state_mut().app;
     app_now.apply(Command::Do(Action::MeasureArea));
     for [east_deg, north_deg] in [[0.0, 0.0], [0.0, 1e-4], [1e-4, 1e-4], [1e-4, 0.0]] {
@@ -412,33 +311,21 @@ fn a_measured_area_is_saved_as_what_it_is() {
         window.get_by_label("Save the measurement…").click();
         window.run();
         let path = folder.path().join(name);
-        name_file(
-            &mut window,
-            "File to write, .geojson or .csv",
-            &path,
-            "Save",
-        );
+        name_file(&mut window, "File to write, .geojson or .csv", &path, "Save");
     }
     let text = std::fs::read(folder.path().join("area.geojson")).unwrap();
     let read: serde_json::Value = serde_json::from_slice(&text).unwrap();
     let properties = &read["features"][0]["properties"];
     assert_eq!(properties["measured"], "area");
     let area_m2 = properties["area_m2"].as_f64().unwrap();
-    assert!(
-        (area_m2 - figure.measurement.area_m2()).abs() < 1e-3,
-        "{area_m2}"
-    );
+    assert!((area_m2 - figure.measurement.area_m2()).abs() < 1e-3, "{area_m2}");
     let ring = read["features"][0]["geometry"]["coordinates"][0].as_array();
     assert_eq!(ring.unwrap().len(), 5);
     let table = std::fs::read_to_string(folder.path().join("area.csv")).unwrap();
     assert_eq!(table.lines().count(), 6, "{table}");
     assert!(!folder.path().join("area.txt").exists());
     let last = app(&window).notices.last().unwrap();
-    assert!(
-        last.is_error && last.text.contains(".geojson or .csv"),
-        "{}",
-        last.text
-    );
+    assert!(last.is_error && last.text.contains(".geojson or .csv"), "{}", last.text);
 }
 
 #[test]
@@ -451,11 +338,7 @@ fn the_plot_of_a_profile_moves_no_ground_under_the_pointer() {
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::P);
-    assert!(
-        window
-            .query_by_label_contains("Depth profile, empty")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("Depth profile, empty").is_some());
     click(&mut window, at);
     let with_plot = corners(&window)[0];
     press(&mut window, Modifiers::NONE, Key::Escape);
@@ -486,10 +369,5 @@ fn a_file_that_is_to_be_named_has_the_keyboard() {
     by_palette(&mut window, "Save the measurement");
     let field = window.get_by_role_and_label(Role::TextInput, "File to write, .geojson or .csv");
     assert!(field.accesskit_node().is_focused(), "typing goes there");
-    assert!(
-        field
-            .accesskit_node()
-            .value()
-            .is_some_and(|path| path.ends_with(".geojson"))
-    );
+    assert!(field.accesskit_node().value().is_some_and(|path| path.ends_with(".geojson")));
 }

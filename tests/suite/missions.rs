@@ -23,26 +23,23 @@ impl Mission {
         Self { known, products }
     }
 
-    /// East, north and elevation of the points that a depth map is made of, in this mission's own plane.
+    /// East, north and elevation of the points that a depth map is made of, in this mission's own
+    /// plane.
     fn points(&self) -> Vec<[f64; 3]> {
         let settings = SurfaceSettings::default();
         let counted = kept(&self.products).filter(|point| settings.weight(point) > 0.0);
-        counted
-            .map(|point| [point.east_m, point.north_m, point.z_m])
-            .collect()
+        counted.map(|point| [point.east_m, point.north_m, point.z_m]).collect()
     }
 }
 
 /// Mean and standard deviation, metres.
 pub(super) type Spread = [f64; 2];
 
-/// What the program says of the second mission against the surface of the first, and what follows from the error of each against
-/// the bed, taken one by one: the difference of the means, and the root of the sum of the squares of the standard deviations.
+/// What the program says of the second mission against the surface of the first, and what follows
+/// from the error of each against the bed, taken one by one: the difference of the means, and the
+/// root of the sum of the squares of the standard deviations.
 pub(super) fn repeatability(first: &Mission, second: &Mission) -> (Spread, Spread) {
-    let frames = [
-        &first.known.survey.track.frame,
-        &second.known.survey.track.frame,
-    ];
+    let frames = [&first.known.survey.track.frame, &second.known.survey.track.frame];
     let measured = second.points().into_iter().map(|[east_m, north_m, z_m]| {
         let [east_m, north_m] = frames[0].to_enu(frames[1].to_lon_lat(east_m, north_m));
         [east_m, north_m, z_m]
@@ -57,19 +54,10 @@ pub(super) fn repeatability(first: &Mission, second: &Mission) -> (Spread, Sprea
     };
     let [found, of_first, of_second] = [
         matches.iter().map(|one| one.difference_m).collect(),
-        matches
-            .iter()
-            .map(|one| one.reference_z_m - bed_z_m(one.measured))
-            .collect(),
-        matches
-            .iter()
-            .map(|one| measured[one.measured][2] - bed_z_m(one.measured))
-            .collect(),
+        matches.iter().map(|one| one.reference_z_m - bed_z_m(one.measured)).collect(),
+        matches.iter().map(|one| measured[one.measured][2] - bed_z_m(one.measured)).collect(),
     ]
     .map(|mut errors: Vec<f64>| Residuals::of(&mut errors).expect("points over the surface"));
-    let expected = [
-        of_second.mean_m - of_first.mean_m,
-        of_second.sd_m.hypot(of_first.sd_m),
-    ];
+    let expected = [of_second.mean_m - of_first.mean_m, of_second.sd_m.hypot(of_first.sd_m)];
     ([found.mean_m, found.sd_m], expected)
 }

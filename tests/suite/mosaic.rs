@@ -27,11 +27,7 @@ fn sail(scene: &Scene, seed: u64) -> Sailed {
     let survey = Arc::new(survey);
     let products = pipeline::run(&survey, &Settings::default(), None, &progress, |_| ())
         .expect("nobody cancels");
-    Sailed {
-        truth: Arc::new(truth),
-        survey,
-        products,
-    }
+    Sailed { truth: Arc::new(truth), survey, products }
 }
 
 /// A mosaic with all its tiles.
@@ -46,12 +42,7 @@ impl Drawn {
         settings: &MosaicSettings,
         plane: impl Fn([f64; 2]) -> [f64; 2],
     ) -> Self {
-        let Products {
-            navigation,
-            returns,
-            calibration,
-            ..
-        } = &sailed.products;
+        let Products { navigation, returns, calibration, .. } = &sailed.products;
         let survey = &sailed.survey;
         let layout = MosaicLayout::new(survey, navigation, returns, calibration, settings, plane);
         let grid = layout.grid(settings.cell_m).expect("something is shown");
@@ -69,15 +60,7 @@ impl Drawn {
         let index: TileIndex = layout.index(&grid);
         let mut levels = vec![0; grid.columns * grid.rows];
         for (row, column) in index.tiles() {
-            let drawn = tile(
-                &sailed.survey,
-                layout,
-                &grid,
-                &index,
-                gain,
-                settings,
-                [row, column],
-            );
+            let drawn = tile(&sailed.survey, layout, &grid, &index, gain, settings, [row, column]);
             for (cell, &level) in drawn.levels.iter().enumerate() {
                 let y = row * TILE_CELLS + cell / TILE_CELLS;
                 let x = column * TILE_CELLS + cell % TILE_CELLS;
@@ -96,11 +79,7 @@ impl Drawn {
             && row >= 0.0
             && (column as usize) < self.grid.columns
             && (row as usize) < self.grid.rows;
-        if inside {
-            self.levels[row as usize * self.grid.columns + column as usize]
-        } else {
-            0
-        }
+        if inside { self.levels[row as usize * self.grid.columns + column as usize] } else { 0 }
     }
 }
 
@@ -141,11 +120,7 @@ fn only(sailed: &Sailed, seen: &ObjectPass) -> Sailed {
         }
     }
     products.navigation = Arc::new(navigation);
-    Sailed {
-        truth: sailed.truth.clone(),
-        survey: sailed.survey.clone(),
-        products,
-    }
+    Sailed { truth: sailed.truth.clone(), survey: sailed.survey.clone(), products }
 }
 
 #[test]
@@ -166,16 +141,9 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
     }];
     let sailed = sail(&scene, 5);
     let object = &sailed.truth.objects[0];
-    let settings = MosaicSettings {
-        cell_m: 0.05,
-        ..MosaicSettings::default()
-    };
+    let settings = MosaicSettings { cell_m: 0.05, ..MosaicSettings::default() };
     let mut sides = Vec::new();
-    for seen in object
-        .sightings
-        .iter()
-        .filter(|seen| seen.last_ping > seen.first_ping + 3)
-    {
+    for seen in object.sightings.iter().filter(|seen| seen.last_ping > seen.first_ping + 3) {
         let drawn = Drawn::of(&only(&sailed, seen), &settings, |place| place);
         let off_m = echo_off_m(&drawn, [object.east_m, object.north_m]);
         println!(
@@ -187,10 +155,7 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
     }
     assert!(sides.len() >= 2, "{sides:?}");
     // Without the slant-range correction it does not.
-    let slant = MosaicSettings {
-        water_column: true,
-        ..settings
-    };
+    let slant = MosaicSettings { water_column: true, ..settings };
     let wrong = object.sightings.iter().map(|seen| {
         let drawn = Drawn::of(&only(&sailed, seen), &slant, |place| place);
         echo_off_m(&drawn, [object.east_m, object.north_m])
@@ -202,13 +167,7 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
 #[test]
 fn echoes_of_a_bank_lie_where_it_is_and_not_where_a_level_bottom_has_them() {
     let sailed = sail(&trough(), 2);
-    let Products {
-        navigation,
-        returns,
-        calibration,
-        relief,
-        ..
-    } = &sailed.products;
+    let Products { navigation, returns, calibration, relief, .. } = &sailed.products;
     let (survey, settings) = (&sailed.survey, MosaicSettings::default());
     let place = |place| place;
     let level = MosaicLayout::new(survey, navigation, returns, calibration, &settings, place);
@@ -265,20 +224,11 @@ fn tiles_meet_without_a_seam() {
     let settings = MosaicSettings::default();
     let whole = Drawn::of(&sailed, &settings, |place| place);
     // The same cells, cut into other tiles.
-    let Products {
-        navigation,
-        returns,
-        calibration,
-        ..
-    } = &sailed.products;
-    let layout = MosaicLayout::new(
-        &sailed.survey,
-        navigation,
-        returns,
-        calibration,
-        &settings,
-        |place| place,
-    );
+    let Products { navigation, returns, calibration, .. } = &sailed.products;
+    let layout =
+        MosaicLayout::new(&sailed.survey, navigation, returns, calibration, &settings, |place| {
+            place
+        });
     let gain = gain_table(&sailed.survey, &layout, &Progress::new()).expect("nobody cancels");
     let moved = Grid {
         west_m: whole.grid.west_m - 100.0 * whole.grid.cell_m,
@@ -295,14 +245,16 @@ fn tiles_meet_without_a_seam() {
                 whole.levels[y * whole.grid.columns + x],
                 other.levels[(y + 37) * moved.columns + x + 100],
             );
-            // Edges of cells are rounded differently in the two grids: a level, or a cell at the very edge.
+            // Edges of cells are rounded differently in the two grids: a level, or a cell at the
+            // very edge.
             differing += usize::from(a.abs_diff(b) > 1);
         }
     }
     assert!(differing * 1000 < whole.levels.len(), "{differing}");
 }
 
-/// Level of the whole cells of a window over a survey, with a layout thinned to `apart_m` between pings.
+/// Level of the whole cells of a window over a survey, with a layout thinned to `apart_m` between
+/// pings.
 fn seen_through_window(sailed: &Sailed, grid: &Grid, apart_m: f64) -> Vec<u8> {
     let settings = MosaicSettings::default();
     let products = &sailed.products;
@@ -341,11 +293,7 @@ fn a_window_shows_what_the_tiles_show() {
             differing += usize::from(levels[0].abs_diff(levels[1]) > 1);
         }
     }
-    assert!(
-        differing * 1000 < seen.len(),
-        "{differing} of {}",
-        seen.len()
-    );
+    assert!(differing * 1000 < seen.len(), "{differing} of {}", seen.len());
     assert!(seen.iter().filter(|level| **level > 0).count() * 3 > seen.len());
 }
 
@@ -396,22 +344,14 @@ fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
 fn gain_makes_the_ground_even_across_the_track() {
     let sailed = sail(&quiet_line(), 6);
     let uneven = |gain: Gain| {
-        let settings = MosaicSettings {
-            gain,
-            overlap: Overlap::Later,
-            ..MosaicSettings::default()
-        };
+        let settings =
+            MosaicSettings { gain, overlap: Overlap::Later, ..MosaicSettings::default() };
         let drawn = Drawn::of(&sailed, &settings, |place| place);
         // Mean level by distance from the line, which runs east through the middle.
         let middle_m = drawn.grid.north_m - 0.5 * drawn.grid.rows as f64 * drawn.grid.cell_m;
         let mut bands: Vec<[f64; 2]> = vec![[0.0; 2]; 10];
         let half_m = 0.45 * drawn.grid.rows as f64 * drawn.grid.cell_m;
-        for (cell, &level) in drawn
-            .levels
-            .iter()
-            .enumerate()
-            .filter(|(_, level)| **level > 0)
-        {
+        for (cell, &level) in drawn.levels.iter().enumerate().filter(|(_, level)| **level > 0) {
             let north_m =
                 drawn.grid.north_m - (cell / drawn.grid.columns) as f64 * drawn.grid.cell_m;
             let band = ((north_m - middle_m).abs() / half_m * 10.0) as usize;
@@ -421,10 +361,7 @@ fn gain_makes_the_ground_even_across_the_track() {
         }
         let means: Vec<f64> = bands[1..].iter().map(|band| band[0] / band[1]).collect();
         let mean = means.iter().sum::<f64>() / means.len() as f64;
-        let spread = means
-            .iter()
-            .map(|band| (band - mean).abs())
-            .fold(0.0, f64::max);
+        let spread = means.iter().map(|band| (band - mean).abs()).fold(0.0, f64::max);
         spread / mean
     };
     let (recorded, even) = (uneven(Gain::Recorded), uneven(Gain::Empirical));

@@ -1,4 +1,5 @@
-//! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars across it, relief kept.
+//! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars
+//! across it, relief kept.
 
 use crate::{river, support};
 use bathyscope_bottom::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
@@ -31,10 +32,7 @@ struct Swaths {
 
 impl Swaths {
     fn of(survey: &Survey, products: &Products, gain: Gain) -> Self {
-        let settings = MosaicSettings {
-            gain,
-            ..MosaicSettings::default()
-        };
+        let settings = MosaicSettings { gain, ..MosaicSettings::default() };
         let progress = Progress::new();
         let layout = MosaicLayout::new(
             survey,
@@ -61,9 +59,8 @@ impl Swaths {
         let levels = Side::BOTH.map(|side| {
             let of_ping = |ping: usize| {
                 let ray = layout.ray(ping, side);
-                let steps = ray.map_or(0, |ray| {
-                    ((ray.reach_m(false) - NEAREST_M) / STEP_M) as usize
-                });
+                let steps =
+                    ray.map_or(0, |ray| ((ray.reach_m(false) - NEAREST_M) / STEP_M) as usize);
                 let step = |step: usize| {
                     let ground_m = NEAREST_M + step as f64 * STEP_M;
                     ray.map_or(f64::NAN, |ray| at(ray.place(ground_m)))
@@ -75,10 +72,7 @@ impl Swaths {
         let mut shown: Vec<u8> = picture.iter().copied().filter(|&level| level > 0).collect();
         shown.sort_unstable();
         let quantile = |share: f64| f64::from(shown[((shown.len() - 1) as f64 * share) as usize]);
-        Self {
-            levels,
-            range: quantile(0.99) - quantile(0.01),
-        }
+        Self { levels, range: quantile(0.99) - quantile(0.01) }
     }
 
     /// Mean level by side and step, where at least half of the pings show something.
@@ -113,8 +107,9 @@ impl Swaths {
         deviation(profile.into_iter().filter(|level| !level.is_nan())) / self.range
     }
 
-    /// How far a whole ping of one side lies at most from those around: of its differences from the median of these, place by place,
-    /// the one in the middle. A boulder or its shadow fills a part of a ping, a bar all of it.
+    /// How far a whole ping of one side lies at most from those around: of its differences from the
+    /// median of these, place by place, the one in the middle. A boulder or its shadow fills a part
+    /// of a ping, a bar all of it.
     fn bars(&self) -> f64 {
         let mut most: f64 = 0.0;
         for side in &self.levels {
@@ -131,8 +126,8 @@ impl Swaths {
         most / self.range
     }
 
-    /// Standard deviation of what rises above its surroundings, over some pings of both sides, as a share of the mean level: boulders,
-    /// ripples.
+    /// Standard deviation of what rises above its surroundings, over some pings of both sides, as a
+    /// share of the mean level: boulders, ripples.
     fn contrast(&self, pings: Range<usize>) -> f64 {
         let mut high = Vec::new();
         for side in &self.levels {
@@ -198,8 +193,9 @@ fn the_river_shows_no_step_no_bands_and_no_bars_and_keeps_its_boulders() {
     assert!(even.contrast(boulders) >= 0.085);
 }
 
-/// A line over gentle ground, recorded by a transducer whose starboard side is weak. Along two metres of it a shoal of fish at half the
-/// depth was taken for the bottom, so that a few pings have an altitude which no others have.
+/// A line over gentle ground, recorded by a transducer whose starboard side is weak. Along two
+/// metres of it a shoal of fish at half the depth was taken for the bottom, so that a few pings
+/// have an altitude which no others have.
 fn weak_to_starboard_and_misread() -> (Survey, Products) {
     let mut scene = Scene::gentle();
     scene.artefacts = Artefacts::none();
@@ -245,10 +241,7 @@ fn a_weak_side_leaves_no_step_even_where_the_depth_is_misread() {
     let figures = [&recorded, &even].map(|one| [one.step(), one.unevenness()]);
     eprintln!("step, unevenness: {figures:.3?}");
     // There is something to mend.
-    assert!(
-        recorded.step() < -0.3 && recorded.unevenness() > 0.15,
-        "{figures:.3?}"
-    );
+    assert!(recorded.step() < -0.3 && recorded.unevenness() > 0.15, "{figures:.3?}");
     assert!(even.step().abs() <= 0.02, "{figures:.3?}");
     assert!(even.unevenness() <= 0.04, "{figures:.3?}");
 }

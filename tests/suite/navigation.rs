@@ -12,14 +12,12 @@ use bathyscope_log::survey::{
 use bathyscope_products::pipeline::{Preset, Settings};
 use bathyscope_simulation::{Scene, TrackSettings};
 
-const ORIGIN: LonLat = LonLat {
-    lon_deg: -82.11,
-    lat_deg: 29.41,
-};
+const ORIGIN: LonLat = LonLat { lon_deg: -82.11, lat_deg: 29.41 };
 const PING_RATE_HZ: f64 = 20.0;
 
-/// A survey of `duration_s` seconds whose recorder takes a fix `fixes_hz` times a second, rounds it to a Mercator metre and
-/// repeats it with every ping. `path` gives metres east and north at a time; `None` is a lost fix: the last one is kept.
+/// A survey of `duration_s` seconds whose recorder takes a fix `fixes_hz` times a second, rounds it
+/// to a Mercator metre and repeats it with every ping. `path` gives metres east and north at a
+/// time; `None` is a lost fix: the last one is kept.
 fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>) -> Survey {
     let frame = LocalFrame::new(ORIGIN);
     let rounded = |[east_m, north_m]: [f64; 2]| {
@@ -35,13 +33,7 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
             taken = tick;
             position = path(tick / fixes_hz).map_or(position, rounded);
         }
-        fixes.push(Fix {
-            time_s,
-            position,
-            cog_rad: 1.0,
-            compass_rad: 2.0,
-            speed_mps: f32::NAN,
-        });
+        fixes.push(Fix { time_s, position, cog_rad: 1.0, compass_rad: 2.0, speed_mps: f32::NAN });
         side_scan.push(SidePing {
             time_s,
             depth_m: 3.0,
@@ -59,10 +51,7 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
 }
 
 fn navigated(survey: &Survey, source: HeadingSource) -> Navigation {
-    let settings = HeadingSettings {
-        source,
-        ..HeadingSettings::default()
-    };
+    let settings = HeadingSettings { source, ..HeadingSettings::default() };
     navigate(survey, &settings, Projection::Enu, &Progress::new()).expect("not cancelled")
 }
 
@@ -98,10 +87,7 @@ fn a_fitted_track_is_good_to_a_degree_and_a_third_of_a_metre() {
             assert!((place.speed_mps - 2.683).abs() < 0.3);
         }
         let (off_m, turned_deg) = (rms(&off_m), rms(&turned_deg));
-        assert!(
-            off_m < 0.2 && turned_deg < 1.6,
-            "{fixes_hz} Hz: {off_m} m, {turned_deg} degrees"
-        );
+        assert!(off_m < 0.2 && turned_deg < 1.6, "{fixes_hz} Hz: {off_m} m, {turned_deg} degrees");
     }
 }
 
@@ -109,22 +95,14 @@ fn a_fitted_track_is_good_to_a_degree_and_a_third_of_a_metre() {
 fn consecutive_steps_give_few_headings_and_those_to_eight_directions() {
     let survey = sailed(60.0, 10.0, straight);
     let navigation = navigated(&survey, HeadingSource::Steps);
-    let headings: Vec<f64> = navigation
-        .pings
-        .iter()
-        .map(|ping| ping.heading_rad)
-        .filter(|h| h.is_finite())
-        .collect();
+    let headings: Vec<f64> =
+        navigation.pings.iter().map(|ping| ping.heading_rad).filter(|h| h.is_finite()).collect();
     assert_eq!(navigation.zero_heading + headings.len(), 1200);
     let share = headings.len() as f64 / 1200.0;
     assert!((0.08..0.25).contains(&share), "{share}");
     for heading in headings {
         let eighth = (heading.to_degrees() / 45.0).round() * 45.0;
-        assert!(
-            (heading.to_degrees() - eighth).abs() < 0.5,
-            "{}",
-            heading.to_degrees()
-        );
+        assert!((heading.to_degrees() - eighth).abs() < 0.5, "{}", heading.to_degrees());
     }
 }
 
@@ -138,16 +116,9 @@ fn a_boat_at_rest_has_no_heading_unless_it_has_a_compass() {
         let navigation = navigated(&survey, source);
         // A rounded position that crosses the corner of four cells may look like a short move.
         assert!(navigation.moving <= 24, "{source:?}: {}", navigation.moving);
-        assert_eq!(
-            navigation.zero_heading,
-            2400 - navigation.moving,
-            "{source:?}"
-        );
+        assert_eq!(navigation.zero_heading, 2400 - navigation.moving, "{source:?}");
         assert!(
-            navigation
-                .pings
-                .iter()
-                .all(|ping| ping.east_m.abs() < 1.5 && ping.north_m.abs() < 1.5)
+            navigation.pings.iter().all(|ping| ping.east_m.abs() < 1.5 && ping.north_m.abs() < 1.5)
         );
     }
     let compass = navigated(&survey, HeadingSource::Compass);
@@ -157,11 +128,9 @@ fn a_boat_at_rest_has_no_heading_unless_it_has_a_compass() {
 
 #[test]
 fn recorded_headings_fit_the_plane_of_a_log_that_lies_far_away() {
-    // A boat that goes north-east at 61 degrees north, 20 km east of the frame's origin, and says so.
-    let origin = LonLat {
-        lon_deg: 20.0,
-        lat_deg: 61.0,
-    };
+    // A boat that goes north-east at 61 degrees north, 20 km east of the frame's origin, and says
+    // so.
+    let origin = LonLat { lon_deg: 20.0, lat_deg: 61.0 };
     let shared = LocalFrame::new(origin);
     let own = LocalFrame::new(shared.to_lon_lat(20_000.0, 0.0));
     let course_rad = f64::to_radians(45.0);
@@ -192,29 +161,19 @@ fn recorded_headings_fit_the_plane_of_a_log_that_lies_far_away() {
 #[test]
 fn nothing_is_fitted_across_lost_fixes() {
     let lost = |time_s: f64| (20.0..40.0).contains(&time_s);
-    let survey = sailed(60.0, 10.0, |time_s| {
-        if lost(time_s) { None } else { straight(time_s) }
-    });
+    let survey = sailed(60.0, 10.0, |time_s| if lost(time_s) { None } else { straight(time_s) });
     let navigation = navigated(&survey, HeadingSource::TrackFit);
     for (index, ping) in navigation.pings.iter().enumerate() {
         let time_s = index as f64 / PING_RATE_HZ;
         if (23.0..37.0).contains(&time_s) {
             assert!(ping.heading_rad.is_nan(), "{time_s}");
         } else if !(17.0..43.0).contains(&time_s) {
-            assert!(
-                off_deg(ping.heading_rad, f64::atan2(2.4, 1.2)).abs() < 6.0,
-                "{time_s}"
-            );
+            assert!(off_deg(ping.heading_rad, f64::atan2(2.4, 1.2)).abs() < 6.0, "{time_s}");
         }
         assert!(ping.east_m.is_finite());
     }
-    let none = navigated(
-        &Survey {
-            track: Track::new(Vec::new()),
-            ..survey
-        },
-        HeadingSource::TrackFit,
-    );
+    let none =
+        navigated(&Survey { track: Track::new(Vec::new()), ..survey }, HeadingSource::TrackFit);
     assert_eq!(none.zero_heading, 1200);
     assert!(none.pings[0].east_m.is_nan());
 }
@@ -240,25 +199,15 @@ fn the_published_plane_is_stretched() {
 
 #[test]
 fn moving_pings_of_simulated_surveys_have_a_heading() {
-    let scene = Scene {
-        track: TrackSettings {
-            lines: 3,
-            ..TrackSettings::default()
-        },
-        ..Scene::gentle()
-    };
+    let scene =
+        Scene { track: TrackSettings { lines: 3, ..TrackSettings::default() }, ..Scene::gentle() };
     let pond = KnownSurvey::new(&scene, 5);
     let fitted = navigated(&pond.survey, HeadingSource::TrackFit);
     let share = 1.0 - fitted.zero_heading as f64 / fitted.moving as f64;
     assert!(fitted.moving > 1000 && share >= 0.99, "{share}");
     let settings = Settings::preset(Preset::Published).heading;
-    let steps = navigate(
-        &pond.survey,
-        &settings,
-        Projection::Mercator,
-        &Progress::new(),
-    )
-    .expect("not cancelled");
+    let steps = navigate(&pond.survey, &settings, Projection::Mercator, &Progress::new())
+        .expect("not cancelled");
     let share = 1.0 - steps.zero_heading as f64 / steps.pings.len() as f64;
     assert!((0.1..0.3).contains(&share), "{share}");
     let mut off: Vec<f64> = fitted
@@ -268,11 +217,7 @@ fn moving_pings_of_simulated_surveys_have_a_heading() {
         .map(|(found, truth)| off_deg(found.heading_rad, truth.heading_rad).abs())
         .collect();
     off.sort_by(f64::total_cmp);
-    assert!(
-        off[off.len() / 2] < 1.5,
-        "median {} degrees",
-        off[off.len() / 2]
-    );
+    assert!(off[off.len() / 2] < 1.5, "median {} degrees", off[off.len() / 2]);
     assert!(
         off[off.len() * 95 / 100] < 12.0,
         "p95 {} degrees, turns included",

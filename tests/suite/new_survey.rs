@@ -1,4 +1,5 @@
-//! What a survey that is opened anew starts from: nothing of the survey before, and what its own log was last given.
+//! What a survey that is opened anew starts from: nothing of the survey before, and what its own
+//! log was last given.
 
 use crate::many_logs::write_logs;
 use bathyscope::app::{Action, App, Command, Jobs, ViewOptions};
@@ -27,11 +28,7 @@ fn open(app: &mut App, log: &Path) {
 }
 
 fn change(app: &mut App, settings: Settings) {
-    app.apply(Command::Change {
-        settings: Box::new(settings),
-        label: "a test",
-        live: false,
-    });
+    app.apply(Command::Change { settings: Box::new(settings), label: "a test", live: false });
     settle(app);
 }
 
@@ -49,9 +46,7 @@ fn other(row: &SettingRow, settings: &Settings) -> Option<Settings> {
             let [least, most] = number.range;
             let now = (number.get)(settings).unwrap_or(0.5 * (least + most));
             let steps = [number.step, -number.step].map(|step| now + step);
-            let value = steps
-                .into_iter()
-                .find(|value| (least..=most).contains(value));
+            let value = steps.into_iter().find(|value| (least..=most).contains(value));
             (number.set)(&mut changed, value);
         }
         SettingKind::Choice(choice) => {
@@ -82,10 +77,7 @@ fn no_setting_of_a_survey_is_in_the_next_one() {
     change(&mut app, settings.clone());
     assert_eq!(*app.log.settings, settings);
     open(&mut app, &two);
-    let (usual, now) = (
-        setting_values(&Settings::default()),
-        setting_values(&app.log.settings),
-    );
+    let (usual, now) = (setting_values(&Settings::default()), setting_values(&app.log.settings));
     for key in changed {
         assert_eq!(now.get(key), usual.get(key), "{key}");
     }
@@ -101,9 +93,7 @@ fn a_log_has_its_last_settings_again_until_they_are_undone() {
     open(&mut app, &one);
     let settings = Settings::clone(&app.log.settings);
     let settings = settings.with_assignment("draft_m=0.4").expect("a setting");
-    let given = settings
-        .with_assignment("first_return.threshold=0.41")
-        .expect("a setting");
+    let given = settings.with_assignment("first_return.threshold=0.41").expect("a setting");
     change(&mut app, given.clone());
     open(&mut app, &two);
     // Another run of the program.
@@ -151,11 +141,7 @@ fn a_log_far_away_and_one_too_short_are_opened_but_not_on_the_map() {
     let far = folder.path().join("a-far.sl2");
     let scene = Scene {
         longitude_deg: 20.0,
-        track: TrackSettings {
-            lines: 1,
-            length_m: 30.0,
-            ..TrackSettings::default()
-        },
+        track: TrackSettings { lines: 1, length_m: 30.0, ..TrackSettings::default() },
         ..Scene::default()
     };
     let elsewhere = simulate(&scene, 1, &Progress::new()).expect("nobody cancels");

@@ -1,4 +1,5 @@
-//! Boxes of several logs in one window: one queue, one list of objects, decisions about an object in all logs that saw it.
+//! Boxes of several logs in one window: one queue, one list of objects, decisions about an object
+//! in all logs that saw it.
 
 use crate::logs_window::{ids, names, opened, opened_in, settle};
 use crate::many_logs::{sailed, true_box, write_logs};
@@ -17,7 +18,8 @@ use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a detector that sees all objects would propose in every log, each log with a list of classes of its own.
+/// What a detector that sees all objects would propose in every log, each log with a list of
+/// classes of its own.
 fn propose(window: &mut Window, folder: &Path) {
     for (index, id) in ids(window).into_iter().enumerate() {
         window.state_mut().app.apply(Command::ShowLog(id));
@@ -43,10 +45,7 @@ fn propose(window: &mut Window, folder: &Path) {
         let review = empty.adopt("all of them", &classes, &found, raster);
         let path = folder.join(format!("{index}.json"));
         std::fs::write(&path, review.to_json()).expect("a file");
-        window
-            .state_mut()
-            .app
-            .apply(Command::OpenFile(FileToOpen::Review(path)));
+        window.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(path)));
         settle(window);
     }
     let first = ids(window)[0];
@@ -65,7 +64,8 @@ pub(super) fn proposed() -> (tempfile::TempDir, Window) {
     (folder, window)
 }
 
-/// The object that lies where an object of the lake does, with the most boxes. All logs lie in the plane of the first.
+/// The object that lies where an object of the lake does, with the most boxes. All logs lie in the
+/// plane of the first.
 pub(super) fn object_of(window: &Window, index: usize) -> SurveyObject {
     let truth = &sailed(0).objects[index];
     let off_m = |one: &&SurveyObject| {
@@ -86,10 +86,7 @@ fn all_boxes(window: &Window) -> Vec<LogBox> {
     let logs = app(window).logs();
     logs.flat_map(|log| {
         let boxes = log.reviewing.review.boxes();
-        boxes.map(|one| LogBox {
-            log: log.id,
-            id: one.id,
-        })
+        boxes.map(|one| LogBox { log: log.id, id: one.id })
     })
     .collect()
 }
@@ -110,22 +107,13 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
     let (first, second) = (ids(&window)[0], ids(&window)[1]);
     let (times, boxes) = (object.sightings, object.boxes.len());
     assert!(times <= boxes, "a pass that both sides saw counts once");
-    let name = format!(
-        "Object {}, block, seen {times} times, undecided",
-        object.number
-    );
+    let name = format!("Object {}, block, seen {times} times, undecided", object.number);
     press(&mut window, Modifiers::NONE, Key::Num4);
     window.get_by_label(&name).click_accesskit();
     settle(&mut window);
-    assert_eq!(
-        selected(&window).log,
-        first,
-        "first in the log that is shown"
-    );
+    assert_eq!(selected(&window).log, first, "first in the log that is shown");
     assert!(object.boxes.contains(&selected(&window)));
-    let passes = app(&window)
-        .selected_object_passes()
-        .expect("they are counted");
+    let passes = app(&window).selected_object_passes().expect("they are counted");
     assert!(passes.seen == times && passes.covered >= times);
     let seen = format!("{times} of {} passes, in 2 logs", passes.covered);
     window.get_by_label_contains(&seen);
@@ -168,15 +156,11 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         states(window, &rest)
     };
     let before = app(&window).undo_label().map(str::to_owned);
-    window
-        .state_mut()
-        .app
-        .apply(Command::SelectLogBox(object.boxes[0]));
+    window.state_mut().app.apply(Command::SelectLogBox(object.boxes[0]));
     settle(&mut window);
-    for (key, state, label) in [
-        (Key::A, State::Accepted, "accept object"),
-        (Key::R, State::Rejected, "reject object"),
-    ] {
+    for (key, state, label) in
+        [(Key::A, State::Accepted, "accept object"), (Key::R, State::Rejected, "reject object")]
+    {
         press(&mut window, Modifiers::SHIFT, key);
         settle(&mut window);
         let decided = states(&window, &object.boxes);
@@ -248,21 +232,16 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
         rows.into_iter().map(|(_, times)| times).collect()
     };
-    let by_number: Vec<usize> = (app(&window).objects().iter())
-        .map(|object| object.sightings)
-        .collect();
+    let by_number: Vec<usize> =
+        (app(&window).objects().iter()).map(|object| object.sightings).collect();
     assert_eq!(times(&window), by_number);
     assert!(!by_number.is_sorted_by(|a, b| a >= b), "{by_number:?}");
-    window
-        .get_by_label("Sort objects by seen")
-        .click_accesskit();
+    window.get_by_label("Sort objects by seen").click_accesskit();
     settle(&mut window);
     let sorted = times(&window);
     assert!(sorted.is_sorted_by(|a, b| a >= b), "{sorted:?}");
     // Another click turns it around.
-    window
-        .get_by_label("Sort objects by seen, falling")
-        .click_accesskit();
+    window.get_by_label("Sort objects by seen, falling").click_accesskit();
     settle(&mut window);
     let rising = times(&window);
     assert!(rising.is_sorted(), "{rising:?}");
@@ -336,7 +315,8 @@ fn a_note_stays_with_the_box_of_its_log() {
     window.run();
     (window.get_by_role_and_label(Role::TextInput, line)).type_text("a tyre");
     window.run();
-    // The place of the log that is shown, and with it the box, are others before the line has lost the keyboard.
+    // The place of the log that is shown, and with it the box, are others before the line has lost
+    // the keyboard.
     (window.state_mut().app).apply(Command::SelectLogBox(other));
     settle(&mut window);
     let note = |id: LogBox| app(&window).log_box(id).expect("a box").note.clone();
@@ -421,24 +401,16 @@ fn a_search_goes_through_all_logs_as_one_step() {
         logs.map(|log| log.reviewing.review.boxes().len()).collect()
     };
     find(&mut window);
-    let [one, 0] = found(&window)[..] else {
-        panic!("{:?}", found(&window))
-    };
+    let [one, 0] = found(&window)[..] else { panic!("{:?}", found(&window)) };
     assert!(one > 10, "{one}");
     (window.state_mut().app).apply(Command::SetLogVisible(second, true));
     settle(&mut window);
     find(&mut window);
-    let [again, other] = found(&window)[..] else {
-        panic!("two logs")
-    };
+    let [again, other] = found(&window)[..] else { panic!("two logs") };
     assert_eq!(again, one, "each once");
     assert!(other > 10, "{other}");
     assert_eq!(names(&window).len(), 2);
-    assert_eq!(
-        app(&window).log.name(),
-        "lake-0",
-        "the log that is shown stays"
-    );
+    assert_eq!(app(&window).log.name(), "lake-0", "the log that is shown stays");
     let logs = || app(&window).logs().map(|log| &log.reviewing);
     assert!(logs().all(|reviewing| reviewing.review.coverage().is_none()));
     // From the confidence of the model on, in both logs.
@@ -457,17 +429,12 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     let logs = ["lake-0.sl2", "lake-1.sl2"].map(|name| folder.path().join(name));
     app.apply(Command::OpenAll(logs.to_vec()));
     // The second one is searched once it has results.
-    until(&mut app, &|app| {
-        app.log_count() == 2 && app.log.products.is_some()
-    });
+    until(&mut app, &|app| app.log_count() == 2 && app.log.products.is_some());
     let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
     app.apply(Command::UseModel(model("tianxiaomo")));
     app.apply(Command::Do(Action::FindObjects));
     let status = app.search_status().expect("a search");
-    assert_eq!(
-        (status.log, status.place, status.logs),
-        (Some(ids[0]), 1, 2)
-    );
+    assert_eq!((status.log, status.place, status.logs), (Some(ids[0]), 1, 2));
     app.apply(Command::ShowLog(ids[1]));
     let note = app.search_note().expect("it waits");
     assert!(note.contains("has not been searched yet"), "{note}");
@@ -495,7 +462,8 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     assert_ne!(app.undo_label(), Some("find objects"));
 }
 
-/// Copies of the river in two formats, with a mark on either side of its boat: marks are kept beside the log.
+/// Copies of the river in two formats, with a mark on either side of its boat: marks are kept
+/// beside the log.
 fn marked_river(mut window: Window, folder: &Path) -> Option<Window> {
     let real = real_data()?.join("lowrance");
     let logs = ["glencanyon-transcoded.sl2", "glencanyon-transcoded.sl3"];
@@ -510,12 +478,7 @@ fn marked_river(mut window: Window, folder: &Path) -> Option<Window> {
     for (ping, side) in [(1344, Side::Port), (1345, Side::Starboard)] {
         let survey = app(&window).log.survey.clone().expect("a log");
         let depth_m = f64::from(survey.locked_depth_m(ping));
-        let edit = Edit::AddPoint {
-            side,
-            ping,
-            range_m: 1.01 * depth_m,
-            class: 0,
-        };
+        let edit = Edit::AddPoint { side, ping, range_m: 1.01 * depth_m, class: 0 };
         let live = false;
         (window.state_mut().app).apply(Command::Edit { edit, live });
         settle(&mut window);

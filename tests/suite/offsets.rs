@@ -1,4 +1,5 @@
-//! Whether the constant that is taken off the ranges is the true one, on logs of any range, depth, pulse and sounding.
+//! Whether the constant that is taken off the ranges is the true one, on logs of any range, depth,
+//! pulse and sounding.
 
 use crate::truth::KnownSurvey;
 use bathyscope_bottom::calibration::{Calibration, calibrate};
@@ -34,10 +35,8 @@ struct Dice(u64);
 
 impl Dice {
     fn roll(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -72,12 +71,7 @@ fn scene(index: u64) -> (Scene, Soundings) {
     let noise = (2.6 / depth_m).powi(4).min(1.0);
     let scene = Scene {
         bed: BedSettings {
-            kind: dice.of(&[
-                BedKind::Gentle,
-                BedKind::Gentle,
-                BedKind::Steep,
-                BedKind::Rough,
-            ]),
+            kind: dice.of(&[BedKind::Gentle, BedKind::Gentle, BedKind::Steep, BedKind::Rough]),
             mean_depth_m: depth_m,
             terrace: None,
             ..BedSettings::default()
@@ -200,30 +194,15 @@ fn an_offset_in_force_is_the_true_one_on_logs_of_any_range_depth_pulse_and_sound
             wrong.push(line);
         }
     }
-    println!(
-        "in force on {} of {} logs with right soundings",
-        applied[0], applied[1]
-    );
-    assert!(
-        wrong.is_empty(),
-        "{} wrong:\n{}",
-        wrong.len(),
-        wrong.join("\n")
-    );
-    assert!(
-        3 * applied[0] >= applied[1],
-        "{applied:?} in force where the soundings are right"
-    );
+    println!("in force on {} of {} logs with right soundings", applied[0], applied[1]);
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(3 * applied[0] >= applied[1], "{applied:?} in force where the soundings are right");
 }
 
 /// A level pond with soundings that are `scale` times the depth and `offset_m` more.
 fn pond(scale: f64, offset_m: f64) -> KnownSurvey {
     let scene = Scene {
-        track: TrackSettings {
-            lines: 1,
-            cross_lines: 0,
-            ..TrackSettings::default()
-        },
+        track: TrackSettings { lines: 1, cross_lines: 0, ..TrackSettings::default() },
         artefacts: Artefacts {
             depth_scale: scale,
             depth_offset_m: offset_m,
@@ -267,9 +246,7 @@ fn ranges_of_a_survey_recorder_are_trusted_unless_asked_not_to() {
     assert_eq!(trusted.offset_m, 0.0);
     assert_eq!(trusted.offset_note, Some("survey-grade ranges"));
     assert_eq!(trusted.measured_offset, fish_finder.measured_offset);
-    let asked = Settings::default()
-        .with_assignment("calibration.offset=fit")
-        .expect("a setting");
+    let asked = Settings::default().with_assignment("calibration.offset=fit").expect("a setting");
     let (_, fitted) = calibrated(&survey, &asked);
     assert_eq!(fitted.offset_m, fish_finder.offset_m);
     // Five centimetres stay in all depths, and that is said.

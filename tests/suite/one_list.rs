@@ -1,4 +1,5 @@
-//! The objects of one reviewed project in the window and in every file: the same members, numbers and states.
+//! The objects of one reviewed project in the window and in every file: the same members, numbers
+//! and states.
 
 use crate::logs_window::{ids, settle};
 use crate::objects_window::{object_of, proposed};
@@ -34,12 +35,7 @@ fn of_csv(path: &Path) -> BTreeSet<Row> {
     let rows = table.deserialize().map(|row| {
         let row: BTreeMap<String, String> = row.expect("a row");
         let number = row["object"].parse().ok();
-        (
-            row["log"].clone(),
-            row["id"].parse().expect("a number"),
-            row["state"].clone(),
-            number,
-        )
+        (row["log"].clone(), row["id"].parse().expect("a number"), row["state"].clone(), number)
     });
     rows.collect()
 }
@@ -65,12 +61,8 @@ fn of_geojson(path: &Path) -> BTreeSet<Row> {
 /// The rows of a layer, by SQLite itself.
 fn of_geopackage(path: &Path) -> BTreeSet<Row> {
     let file = Connection::open(path).expect("a GeoPackage");
-    let mut query = file
-        .prepare("SELECT log, box, state, object FROM targets")
-        .expect("a layer");
-    let rows = query.query_map([], |row| {
-        Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?))
-    });
+    let mut query = file.prepare("SELECT log, box, state, object FROM targets").expect("a layer");
+    let rows = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?)));
     let rows = rows.expect("rows");
     rows.collect::<Result<_, _>>().expect("a row")
 }
@@ -104,7 +96,8 @@ fn edit(window: &mut Window, key: LogBox, edit: Edit) {
     settle(window);
 }
 
-/// One object accepted and named, one rejected, one of which one box is accepted; the others are undecided.
+/// One object accepted and named, one rejected, one of which one box is accepted; the others are
+/// undecided.
 fn decide(window: &mut Window) {
     let [named, nothing, half] = [0, 1, 2].map(|index| object_of(window, index));
     for key in &named.boxes {
@@ -143,11 +136,7 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
     settle(&mut window);
     let (all, targets) = (shown(&window, false), shown(&window, true));
     let of_state = |state: State| all.iter().filter(move |row| row.2 == state.name());
-    assert!(
-        State::ALL[..3]
-            .iter()
-            .all(|state| of_state(*state).count() > 0)
-    );
+    assert!(State::ALL[..3].iter().all(|state| of_state(*state).count() > 0));
     let half = object_of(&window, 2).number;
     let titles = BTreeSet::from(["Anna".to_owned(), format!("block {half}")]);
 

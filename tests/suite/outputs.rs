@@ -38,10 +38,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     fs::write(folder.join("scene.toml"), "duration_s = 20.0\n").expect("a scene");
-    run(
-        folder,
-        &["simulate", "scene.toml", "-o", "pond", "--seed", "3"],
-    );
+    run(folder, &["simulate", "scene.toml", "-o", "pond", "--seed", "3"]);
     let before = ["process", "pond.sl2", "--no-objects", "--products", "track"];
     run(folder, &[&before[..], &["-o", "before"]].concat());
     let compared = ["--reference", "before/points/cloud.csv:lon,lat,z_m"];
@@ -56,10 +53,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
         "-o",
         "out",
     ];
-    run(
-        folder,
-        &[&["process", "pond.sl2"], &compared[..], &search[..]].concat(),
-    );
+    run(folder, &[&["process", "pond.sl2"], &compared[..], &search[..]].concat());
     let names = names(&folder.join("out"));
     for name in &names {
         let rows = OUTPUT_FILES.iter().filter(|row| row.owns(name)).count();
@@ -95,9 +89,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
 fn no_input_is_written_over_whatever_file_of_a_run_it_is_named_after() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let survey = Survey::default();
-    let files = OUTPUT_FILES
-        .iter()
-        .filter(|row| row.file_name().contains('.'));
+    let files = OUTPUT_FILES.iter().filter(|row| row.file_name().contains('.'));
     // A file on top may be that of a version without subfolders, which a run takes away.
     for name in files.flat_map(|row| [row.name, row.file_name()]) {
         let path = temporary.path().join(name);
@@ -121,10 +113,7 @@ fn help_and_panel_name_the_files_of_the_registry() {
         files(Product::Track),
         "track/track.gpx, .geojson, .kmz, .shp; track/footprint.geojson, .kmz"
     );
-    assert_eq!(
-        files(Product::Cloud),
-        "points/cloud.copc.laz, .las, .ply, .xyz"
-    );
+    assert_eq!(files(Product::Cloud), "points/cloud.copc.laz, .las, .ply, .xyz");
     assert_eq!(
         files(Product::Depth),
         "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/shoalest.tif, .qml; depth/distance.tif, .qml; depth/source.tif, .qml; depth/hardness.tif, .qml (colours for QGIS)"
@@ -134,10 +123,7 @@ fn help_and_panel_name_the_files_of_the_registry() {
     for product in Product::ALL {
         let line = format!("- {}:", product.name());
         let said = help.lines().find(|text| text.contains(&line));
-        assert!(
-            said.is_some_and(|said| said.contains(&files(product))),
-            "{help}"
-        );
+        assert!(said.is_some_and(|said| said.contains(&files(product))), "{help}");
     }
 }
 
@@ -175,7 +161,8 @@ fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(Str
     files.map(bytes).collect()
 }
 
-/// A file that repeats every setting, without them: its figures depend on none of those that its row leaves out.
+/// A file that repeats every setting, without them: its figures depend on none of those that its
+/// row leaves out.
 fn figures(bytes: &[u8]) -> Option<serde_json::Value> {
     let mut record: serde_json::Value = serde_json::from_slice(bytes).ok()?;
     record.as_object_mut()?.remove("settings")?;
@@ -209,9 +196,8 @@ fn a_file_is_the_same_whatever_the_settings_are_that_its_row_leaves_out() {
     let before = written(&survey, &Settings::default(), &folder);
     let record_of_run = EarlierRun::read(&folder).expect("a run");
     assert!(record_of_run.out_of_date(&Settings::default()).is_empty());
-    let left_out: BTreeSet<&str> = (OUTPUT_FILES.iter())
-        .flat_map(|row| row.regardless_of.iter().copied())
-        .collect();
+    let left_out: BTreeSet<&str> =
+        (OUTPUT_FILES.iter()).flat_map(|row| row.regardless_of.iter().copied()).collect();
     let mut tried = BTreeSet::new();
     for change in CHANGES {
         let word = change.split(['.', '=']).next().expect("a word");
@@ -234,18 +220,14 @@ fn a_file_is_the_same_whatever_the_settings_are_that_its_row_leaves_out() {
         }
         // Not vacuous: the page lists what was changed.
         assert!(changed.contains(&"report.html"), "{change}: {changed:?}");
-        let stale: Vec<&str> = (record_of_run.out_of_date(&settings).iter())
-            .map(|row| row.name)
-            .collect();
+        let stale: Vec<&str> =
+            (record_of_run.out_of_date(&settings).iter()).map(|row| row.name).collect();
         for name in changed {
             assert!(stale.contains(&name), "{change}: {name} not in {stale:?}");
         }
     }
     // Readings of the water level need a file of their own; they act as `water_level_m` does.
-    assert_eq!(
-        left_out.difference(&tried).collect::<Vec<_>>(),
-        [&"water_level"]
-    );
+    assert_eq!(left_out.difference(&tried).collect::<Vec<_>>(), [&"water_level"]);
 }
 
 fn wait(app: &mut App) {
@@ -267,11 +249,7 @@ fn the_window_says_which_files_are_older_than_the_settings() {
     assert!(app.out_of_date().is_none());
     let mut settings = Settings::clone(&app.log.settings);
     settings.isobaths.interval_m = Some(0.35);
-    let change = Command::Change {
-        settings: Box::new(settings),
-        label: "isobaths",
-        live: false,
-    };
+    let change = Command::Change { settings: Box::new(settings), label: "isobaths", live: false };
     app.apply(change);
     wait(&mut app);
     let (folder, files) = app.out_of_date().expect("older files");

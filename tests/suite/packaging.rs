@@ -1,5 +1,5 @@
-//! The workflow that makes a release calls scripts of this repository, for the targets that the release script has. tests/packaging/run checks
-//! the packages.
+//! The workflow that makes a release calls scripts of this repository, for the targets that the
+//! release script has. tests/packaging/run checks the packages.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -26,9 +26,7 @@ fn targets(text: &str) -> BTreeSet<&str> {
 #[test]
 fn each_step_of_the_workflow_runs_a_script() {
     let workflow = text(WORKFLOW);
-    let keys = workflow
-        .lines()
-        .map(|line| line.trim_start_matches([' ', '-']));
+    let keys = workflow.lines().map(|line| line.trim_start_matches([' ', '-']));
     let steps: Vec<&str> = keys.filter_map(|key| key.strip_prefix("run:")).collect();
     assert!(!steps.is_empty());
     for step in steps {

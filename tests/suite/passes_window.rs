@@ -1,4 +1,5 @@
-//! The passes that saw a place: as the map's menu lists them, and one after the other from a selected place.
+//! The passes that saw a place: as the map's menu lists them, and one after the other from a
+//! selected place.
 
 use crate::window::{Window, app, demo_window, press, settle};
 use bathyscope::app::{Action, Command, LogPass, LogPlace, PassesFound, mark_of};
@@ -11,7 +12,8 @@ use egui_kittest::kittest::Queryable as _;
 
 /// Nearer to the boat a slant range hardly tells how far a place is.
 const LEAST_OUT_M: f64 = 2.0;
-/// How far a place may lie beside the samples of the ping that begins its strip, besides the way to the next ping: the boat turns.
+/// How far a place may lie beside the samples of the ping that begins its strip, besides the way to
+/// the next ping: the boat turns.
 const BESIDE_M: f64 = 0.3;
 
 fn passes_at(window: &mut Window, at: LonLat) -> Vec<LogPass> {
@@ -61,15 +63,10 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
             let next = boats.get(ping + 1).unwrap_or(&boats[ping]);
             let [from, to] = [&boats[ping], next];
             let step_m = (to.east_m - from.east_m).hypot(to.north_m - from.north_m);
-            assert!(
-                !is_far || off_m < BESIDE_M + 2.0 * step_m,
-                "{off_m} m: {pass:?}"
-            );
+            assert!(!is_far || off_m < BESIDE_M + 2.0 * step_m, "{off_m} m: {pass:?}");
             looked += usize::from(is_far);
         }
-        let are_far = passes
-            .iter()
-            .all(|(_, pass)| out_m(pass, [east_m, north_m]) > LEAST_OUT_M);
+        let are_far = passes.iter().all(|(_, pass)| out_m(pass, [east_m, north_m]) > LEAST_OUT_M);
         if passes.len() > 2 && are_far {
             of_several = Some((at, passes));
         }
@@ -106,11 +103,7 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
 fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     let mut window = demo_window();
     let log = &app(&window).log;
-    let (survey, products) = log
-        .survey
-        .clone()
-        .zip(log.products.clone())
-        .expect("results");
+    let (survey, products) = log.survey.clone().zip(log.products.clone()).expect("results");
     let places = [100, 900].map(|ping| {
         let boat = &products.navigation.pings[ping];
         let frame = &products.navigation;
@@ -127,7 +120,8 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     app.apply(Command::FindPasses(places[0]));
     app.apply(Command::Do(Action::Cancel));
     assert_eq!(app.passes_at(places[0]), PassesFound::Stopped);
-    // From a selected place the way leads to its next pass, unless another place is selected meanwhile.
+    // From a selected place the way leads to its next pass, unless another place is selected
+    // meanwhile.
     app.apply(Command::FindPasses(places[1]));
     app.poll();
     let PassesFound::Found([(id, pass), ..]) = app.passes_at(places[1]) else {
@@ -149,15 +143,9 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     };
     let first = mark_of(pass);
     assert_eq!(app.view.selection, Some(first));
-    app.apply(Command::ShowPlace(LonLat {
-        lat_deg: 0.0,
-        ..places[1]
-    }));
+    app.apply(Command::ShowPlace(LonLat { lat_deg: 0.0, ..places[1] }));
     app.poll();
     assert_eq!(app.view.selection, Some(first));
     let said = app.notices.last().map(|notice| notice.text.clone());
-    assert_eq!(
-        said.as_deref(),
-        Some("no pass of the visible logs saw this place")
-    );
+    assert_eq!(said.as_deref(), Some("no pass of the visible logs saw this place"));
 }

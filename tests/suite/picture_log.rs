@@ -1,4 +1,5 @@
-//! The demo survey, written as a picture and a table as another program would, opens as the log that it is.
+//! The demo survey, written as a picture and a table as another program would, opens as the log
+//! that it is.
 
 use crate::support::demo_log;
 use bathyscope_bottom::first_return::{Pick, detect};
@@ -42,10 +43,7 @@ fn depths_m(survey: &Arc<Survey>) -> Vec<Option<f32>> {
     let (settings, progress) = (Settings::default(), Progress::new());
     let products = run(survey, &settings, None, &progress, |_| ()).expect("results");
     let navigation = products.navigation.clone();
-    let logs = [ProcessedLog {
-        survey: survey.clone(),
-        products,
-    }];
+    let logs = [ProcessedLog { survey: survey.clone(), products }];
     let map = Derived::default().depth_map(&logs, &progress);
     let map = map.expect("a run").expect("a surface");
     let depth = |east_m, north_m| map.surface.at(east_m, north_m).map(|(depth_m, _)| depth_m);
@@ -53,9 +51,7 @@ fn depths_m(survey: &Arc<Survey>) -> Vec<Option<f32>> {
         let position = navigation.to_lon_lat(&survey.track, ping.east_m, ping.north_m);
         map.map.place(position)
     });
-    places
-        .map(|[east_m, north_m]| depth(east_m, north_m))
-        .collect()
+    places.map(|[east_m, north_m]| depth(east_m, north_m)).collect()
 }
 
 #[test]
@@ -79,16 +75,12 @@ fn the_demo_as_a_picture_with_a_table_is_the_demo() {
             one.is_some() != other.is_some() || (one.sample - other.sample).abs() > 1.0
         };
         let count = pairs.filter(is_apart).count();
-        assert!(
-            50 * count < log.side_scan.len(),
-            "{count} first returns differ"
-        );
+        assert!(50 * count < log.side_scan.len(), "{count} first returns differ");
     }
     let [expected, found] = [log, picture].map(|survey| depths_m(&Arc::new(survey)));
     let both = expected.iter().zip(&found);
-    let mut apart_m: Vec<f32> = both
-        .filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs()))
-        .collect();
+    let mut apart_m: Vec<f32> =
+        both.filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs())).collect();
     assert!(10 * apart_m.len() > 9 * expected.len(), "{}", apart_m.len());
     apart_m.sort_by(f32::total_cmp);
     let [middle_m, most_m] = [50, 95].map(|share| apart_m[apart_m.len() * share / 100]);

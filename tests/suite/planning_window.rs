@@ -16,11 +16,7 @@ fn lines(window: &Window) -> Vec<Leg> {
 
 /// A plan of two minutes with turns of 3 m.
 fn plan(window: &mut Window) {
-    let asked = PlanSettings {
-        minutes: 2.0,
-        turn_radius_m: 3.0,
-        ..PlanSettings::default()
-    };
+    let asked = PlanSettings { minutes: 2.0, turn_radius_m: 3.0, ..PlanSettings::default() };
     let ask = Command::Plan(PlanRequest::Ask(asked));
     window.state_mut().app.apply(ask);
     let plan = Command::Do(Action::PlanLines);
@@ -39,10 +35,7 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     assert!(!planned.is_empty());
     assert_eq!(app(&window).undo_label(), Some("planned lines"));
     let said = format!("{} line", planned.len());
-    assert!(
-        window.query_by_label_contains(&said).is_some(),
-        "the read-out"
-    );
+    assert!(window.query_by_label_contains(&said).is_some(), "the read-out");
 
     // A drag of the first line's end by 30 points.
     let from = at(planned[0].to);
@@ -69,10 +62,7 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     let middle = [0, 1].map(|axis| 0.5 * (dragged[0].from[axis] + dragged[0].to[axis]));
     click(&mut window, at(middle));
     assert_eq!(app(&window).map.planning.selected, Some(0));
-    window
-        .state_mut()
-        .app
-        .apply(Command::Do(Action::RemoveLine));
+    window.state_mut().app.apply(Command::Do(Action::RemoveLine));
     window.run();
     assert_eq!(lines(&window), dragged[1..]);
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -83,10 +73,7 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     assert!(lines(&window).is_empty());
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(lines(&window), planned);
-    window
-        .state_mut()
-        .app
-        .apply(Command::Do(Action::RemovePlan));
+    window.state_mut().app.apply(Command::Do(Action::RemovePlan));
     assert!(lines(&window).is_empty());
 }
 
@@ -94,10 +81,7 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
 fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothing() {
     let mut window = demo_window();
     let before = app(&window).notices.len();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Do(Action::RemoveLine));
+    window.state_mut().app.apply(Command::Do(Action::RemoveLine));
     assert_eq!(app(&window).notices.len(), before + 1);
     plan(&mut window);
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -117,11 +101,7 @@ fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothi
     let save = Command::Write(FileToWrite::Plan(path.clone()));
     window.state_mut().app.apply(save);
     let said = app(&window).notices.last().expect("a notice");
-    assert!(
-        said.text.contains(".waypoints") && !path.exists(),
-        "{}",
-        said.text
-    );
+    assert!(said.text.contains(".waypoints") && !path.exists(), "{}", said.text);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! What is known of a point besides its place: the level of its echo and its slant range, in the cloud, in files and in colours.
+//! What is known of a point besides its place: the level of its echo and its slant range, in the
+//! cloud, in files and in colours.
 
 use crate::cli::run;
 use crate::river::processed;
@@ -34,9 +35,7 @@ fn level(survey: &Survey, ping: usize, side: Side, sample: f32) -> u8 {
 fn logs() -> Vec<PathBuf> {
     let data = real_data();
     let real = ["lowrance/glencanyon-transcoded.sl2", "xtf/000_1236.xtf"];
-    let real = data
-        .iter()
-        .flat_map(|data| real.map(|name| data.join(name)));
+    let real = data.iter().flat_map(|data| real.map(|name| data.join(name)));
     std::iter::once(demo_log()).chain(real).collect()
 }
 
@@ -84,11 +83,7 @@ fn las_points(path: &Path) -> Vec<(u16, u8, f32)> {
     points
         .map(|point| {
             let range_m = point.extra_bytes.last_chunk::<4>().expect("a dimension");
-            (
-                point.intensity,
-                point.user_data,
-                f32::from_le_bytes(*range_m),
-            )
+            (point.intensity, point.user_data, f32::from_le_bytes(*range_m))
         })
         .collect()
 }
@@ -102,10 +97,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
     let process = ["process", log, "--no-objects", "--products", "cloud", "-o"];
     run(folder, &[&process[..], &["packed"]].concat());
     assert!(!folder.join("packed/points/cloud.las").exists());
-    run(
-        folder,
-        &[&process[..], &["out", "--set", "points.las=true"]].concat(),
-    );
+    run(folder, &[&process[..], &["out", "--set", "points.las=true"]].concat());
     let points = folder.join("out/points");
     let packed = las_points(&points.join("cloud.copc.laz"));
     let plain = las_points(&points.join("cloud.las"));
@@ -117,10 +109,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
     assert_eq!(sorted(packed), sorted(plain.clone()));
     let size = |name: &str| points.join(name).metadata().expect("a file").len();
     let [laz, las] = [size("cloud.copc.laz"), size("cloud.las")];
-    println!(
-        "LAZ {laz} bytes, LAS {las} bytes, {:.1} times",
-        las as f64 / laz as f64
-    );
+    println!("LAZ {laz} bytes, LAS {las} bytes, {:.1} times", las as f64 / laz as f64);
 
     let (survey, products) = processed(&demo_log());
     let reduction = products.reduction();
@@ -150,11 +139,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
     }
 
     let ply = std::fs::read(points.join("cloud.ply")).expect("a PLY file");
-    let begin = ply
-        .windows(11)
-        .position(|text| text == b"end_header\n")
-        .expect("a header")
-        + 11;
+    let begin = ply.windows(11).position(|text| text == b"end_header\n").expect("a header") + 11;
     let header = String::from_utf8_lossy(&ply[..begin]);
     assert!(
         header.contains(
@@ -194,15 +179,9 @@ fn colours_of_points_go_round_by_key_and_a_picture_is_drawn_in_each() {
     let mut pictures = Vec::new();
     for colours in ["side", "depth", "level", "range", "log"] {
         let name = format!("{colours}.png");
-        let snapshot = [
-            "snapshot", "-o", &name, "--view", "cloud", "--size", "300x240",
-        ];
+        let snapshot = ["snapshot", "-o", &name, "--view", "cloud", "--size", "300x240"];
         run(folder, &[&snapshot[..], &["--colours", colours]].concat());
-        pictures.push(
-            image::open(folder.join(&name))
-                .expect("a picture")
-                .to_rgb8(),
-        );
+        pictures.push(image::open(folder.join(&name)).expect("a picture").to_rgb8());
     }
     for (index, one) in pictures.iter().enumerate() {
         for other in &pictures[index + 1..] {

@@ -1,4 +1,5 @@
-//! Each point has one class: the map, every file of points, the report and its page count them alike.
+//! Each point has one class: the map, every file of points, the report and its page count them
+//! alike.
 
 use crate::truth::KnownSurvey;
 use bathyscope_bottom::cloud::{ClassCounts, PointClass, PointSource};
@@ -128,11 +129,7 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
     assert!(page.contains(&said), "{said}");
     let derived = Derived::default();
     let map = derived.depth_map(order.logs, &progress);
-    let map = map
-        .expect("not cancelled")
-        .expect("a depth map")
-        .map
-        .clone();
+    let map = map.expect("not cancelled").expect("a depth map").map.clone();
     let mapped = joint_depth_points(order.logs, &map, &progress).expect("not cancelled");
     assert_eq!(mapped.len(), kept);
 

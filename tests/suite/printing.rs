@@ -13,9 +13,7 @@ pub(crate) fn name_file(window: &mut Window, label: &str, path: &Path, verb: &st
     field(window);
     window.run();
     press(window, Modifiers::COMMAND, Key::A);
-    window
-        .get_by_role_and_label(Role::TextInput, label)
-        .type_text(&path.display().to_string());
+    window.get_by_role_and_label(Role::TextInput, label).type_text(&path.display().to_string());
     window.run();
     window.get_by_label(verb).click();
     window.run();
@@ -39,9 +37,7 @@ fn print(window: &mut Window, view: &str, options: PrintOptions, path: &Path) {
 
 fn notice(window: &Window) -> Vec<(&str, bool)> {
     let notices = app(window).notices.iter();
-    notices
-        .map(|notice| (notice.text.as_str(), notice.is_error))
-        .collect()
+    notices.map(|notice| (notice.text.as_str(), notice.is_error)).collect()
 }
 
 #[test]
@@ -52,10 +48,7 @@ fn views_are_printed_on_paper_and_in_pixels() {
     mosaic.set_visible(MapLayer::Mosaic, true);
     window.run();
     let before = app(&window).view.options.clone();
-    let paper = PrintOptions {
-        dpi: 150,
-        ..PrintOptions::default()
-    };
+    let paper = PrintOptions { dpi: 150, ..PrintOptions::default() };
     let narrow = PrintOptions {
         paper: Paper::Pixels,
         width_px: 900,
@@ -69,11 +62,7 @@ fn views_are_printed_on_paper_and_in_pixels() {
     ] {
         let path = folder.path().join(format!("{view}.png"));
         print(&mut window, view, options, &path);
-        assert!(
-            notice(&window).iter().all(|(_, is_error)| !is_error),
-            "{:?}",
-            notice(&window)
-        );
+        assert!(notice(&window).iter().all(|(_, is_error)| !is_error), "{:?}", notice(&window));
         let picture = image::open(&path).expect("a picture").to_rgb8();
         let [width, height] = size;
         assert_eq!(Some(picture.width()), width);
@@ -83,13 +72,7 @@ fn views_are_printed_on_paper_and_in_pixels() {
         if let Some(keep) = std::env::var_os("BATHYSCOPE_KEEP") {
             std::fs::copy(&path, Path::new(&keep).join(format!("{view}.png"))).expect("a copy");
         }
-        assert!(
-            picture
-                .get_pixel(2, 2)
-                .0
-                .iter()
-                .all(|&level| (level > 150) == (view == "Map"))
-        );
+        assert!(picture.get_pixel(2, 2).0.iter().all(|&level| (level > 150) == (view == "Map")));
     }
     let mut after = app(&window).view.options.clone();
     after.print = before.print.clone();
@@ -107,10 +90,6 @@ fn what_cannot_be_printed_is_said() {
     let mut window = demo_window();
     let path = folder.path().join("map.sl2");
     print(&mut window, "Map", PrintOptions::default(), &path);
-    assert!(
-        notice(&window)[0].0.contains("ends in .png"),
-        "{:?}",
-        notice(&window)
-    );
+    assert!(notice(&window)[0].0.contains("ends in .png"), "{:?}", notice(&window));
     assert!(!path.exists());
 }

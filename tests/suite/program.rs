@@ -10,12 +10,9 @@ fn the_program_names_its_commands() {
         .expect("the program starts");
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(output.status.success());
-    for command in [
-        "info", "process", "snapshot", "simulate", "filter", "compare", "detect", "evaluate",
-    ] {
-        assert!(
-            text.contains(&format!("\n  {command} ")),
-            "no {command}: {text}"
-        );
+    for command in
+        ["info", "process", "snapshot", "simulate", "filter", "compare", "detect", "evaluate"]
+    {
+        assert!(text.contains(&format!("\n  {command} ")), "no {command}: {text}");
     }
 }

@@ -1,4 +1,5 @@
-//! A survey of several logs kept as a project: opened, changed, saved, closed and opened again, in the window.
+//! A survey of several logs kept as a project: opened, changed, saved, closed and opened again, in
+//! the window.
 
 use crate::logs_window::{change, ids, names, opened, settle};
 use crate::window::{Window, app, drop_file, empty_window, press};
@@ -10,10 +11,7 @@ use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
 pub(super) fn save_as(window: &mut Window, path: &Path) {
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Project(path.to_owned())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Project(path.to_owned())));
     settle(window);
     assert_eq!(app(window).project_path(), Some(path));
 }
@@ -27,14 +25,11 @@ pub(super) fn open(path: &Path) -> Window {
 
 /// A stroke over the waterfall of the log that is shown.
 fn draw_bottom(window: &mut Window) {
-    window
-        .state_mut()
-        .app
-        .apply(Command::DrawBottom(BottomStroke {
-            side: Side::Port,
-            path: vec![[30.0, 3.1], [60.0, 3.3]],
-            ink: Ink::Bottom,
-        }));
+    window.state_mut().app.apply(Command::DrawBottom(BottomStroke {
+        side: Side::Port,
+        path: vec![[30.0, 3.1], [60.0, 3.3]],
+        ink: Ink::Bottom,
+    }));
     settle(window);
 }
 
@@ -71,9 +66,7 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
     change(&mut window, "first_return.threshold=0.37");
     change(&mut window, "draft_m=0.4");
     draw_bottom(&mut window);
-    let [first, second, _] = ids(&window)[..] else {
-        panic!("three logs")
-    };
+    let [first, second, _] = ids(&window)[..] else { panic!("three logs") };
     let app_of = |window: &mut Window, command: Command| {
         window.state_mut().app.apply(command);
         settle(window);
@@ -103,9 +96,8 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
         .expect("the program");
     assert!(program.status.success(), "{program:?}");
     let table = std::fs::read_to_string(out.join("points/first_returns.csv")).expect("a table");
-    let logs: std::collections::BTreeSet<_> = (table.lines().skip(1))
-        .filter_map(|line| line.split(',').next())
-        .collect();
+    let logs: std::collections::BTreeSet<_> =
+        (table.lines().skip(1)).filter_map(|line| line.split(',').next()).collect();
     assert_eq!(logs.into_iter().collect::<Vec<_>>(), ["lake-0", "lake-2"]);
     let beside = folder.path().join("lake-0.bottom.toml");
     assert!(!beside.exists(), "the project keeps it");
@@ -166,9 +158,7 @@ fn a_log_keeps_its_water_levels_when_a_setting_of_all_logs_changes() {
     save_as(&mut window, &path);
     let gauged = |window: &Window| -> Vec<bool> {
         let products = app(window).logs().filter_map(|log| log.products.as_ref());
-        products
-            .map(|one| one.correction.gauge().is_some())
-            .collect()
+        products.map(|one| one.correction.gauge().is_some()).collect()
     };
     let which = gauged(&window);
     assert_eq!(which.iter().filter(|has| **has).count(), 1, "{which:?}");
@@ -205,11 +195,7 @@ fn what_was_not_saved_is_in_the_journal() {
     // Another window on the same project does not get it.
     let other = open(&path);
     assert_eq!(app(&other).log_count(), 0);
-    assert!(
-        other
-            .query_by_label_contains("open in another window")
-            .is_some()
-    );
+    assert!(other.query_by_label_contains("open in another window").is_some());
     // A log that joins the survey is in the project at once.
     let more = tempfile::tempdir().expect("a temporary folder");
     crate::many_logs::write_logs(more.path(), 3);

@@ -1,5 +1,6 @@
-//! The real window, on a virtual X display whose framebuffer the test reads: the one test that goes through the window
-//! system, the swap chain and the event loop, which the harness of the other UI tests replaces.
+//! The real window, on a virtual X display whose framebuffer the test reads: the one test that goes
+//! through the window system, the swap chain and the event loop, which the harness of the other UI
+//! tests replaces.
 
 use std::collections::HashSet;
 use std::io::{BufRead as _, BufReader};
@@ -20,16 +21,7 @@ impl Drop for Running {
 /// Starts Xvfb with its framebuffer in `folder`; `None` where it is not installed.
 fn virtual_display(folder: &Path) -> Option<(Running, String)> {
     let spawned = Command::new("Xvfb")
-        .args([
-            "-displayfd",
-            "1",
-            "-screen",
-            "0",
-            "1280x800x24",
-            "-nolisten",
-            "tcp",
-            "-fbdir",
-        ])
+        .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-fbdir"])
         .arg(folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
@@ -41,19 +33,16 @@ fn virtual_display(folder: &Path) -> Option<(Running, String)> {
     let stdout = child.stdout.take().expect("a piped stdout");
     let server = Running(child);
     let mut number = String::new();
-    BufReader::new(stdout)
-        .read_line(&mut number)
-        .expect("Xvfb tells its display");
+    BufReader::new(stdout).read_line(&mut number).expect("Xvfb tells its display");
     Some((server, format!(":{}", number.trim())))
 }
 
-/// Distinct colours on the screen: the XWD file has a header of big-endian u32 words, a colour table, then the pixels.
+/// Distinct colours on the screen: the XWD file has a header of big-endian u32 words, a colour
+/// table, then the pixels.
 fn colours_on_screen(folder: &Path) -> Option<usize> {
     let dump = std::fs::read(folder.join("Xvfb_screen0")).ok()?;
     let word = |index: usize| {
-        Some(u32::from_be_bytes(
-            dump.get(4 * index..4 * index + 4)?.try_into().ok()?,
-        ))
+        Some(u32::from_be_bytes(dump.get(4 * index..4 * index + 4)?.try_into().ok()?))
     };
     let (header_size, colour_entries) = (word(0)? as usize, word(19)? as usize);
     let pixels = dump.get(header_size + 12 * colour_entries..)?;
@@ -81,10 +70,7 @@ fn the_window_opens_on_the_demo_and_draws_it() {
     let deadline = Instant::now() + Duration::from_secs(120);
     let mut seen = 0;
     while Instant::now() < deadline && seen < 500 {
-        assert!(
-            window.0.try_wait().expect("a child").is_none(),
-            "the window closed by itself"
-        );
+        assert!(window.0.try_wait().expect("a child").is_none(), "the window closed by itself");
         std::thread::sleep(Duration::from_millis(300));
         seen = colours_on_screen(folder.path()).unwrap_or(0);
     }

@@ -28,19 +28,14 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
     window.state_mut().app.apply(Command::OpenDemo);
     window.state_mut().show_alone(Alone::View(View::Map));
     settle(&mut window);
-    assert!(
-        app(&window).agreement().is_none(),
-        "nobody has looked at it yet"
-    );
+    assert!(app(&window).agreement().is_none(), "nobody has looked at it yet");
     for layer in [Action::ResidualLayer, Action::IsobathLayer] {
         act(&mut window, layer);
     }
     let agreement = app(&window).agreement().cloned().expect("an agreement");
     let products = app(&window).log.products.as_ref().expect("a result");
     // Every difference is that of a kept side-scan point from soundings within reach.
-    let [log] = &agreement.logs[..] else {
-        panic!("one log")
-    };
+    let [log] = &agreement.logs[..] else { panic!("one log") };
     assert!(log.differences.len() > 1000);
     for one in &log.differences {
         let point = &products.cloud.points[one.measured];
@@ -50,14 +45,7 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
     assert!(window.query_by_label_contains(", residuals").is_some());
     window.snapshot("map_residuals");
     act(&mut window, Action::ResidualLayer);
-    assert!(
-        !app(&window)
-            .view
-            .options
-            .map
-            .layers
-            .is_visible(MapLayer::Residuals)
-    );
+    assert!(!app(&window).view.options.map.layers.is_visible(MapLayer::Residuals));
 }
 
 /// Distance between the points of a known bed, metres.
@@ -105,7 +93,8 @@ fn notice(window: &Window) -> (String, bool) {
     (notice.text.clone(), notice.is_error)
 }
 
-/// A first mission open in a window, and the log of a second one, under 0.20 m more water, beside its own.
+/// A first mission open in a window, and the log of a second one, under 0.20 m more water, beside
+/// its own.
 fn two_missions() -> (Window, tempfile::TempDir) {
     let (window, _, folder) = first_mission();
     let second = KnownSurvey::new(&pond(0.20), 2);
@@ -131,10 +120,7 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
     assert!(!is_error && text.contains("shallower"), "{text}");
     let layers = &app(&window).view.options.map.layers;
     assert!(layers.is_visible(MapLayer::Residuals));
-    for command in [
-        Command::Do(Action::CloseReference),
-        Command::CompareWithReference,
-    ] {
+    for command in [Command::Do(Action::CloseReference), Command::CompareWithReference] {
         window.state_mut().app.apply(command);
         window.run();
     }
@@ -148,10 +134,7 @@ fn window_compare_and_process_write_the_same_figures() {
     let (folder, out) = (folder.path(), folder.path().join("out"));
     let text = |path: PathBuf| std::fs::read_to_string(path).expect("a file that was written");
     compare_with(&mut window, folder.join("second.sl2"));
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Products(out.clone())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     let written: Value = serde_json::from_str(&text(out.join("quality/comparison.json"))).unwrap();
     // A number read back from JSON may be off in its last bit.
@@ -186,20 +169,13 @@ fn window_compare_and_process_write_the_same_figures() {
 fn a_setting_acts_on_both_missions_and_on_no_file() {
     let (mut window, folder) = two_missions();
     let out = folder.path().join("out");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Products(out.clone())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     compare_with(&mut window, folder.path().join("second.sl2"));
     let before = app(&window).agreement().cloned().expect("an agreement");
     let mut settings = Settings::clone(&app(&window).log.settings);
     settings.draft_m = 0.5;
-    let change = Command::Change {
-        settings: Box::new(settings),
-        label: "draft",
-        live: false,
-    };
+    let change = Command::Change { settings: Box::new(settings), label: "draft", live: false };
     for command in [change, Command::CompareWithReference] {
         window.state_mut().app.apply(command);
         window.run();
@@ -253,10 +229,7 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
     let differences = &agreement.logs[0].differences;
     let right = differences.iter().filter(is_right).count();
     assert!(50 * right >= 49 * differences.len(), "{right}");
-    let nearest = Command::MatchBy {
-        by: ReferenceBy::Nearest,
-        radius_m: 0.12,
-    };
+    let nearest = Command::MatchBy { by: ReferenceBy::Nearest, radius_m: 0.12 };
     for command in [nearest, Command::CompareWithReference] {
         window.state_mut().app.apply(command);
         window.run();
@@ -314,15 +287,8 @@ fn comparing_is_stopped_and_taken_up_again() {
     app.apply(Command::CompareWith(demo_log()));
     wait(&mut app);
     assert!(app.map.comparing.reference.is_some() && app.agreement().is_some());
-    let nearest = Command::MatchBy {
-        by: ReferenceBy::Nearest,
-        radius_m: 0.5,
-    };
-    for command in [
-        nearest,
-        Command::CompareWithReference,
-        Command::Do(Action::Cancel),
-    ] {
+    let nearest = Command::MatchBy { by: ReferenceBy::Nearest, radius_m: 0.5 };
+    for command in [nearest, Command::CompareWithReference, Command::Do(Action::Cancel)] {
         app.apply(command);
     }
     let problem = app.agreement_problem().expect("it was stopped");

@@ -1,4 +1,5 @@
-//! The real river through the whole pipeline: three containers of one recording must give one cloud.
+//! The real river through the whole pipeline: three containers of one recording must give one
+//! cloud.
 
 use crate::support;
 use bathyscope_bottom::cloud::slant_range_m;
@@ -44,16 +45,11 @@ fn the_transcoded_logs_give_the_recorded_cloud() {
         for side in Side::BOTH {
             let pairs = ranges(&survey, &products, side);
             let pairs = pairs.into_iter().zip(ranges(&other, &others, side));
-            let mut apart: Vec<f64> = pairs
-                .map(|(a, b)| (a - b).abs())
-                .filter(|apart| apart.is_finite())
-                .collect();
-            assert!(
-                apart.len() > 3400,
-                "{name} {side:?}: {} pings in both",
-                apart.len()
-            );
-            // The transcoding resampled 1479 to 1550 samples of 1.9 cm to 1400 of 2.0 cm: half a sample is its limit.
+            let mut apart: Vec<f64> =
+                pairs.map(|(a, b)| (a - b).abs()).filter(|apart| apart.is_finite()).collect();
+            assert!(apart.len() > 3400, "{name} {side:?}: {} pings in both", apart.len());
+            // The transcoding resampled 1479 to 1550 samples of 1.9 cm to 1400 of 2.0 cm: half a
+            // sample is its limit.
             let (median, p95) = (quantile(&mut apart, 0.5), quantile(&mut apart, 0.95));
             eprintln!("{name} {side:?}: median {median:.3} m, p95 {p95:.3} m apart");
             assert!(median < 0.02, "{name} {side:?}: median {median} m apart");
@@ -62,8 +58,8 @@ fn the_transcoded_logs_give_the_recorded_cloud() {
     }
 }
 
-/// Range of the deeper side minus recorded depth over some pings, sorted: on a slope the upper side detects the bank first,
-/// and the recorder's own depth is that of the water under the boat.
+/// Range of the deeper side minus recorded depth over some pings, sorted: on a slope the upper side
+/// detects the bank first, and the recorder's own depth is that of the water under the boat.
 fn deeper_side_minus_depth(
     survey: &Survey,
     products: &Products,
@@ -84,33 +80,17 @@ fn the_line_agrees_with_the_recorded_depth() {
         return;
     };
     let (survey, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
-    // The whole log as far as the recorder had the bottom: boulders as tall as the boat is far from them.
+    // The whole log as far as the recorder had the bottom: boulders as tall as the boat is far from
+    // them.
     let mut all = deeper_side_minus_depth(&survey, &products, 0..3453);
-    eprintln!(
-        "whole log: n {}, median {:+.3} m",
-        all.len(),
-        quantile(&mut all, 0.5)
-    );
+    eprintln!("whole log: n {}, median {:+.3} m", all.len(), quantile(&mut all, 0.5));
     assert!(all.len() > 2200, "{} pings", all.len());
-    assert!(
-        quantile(&mut all, 0.5).abs() < 0.40,
-        "{}",
-        quantile(&mut all, 0.5)
-    );
-    // Pings 1910 to 2300: smooth sand between the last boulders, at 1852 to 1902 on both sides, and the place where the recorder
-    // loses the bottom. It rounds to 0.1 m.
+    assert!(quantile(&mut all, 0.5).abs() < 0.40, "{}", quantile(&mut all, 0.5));
+    // Pings 1910 to 2300: smooth sand between the last boulders, at 1852 to 1902 on both sides, and
+    // the place where the recorder loses the bottom. It rounds to 0.1 m.
     let mut sand = deeper_side_minus_depth(&survey, &products, 1910..2300);
-    let (low, median, high) = (
-        quantile(&mut sand, 0.05),
-        quantile(&mut sand, 0.5),
-        quantile(&mut sand, 0.95),
-    );
-    eprintln!(
-        "sand: n {}, {low:+.3} {median:+.3} {high:+.3} m",
-        sand.len()
-    );
-    assert!(
-        median.abs() < 0.05 && low > -0.20 && high < 0.20,
-        "{low:+.3} {median:+.3} {high:+.3}"
-    );
+    let (low, median, high) =
+        (quantile(&mut sand, 0.05), quantile(&mut sand, 0.5), quantile(&mut sand, 0.95));
+    eprintln!("sand: n {}, {low:+.3} {median:+.3} {high:+.3} m", sand.len());
+    assert!(median.abs() < 0.05 && low > -0.20 && high < 0.20, "{low:+.3} {median:+.3} {high:+.3}");
 }

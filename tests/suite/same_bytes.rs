@@ -15,7 +15,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Logs over one bed, each under more water than the first by so much, metres, a day after the one before.
+/// Logs over one bed, each under more water than the first by so much, metres, a day after the one
+/// before.
 fn write_logs(folder: &Path, logs: &[(&str, f64)]) {
     for (day, (name, level_m)) in (0..).zip(logs) {
         let mut scene = pond(*level_m);
@@ -66,14 +67,11 @@ fn assert_same(by_window: &Path, by_process: &Path, rows: impl Fn(&&OutputFile) 
     });
     // A file that differs changes the name of the run in all records.
     let differing: Vec<String> = differing.collect();
-    assert!(
-        differing.is_empty(),
-        "these differ:\n{}",
-        differing.join("\n")
-    );
+    assert!(differing.is_empty(), "these differ:\n{}", differing.join("\n"));
 }
 
-/// Boxes on both sides of the open log, one accepted, one rejected, one undecided, in a file as the window keeps it.
+/// Boxes on both sides of the open log, one accepted, one rejected, one undecided, in a file as the
+/// window keeps it.
 fn decided_boxes(app: &App, path: &Path) {
     let log = &app.log;
     let survey = log.survey.as_ref().expect("a survey");
@@ -84,12 +82,7 @@ fn decided_boxes(app: &App, path: &Path) {
     let boxes = places.map(|(side, ping)| Detection {
         class: 0,
         score: 0.7,
-        mark: Mark {
-            side,
-            pings: ping..ping + 12,
-            near_m: 4.0,
-            far_m: 6.0,
-        },
+        mark: Mark { side, pings: ping..ping + 12, near_m: 4.0, far_m: 6.0 },
     });
     let empty = Review::new(Identity::of(survey), classes.to_vec());
     let proposed = empty.adopt("a model", &classes, &boxes, &raster);
@@ -100,18 +93,15 @@ fn decided_boxes(app: &App, path: &Path) {
     std::fs::write(path, text).expect("a review");
 }
 
-/// The open log of the first mission with points of the second beside it, a stroke over its bottom and decided boxes; gives back the
-/// arguments that say the same to `process`.
+/// The open log of the first mission with points of the second beside it, a stroke over its bottom
+/// and decided boxes; gives back the arguments that say the same to `process`.
 fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
     // Metres that name no system: how they were taken is a note that belongs into the report.
     let process = "process second.sl2 --no-objects --products cloud -o second";
     run(folder, &process.split(' ').collect::<Vec<_>>());
     let reference = folder.join("second/points/cloud.ply");
-    let stroke = BottomStroke {
-        side: Side::Port,
-        path: vec![[40.0, 4.0], [60.0, 3.5]],
-        ink: Ink::Bottom,
-    };
+    let stroke =
+        BottomStroke { side: Side::Port, path: vec![[40.0, 4.0], [60.0, 3.5]], ink: Ink::Bottom };
     app.apply(Command::DrawBottom(stroke));
     wait(app);
     let review = folder.join("boxes.json");
@@ -176,11 +166,7 @@ fn set(app: &mut App, assignments: &[&str]) {
     for assignment in assignments {
         settings = settings.with_assignment(assignment).expect("a setting");
     }
-    app.apply(Command::Change {
-        settings: Box::new(settings),
-        label: "a test",
-        live: false,
-    });
+    app.apply(Command::Change { settings: Box::new(settings), label: "a test", live: false });
     settle(app);
 }
 
@@ -198,9 +184,7 @@ fn survey_of_two(folder: &Path) -> App {
     let logs = ["first.sl2", "second.sl2"].map(|name| folder.join(name));
     app.apply(Command::OpenAll(logs.to_vec()));
     settle(&mut app);
-    app.apply(Command::Write(FileToWrite::Project(
-        folder.join("survey.bathyscope"),
-    )));
+    app.apply(Command::Write(FileToWrite::Project(folder.join("survey.bathyscope"))));
     settle(&mut app);
     let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
     set(&mut app, &["first_return.threshold=0.33"]);
@@ -239,13 +223,7 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
     app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
     settle(&mut app);
-    let process = [
-        "process",
-        "survey.bathyscope",
-        "--no-objects",
-        "-o",
-        "process",
-    ];
+    let process = ["process", "survey.bathyscope", "--no-objects", "-o", "process"];
     let compared = ["--reference", &reference.to_string_lossy()];
     run(folder, &[&process[..], &compared].concat());
     assert_same(&by_window, &by_process, |row| row.when != When::Searched);
@@ -259,7 +237,8 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     let keys: Vec<&str> = own.keys().map(String::as_str).collect();
     assert_eq!(keys[..2], ["bottom", "draft_m"], "{own:?}");
     assert!(own["bottom"].is_null(), "only the first was drawn on");
-    // A box of the second lies in the stretch that is excluded, and one of the others is rejected in either.
+    // A box of the second lies in the stretch that is excluded, and one of the others is rejected
+    // in either.
     let page = std::fs::read_to_string(by_window.join("report.html")).unwrap();
     assert!(page.contains("2 accepted, 0 added, 2 rejected, 2 undecided"));
     let of_log = |name: &str| page.contains(&format!("<h3>{name}</h3>"));
@@ -272,7 +251,8 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
     let folder = folder.path();
     let mut app = survey_of_two(folder);
     let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
-    // The log that was opened first, whose plane it is, is the second now and does not count in the end.
+    // The log that was opened first, whose plane it is, is the second now and does not count in the
+    // end.
     let changes = [
         ("moved", Command::MoveLog(ids[1], -1)),
         ("hidden", Command::SetLogVisible(ids[0], false)),
@@ -286,10 +266,7 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
         app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
         settle(&mut app);
         let into = by_process.to_string_lossy();
-        run(
-            folder,
-            &["process", "survey.bathyscope", "--no-objects", "-o", &into],
-        );
+        run(folder, &["process", "survey.bathyscope", "--no-objects", "-o", &into]);
         let is_written = |row: &&OutputFile| matches!(row.when, When::Always | When::Chosen(_));
         assert_same(&by_window, &by_process, is_written);
         let project = std::fs::read_to_string(folder.join("survey.bathyscope")).unwrap();
@@ -302,8 +279,5 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
     let mut again = App::new(Jobs::Threads(Arc::new(|| ())));
     again.apply(Command::Open(folder.join("survey.bathyscope")));
     settle(&mut again);
-    assert_eq!(
-        again.shown_logs()[0].log.survey.track.frame.origin(),
-        origin
-    );
+    assert_eq!(again.shown_logs()[0].log.survey.track.frame.origin(), origin);
 }

@@ -1,4 +1,5 @@
-//! Logs of one survey whose positions are off and late: found and put right by `process` and in the window.
+//! Logs of one survey whose positions are off and late: found and put right by `process` and in the
+//! window.
 
 use crate::archive::positions::{LOGS, TRUTH, write_four};
 use crate::cli::run;
@@ -60,7 +61,8 @@ fn positions_are_compared_in_the_window_and_put_right_as_one_step() {
     settle(&mut window);
     assert_eq!(in_force(&window), vec![[0.0; 3]; 4]);
 
-    // What is in force and wrong is told, though what is right is nothing: the first log is not late.
+    // What is in force and wrong is told, though what is right is nothing: the first log is not
+    // late.
     change(&mut window, "mounting.latency_s=1.5");
     assert_eq!(in_force(&window)[0][2], 1.5);
     window.get_by_label("Compare positions").click_accesskit();
@@ -75,26 +77,15 @@ fn process_moves_logs_whose_positions_are_off_when_it_is_asked_to() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let [_, off] = write_four(temporary.path());
     let statements = |more: &[&str]| -> Vec<String> {
-        let process = [
-            &["process"],
-            &LOGS[..],
-            &["-o", "out", "--no-objects", "--adjust"],
-        ];
-        run(
-            &off,
-            &[&process.concat()[..], &["--products", "residuals"], more].concat(),
-        );
+        let process = [&["process"], &LOGS[..], &["-o", "out", "--no-objects", "--adjust"]];
+        run(&off, &[&process.concat()[..], &["--products", "residuals"], more].concat());
         let text = fs::read_to_string(off.join("out/report.json")).expect("a report");
         let record: Value = serde_json::from_str(&text).expect("JSON");
         let logs = record["logs"]["logs"].as_array().expect("logs").clone();
         let said = logs.iter().map(|log| log["statement"].to_string());
         said.collect()
     };
-    assert!(
-        statements(&[])
-            .iter()
-            .all(|said| !said.contains("moved by"))
-    );
+    assert!(statements(&[]).iter().all(|said| !said.contains("moved by")));
     let said = statements(&["--positions", "--latency"]);
     assert!(said[0].contains("Positions are moved by 1."), "{}", said[0]);
     assert!(said[1].contains("s later"), "{}", said[1]);

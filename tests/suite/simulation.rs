@@ -1,4 +1,5 @@
-//! Simulated surveys: what the log says against what was simulated, and the truth against geometry worked out apart.
+//! Simulated surveys: what the log says against what was simulated, and the truth against geometry
+//! worked out apart.
 
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -35,12 +36,8 @@ fn level_scene() -> Scene {
         depth_m: 2.5,
         edge_m: 1.0,
     });
-    scene.track = TrackSettings {
-        lines: 1,
-        cross_lines: 0,
-        length_m: 12.0,
-        ..TrackSettings::default()
-    };
+    scene.track =
+        TrackSettings { lines: 1, cross_lines: 0, length_m: 12.0, ..TrackSettings::default() };
     scene.artefacts = Artefacts::none();
     scene.scattered_objects = 0;
     scene
@@ -55,9 +52,7 @@ fn mean_byte(
 ) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for ping in pings {
-        let scale = survey.side_scan[ping]
-            .side(side)
-            .expect("both sides are recorded");
+        let scale = survey.side_scan[ping].side(side).expect("both sides are recorded");
         let samples = survey.samples(ping, side).expect("both sides are recorded");
         let [first, last] = span_m.map(|range_m| scale.sample_at(range_m) as usize);
         for index in first..last {
@@ -70,16 +65,14 @@ fn mean_byte(
 
 #[test]
 fn demo_log_is_what_its_scene_gives() {
-    // Exact on every machine: the simulation uses IEEE 754 operations only. The one exception, the rounding of positions
-    // to whole metres after the system's `tan` and `ln`, could differ only within 1e-9 m of half a metre.
+    // Exact on every machine: the simulation uses IEEE 754 operations only. The one exception, the
+    // rounding of positions to whole metres after the system's `tan` and `ln`, could differ only
+    // within 1e-9 m of half a metre.
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2");
     let bundled = std::fs::read(bundled).expect("the bundled demo survey");
     assert!(bundled.len() < 4_000_000, "{} bytes", bundled.len());
     let again = run(&Scene::demo(), 1).sl2_bytes();
-    assert!(
-        bundled == again,
-        "assets/demo.sl2 is not what assets/demo.toml gives with seed 1"
-    );
+    assert!(bundled == again, "assets/demo.sl2 is not what assets/demo.toml gives with seed 1");
 }
 
 #[test]
@@ -94,8 +87,7 @@ fn same_seed_gives_same_log_on_any_number_of_threads() {
     scene.duration_s = Some(8.0);
     let threads = |count| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
-        pool.expect("a thread pool")
-            .install(|| run(&scene, 5).sl2_bytes())
+        pool.expect("a thread pool").install(|| run(&scene, 5).sl2_bytes())
     };
     let one = threads(1);
     assert!(one == threads(3));
@@ -120,18 +112,10 @@ fn log_reads_back_as_simulated() {
         }
     }
     let ranges = |expected: f64| {
-        let scale = simulated
-            .pings
-            .iter()
-            .map(|ping| ping.metres_per_sample * 1400.0);
-        scale
-            .filter(|range| (range - expected).abs() < 1e-9)
-            .count()
+        let scale = simulated.pings.iter().map(|ping| ping.metres_per_sample * 1400.0);
+        scale.filter(|range| (range - expected).abs() < 1e-9).count()
     };
-    assert!(
-        ranges(12.0) > 700 && ranges(15.0) > 150,
-        "the range changes on the way"
-    );
+    assert!(ranges(12.0) > 700 && ranges(15.0) > 150, "the range changes on the way");
 }
 
 #[test]
@@ -145,16 +129,8 @@ fn survey_and_truth_share_their_origin() {
     for ping in &simulated.pings {
         let place = survey.track.frame.to_enu(ping.position);
         assert!((place[0] - ping.east_m).abs() < 1e-6 && (place[1] - ping.north_m).abs() < 1e-6);
-        let fix = survey
-            .track
-            .fixes
-            .iter()
-            .rev()
-            .find(|fix| fix.time_s <= ping.time_s + 1e-6);
-        let fix = survey
-            .track
-            .frame
-            .to_enu(fix.expect("a fix before every ping").position);
+        let fix = survey.track.fixes.iter().rev().find(|fix| fix.time_s <= ping.time_s + 1e-6);
+        let fix = survey.track.frame.to_enu(fix.expect("a fix before every ping").position);
         let off = (fix[0] - place[0]).hypot(fix[1] - place[1]);
         assert!(off < 0.5 * 0.88 * 2f64.sqrt() + 0.27 + 0.01, "{off}");
     }
@@ -168,22 +144,15 @@ fn recorded_depth_scatters_by_three_centimetres() {
         .soundings
         .iter()
         .filter_map(|sounding| {
-            let truth = simulated
-                .pings
-                .iter()
-                .find(|ping| (ping.time_s - sounding.time_s).abs() < 1e-6)?;
+            let truth =
+                simulated.pings.iter().find(|ping| (ping.time_s - sounding.time_s).abs() < 1e-6)?;
             Some(f64::from(sounding.depth_m) - truth.depth_m)
         })
         .collect();
     assert!(errors.len() > 500, "{} soundings", errors.len());
     let count = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / count;
-    let sd = (errors
-        .iter()
-        .map(|error| (error - mean).powi(2))
-        .sum::<f64>()
-        / count)
-        .sqrt();
+    let sd = (errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / count).sqrt();
     assert!(mean.abs() < 0.005, "{mean}");
     assert!((0.027..0.033).contains(&sd), "{sd}");
 }
@@ -198,10 +167,8 @@ fn first_return_is_the_nearest_ground_by_brute_force() {
                 let nearest = (0..3000)
                     .map(|step| {
                         let across = f64::from(step) * 0.001;
-                        let [east, north] = [
-                            ping.east_m + sign * across * cos,
-                            ping.north_m - sign * across * sin,
-                        ];
+                        let [east, north] =
+                            [ping.east_m + sign * across * cos, ping.north_m - sign * across * sin];
                         across.hypot(simulated.bed_depth_m(east, north))
                     })
                     .fold(f64::INFINITY, f64::min);
@@ -224,10 +191,7 @@ fn level_ground_returns_first_at_its_depth_on_both_sides() {
     for ping in &simulated.pings {
         for side in Side::BOTH {
             let first = ping.side(side).first_return_m;
-            assert!(
-                (first - ping.depth_m).abs() < 0.01 && (first - 2.5).abs() < 0.02,
-                "{first}"
-            );
+            assert!((first - ping.depth_m).abs() < 0.01 && (first - 2.5).abs() < 0.02, "{first}");
         }
     }
     for side in Side::BOTH {
@@ -265,22 +229,15 @@ fn shadow_tells_the_height_of_a_block() {
     };
     // Sailing east, south is starboard; 2 m at 0.135 m a ping.
     assert_eq!(seen.side, Side::Starboard);
-    assert!(
-        (14..17).contains(&(seen.last_ping - seen.first_ping + 1)),
-        "{seen:?}"
-    );
+    assert!((14..17).contains(&(seen.last_ping - seen.first_ping + 1)), "{seen:?}");
     // h = H (r_end - r_top) / r_end, from the far edge of the top (equations of the shadow).
     let [from, to] = seen.shadow_m;
     let height = 2.5 * (to - from) / to;
     assert!((height - 0.5).abs() < 0.02, "{height}");
     // The picture shows it: dark behind the block, not so a few metres along the track.
     let shadow = [from + 0.15, to - 0.15];
-    let behind = mean_byte(
-        &survey,
-        seen.first_ping + 2..seen.last_ping - 1,
-        Side::Starboard,
-        shadow,
-    );
+    let behind =
+        mean_byte(&survey, seen.first_ping + 2..seen.last_ping - 1, Side::Starboard, shadow);
     let beside = mean_byte(&survey, 0..20, Side::Starboard, shadow);
     let top = mean_byte(
         &survey,
@@ -300,12 +257,7 @@ fn weed_returns_before_the_ground_and_is_flagged() {
     let survey = open(&simulated);
     let (weed, bare): (Vec<usize>, Vec<usize>) =
         (0..simulated.pings.len()).partition(|&ping| simulated.pings[ping].port.weed);
-    assert!(
-        weed.len() > 10 && bare.len() > 10,
-        "{} {}",
-        weed.len(),
-        bare.len()
-    );
+    assert!(weed.len() > 10 && bare.len() > 10, "{} {}", weed.len(), bare.len());
     let above = [2.2, 2.35];
     let over_weed = mean_byte(&survey, weed.into_iter(), Side::Port, above);
     let over_bare = mean_byte(&survey, bare.into_iter(), Side::Port, above);
@@ -325,10 +277,7 @@ fn fixes_are_fresh_ten_times_a_second_and_mostly_repeat() {
     }
     assert_eq!(at, bytes.len());
     let seconds = simulated.pings.last().expect("pings").time_s;
-    assert!(
-        (fresh as f64 / seconds - 10.0).abs() < 0.3,
-        "{fresh} in {seconds} s"
-    );
+    assert!((fresh as f64 / seconds - 10.0).abs() < 0.3, "{fresh} in {seconds} s");
     assert!(frames > 3 * fresh, "{frames} {fresh}");
 }
 
@@ -336,34 +285,22 @@ fn fixes_are_fresh_ten_times_a_second_and_mostly_repeat() {
 fn truth_tables_have_a_line_for_every_ping_and_sighting() {
     let simulated = run_short(Scene::gentle());
     let mut truth = Vec::new();
-    simulated
-        .write_truth_csv(&mut truth)
-        .expect("writing to memory");
+    simulated.write_truth_csv(&mut truth).expect("writing to memory");
     let mut reader = csv::Reader::from_reader(truth.as_slice());
     let headings: Vec<f64> = reader
         .records()
         .map(|record| record.expect("a whole line")[6].parse().expect("a heading"))
         .collect();
     assert_eq!(headings.len(), simulated.pings.len());
-    assert!(
-        (headings[0] - 90.0).abs() < 1e-3,
-        "the first line runs east"
-    );
+    assert!((headings[0] - 90.0).abs() < 1e-3, "the first line runs east");
     let rad = simulated.pings[0].heading_rad;
     assert!((rad - PI / 2.0).abs() < 1e-6, "{rad}");
 
     let mut objects = Vec::new();
-    simulated
-        .write_objects_csv(&mut objects)
-        .expect("writing to memory");
-    let lines = csv::Reader::from_reader(objects.as_slice())
-        .into_records()
-        .count();
-    let sightings: usize = simulated
-        .objects
-        .iter()
-        .map(|object| object.sightings.len().max(1))
-        .sum();
+    simulated.write_objects_csv(&mut objects).expect("writing to memory");
+    let lines = csv::Reader::from_reader(objects.as_slice()).into_records().count();
+    let sightings: usize =
+        simulated.objects.iter().map(|object| object.sightings.len().max(1)).sum();
     assert_eq!(lines, sightings);
 }
 
@@ -372,18 +309,9 @@ fn scenes_out_of_bounds_are_refused_in_one_sentence() {
     for (text, part) in [
         ("[bed]\nmean_depth_m = -1.0", "bed.mean_depth_m is -1"),
         ("[bed]\nmean_depth_m = nan", "bed.mean_depth_m is NaN"),
-        (
-            "[track]\nlines = 0\ncross_lines = 0",
-            "the track has no line",
-        ),
-        (
-            "[track]\nlength_m = 100000.0\nlines = 1000",
-            "more than 500000",
-        ),
-        (
-            "[recorder]\nsamples_per_side = 40000",
-            "recorder.samples_per_side is 40000",
-        ),
+        ("[track]\nlines = 0\ncross_lines = 0", "the track has no line"),
+        ("[track]\nlength_m = 100000.0\nlines = 1000", "more than 500000"),
+        ("[recorder]\nsamples_per_side = 40000", "recorder.samples_per_side is 40000"),
         ("[bed]\ncolour = 3", "unknown field `colour`"),
         ("[bed", "unclosed table"),
     ] {
@@ -391,12 +319,7 @@ fn scenes_out_of_bounds_are_refused_in_one_sentence() {
         assert!(error.contains(part), "{text}: {error}");
         assert_eq!(error.lines().count(), 1, "{error}");
     }
-    for scene in [
-        Scene::gentle(),
-        Scene::steep(),
-        Scene::rough(),
-        Scene::demo(),
-    ] {
+    for scene in [Scene::gentle(), Scene::steep(), Scene::rough(), Scene::demo()] {
         scene.check().expect("a preset");
         let text = toml::to_string(&scene).expect("TOML");
         assert_eq!(Scene::from_toml(&text).expect(&text), scene);
@@ -407,10 +330,7 @@ fn scenes_out_of_bounds_are_refused_in_one_sentence() {
 fn cancelled_simulation_stops() {
     let progress = Progress::new();
     progress.cancel();
-    assert!(matches!(
-        simulate(&Scene::gentle(), 1, &progress),
-        Err(Cancelled)
-    ));
+    assert!(matches!(simulate(&Scene::gentle(), 1, &progress), Err(Cancelled)));
 }
 
 /// Mean and standard deviation of the starboard bytes of the even ground between two slant ranges.
@@ -418,9 +338,7 @@ fn spread_of_bytes(scene: &Scene, span_m: [f64; 2]) -> [f64; 2] {
     let survey = open(&run(scene, 1));
     let mut bytes = Vec::new();
     for ping in 0..survey.side_scan.len() {
-        let scale = survey.side_scan[ping]
-            .side(Side::Starboard)
-            .expect("a side");
+        let scale = survey.side_scan[ping].side(Side::Starboard).expect("a side");
         let samples = survey.samples(ping, Side::Starboard).expect("samples");
         let [first, last] = span_m.map(|range_m| scale.sample_at(range_m) as usize);
         bytes.extend((first..last).map(|index| f64::from(samples.get(index))));
@@ -453,7 +371,8 @@ fn a_bed_that_scatters_by_a_higher_power_is_darker_where_it_is_seen_flatly() {
         scene.bed.scatter_power = power;
         spread_of_bytes(&scene, span_m)[0] / scene.recorder.bytes_per_db
     };
-    // At 3.54 and 5 m the cosines are 0.71 and 0.5: cos^2 more takes 3 dB from the first and 6 from the second.
+    // At 3.54 and 5 m the cosines are 0.71 and 0.5: cos^2 more takes 3 dB from the first and 6 from
+    // the second.
     let [near_db, far_db] =
         [[3.49, 3.59], [4.9, 5.1]].map(|span_m| level_db(2.0, span_m) - level_db(4.0, span_m));
     assert!((far_db - near_db - 3.0).abs() < 0.5, "{near_db} {far_db}");
@@ -462,10 +381,7 @@ fn a_bed_that_scatters_by_a_higher_power_is_darker_where_it_is_seen_flatly() {
 #[test]
 fn fixes_wander_from_the_first_on() {
     let mut scene = Scene::gentle();
-    scene.artefacts = Artefacts {
-        position_m: 2.0,
-        ..Artefacts::none()
-    };
+    scene.artefacts = Artefacts { position_m: 2.0, ..Artefacts::none() };
     let simulated = run(&scene, 1);
     let survey = open(&simulated);
     let boat_at = |time_s: f64| {

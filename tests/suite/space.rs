@@ -1,4 +1,5 @@
-//! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the real river.
+//! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the
+//! real river.
 
 use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
@@ -68,10 +69,7 @@ fn pond() -> (Survey, Products) {
         soundings: Arc::new(soundings.collect()),
         track: Track::new(vec![Fix {
             time_s: 0.0,
-            position: LonLat {
-                lon_deg: -82.11,
-                lat_deg: 29.41,
-            },
+            position: LonLat { lon_deg: -82.11, lat_deg: 29.41 },
             cog_rad: f32::NAN,
             compass_rad: f32::NAN,
             speed_mps: f32::NAN,
@@ -108,14 +106,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
     let points = every(PointSource::DownScan, 0.0)
         .chain(every(PointSource::Port, -0.8))
         .chain(every(PointSource::Starboard, 0.8))
-        .chain(outliers.map(|ping| {
-            (
-                PointSource::Port,
-                ping,
-                -2.5,
-                1.0 + 0.01 * ping as f64 % 0.7,
-            )
-        }))
+        .chain(outliers.map(|ping| (PointSource::Port, ping, -2.5, 1.0 + 0.01 * ping as f64 % 0.7)))
         .map(|(source, ping, across_m, up_m)| (point(source, ping, across_m, up_m), up_m == 0.0));
     let mut flagged: Vec<(CloudPoint, bool)> = points.collect();
     flagged.sort_by_key(|(point, _)| (point.source, point.ping));
@@ -123,10 +114,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
         true => PointClass::Bottom,
         false => PointClass::LowNoise,
     };
-    let classes = flagged
-        .iter()
-        .map(|(_, is_bottom)| class(*is_bottom))
-        .collect();
+    let classes = flagged.iter().map(|(_, is_bottom)| class(*is_bottom)).collect();
     let cloud = PointCloud {
         points: flagged.into_iter().map(|(point, _)| point).collect(),
         zero_heading: 0,
@@ -156,7 +144,8 @@ fn products(
     };
     let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
     let depth_range_m = depth_range(locked.map(|sounding| sounding.depth_m));
-    // The second one lies in the middle of the pond, so that the test finds it in the middle of the map.
+    // The second one lies in the middle of the pond, so that the test finds it in the middle of the
+    // map.
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
     Products {
         settings: Arc::default(),
@@ -261,11 +250,7 @@ fn open(room: Room) -> Window {
     let mut window = Harness::builder()
         .with_size(SIZE)
         .with_pixels_per_point(1.0)
-        .with_theme(if dark {
-            egui::Theme::Dark
-        } else {
-            egui::Theme::Light
-        })
+        .with_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light })
         .with_options(support::snapshot_options())
         .with_render_cursor(false)
         .renderer(WgpuTestRenderer::from_render_state(state))
@@ -282,11 +267,7 @@ fn open(room: Room) -> Window {
 
 /// The middle of the view.
 fn middle(window: &Window) -> Pos2 {
-    let name = if window.state().shows_cloud {
-        "3D point cloud"
-    } else {
-        "Map,"
-    };
+    let name = if window.state().shows_cloud { "3D point cloud" } else { "Map," };
     window.get_by_label_contains(name).rect().center()
 }
 
@@ -315,9 +296,7 @@ fn nearest_ping(east_m: f64, north_m: f64) -> usize {
         let nav = place(*ping);
         (nav.east_m - east_m).hypot(nav.north_m - north_m)
     };
-    (0..LINES * PINGS_A_LINE)
-        .min_by(|a, b| off(a).total_cmp(&off(b)))
-        .unwrap()
+    (0..LINES * PINGS_A_LINE).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
 }
 
 #[test]
@@ -372,10 +351,7 @@ fn the_pointer_on_the_map_finds_the_nearest_ping() {
     // The map is fitted to the pond.
     let ping = nearest_ping(20.0, 24.0);
     assert_eq!(window.state().app.view.hover, Some(LogPlace::ping(ping)));
-    assert_eq!(
-        window.state().app.view.selection,
-        Some(LogPlace::ping(ping))
-    );
+    assert_eq!(window.state().app.view.selection, Some(LogPlace::ping(ping)));
     let reveals = |command: &Command| matches!(command, Command::RevealIn(_, mark) if *mark == LogPlace::ping(ping));
     assert!(window.state().pushed.iter().any(reveals));
     window.remove_cursor();
@@ -405,10 +381,7 @@ fn a_click_with_the_tool_proposes_the_stretch_around_it() {
     let [proposed] = proposals(&window)[..] else {
         panic!("one proposal: {:?}", window.state().pushed);
     };
-    assert!(
-        (proposed.start..proposed.end).contains(&ping),
-        "{proposed:?}"
-    );
+    assert!((proposed.start..proposed.end).contains(&ping), "{proposed:?}");
 }
 
 #[test]
@@ -416,10 +389,7 @@ fn a_numbered_stretch_says_how_flat_it_is_and_is_proposed_by_a_click() {
     let mut window = open(Room::map());
     let badge = pond_middle(&window) - vec2(0.0, 15.5);
     click(&mut window, badge);
-    let expected = PingRange {
-        start: 333,
-        end: 374,
-    };
+    let expected = PingRange { start: 333, end: 374 };
     assert_eq!(proposals(&window), [expected]);
     assert_eq!(window.state().app.log.proposed_stretch(), Some(expected));
 }
@@ -431,16 +401,12 @@ fn a_click_on_a_point_leads_to_its_ping_and_sample() {
     let mut window = open(room);
     let at = middle(&window);
     click(&mut window, at);
-    let mark = window
-        .state()
-        .app
-        .view
-        .selection
-        .expect("a point near the middle");
+    let mark = window.state().app.view.selection.expect("a point near the middle");
     let products = window.state().app.log.products.clone().unwrap();
     let point = products.cloud.points[mark.point.unwrap()];
     assert_eq!(mark.ping, point.ping as usize);
-    // From above the middle of the picture is the middle of the pond; a point lies there or a few pixels beside.
+    // From above the middle of the picture is the middle of the pond; a point lies there or a few
+    // pixels beside.
     let off_m = (point.east_m - 20.0).hypot(point.north_m - 24.0);
     assert!(off_m < 2.0, "{off_m}");
 }
@@ -474,10 +440,9 @@ fn empty_views_offer_the_demo() {
 #[test]
 fn without_a_gpu_the_views_say_so() {
     for (shows_cloud, name) in [(false, "Map, track"), (true, "3D point cloud, 2 121")] {
-        let mut window = Harness::builder().with_size(SIZE).build_ui_state(
-            |ui, room: &mut Room| room.ui(ui, None),
-            Room::new(true, shows_cloud),
-        );
+        let mut window = Harness::builder()
+            .with_size(SIZE)
+            .build_ui_state(|ui, room: &mut Room| room.ui(ui, None), Room::new(true, shows_cloud));
         window.run();
         window.get_by_label_contains(name);
     }
@@ -494,10 +459,7 @@ fn wheel_and_drag_move_the_map_and_a_reveal_brings_a_ping_back() {
     }
     assert_ne!(window.render().unwrap(), before);
     // The first ping is out of sight now; a reveal from another view brings it to the middle.
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(0)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(0)));
     window.run();
     window.hover_at(at);
     window.run();
@@ -547,27 +509,14 @@ fn the_depth_map_of_the_real_river_stays_by_its_soundings() {
     let settings = HeadingSettings::default();
     let navigation = navigate(&survey, &settings, Projection::Enu, &progress).unwrap();
     let points = depth_points(&survey, &navigation);
-    let settings = SurfaceSettings {
-        max_side: 512,
-        ..SurfaceSettings::default()
-    };
-    let map = surface(points.clone(), &settings, &progress)
-        .unwrap()
-        .unwrap();
+    let settings = SurfaceSettings { max_side: 512, ..SurfaceSettings::default() };
+    let map = surface(points.clone(), &settings, &progress).unwrap().unwrap();
     let depths = points.iter().map(|point| point.depth_m as f32);
     let [least, most] = depths.fold([f32::MAX, f32::MIN], |[l, m], d| [l.min(d), m.max(d)]);
-    let known: Vec<f32> = map
-        .depth_m
-        .iter()
-        .copied()
-        .filter(|d| !d.is_nan())
-        .collect();
+    let known: Vec<f32> = map.depth_m.iter().copied().filter(|d| !d.is_nan()).collect();
     assert!(known.len() > 100, "{}", known.len());
     assert!(known.iter().all(|depth| (least..=most).contains(depth)));
     let farthest = map.distance_m.iter().copied().fold(0.0, f32::max);
     assert!(f64::from(farthest) <= settings.max_gap_m, "{farthest}");
-    assert!(
-        map.at(points[0].east_m + 500.0, points[0].north_m)
-            .is_none()
-    );
+    assert!(map.at(points[0].east_m + 500.0, points[0].north_m).is_none());
 }

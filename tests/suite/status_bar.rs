@@ -20,16 +20,8 @@ fn status_bar(window: &Window) -> Vec<(String, Rect)> {
     });
     // What a panel holds beyond its lower edge lies there, too.
     let is_cell = |text: &str| {
-        let starts = [
-            "ping ",
-            "range ",
-            "altitude ",
-            "depth ",
-            "COG ",
-            "compass ",
-            "UTM ",
-            "Notices",
-        ];
+        let starts =
+            ["ping ", "range ", "altitude ", "depth ", "COG ", "compass ", "UTM ", "Notices"];
         let is_place = text.contains("° N") && text.contains("° ")
             || text.contains("' N")
             || text.contains("\" N");
@@ -51,18 +43,12 @@ fn status_bar(window: &Window) -> Vec<(String, Rect)> {
 
 #[test]
 fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
-    for (pixels, scale) in [
-        ([1920.0, 1080.0], 1.0),
-        ([1280.0, 720.0], 1.0),
-        ([1280.0, 720.0], 2.0),
-    ] {
+    for (pixels, scale) in [([1920.0, 1080.0], 1.0), ([1280.0, 720.0], 1.0), ([1280.0, 720.0], 2.0)]
+    {
         let mut window = window_of(pixels, scale, false);
         window.run();
-        let mark = LogPlace {
-            side: Some(Side::Starboard),
-            sample: Some(700.0),
-            ..LogPlace::ping(1204)
-        };
+        let mark =
+            LogPlace { side: Some(Side::Starboard), sample: Some(700.0), ..LogPlace::ping(1204) };
         for format in CoordinateFormat::ALL {
             let state = window.state_mut();
             state.app.view.options.coordinates = format;
@@ -72,13 +58,8 @@ fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
             let texts: Vec<&str> = bar.iter().map(|(text, _)| text.as_str()).collect();
             println!("{pixels:?} at {scale}: {}", texts.join(" | "));
             let whole = window.ctx.content_rect();
-            assert!(
-                bar.iter().all(|(_, rect)| whole.contains_rect(*rect)),
-                "{bar:?}"
-            );
-            let apart = bar
-                .windows(2)
-                .all(|two| two[0].1.right() <= two[1].1.left() + 0.5);
+            assert!(bar.iter().all(|(_, rect)| whole.contains_rect(*rect)), "{bar:?}");
+            let apart = bar.windows(2).all(|two| two[0].1.right() <= two[1].1.left() + 0.5);
             assert!(apart, "{bar:?}");
             let has = |start: &str| texts.iter().any(|text| text.starts_with(start));
             assert!(has("depth "), "{texts:?}");
@@ -87,10 +68,7 @@ fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
                     assert!(has(start), "{start} of {texts:?}");
                 }
                 let has_end = |end: &str| texts.iter().any(|text| text.ends_with(end));
-                assert!(
-                    has_end("m/s") && texts.iter().any(|text| text.contains(':')),
-                    "{texts:?}"
-                );
+                assert!(has_end("m/s") && texts.iter().any(|text| text.contains(':')), "{texts:?}");
             }
         }
     }
@@ -99,17 +77,10 @@ fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
 #[test]
 fn a_heading_of_the_compass_is_called_so() {
     let mut window = demo_window();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Select(Some(LogPlace::ping(1204))));
+    window.state_mut().app.apply(Command::Select(Some(LogPlace::ping(1204))));
     let mut settings = app(&window).log.settings.as_ref().clone();
     settings.heading.source = HeadingSource::Compass;
-    let change = Command::Change {
-        settings: Box::new(settings),
-        label: "heading",
-        live: false,
-    };
+    let change = Command::Change { settings: Box::new(settings), label: "heading", live: false };
     window.state_mut().app.apply(change);
     window.run();
     let texts = status_bar(&window);

@@ -21,15 +21,12 @@ pub(super) fn manifest_entry(folder: &Path, name: &str) -> Value {
     let manifest = manifest(folder);
     let mut files = manifest["files"].as_array().expect("files").iter();
     let entry = files.find(|file| file["file"] == name);
-    entry
-        .unwrap_or_else(|| panic!("{name} is not in it"))
-        .clone()
+    entry.unwrap_or_else(|| panic!("{name} is not in it")).clone()
 }
 
-/// How pictures are compared with those in `tests/snapshots/`. lavapipe compiles for the processor it runs on, so the last
-/// bit of a colour and the odd pixel of an edge differ between machines, up to 45 of a map; a changed picture differs in far more.
+/// How pictures are compared with those in `tests/snapshots/`. lavapipe compiles for the processor
+/// it runs on, so the last bit of a colour and the odd pixel of an edge differ between machines, up
+/// to 45 of a map; a changed picture differs in far more.
 pub(super) fn snapshot_options() -> egui_kittest::SnapshotOptions {
-    egui_kittest::SnapshotOptions::new()
-        .threshold(1.0)
-        .max_failed_pixels(64usize)
+    egui_kittest::SnapshotOptions::new().threshold(1.0).max_failed_pixels(64usize)
 }

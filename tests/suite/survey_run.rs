@@ -1,6 +1,7 @@
-//! A survey as a new user would work on it, from a folder of four logs to its products: a turn excluded, a bottom corrected, heights
-//! compared and applied, objects of two logs reviewed; saved, closed, opened again and written out. By mouse and keys wherever the
-//! system's own dialogs are not in between.
+//! A survey as a new user would work on it, from a folder of four logs to its products: a turn
+//! excluded, a bottom corrected, heights compared and applied, objects of two logs reviewed; saved,
+//! closed, opened again and written out. By mouse and keys wherever the system's own dialogs are
+//! not in between.
 
 use crate::bottom::draw;
 use crate::exclusion_window::{click, on_map};
@@ -35,28 +36,18 @@ fn show(window: &mut Window, name: &str) {
     assert_eq!(app(window).log.name(), name);
 }
 
-/// A review file with what a model proposes in a log, as an earlier run of `detect` leaves it beside the log.
+/// A review file with what a model proposes in a log, as an earlier run of `detect` leaves it
+/// beside the log.
 fn propose(folder: &Path, name: &str) {
     let path = folder.join(format!("{name}.sl2"));
     let survey = formats::open(&path, &Progress::new()).expect("a log");
-    let products = pipeline::run(
-        &survey,
-        &Settings::default(),
-        None,
-        &Progress::new(),
-        |_| (),
-    )
-    .expect("nobody cancels");
+    let products = pipeline::run(&survey, &Settings::default(), None, &Progress::new(), |_| ())
+        .expect("nobody cancels");
     let raster = Raster::new(&survey, &products.navigation, 0.04);
     let found = [60, 200].map(|ping| Detection {
         class: 0,
         score: 0.8,
-        mark: Mark {
-            side: Side::Starboard,
-            pings: ping..ping + 14,
-            near_m: 6.0,
-            far_m: 8.0,
-        },
+        mark: Mark { side: Side::Starboard, pings: ping..ping + 14, near_m: 6.0, far_m: 8.0 },
     });
     let classes = vec!["object".to_owned()];
     let review = Review::new(Identity::of(&survey), classes.clone());
@@ -87,9 +78,7 @@ fn turn_of(log: &OpenLog) -> [usize; 2] {
 fn kept_points(log: &OpenLog, [first, last]: [usize; 2]) -> usize {
     let products = log.products.as_ref().expect("results");
     let inside = |ping: u32| (first..=last).contains(&(ping as usize));
-    (products.kept_points())
-        .filter(|point| inside(point.ping))
-        .count()
+    (products.kept_points()).filter(|point| inside(point.ping)).count()
 }
 
 fn states(log: &OpenLog) -> Vec<State> {
@@ -102,11 +91,7 @@ fn decisions(window: &Window) -> Vec<String> {
         let settings = toml::to_string(&*log.settings).expect("settings are text");
         let exclusions = &log.exclusions().expect("a result").exclusions.stretches;
         let boxes: Vec<_> = log.reviewing.review.boxes().collect();
-        format!(
-            "{} {} {settings} {exclusions:?} {boxes:?}",
-            log.name(),
-            log.is_visible
-        )
+        format!("{} {} {settings} {exclusions:?} {boxes:?}", log.name(), log.is_visible)
     });
     logs.collect()
 }
@@ -120,14 +105,9 @@ fn rows(table: &str, log: &str, columns: [&str; 2]) -> Vec<[String; 2]> {
     };
     let [one, other] = columns.map(place);
     let own = place("log");
-    let fields = table
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').collect::<Vec<_>>());
+    let fields = table.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
     let of_log = fields.filter(|fields| fields[own] == log);
-    of_log
-        .map(|fields| [fields[one].to_owned(), fields[other].to_owned()])
-        .collect()
+    of_log.map(|fields| [fields[one].to_owned(), fields[other].to_owned()]).collect()
 }
 
 #[test]
@@ -140,7 +120,8 @@ fn four_logs_from_the_folder_to_the_products() {
     }
     let logs_before = crate::project_window::hashes(folder);
 
-    // Opened: all of them are in the list and on the map, with the boxes that lay beside two of them.
+    // Opened: all of them are in the list and on the map, with the boxes that lay beside two of
+    // them.
     let mut window = empty_window();
     drop_file(&mut window, folder.to_owned());
     settle(&mut window);
@@ -169,10 +150,7 @@ fn four_logs_from_the_folder_to_the_products() {
     assert!(!app(&window).is_project_unsaved());
     let text = fs::read_to_string(&project).expect("a project");
     for said in [
-        format!(
-            "pings.{} = {{ last = {}, reason = \"drawn\" }}",
-            turn[0], turn[1]
-        ),
+        format!("pings.{} = {{ last = {}, reason = \"drawn\" }}", turn[0], turn[1]),
         "height_offset_m = ".to_owned(),
         "port.".to_owned(),
         "state = \"accepted\"".to_owned(),
@@ -210,12 +188,7 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     let [first, last] = turn_of(log(window, "lake-1"));
     assert!(kept_points(log(window, "lake-1"), [first, last]) > 0);
     press(window, Modifiers::NONE, Key::K);
-    draw(
-        window,
-        Modifiers::NONE,
-        (first as f64, 3.0),
-        (last as f64, -3.0),
-    );
+    draw(window, Modifiers::NONE, (first as f64, 3.0), (last as f64, -3.0));
     settle(window);
     let found = log(window, "lake-1").exclusions().expect("found").clone();
     let [stretch] = found.exclusions.stretches[..] else {
@@ -247,13 +220,7 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     press(window, Modifiers::NONE, Key::K);
     click(window, middle);
     settle(window);
-    assert!(
-        log(window, "lake-3")
-            .exclusions()
-            .expect("found")
-            .exclusions
-            .is_empty()
-    );
+    assert!(log(window, "lake-3").exclusions().expect("found").exclusions.is_empty());
     press(window, Modifiers::NONE, Key::Escape);
     turn
 }
@@ -265,20 +232,13 @@ fn correct_a_bottom(window: &mut Window) {
     draw(window, Modifiers::NONE, (30.0, -5.0), (70.0, -5.5));
     settle(window);
     let edits = &log(window, "lake-2").settings.bottom;
-    assert!(
-        (36..=46).contains(&edits.ping_count()),
-        "{}",
-        edits.ping_count()
-    );
+    assert!((36..=46).contains(&edits.ping_count()), "{}", edits.ping_count());
     assert_eq!(app(window).undo_label(), Some("bottom of lake-2"));
     window.get_by_label_contains("pings edited");
     let products = log(window, "lake-2").products.as_ref().expect("results");
     let survey = log(window, "lake-2").survey.as_ref().expect("a log");
     let pick = products.returns.port[50];
-    let range_m = survey
-        .span(50, Side::Port)
-        .expect("a side")
-        .range_m(f64::from(pick.sample));
+    let range_m = survey.span(50, Side::Port).expect("a side").range_m(f64::from(pick.sample));
     assert!((range_m - 5.25).abs() < 0.15, "{range_m}");
     press(window, Modifiers::NONE, Key::Escape);
 }
@@ -291,16 +251,10 @@ fn compare_heights(window: &mut Window) -> Vec<f64> {
     window.get_by_label("Apply heights").click();
     settle(window);
     assert_eq!(app(window).undo_label(), Some("height offsets of 4 logs"));
-    let offsets: Vec<f64> = app(window)
-        .logs()
-        .map(|log| log.settings.height_offset_m)
-        .collect();
+    let offsets: Vec<f64> = app(window).logs().map(|log| log.settings.height_offset_m).collect();
     let mean_m = HIGHER_M[..LOGS].iter().sum::<f64>() / LOGS as f64;
     for (offset_m, higher_m) in offsets.iter().zip(HIGHER_M) {
-        assert!(
-            (offset_m - (higher_m - mean_m)).abs() < 0.012,
-            "{offsets:?}"
-        );
+        assert!((offset_m - (higher_m - mean_m)).abs() < 0.012, "{offsets:?}");
     }
     offsets
 }
@@ -316,11 +270,7 @@ fn review_two_logs(window: &mut Window) {
     }
     let decided = REVIEWED.map(|name| states(log(window, name))).concat();
     let count = |state| decided.iter().filter(|one| **one == state).count();
-    assert_eq!(
-        [State::Accepted, State::Rejected].map(count),
-        [2, 2],
-        "{decided:?}"
-    );
+    assert_eq!([State::Accepted, State::Rejected].map(count), [2, 2], "{decided:?}");
     for name in REVIEWED {
         show(window, name);
         press(window, Modifiers::NONE, Key::Escape);
@@ -340,9 +290,7 @@ fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
     let table = fs::read_to_string(out.join("points/first_returns.csv")).expect("a table");
     let exclusions = rows(&table, "lake-1", ["ping", "excluded"]);
     let drawn = exclusions.iter().filter(|[_, reason]| reason == "drawn");
-    let drawn: Vec<usize> = drawn
-        .map(|[ping, _]| ping.parse().expect("a ping"))
-        .collect();
+    let drawn: Vec<usize> = drawn.map(|[ping, _]| ping.parse().expect("a ping")).collect();
     assert_eq!(drawn, (turn[0]..=turn[1]).collect::<Vec<_>>());
     for other in ["lake-0", "lake-2", "lake-3"] {
         let reasons = rows(&table, other, ["ping", "excluded"]);
@@ -356,16 +304,10 @@ fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
 
     let report = fs::read_to_string(out.join("report.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_str(&report).expect("a report");
-    let logs = report["logs"]["logs"]
-        .as_array()
-        .expect("a report of each log");
+    let logs = report["logs"]["logs"].as_array().expect("a report of each log");
     for (log, offset_m) in logs.iter().zip(offsets) {
         let in_force_m = log["height_offset_in_force_m"].as_f64().expect("a number");
-        assert!(
-            (in_force_m - offset_m).abs() < 1e-9,
-            "{}: {in_force_m}",
-            log["log"]
-        );
+        assert!((in_force_m - offset_m).abs() < 1e-9, "{}: {in_force_m}", log["log"]);
     }
     assert_eq!(logs[1]["excluded"][0]["pings"], serde_json::json!(turn));
     assert_eq!(report["counts"]["excluded_pings"], turn[1] + 1 - turn[0]);

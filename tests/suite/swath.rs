@@ -70,10 +70,7 @@ fn log(steps: i32, way: [i32; 2]) -> Vec<u8> {
             ..Frame::new(0, STEP_MS * step)
         };
         let [x, y] = mercator_m(step);
-        [sounding, swath].map(|one| Frame {
-            xy_m: (x, y),
-            ..one
-        })
+        [sounding, swath].map(|one| Frame { xy_m: (x, y), ..one })
     });
     sl3(&each.collect::<Vec<_>>(), 168)
 }
@@ -113,19 +110,12 @@ fn points_lie_on_the_plane_and_on_their_sides() {
             let off_m = [point.east_m - boat.east_m, point.north_m - boat.north_m];
             let [east, north] = starboard(way);
             let right_m = east * off_m[0] + north * off_m[1];
-            let expected = if right_m > 0.0 {
-                Side::Starboard
-            } else {
-                Side::Port
-            };
+            let expected = if right_m > 0.0 { Side::Starboard } else { Side::Port };
             assert_eq!(point.side(&survey), Some(expected));
             let range_m = products.reduction().point_range_m(&survey, point);
             assert!((range_m - right_m.hypot(point.z_m)).abs() < 0.01);
         }
-        eprintln!(
-            "{} points, at most {worst_m:.4} m off the plane",
-            points.len()
-        );
+        eprintln!("{} points, at most {worst_m:.4} m off the plane", points.len());
         assert!(worst_m < 0.01, "{worst_m} m");
     }
 }
@@ -248,12 +238,7 @@ fn the_depth_map_the_files_and_the_report_take_the_swath() {
     assert_eq!((counts.pings, counts.points), (80, all));
     assert_eq!((counts.depths, counts.unreliable), (80 * 2 * PAIRS, 80));
     assert!(points > all / 2, "{points} of {all}");
-    assert!(
-        written
-            .report
-            .summary()
-            .contains("80 depths that the recorder marks as unreliable")
-    );
+    assert!(written.report.summary().contains("80 depths that the recorder marks as unreliable"));
     let residuals = fs::read_to_string(folder.path().join("quality/residuals.json"));
     let residuals: Value = serde_json::from_str(&residuals.expect("a file")).expect("JSON");
     let compared = residuals["comparisons"].as_array().expect("comparisons");

@@ -1,5 +1,5 @@
-//! Which depths count: side-scan where the recorder lost the bottom, first returns by their confidence, and what lies above the
-//! recorded depth.
+//! Which depths count: side-scan where the recorder lost the bottom, first returns by their
+//! confidence, and what lies above the recorded depth.
 
 use crate::truth::KnownSurvey;
 use bathyscope_bottom::cloud::{
@@ -57,11 +57,7 @@ fn depth_comes_from_side_scan_where_the_recorder_lost_the_bottom() {
     assert!((0.2..0.3).contains(&share.side_scan_only()), "{share:?}");
     let report = Report::new(&pond.survey, &products, &Progress::new()).expect("not cancelled");
     assert_eq!(report.track, share);
-    assert!(
-        report.summary().contains("comes from side-scan only over"),
-        "{}",
-        report.summary()
-    );
+    assert!(report.summary().contains("comes from side-scan only over"), "{}", report.summary());
 }
 
 #[test]
@@ -86,23 +82,12 @@ fn points_of_unsure_first_returns_are_not_kept_and_counted() {
 
     // Another floor finds nothing anew.
     settings.first_return.min_confidence = 0.0;
-    let all = pipeline::run(
-        &pond.survey,
-        &settings,
-        Some(&some),
-        &Progress::new(),
-        |_| (),
-    );
+    let all = pipeline::run(&pond.survey, &settings, Some(&some), &Progress::new(), |_| ());
     let all = all.expect("not cancelled");
     assert!(Arc::ptr_eq(&all.cloud, &some.cloud));
     assert!(!all.classes.contains(&PointClass::Unclassified));
     assert!(all.kept_points().count() > some.kept_points().count());
-    assert_eq!(
-        Settings::preset(Preset::Published)
-            .first_return
-            .min_confidence,
-        0.0
-    );
+    assert_eq!(Settings::preset(Preset::Published).first_return.min_confidence, 0.0);
 }
 
 #[test]
@@ -138,14 +123,8 @@ fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() 
     };
     assert!(counted(80..380, usual) > 0.95);
     assert_eq!(counted(short.clone(), usual), 0.0);
-    let none = ClassRules {
-        longest_above_bottom_m: 500.0,
-        ..usual
-    };
+    let none = ClassRules { longest_above_bottom_m: 500.0, ..usual };
     assert_eq!(counted(80..380, none), 0.0);
-    let all = ClassRules {
-        above_bottom: true,
-        ..usual
-    };
+    let all = ClassRules { above_bottom: true, ..usual };
     assert_eq!(counted(short, all), 1.0);
 }

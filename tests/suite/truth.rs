@@ -35,8 +35,8 @@ impl KnownSurvey {
         Self { survey, truth }
     }
 
-    /// Claimed depth minus true depth of the bed at the claimed place, for every kept side-scan point. Weed is left out:
-    /// there the first return is no bottom.
+    /// Claimed depth minus true depth of the bed at the claimed place, for every kept side-scan
+    /// point. Weed is left out: there the first return is no bottom.
     pub(super) fn depth_errors_m(&self, products: &Products) -> Vec<f64> {
         kept(products)
             .filter_map(|point| {
@@ -59,9 +59,8 @@ impl KnownSurvey {
     /// The errors of a map at the middle of each cell that `soundings` fills too.
     pub(super) fn map_errors(&self, map: &Surface, soundings: &Surface) -> Vec<MapError> {
         let cells = (0..map.grid.len()).filter_map(|cell| {
-            let [east_m, north_m] = map
-                .grid
-                .centre(cell / map.grid.columns, cell % map.grid.columns);
+            let [east_m, north_m] =
+                map.grid.centre(cell / map.grid.columns, cell % map.grid.columns);
             let (depth_m, _) = map.at(east_m, north_m)?;
             let (_, away_m) = soundings.at(east_m, north_m)?;
             Some(MapError {
@@ -74,8 +73,8 @@ impl KnownSurvey {
     }
 }
 
-/// The depth map of a survey in its plane, of those of the points that the settings count as bottom and `counts` lets through; `None` where
-/// they make none.
+/// The depth map of a survey in its plane, of those of the points that the settings count as bottom
+/// and `counts` lets through; `None` where they make none.
 pub(super) fn map(
     survey: &Survey,
     products: &Products,

@@ -1,5 +1,5 @@
-//! The units of the window: nothing that it writes or says is left in metres, steps are round in the unit that is shown, and controls
-//! take what is typed in it.
+//! The units of the window: nothing that it writes or says is left in metres, steps are round in
+//! the unit that is shown, and controls take what is typed in it.
 
 use crate::bottom::draw;
 use crate::map_tools::click;
@@ -13,10 +13,7 @@ use egui::{Event, Key, Modifiers, Pos2, Rect, Shape, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::collections::BTreeSet;
 
-const FEET: Units = Units {
-    length: LengthUnit::Feet,
-    speed: SpeedUnit::Knots,
-};
+const FEET: Units = Units { length: LengthUnit::Feet, speed: SpeedUnit::Knots };
 
 /// Whether a number with a metric unit of length, area or speed stands in a text.
 fn is_metric(text: &str) -> bool {
@@ -62,8 +59,7 @@ struct Seen(BTreeSet<String>);
 impl Seen {
     fn look(&mut self, window: &Window) {
         self.0.extend(said(window));
-        self.0
-            .extend(painted(window).into_iter().map(|(text, _)| text));
+        self.0.extend(painted(window).into_iter().map(|(text, _)| text));
     }
 
     /// Whether a text holds all of some words.
@@ -96,7 +92,8 @@ fn look_at(window: &mut Window, seen: &mut Seen, at: Pos2) {
     seen.look(window);
 }
 
-/// Waterfall, map, cloud and all panels, of a window as tall as they are, with all layers on the map.
+/// Waterfall, map, cloud and all panels, of a window as tall as they are, with all layers on the
+/// map.
 fn feet_window() -> Window {
     let mut window = drawn_window([1700.0, 2600.0]);
     window.state_mut().app.apply(Command::OpenDemo);
@@ -134,18 +131,11 @@ fn nothing_in_the_window_is_left_in_metres() {
         }
     }
     // Over the ground, then with the channels that look down beside it.
-    for action in [
-        Action::GroundRange,
-        Action::GroundRange,
-        Action::NextChannel,
-    ] {
+    for action in [Action::GroundRange, Action::GroundRange, Action::NextChannel] {
         window.state_mut().app.apply(Command::Do(action));
         settle(&mut window);
         for name in ["Waterfall, pings", "Echogram, "] {
-            let rect = window
-                .query_all_by_label_contains(name)
-                .next()
-                .map(|node| node.rect());
+            let rect = window.query_all_by_label_contains(name).next().map(|node| node.rect());
             if let Some(rect) = rect {
                 look_at(&mut window, &mut seen, rect.lerp_inside(vec2(0.4, 0.7)));
             }
@@ -173,11 +163,9 @@ fn nothing_in_the_window_is_left_in_metres() {
     seen.look(&window);
     let map = view(&window, "Map, track");
     let corners = [vec2(0.3, 0.5), vec2(0.5, 0.5), vec2(0.5, 0.35)];
-    for (modifiers, key) in [
-        (Modifiers::NONE, Key::D),
-        (Modifiers::SHIFT, Key::D),
-        (Modifiers::NONE, Key::P),
-    ] {
+    for (modifiers, key) in
+        [(Modifiers::NONE, Key::D), (Modifiers::SHIFT, Key::D), (Modifiers::NONE, Key::P)]
+    {
         window.hover_at(map.center());
         press(&mut window, modifiers, key);
         for corner in corners {
@@ -201,9 +189,7 @@ fn nothing_in_the_window_is_left_in_metres() {
     seen.look(&window);
     press(&mut window, Modifiers::NONE, Key::Escape);
     // The speed of sound, and a change that the history names.
-    window
-        .get_by_label("Correct the speed of sound")
-        .click_accesskit();
+    window.get_by_label("Correct the speed of sound").click_accesskit();
     settle(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::H);
     seen.look(&window);
@@ -252,34 +238,25 @@ fn a_number_typed_in_feet_sets_metres() {
     let mut window = demo_window();
     window.state_mut().app.view.options.units = FEET;
     window.run();
-    window
-        .get_by_role_and_label(Role::SpinButton, "Water level")
-        .focus();
+    window.get_by_role_and_label(Role::SpinButton, "Water level").focus();
     window.run();
     window.event(Event::Text("10".to_owned()));
     press(&mut window, Modifiers::NONE, Key::Enter);
     let level_m = app(&window).log.settings.water_level_m;
     assert!((level_m - 3.048).abs() < 1e-12, "{level_m}");
-    window
-        .get_by_role_and_label(Role::Slider, "Draft")
-        .set_value_accesskit(1.5);
+    window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(1.5);
     window.run();
     let draft_m = app(&window).log.settings.draft_m;
     assert!((draft_m - 0.4572).abs() < 1e-12, "{draft_m}");
     let label = app(&window).undo_label().map(|label| FEET.sentence(label));
     assert_eq!(label.as_deref(), Some("draft 1.50 ft"));
     // The greatest draft, 20 m, is no whole hundredth of a foot.
-    window
-        .get_by_role_and_label(Role::Slider, "Draft")
-        .set_value_accesskit(1000.0);
+    window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(1000.0);
     window.run();
     assert_eq!(app(&window).log.settings.draft_m, 20.0);
     // Shown in metres again, nothing has changed.
     let before = app(&window).log.settings.clone();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Do(Action::UnitsMetres));
+    window.state_mut().app.apply(Command::Do(Action::UnitsMetres));
     window.run();
     assert_eq!(app(&window).log.settings, before);
 }
@@ -287,9 +264,7 @@ fn a_number_typed_in_feet_sets_metres() {
 /// 1, 2 or 5 times a power of ten.
 fn is_round(value: f64) -> bool {
     let digit = value / 10f64.powi(value.log10().floor() as i32);
-    [1.0, 2.0, 5.0, 10.0]
-        .iter()
-        .any(|round| (digit - round).abs() < 1e-6)
+    [1.0, 2.0, 5.0, 10.0].iter().any(|round| (digit - round).abs() < 1e-6)
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The waterfall and the profile in a window of their own: what they say, what gestures do, what they look like.
+//! The waterfall and the profile in a window of their own: what they say, what gestures do, what
+//! they look like.
 
 mod levels;
 mod profile;
@@ -32,10 +33,8 @@ struct Window {
 }
 
 fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
-    let render_state = create_render_state(
-        default_wgpu_setup(),
-        eframe::egui_wgpu::RendererOptions::PREDICTABLE,
-    );
+    let render_state =
+        create_render_state(default_wgpu_setup(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
     let for_view = render_state.clone();
     let state = Window {
         app,
@@ -83,10 +82,7 @@ fn settle(window: &mut Harness<'_, Window>) {
     let start = Instant::now();
     window.run_steps(2);
     while !window.state().waterfall.is_settled() {
-        assert!(
-            start.elapsed() < Duration::from_secs(60),
-            "the waterfall never settles"
-        );
+        assert!(start.elapsed() < Duration::from_secs(60), "the waterfall never settles");
         std::thread::sleep(Duration::from_millis(2));
         window.run_steps(1);
     }
@@ -138,17 +134,11 @@ fn visible(window: &Harness<'_, Window>) -> std::ops::Range<usize> {
 fn the_waterfall_says_what_it_shows() {
     let mut window = window(app_with(even_bottom(3000)), [400.0, 300.0]);
     settle(&mut window);
-    assert_eq!(
-        name(&window),
-        "Waterfall, pings 0 to 799 of 3000, first return not yet found"
-    );
+    assert_eq!(name(&window), "Waterfall, pings 0 to 799 of 3000, first return not yet found");
     window.state_mut().waterfall.show_pings(1000..1600);
     window.state_mut().app.view.options.waterfall.first_return = false;
     settle(&mut window);
-    assert_eq!(
-        name(&window),
-        "Waterfall, pings 1000 to 1599 of 3000, first return hidden"
-    );
+    assert_eq!(name(&window), "Waterfall, pings 1000 to 1599 of 3000, first return hidden");
     assert_eq!(visible(&window), 1000..1600);
 }
 
@@ -174,10 +164,7 @@ fn without_a_survey_or_a_picture_it_says_why() {
     let mut noise = window(app_with(noise), [400.0, 300.0]);
     settle(&mut noise);
     let said = name(&noise);
-    assert!(
-        said.contains("no side-scan: range stuck at ±1.5 m"),
-        "{said}"
-    );
+    assert!(said.contains("no side-scan: range stuck at ±1.5 m"), "{said}");
 }
 
 #[test]
@@ -186,23 +173,13 @@ fn wheel_drag_and_double_click_move_the_picture() {
     settle(&mut window);
     assert_eq!(visible(&window), 0..1200);
     // A quarter along: the ping there stays while the wheel enlarges.
-    wheel(
-        &mut window,
-        pos2(100.0, 150.0),
-        vec2(0.0, 200.0),
-        Modifiers::NONE,
-    );
+    wheel(&mut window, pos2(100.0, 150.0), vec2(0.0, 200.0), Modifiers::NONE);
     let near = visible(&window);
     assert!(near.len() < 700, "{near:?}");
     let under_pointer = near.start as f64 + near.len() as f64 / 4.0;
     assert!((under_pointer - 300.0).abs() < 3.0, "{near:?}");
     // Shift: along the track, no enlargement.
-    wheel(
-        &mut window,
-        pos2(100.0, 150.0),
-        vec2(0.0, -100.0),
-        Modifiers::SHIFT,
-    );
+    wheel(&mut window, pos2(100.0, 150.0), vec2(0.0, -100.0), Modifiers::SHIFT);
     let along = visible(&window);
     assert!(along.start > near.start + 50, "{near:?} {along:?}");
     assert!(along.len().abs_diff(near.len()) <= 1);
@@ -218,10 +195,7 @@ fn wheel_drag_and_double_click_move_the_picture() {
     let dragged = visible(&window);
     let moved = along.start - dragged.start;
     let expected = 60.0 * along.len() as f64 / 400.0;
-    assert!(
-        (moved as f64 - expected).abs() <= 2.0,
-        "{moved} pings, not {expected}"
-    );
+    assert!((moved as f64 - expected).abs() <= 2.0, "{moved} pings, not {expected}");
     for _ in 0..2 {
         window.drag_at(pos2(200.0, 150.0));
         window.drop_at(pos2(200.0, 150.0));
@@ -236,10 +210,7 @@ fn keys_zoom_about_the_middle_and_fit() {
     let mut window = window(app_with(even_bottom(1000)), [400.0, 300.0]);
     settle(&mut window);
     window.state_mut().waterfall.request(ViewRequest::ZoomIn);
-    assert!(
-        !window.state().waterfall.is_settled(),
-        "a request is still to be carried out"
-    );
+    assert!(!window.state().waterfall.is_settled(), "a request is still to be carried out");
     settle(&mut window);
     assert_eq!(visible(&window), 100..900);
     window.state_mut().waterfall.request(ViewRequest::Fit);
@@ -254,24 +225,17 @@ fn hover_and_click_name_ping_side_and_sample() {
         app.view.options.waterfall.orientation = orientation;
         let mut window = window(app, [400.0, 400.0]);
         settle(&mut window);
-        // 100.5 points along: ping 100. 5 m of 20 to port: a quarter of half the window, sample 100 of 400.
+        // 100.5 points along: ping 100. 5 m of 20 to port: a quarter of half the window, sample 100
+        // of 400.
         let at = match orientation {
             Orientation::Horizontal => pos2(100.5, 150.0),
             Orientation::Vertical => pos2(150.0, 100.5),
         };
         window.hover_at(at);
         window.run_steps(1);
-        let mark = window
-            .state()
-            .app
-            .view
-            .hover
-            .expect("the pointer is over a ping");
+        let mark = window.state().app.view.hover.expect("the pointer is over a ping");
         assert_eq!((mark.ping, mark.side), (100, Some(Side::Port)));
-        assert!(
-            (mark.sample.expect("a sample") - 100.0).abs() < 1.5,
-            "{mark:?}"
-        );
+        assert!((mark.sample.expect("a sample") - 100.0).abs() < 1.5, "{mark:?}");
         window.drag_at(at);
         window.drop_at(at);
         window.run_steps(1);
@@ -317,17 +281,11 @@ fn a_revealed_ping_comes_into_view() {
     let mut window = window(app_with(even_bottom(5000)), [400.0, 300.0]);
     settle(&mut window);
     assert!(!visible(&window).contains(&4000));
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(4000)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(4000)));
     settle(&mut window);
     assert!(visible(&window).contains(&4000));
     let before = visible(&window);
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(3950)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(3950)));
     settle(&mut window);
     assert_eq!(visible(&window), before, "what is in view does not jump");
 }
@@ -350,11 +308,7 @@ fn a_bright_sample_survives_in_the_overview() {
     let picture = window.render().expect("a picture");
     // 10 m to starboard: three quarters down.
     let column = |x: u32| (220..230).map(|y| picture.get_pixel(x, y).0[0]).max();
-    assert!(
-        column(200) > column(190).map(|level| level + 30),
-        "{:?}",
-        column(200)
-    );
+    assert!(column(200) > column(190).map(|level| level + 30), "{:?}", column(200));
 }
 
 #[test]
@@ -368,10 +322,7 @@ fn the_first_return_lies_where_its_pick_is() {
         let [r, g, b, _] = pixel(150.0 - offset - 0.5);
         assert!(b > r && b > g, "port is blue at ping {ping}: {r} {g} {b}");
         let [r, g, b, _] = pixel(150.0 + offset - 0.5);
-        assert!(
-            r > 180 && g < 110 && b < 110,
-            "starboard is red at ping {ping}: {r} {g} {b}"
-        );
+        assert!(r > 180 && g < 110 && b < 110, "starboard is red at ping {ping}: {r} {g} {b}");
     }
 }
 
@@ -391,20 +342,14 @@ fn the_line_follows_new_picks_in_the_next_frame() {
     let picture = window.render().expect("a picture");
     let y = 150.0 + (bed_m(330) + 5.0) / 20.0 * 150.0 - 0.5;
     let [r, g, b, _] = picture.get_pixel(330, y.round() as u32).0;
-    assert!(
-        r > 180 && g < 110 && b < 110,
-        "starboard is red at its new place: {r} {g} {b}"
-    );
+    assert!(r > 180 && g < 110 && b < 110, "starboard is red at its new place: {r} {g} {b}");
 }
 
 #[test]
 fn looks_as_it_did_along_the_screen() {
     let mut app = pond_app();
-    app.view.selection = Some(LogPlace {
-        side: Some(Side::Starboard),
-        sample: Some(186.0),
-        ..LogPlace::ping(202)
-    });
+    app.view.selection =
+        Some(LogPlace { side: Some(Side::Starboard), sample: Some(186.0), ..LogPlace::ping(202) });
     let mut window = window(app, [400.0, 240.0]);
     settle(&mut window);
     window.snapshot("waterfall_horizontal");
@@ -434,12 +379,10 @@ fn the_real_river_is_drawn_whole() {
     window.state_mut().waterfall.show_pings(0..3453);
     settle(&mut window);
     let name = name(&window);
-    assert!(
-        name.starts_with("Waterfall, pings 0 to 3452 of 3453"),
-        "{name}"
-    );
+    assert!(name.starts_with("Waterfall, pings 0 to 3452 of 3453"), "{name}");
     let picture = window.render().expect("a picture");
-    // Copper everywhere but in the labels: the far third of both sides is drawn, not left as canvas.
+    // Copper everywhere but in the labels: the far third of both sides is drawn, not left as
+    // canvas.
     let drawn = |y: u32| {
         let copper = |x: &u32| {
             let [r, _, b, _] = picture.get_pixel(*x, y).0;
@@ -447,10 +390,5 @@ fn the_real_river_is_drawn_whole() {
         };
         (150..1150).filter(copper).count()
     };
-    assert!(
-        drawn(40) > 950 && drawn(440) > 950,
-        "{} {}",
-        drawn(40),
-        drawn(440)
-    );
+    assert!(drawn(40) > 950 && drawn(440) > 950, "{} {}", drawn(40), drawn(440));
 }

@@ -21,20 +21,8 @@ fn sightings(object: &str) -> Vec<Sighting> {
     let path = support::demo_log().with_file_name("demo.objects.csv");
     let mut table = csv::Reader::from_path(path).expect("the table");
     let headers = table.headers().expect("a header").clone();
-    let column = |name: &str| {
-        headers
-            .iter()
-            .position(|one| one == name)
-            .expect("a column")
-    };
-    let names = [
-        "first_ping",
-        "last_ping",
-        "height_m",
-        "near_m",
-        "shadow_start_m",
-        "shadow_end_m",
-    ];
+    let column = |name: &str| headers.iter().position(|one| one == name).expect("a column");
+    let names = ["first_ping", "last_ping", "height_m", "near_m", "shadow_start_m", "shadow_end_m"];
     let numbers = names.map(column);
     let (of, side) = (column("object"), column("side"));
     let rows = table.records().map(|row| row.expect("a row"));
@@ -64,21 +52,10 @@ fn a_drag_along_a_shadow_gives_the_height_of_a_known_block() {
     press(&mut window, Modifiers::NONE, Key::F);
     let seen = &sightings("0")[0];
     press(&mut window, Modifiers::NONE, Key::H);
-    assert_eq!(
-        app(&window).map.measuring.tool,
-        Some(MeasurementKind::Height)
-    );
+    assert_eq!(app(&window).map.measuring.tool, Some(MeasurementKind::Height));
     let [start_m, end_m] = seen.shadow_m;
-    draw(
-        &mut window,
-        Modifiers::NONE,
-        (seen.ping, start_m),
-        (seen.ping + 8.0, end_m),
-    );
-    let found = app(&window)
-        .measured_height()
-        .expect("results")
-        .expect("a height");
+    draw(&mut window, Modifiers::NONE, (seen.ping, start_m), (seen.ping + 8.0, end_m));
+    let found = app(&window).measured_height().expect("results").expect("a height");
     let off = found.height_m() / seen.height_m - 1.0;
     println!(
         "a block of {:.2} m: {:.3} m ± {:.3} m, off by {:.1} %",
@@ -92,10 +69,7 @@ fn a_drag_along_a_shadow_gives_the_height_of_a_known_block() {
     // The end lies on the ping of the top, wherever the hand let go.
     let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     assert!(figure.done);
-    assert_eq!(
-        figure.measurement.picks[&0].ping,
-        figure.measurement.picks[&1].ping
-    );
+    assert_eq!(figure.measurement.picks[&0].ping, figure.measurement.picks[&1].ping);
     window.get_by_label_contains("Construction: height");
     window.get_by_label("Altitude H");
 
@@ -106,12 +80,7 @@ fn a_drag_along_a_shadow_gives_the_height_of_a_known_block() {
     assert_eq!(app(&window).measured_height(), Some(Ok(found)));
     // The water column holds no shadow's end.
     press(&mut window, Modifiers::NONE, Key::H);
-    draw(
-        &mut window,
-        Modifiers::NONE,
-        (seen.ping, 0.8),
-        (seen.ping, 1.2),
-    );
+    draw(&mut window, Modifiers::NONE, (seen.ping, 0.8), (seen.ping, 1.2));
     let refused = app(&window).measured_height().expect("results");
     assert!(refused.is_err(), "{refused:?}");
     // On the picture and in the panel.
@@ -133,7 +102,8 @@ fn a_block_on_two_passes_is_no_farther_apart_than_it_is_large() {
     let apart_m = figure.measurement.length_m();
     println!("one block on two passes: {apart_m:.2} m apart");
     assert_eq!(figure.measurement.picks.len(), 2);
-    // What is clicked are the near edges of a block of 1 m by 0.7 m, which are others from other lines.
+    // What is clicked are the near edges of a block of 1 m by 0.7 m, which are others from other
+    // lines.
     assert!(apart_m < 1.5, "{apart_m}");
     // On the slant range it would be more than that from the water column to the bottom.
     press(&mut window, Modifiers::NONE, Key::Escape);
@@ -172,9 +142,6 @@ fn a_shadow_is_measured_by_keys_alone() {
     }
     press(&mut window, Modifiers::NONE, Key::X);
     let figure = app(&window).map.measuring.figure.clone().expect("a figure");
-    assert!(
-        figure.done && figure.measurement.picks.len() == 2,
-        "{figure:?}"
-    );
+    assert!(figure.done && figure.measurement.picks.len() == 2, "{figure:?}");
     assert!(app(&window).measured_height().is_some());
 }

@@ -1,4 +1,5 @@
-//! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
+//! The window, driven through its accessibility tree as a screen reader or an analyst would,
+//! without a display.
 
 use crate::support::{demo_log, manifest_entry, snapshot_options};
 use bathyscope::app::{Action, App, Command, Jobs, LogPlace, ThemeChoice};
@@ -91,11 +92,7 @@ fn a_dropped_file_that_is_no_log_is_reported_and_can_be_dismissed() {
     let serial = app(&window).view.survey_serial;
     let this_file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     drop_file(&mut window, this_file);
-    assert_eq!(
-        app(&window).view.survey_serial,
-        serial,
-        "the open survey stays"
-    );
+    assert_eq!(app(&window).view.survey_serial, serial, "the open survey stays");
     assert!(window.query_by_label_contains("not a sonar log").is_some());
     window.get_by_label("Dismiss").click();
     window.run();
@@ -108,14 +105,8 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         let mut window = demo_window();
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
-        let before = app(&window)
-            .log
-            .products
-            .as_ref()
-            .map(|products| products.returns.clone());
-        let slider = window
-            .get_by_role_and_label(Role::Slider, "Threshold")
-            .rect();
+        let before = app(&window).log.products.as_ref().map(|products| products.returns.clone());
+        let slider = window.get_by_role_and_label(Role::Slider, "Threshold").rect();
         let at = |share: f32| slider.left_center() + egui::vec2(slider.width() * share, 0.0);
         window.drag_at(at(0.30));
         window.step();
@@ -126,16 +117,8 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         }
         let dragged = threshold(&window);
         assert!((0.5..0.7).contains(&dragged), "{dragged}");
-        let preview = app(&window)
-            .log
-            .preview
-            .clone()
-            .expect("a preview while dragging");
-        assert_ne!(
-            Some(&preview),
-            before.as_ref(),
-            "{preset:?}: the line moved"
-        );
+        let preview = app(&window).log.preview.clone().expect("a preview while dragging");
+        assert_ne!(Some(&preview), before.as_ref(), "{preset:?}: the line moved");
         window.drop_at(at(0.60));
         window.run();
         let products = app(&window).log.products.as_ref().expect("results");
@@ -165,31 +148,20 @@ fn presets_are_one_click_back_and_can_be_undone() {
     assert!(window.query_by_label("changed").is_some());
     window.get_by_label("Preset published").click();
     window.run();
-    assert_eq!(
-        app(&window).log.settings.matching_preset(),
-        Some(Preset::Published)
-    );
+    assert_eq!(app(&window).log.settings.matching_preset(), Some(Preset::Published));
     assert!(app(&window).stale().is_none(), "the results follow");
     window.get_by_label("Preset recommended").click();
     window.run();
-    assert_eq!(
-        app(&window).log.settings.matching_preset(),
-        Some(Preset::Recommended)
-    );
+    assert_eq!(app(&window).log.settings.matching_preset(), Some(Preset::Recommended));
     window.get_by_label("Undo button").click();
     window.run();
-    assert_eq!(
-        app(&window).log.settings.matching_preset(),
-        Some(Preset::Published)
-    );
+    assert_eq!(app(&window).log.settings.matching_preset(), Some(Preset::Published));
 }
 
 #[test]
 fn outliers_are_shown_before_they_go() {
     let mut window = demo_window();
-    window
-        .get_by_role_and_label(Role::CheckBox, "Outlier preview")
-        .click_accesskit();
+    window.get_by_role_and_label(Role::CheckBox, "Outlier preview").click_accesskit();
     window.run();
     assert!(app(&window).view.options.cloud.outlier_preview);
     press(&mut window, Modifiers::NONE, Key::Num3);
@@ -204,35 +176,19 @@ fn the_time_line_and_the_keys_move_along_the_survey() {
     let middle = line.center();
     window.hover_at(middle);
     window.step();
-    assert!(
-        app(&window).view.hover.is_some(),
-        "hovering marks all views"
-    );
+    assert!(app(&window).view.hover.is_some(), "hovering marks all views");
     window.drag_at(middle);
     window.drop_at(middle);
     window.run();
     let ping = app(&window).view.selection.expect("a selection").ping;
-    let pings = app(&window)
-        .log
-        .survey
-        .as_ref()
-        .map_or(0, |survey| survey.side_scan.len());
-    assert!(
-        (pings / 3..2 * pings / 3).contains(&ping),
-        "{ping} of {pings}"
-    );
+    let pings = app(&window).log.survey.as_ref().map_or(0, |survey| survey.side_scan.len());
+    assert!((pings / 3..2 * pings / 3).contains(&ping), "{ping} of {pings}");
     assert!(window.query_by_label(&format!("Ping {ping}")).is_some());
     press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
     press(&mut window, Modifiers::NONE, Key::ArrowLeft);
-    assert_eq!(
-        app(&window).view.selection.map(|mark| mark.ping),
-        Some(ping + 24)
-    );
+    assert_eq!(app(&window).view.selection.map(|mark| mark.ping), Some(ping + 24));
     press(&mut window, Modifiers::NONE, Key::End);
-    assert_eq!(
-        app(&window).view.selection.map(|mark| mark.ping),
-        Some(pings - 1)
-    );
+    assert_eq!(app(&window).view.selection.map(|mark| mark.ping), Some(pings - 1));
 }
 
 #[test]
@@ -242,16 +198,10 @@ fn playing_runs_along_the_survey_and_stops() {
     window.run_steps(6);
     let ping = app(&window).view.selection.expect("a selection").ping;
     assert!(ping > 0);
-    window
-        .state_mut()
-        .app
-        .apply(Command::Select(Some(LogPlace::ping(900))));
+    window.state_mut().app.apply(Command::Select(Some(LogPlace::ping(900))));
     window.run_steps(3);
     let ping = app(&window).view.selection.expect("a selection").ping;
-    assert!(
-        (901..1000).contains(&ping),
-        "it goes on from the click: {ping}"
-    );
+    assert!((901..1000).contains(&ping), "it goes on from the click: {ping}");
     window.key_press(Key::Space);
     window.run_steps(4);
     let stopped = app(&window).view.selection.map(|mark| mark.ping);
@@ -272,10 +222,7 @@ fn the_palette_finds_a_command_by_a_few_letters() {
     );
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(app(&window).view.options.theme, ThemeChoice::Light);
-    assert!(
-        window.query_by_label("Command").is_none(),
-        "the palette closes"
-    );
+    assert!(window.query_by_label("Command").is_none(), "the palette closes");
     press(&mut window, Modifiers::NONE, Key::L);
     assert_eq!(app(&window).view.options.theme, ThemeChoice::Dark);
 }
@@ -289,10 +236,7 @@ fn views_are_maximised_and_arranged() {
     window.run();
     press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::SHIFT, Key::F11);
-    assert!(
-        window.query_by_label("Map").is_none(),
-        "the cloud has the whole centre"
-    );
+    assert!(window.query_by_label("Map").is_none(), "the cloud has the whole centre");
     assert!(window.query_by_label("3D cloud").is_some());
     press(&mut window, Modifiers::SHIFT, Key::F11);
     assert!(window.query_by_label("Map").is_some());
@@ -315,12 +259,7 @@ fn products_are_written_where_the_path_field_says() {
     type_export_folder(&mut window, &into);
     window.get_by_label("Export").click();
     window.run();
-    for product in [
-        "report.json",
-        "depth/depth.tif",
-        "mosaic/mosaic.tif",
-        "report.html",
-    ] {
+    for product in ["report.json", "depth/depth.tif", "mosaic/mosaic.tif", "report.html"] {
         assert!(into.join(product).is_file(), "{product}");
     }
     assert!(window.query_by_label_contains("Wrote ").is_some());
@@ -402,11 +341,7 @@ fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
     }
     let mut fresh = Shell::new(App::new(Jobs::Inline));
     fresh.restore(&store);
-    assert_eq!(
-        fresh.app.view.options.theme,
-        ThemeChoice::Dark,
-        "half a file is no file"
-    );
+    assert_eq!(fresh.app.view.options.theme, ThemeChoice::Dark, "half a file is no file");
 }
 
 #[test]
@@ -428,10 +363,7 @@ fn the_base_map_comes_back_or_is_said_to_be_gone() {
         next.app
     };
     let next = again(&store);
-    assert_eq!(
-        next.map.base_map.map(|map| map.path.clone()),
-        Some(path.clone())
-    );
+    assert_eq!(next.map.base_map.map(|map| map.path.clone()), Some(path.clone()));
     assert!(next.notices.is_empty());
     std::fs::write(&path, "no picture any more").expect("another file");
     let next = again(&store);
@@ -439,11 +371,7 @@ fn the_base_map_comes_back_or_is_said_to_be_gone() {
     std::fs::remove_file(&path).expect("a file less");
     let next = again(&store);
     assert!(next.map.base_map.is_none());
-    assert!(
-        next.notices[0].text.contains("is missing"),
-        "{:?}",
-        next.notices
-    );
+    assert!(next.notices[0].text.contains("is missing"), "{:?}", next.notices);
 }
 
 /// A window with a GPU: lavapipe where there is no other.
@@ -481,10 +409,7 @@ fn the_whole_window_looks_as_it_did() {
     let mut window = drawn_window([1024.0, 680.0]);
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Reveal(LogPlace::ping(400)));
+    window.state_mut().app.apply(Command::Reveal(LogPlace::ping(400)));
     settle(&mut window);
     window.snapshot("window");
 }

@@ -1,5 +1,5 @@
-//! Whole jobs in the window: the main one by keys alone, one log after another, logs with something missing, work that
-//! is stopped and taken up again.
+//! Whole jobs in the window: the main one by keys alone, one log after another, logs with something
+//! missing, work that is stopped and taken up again.
 
 use crate::support::{demo_log, real_data};
 use crate::window::{
@@ -124,17 +124,9 @@ fn each_drag_of_a_slider_is_one_step_back() {
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
         let before = app(&window).log.settings.clone();
-        for name in [
-            "Threshold",
-            "Dead zone",
-            "Shallower by",
-            "Radius",
-            "Neighbours",
-        ] {
+        for name in ["Threshold", "Dead zone", "Shallower by", "Radius", "Neighbours"] {
             // The steps are longer than the window.
-            window
-                .get_by_role_and_label(Role::Slider, name)
-                .scroll_to_me();
+            window.get_by_role_and_label(Role::Slider, name).scroll_to_me();
             window.run();
             let slider = window.get_by_role_and_label(Role::Slider, name).rect();
             let at = |share: f32| slider.left_center() + egui::vec2(slider.width() * share, 0.0);
@@ -193,15 +185,9 @@ fn logs_with_something_missing_say_what() {
         return;
     };
     for (log, said) in [
-        (
-            "lowrance/river-downscan-only.sl2",
-            "no side-scan in this log",
-        ),
+        ("lowrance/river-downscan-only.sl2", "no side-scan in this log"),
         ("lowrance/hobart-20m.sl3", "no side-scan: range ±1.5 m"),
-        (
-            "lowrance/elite4-stray-bytes.sl2",
-            "This log has no side-scan.",
-        ),
+        ("lowrance/elite4-stray-bytes.sl2", "This log has no side-scan."),
         ("xtf/000_1236.xtf", "records no depth"),
     ] {
         let mut window = empty_window();
@@ -209,18 +195,8 @@ fn logs_with_something_missing_say_what() {
         let notices = &app(&window).notices;
         assert!(notices.is_empty(), "{log}: {notices:?}");
         assert!(app(&window).log.products.is_some(), "{log}");
-        assert!(
-            window.query_all_by_label_contains(said).next().is_some(),
-            "{log}"
-        );
-        for key in [
-            Key::End,
-            Key::C,
-            Key::O,
-            Key::CloseBracket,
-            Key::F,
-            Key::Space,
-        ] {
+        assert!(window.query_all_by_label_contains(said).next().is_some(), "{log}");
+        for key in [Key::End, Key::C, Key::O, Key::CloseBracket, Key::F, Key::Space] {
             press_some(&mut window, key);
         }
         assert!(app(&window).log.products.is_some(), "{log}");

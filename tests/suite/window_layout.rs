@@ -17,9 +17,7 @@ fn the_panels_keep_their_width_whatever_they_hold() {
     };
     let before = width(&window);
     // With it come sliders whose unit is as long as m/s.
-    window
-        .get_by_label("Correct the speed of sound")
-        .click_accesskit();
+    window.get_by_label("Correct the speed of sound").click_accesskit();
     for _ in 0..30 {
         window.step();
     }
@@ -48,10 +46,7 @@ fn notices_lie_over_the_views_and_move_nothing() {
     // The folder is named, and a button opens it.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("products");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Products(out.clone())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     let notice = app(&window).notices.last().expect("what was written");
     let end = format!(", into {}", out.display());
@@ -78,11 +73,7 @@ fn what_cannot_be_removed_is_not_offered() {
     window.get_by_label("Command").type_text("base map");
     window.run();
     assert!(window.query_by_label_contains("Open base map").is_some());
-    assert!(
-        window
-            .query_by_label_contains("Remove the base map")
-            .is_none()
-    );
+    assert!(window.query_by_label_contains("Remove the base map").is_none());
 }
 
 #[test]
@@ -139,7 +130,8 @@ fn the_cloud_is_in_view_after_a_change_of_preset() {
     assert!(differing < 200, "{differing} pixels differ");
 }
 
-/// Labels of the panels that take more than two lines, and those that the window cuts at its right edge.
+/// Labels of the panels that take more than two lines, and those that the window cuts at its right
+/// edge.
 fn long_labels(window: &Window) -> Vec<String> {
     use egui_kittest::kittest::NodeT as _;
     // Three lines of small print are higher than two of the text.

@@ -55,14 +55,13 @@ pub fn packet(id: u16, device: u8, payload: &[u8]) -> Vec<u8> {
     bytes.extend(id.to_le_bytes());
     bytes.extend([device, 0]);
     bytes.extend(payload);
-    let sum = bytes
-        .iter()
-        .fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));
+    let sum = bytes.iter().fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));
     bytes.extend(sum.to_le_bytes());
     bytes
 }
 
-/// Decibels of a sample before [`SvlogOptions::louder_db`]: they rise and fall between -85 and -45, whatever the scale of the ping.
+/// Decibels of a sample before [`SvlogOptions::louder_db`]: they rise and fall between -85 and -45,
+/// whatever the scale of the ping.
 pub fn decibels(ping: usize, side: usize, sample: usize) -> f64 {
     -84.95 + ((sample * 3 + ping * 5 + side * 50) % 400) as f64 / 10.0
 }
@@ -107,11 +106,7 @@ fn position(options: &SvlogOptions, ping: usize) -> Vec<u8> {
             let gga = format!(
                 "$GPGGA,1000{seconds:06.3},48{minutes:07.4},N,01131.0000,E,1,08,0.9,5.4,M,46.9,M,,\r\n"
             );
-            [
-                packet(109, 3, b"$HEHDT,271.5,T\r\n"),
-                packet(109, 3, gga.as_bytes()),
-            ]
-            .concat()
+            [packet(109, 3, b"$HEHDT,271.5,T\r\n"), packet(109, 3, gga.as_bytes())].concat()
         }
         150 => {
             // The autopilot was switched on 60 s later than the sonar.
@@ -128,11 +123,7 @@ fn position(options: &SvlogOptions, ping: usize) -> Vec<u8> {
 
 fn profile(options: &SvlogOptions, ping: usize, side: usize) -> Vec<u8> {
     let [least_db, most_db] = options.powers_db[ping % options.powers_db.len()];
-    let earlier_ms = if side == 0 {
-        options.port_earlier_ms
-    } else {
-        0
-    };
+    let earlier_ms = if side == 0 { options.port_earlier_ms } else { 0 };
     let mut payload = Vec::new();
     for field in [
         ping as u32,

@@ -58,12 +58,14 @@ pub fn message(kind: u16, subsystem: u8, channel: u8, body: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Value of a sample before its weight: it falls with the range and differs from side to side and ping to ping.
+/// Value of a sample before its weight: it falls with the range and differs from side to side and
+/// ping to ping.
 pub fn value(ping: usize, channel: u8, sample: usize) -> u16 {
     ((sample * 7 + ping * 3 + usize::from(channel) * 40) % 1000) as u16
 }
 
-/// A whole file: system information, then for each ping a NMEA sentence and the traces of all subsystems.
+/// A whole file: system information, then for each ping a NMEA sentence and the traces of all
+/// subsystems.
 pub fn jsf(options: &JsfOptions) -> Vec<u8> {
     let mut system = vec![0; 24];
     put(&mut system, 0, &17_i32.to_le_bytes());
@@ -138,11 +140,7 @@ fn trace(options: &JsfOptions, ping: usize, subsystem: u8) -> Vec<u8> {
     put(&mut bytes, 84, &y.to_le_bytes());
     put(&mut bytes, 88, &options.units.to_le_bytes());
     put(&mut bytes, 114, &(options.samples as u16).to_le_bytes());
-    put(
-        &mut bytes,
-        16,
-        &(((options.samples >> 16) as u16) << 8).to_le_bytes(),
-    );
+    put(&mut bytes, 16, &(((options.samples >> 16) as u16) << 8).to_le_bytes());
     put(&mut bytes, 116, &options.interval_ns.to_le_bytes());
     let middle: u16 = if subsystem == 20 { 12_000 } else { 41_000 };
     put(&mut bytes, 126, &(middle - 500).to_le_bytes());
@@ -172,10 +170,7 @@ fn old_trace(options: &JsfOptions, ping: usize) -> Vec<u8> {
     put(&mut bytes, 36, &options.data_format.to_le_bytes());
     put(&mut bytes, 40, &(43_200_000 + ms as u32).to_le_bytes());
     // 5 June 2021 is day 156.
-    for (at, field) in [2021, 156, 12, seconds / 60, seconds % 60]
-        .into_iter()
-        .enumerate()
-    {
+    for (at, field) in [2021, 156, 12, seconds / 60, seconds % 60].into_iter().enumerate() {
         put(&mut bytes, 44 + 2 * at, &(field as u16).to_le_bytes());
     }
     bytes

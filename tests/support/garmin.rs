@@ -4,7 +4,8 @@
 pub const TILT_DEG: f32 = 60.0;
 /// The file header is padded to this length.
 pub const HEADER: usize = 20_480;
-/// Seconds from 31 December 1989 to 25 March 2025, both 0 h UTC (`date -u -d 2025-03-25 +%s` is 1742860800).
+/// Seconds from 31 December 1989 to 25 March 2025, both 0 h UTC (`date -u -d 2025-03-25 +%s` is
+/// 1742860800).
 pub const GARMIN_S: u32 = 1_111_795_200;
 /// The same moment in Unix seconds.
 pub const START_UNIX_S: f64 = 1_742_860_800.0;
@@ -201,10 +202,8 @@ impl Ping {
         fields.push((11, 14.5_f32.to_le_bytes().to_vec()));
         fields.extend(self.beam.map(|beam| (12, varuint(beam))));
         if let Some(tilt) = self.tilt_deg {
-            let where_to = structure(&[
-                (0, tilt.to_le_bytes().to_vec()),
-                (1, 1.5_f32.to_le_bytes().to_vec()),
-            ]);
+            let where_to =
+                structure(&[(0, tilt.to_le_bytes().to_vec()), (1, 1.5_f32.to_le_bytes().to_vec())]);
             let beam = structure(&[(0, vec![50]), (1, vec![1]), (5, where_to)]);
             fields.push((13, beam));
             fields.push((14, varuint(self.sequence)));

@@ -22,11 +22,7 @@ impl Frame {
             channel,
             time_ms,
             clock: time_ms.cast_unsigned(),
-            range_ft: if channel == 5 {
-                (-60.0, 60.0)
-            } else {
-                (0.0, 60.0)
-            },
+            range_ft: if channel == 5 { (-60.0, 60.0) } else { (0.0, 60.0) },
             depth_ft: 10.0,
             keel_ft: 0.0,
             xy_m: (-9_000_000 + time_ms / 1000, 3_400_000),
@@ -40,25 +36,16 @@ impl Frame {
 type Pairs<'a> = &'a [[f32; 2]];
 
 impl Frame {
-    /// A frame of StructureScan 3D: a header of 76 bytes, then the pairs of port, of starboard, and the unreliable ones, here all to port.
+    /// A frame of StructureScan 3D: a header of 76 bytes, then the pairs of port, of starboard, and
+    /// the unreliable ones, here all to port.
     pub fn of_swath(time_ms: i32, [port, starboard, unreliable]: [Pairs<'_>; 3]) -> Self {
         let bytes = |pairs: Pairs<'_>| 8 * pairs.len() as i32;
-        let numbers = [
-            76,
-            bytes(port),
-            bytes(starboard),
-            bytes(unreliable),
-            0,
-            bytes(unreliable),
-        ];
+        let numbers = [76, bytes(port), bytes(starboard), bytes(unreliable), 0, bytes(unreliable)];
         let mut data: Vec<u8> = numbers.iter().flat_map(|one| one.to_le_bytes()).collect();
         data.resize(76, 0);
         let pairs = port.iter().chain(starboard).chain(unreliable);
         data.extend(pairs.flatten().flat_map(|one| one.to_le_bytes()));
-        Self {
-            data,
-            ..Self::new(9, time_ms)
-        }
+        Self { data, ..Self::new(9, time_ms) }
     }
 }
 
@@ -72,11 +59,7 @@ pub fn sl2(frames: &[Frame]) -> Vec<u8> {
     for (index, frame) in frames.iter().enumerate() {
         let mut header = [0_u8; 144];
         put(&mut header, 0, &(file.len() as u32).to_le_bytes());
-        put(
-            &mut header,
-            28,
-            &(144 + frame.data.len() as u16).to_le_bytes(),
-        );
+        put(&mut header, 28, &(144 + frame.data.len() as u16).to_le_bytes());
         put(&mut header, 32, &frame.channel.to_le_bytes());
         put(&mut header, 34, &(frame.data.len() as u16).to_le_bytes());
         put(&mut header, 36, &(index as u32).to_le_bytes());
@@ -100,25 +83,17 @@ pub fn sl2(frames: &[Frame]) -> Vec<u8> {
     file
 }
 
-/// An SL3 file; headers are 128 bytes on channels 7 and 8, `long_header` (168, or 180 in frame version 13) on the others. On channel 9 the
-/// packet is shorter than the data, as units write it.
+/// An SL3 file; headers are 128 bytes on channels 7 and 8, `long_header` (168, or 180 in frame
+/// version 13) on the others. On channel 9 the packet is shorter than the data, as units write it.
 pub fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
     let mut file = vec![3, 0, 2, 0, 0x80, 0x0C, 1, 0];
     for (index, frame) in frames.iter().enumerate() {
-        let header_len = if matches!(frame.channel, 7 | 8) {
-            128
-        } else {
-            long_header
-        };
+        let header_len = if matches!(frame.channel, 7 | 8) { 128 } else { long_header };
         let mut header = vec![0_u8; header_len];
         put(&mut header, 0, &(file.len() as u32).to_le_bytes());
         let version: u32 = if long_header == 180 { 13 } else { 10 };
         put(&mut header, 4, &version.to_le_bytes());
-        put(
-            &mut header,
-            8,
-            &((header_len + frame.data.len()) as u16).to_le_bytes(),
-        );
+        put(&mut header, 8, &((header_len + frame.data.len()) as u16).to_le_bytes());
         put(&mut header, 12, &frame.channel.to_le_bytes());
         put(&mut header, 16, &(index as u32).to_le_bytes());
         put(&mut header, 20, &frame.range_ft.0.to_le_bytes());
@@ -144,9 +119,7 @@ pub fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
 
 /// `count` side-scan frames, each after a primary one, 50 ms apart.
 pub fn survey_frames(count: i32) -> Vec<Frame> {
-    (0..count)
-        .flat_map(|ping| [Frame::new(0, ping * 50), Frame::new(5, ping * 50 + 10)])
-        .collect()
+    (0..count).flat_map(|ping| [Frame::new(0, ping * 50), Frame::new(5, ping * 50 + 10)]).collect()
 }
 
 /// One Humminbird ping. `wide` writes the tags that Helix units add; `little` swaps the numbers.
@@ -159,11 +132,7 @@ pub fn son_ping(
     little: bool,
 ) -> Vec<u8> {
     let number = |value: u32| {
-        if little {
-            value.to_le_bytes()
-        } else {
-            value.to_be_bytes()
-        }
+        if little { value.to_le_bytes() } else { value.to_be_bytes() }
     };
     let mut ping = vec![0xC0, 0xDE, 0xAB, 0x21];
     let mut tag = |tag: u8, value: u32| {
@@ -172,10 +141,7 @@ pub fn son_ping(
     };
     tag(0x80, record);
     tag(0x81, time_ms);
-    tag(
-        0x82,
-        (-12_414_199 + time_ms.cast_signed() / 1000).cast_unsigned(),
-    );
+    tag(0x82, (-12_414_199 + time_ms.cast_signed() / 1000).cast_unsigned());
     tag(0x83, 4_396_652);
     tag(0x84, 1 << 16 | 900);
     tag(0x85, 1 << 16 | 20);
@@ -195,11 +161,7 @@ pub fn son_ping(
 pub fn dat(solix: bool) -> Vec<u8> {
     let mut dat = vec![0_u8; if solix { 96 } else { 64 }];
     let number = |value: u32| {
-        if solix {
-            value.to_le_bytes()
-        } else {
-            value.to_be_bytes()
-        }
+        if solix { value.to_le_bytes() } else { value.to_be_bytes() }
     };
     put(&mut dat, 0, &[0xC1, u8::from(solix)]);
     put(&mut dat, 20, &number(1_600_000_000));
@@ -227,7 +189,8 @@ pub fn humminbird(count: u32, solix: bool, little: bool) -> Vec<(PathBuf, Vec<u8
     files
 }
 
-/// An XTF file of `pings` pings of two channels with `width` bytes a sample; `units` 0 metres, 3 degrees.
+/// An XTF file of `pings` pings of two channels with `width` bytes a sample; `units` 0 metres, 3
+/// degrees.
 pub fn xtf(pings: usize, width: usize, units: u16, origin: (f64, f64), altitude_m: f32) -> Vec<u8> {
     let mut file = xtf_header(&[0.0; 2], width, units);
     for ping in 0..pings {
@@ -249,11 +212,7 @@ fn xtf_header(frequencies_khz: &[f32], width: usize, units: u16) -> Vec<u8> {
     let mut file = vec![0_u8; 1024];
     file[0] = 0x7B;
     put(&mut file, 164, &units.to_le_bytes());
-    put(
-        &mut file,
-        166,
-        &(frequencies_khz.len() as u16).to_le_bytes(),
-    );
+    put(&mut file, 166, &(frequencies_khz.len() as u16).to_le_bytes());
     for (index, khz) in frequencies_khz.iter().enumerate() {
         let at = 256 + 128 * index;
         put(&mut file, at, &[1 + (index % 2) as u8, index as u8]);
@@ -263,7 +222,8 @@ fn xtf_header(frequencies_khz: &[f32], width: usize, units: u16) -> Vec<u8> {
     file
 }
 
-/// An XTF file of a multibeam sonar: a bathymetry packet a ping, an attitude packet with each other one, no side-scan.
+/// An XTF file of a multibeam sonar: a bathymetry packet a ping, an attitude packet with each other
+/// one, no side-scan.
 pub fn xtf_bathymetry(pings: usize) -> Vec<u8> {
     let mut file = vec![0_u8; 1024];
     file[0] = 0x7B;
@@ -317,11 +277,7 @@ fn xtf_ping(
         ],
     );
     let step = if origin.0.abs() > 180.0 { 0.5 } else { 5e-6 };
-    put(
-        &mut bytes,
-        160,
-        &(origin.1 + ping as f64 * step).to_le_bytes(),
-    );
+    put(&mut bytes, 160, &(origin.1 + ping as f64 * step).to_le_bytes());
     put(&mut bytes, 168, &origin.0.to_le_bytes());
     put(&mut bytes, 196, &altitude_m.to_le_bytes());
     put(&mut bytes, 212, &90.0_f32.to_le_bytes());

@@ -43,9 +43,7 @@ pub fn stored(options: &SdfOptions, page: usize, side: usize, sample: usize) -> 
 /// A whole file; a page each 0.1 s.
 pub fn sdf(options: &SdfOptions) -> Vec<u8> {
     let version = |page: usize| options.versions[page % options.versions.len()];
-    (0..options.pages)
-        .flat_map(|page| self::page(options, page, version(page)))
-        .collect()
+    (0..options.pages).flat_map(|page| self::page(options, page, version(page))).collect()
 }
 
 fn page(options: &SdfOptions, page: usize, version: u32) -> Vec<u8> {
@@ -74,11 +72,7 @@ fn page(options: &SdfOptions, page: usize, version: u32) -> Vec<u8> {
         put(at, &number(value));
     }
     let is_vehicle = matches!(version, 3501 | 3502);
-    let [heading, altitude, place] = if is_vehicle {
-        [136, 208, 144]
-    } else {
-        [108, 124, 160]
-    };
+    let [heading, altitude, place] = if is_vehicle { [136, 208, 144] } else { [108, 124, 160] };
     put(heading, &271.5_f32.to_le_bytes());
     put(132, &2.0_f32.to_le_bytes());
     put(altitude, &(8.0 + time as f32 / 10.0).to_le_bytes());

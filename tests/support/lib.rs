@@ -1,12 +1,8 @@
-//! What tests of several crates need: where recordings lie, small logs written byte by byte from the format notes, not by
-//! Bathyscope's own writers, and random numbers that are the same in every run.
+//! What tests of several crates need: where recordings lie, small logs written byte by byte from
+//! the format notes, not by Bathyscope's own writers, and random numbers that are the same in every
+//! run.
 
-#![allow(
-    clippy::expect_used,
-    clippy::unwrap_used,
-    missing_docs,
-    reason = "as in tests"
-)]
+#![allow(clippy::expect_used, clippy::unwrap_used, missing_docs, reason = "as in tests")]
 
 pub mod cerulean;
 pub mod edgetech;
@@ -25,8 +21,8 @@ pub fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project.
-/// `None` (after a line on stderr) where there is none: the test then has nothing to look at and says so.
+/// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project. `None`
+/// (after a line on stderr) where there is none: the test then has nothing to look at and says so.
 pub fn real_data() -> Option<PathBuf> {
     let beside = repository().join("../shared/data");
     let folder = std::env::var_os("BATHYSCOPE_DATA").map_or(beside, PathBuf::from);

@@ -19,10 +19,7 @@ pub struct Moments(pub u64);
 impl Moments {
     /// The next one, 0 to 1.
     pub fn share(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (self.0 >> 33) as f64 / (1_u64 << 31) as f64
     }
 }

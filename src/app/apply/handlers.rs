@@ -10,11 +10,11 @@ use bathyscope_products::project::MeasurementKind;
 /// Carries out a command.
 pub(super) type Handler = fn(&mut App);
 
-/// What carries out a command; `None` for windows, dialogs, layout and cameras, which belong to the shell.
+/// What carries out a command; `None` for windows, dialogs, layout and cameras, which belong to the
+/// shell.
 pub(super) fn handler(action: Action) -> Option<Handler> {
     let mut all = SURVEY.iter().chain(SHOWN);
-    all.find(|(of, _)| *of == action)
-        .map(|(_, handler)| *handler)
+    all.find(|(of, _)| *of == action).map(|(_, handler)| *handler)
 }
 
 /// Commands that act on logs, results, decisions and tools.
@@ -66,12 +66,8 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::NextPass, App::next_pass),
     (Action::Cut3d, App::toggle_cut),
     (Action::NextChannel, App::next_channel),
-    (Action::PresetRecommended, |app| {
-        app.use_preset(Preset::Recommended)
-    }),
-    (Action::PresetPublished, |app| {
-        app.use_preset(Preset::Published)
-    }),
+    (Action::PresetRecommended, |app| app.use_preset(Preset::Recommended)),
+    (Action::PresetPublished, |app| app.use_preset(Preset::Published)),
     (Action::FindObjects, App::detect),
     (Action::ShippedModel, |app| app.use_model(None)),
     (Action::NextBox, |app| app.step_box(1)),
@@ -79,12 +75,8 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::AcceptBox, |app| app.decide(Edit::Accept)),
     (Action::RejectBox, |app| app.decide(Edit::Reject)),
     (Action::UndecideBox, |app| app.edit_selected(Edit::Undecide)),
-    (Action::AcceptObject, |app| {
-        app.decide_object(Edit::Accept, "accept object")
-    }),
-    (Action::RejectObject, |app| {
-        app.decide_object(Edit::Reject, "reject object")
-    }),
+    (Action::AcceptObject, |app| app.decide_object(Edit::Accept, "accept object")),
+    (Action::RejectObject, |app| app.decide_object(Edit::Reject, "reject object")),
     (Action::UndecideObject, |app| {
         app.edit_object(Edit::Undecide, "mark object as undecided");
     }),
@@ -106,19 +98,11 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::DrawBottom, |app| app.take_tool(Tool::Bottom)),
     (Action::AcceptBottom, |app| app.take_tool(Tool::Accept)),
     (Action::ForgetBottom, App::forget_bottom),
-    (Action::MeasureDistance, |app| {
-        app.take_measuring_tool(MeasurementKind::Distance)
-    }),
-    (Action::MeasureArea, |app| {
-        app.take_measuring_tool(MeasurementKind::Area)
-    }),
-    (Action::DepthProfile, |app| {
-        app.take_measuring_tool(MeasurementKind::Profile)
-    }),
+    (Action::MeasureDistance, |app| app.take_measuring_tool(MeasurementKind::Distance)),
+    (Action::MeasureArea, |app| app.take_measuring_tool(MeasurementKind::Area)),
+    (Action::DepthProfile, |app| app.take_measuring_tool(MeasurementKind::Profile)),
     (Action::UseShadow, App::use_shadow),
-    (Action::HeightFromShadow, |app| {
-        app.take_measuring_tool(MeasurementKind::Height)
-    }),
+    (Action::HeightFromShadow, |app| app.take_measuring_tool(MeasurementKind::Height)),
     (Action::TakeCornerBack, App::take_corner_back),
     (Action::EndFigure, App::end_figure),
     (Action::RemoveFigure, App::remove_figure),
@@ -146,76 +130,32 @@ const SHOWN: &[(Action, Handler)] = &[
         let waterfall = &mut app.view.options.waterfall;
         waterfall.range_lines = !waterfall.range_lines;
     }),
-    (Action::DepthMapLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::DepthMap)
-    }),
-    (Action::HillShadeLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::HillShade)
-    }),
-    (Action::MosaicLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::Mosaic)
-    }),
-    (Action::IsobathLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::Isobaths)
-    }),
-    (Action::PointLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::Points)
-    }),
-    (Action::ResidualLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::Residuals)
-    }),
-    (Action::TrackLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::Track)
-    }),
-    (Action::BoxLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::Boxes)
-    }),
+    (Action::DepthMapLayer, |app| app.view.options.map.layers.toggle(MapLayer::DepthMap)),
+    (Action::HillShadeLayer, |app| app.view.options.map.layers.toggle(MapLayer::HillShade)),
+    (Action::MosaicLayer, |app| app.view.options.map.layers.toggle(MapLayer::Mosaic)),
+    (Action::IsobathLayer, |app| app.view.options.map.layers.toggle(MapLayer::Isobaths)),
+    (Action::PointLayer, |app| app.view.options.map.layers.toggle(MapLayer::Points)),
+    (Action::ResidualLayer, |app| app.view.options.map.layers.toggle(MapLayer::Residuals)),
+    (Action::TrackLayer, |app| app.view.options.map.layers.toggle(MapLayer::Track)),
+    (Action::BoxLayer, |app| app.view.options.map.layers.toggle(MapLayer::Boxes)),
     (Action::SideColours, |app| {
         app.view.options.side_colours = match app.view.options.side_colours {
             SideColours::Paper => SideColours::Maritime,
             SideColours::Maritime => SideColours::Paper,
         }
     }),
-    (Action::BaseMapLayer, |app| {
-        app.view.options.map.layers.toggle(MapLayer::BaseMap)
-    }),
-    (Action::Swipe, |app| {
-        app.view
-            .options
-            .map
-            .swipe
-            .toggle(&mut app.view.options.map.layers)
-    }),
-    (Action::Graticule, |app| {
-        app.view.options.map.graticule = !app.view.options.map.graticule
-    }),
-    (Action::CoordinatesDegrees, |app| {
-        app.view.options.coordinates = CoordinateFormat::Degrees
-    }),
-    (Action::CoordinatesMinutes, |app| {
-        app.view.options.coordinates = CoordinateFormat::Minutes
-    }),
-    (Action::CoordinatesSeconds, |app| {
-        app.view.options.coordinates = CoordinateFormat::Seconds
-    }),
-    (Action::CoordinatesUtm, |app| {
-        app.view.options.coordinates = CoordinateFormat::Utm
-    }),
-    (Action::UnitsMetres, |app| {
-        app.view.options.units.length = LengthUnit::Metres
-    }),
-    (Action::UnitsFeet, |app| {
-        app.view.options.units.length = LengthUnit::Feet
-    }),
-    (Action::UnitsFathoms, |app| {
-        app.view.options.units.length = LengthUnit::Fathoms
-    }),
-    (Action::SpeedMetres, |app| {
-        app.view.options.units.speed = SpeedUnit::MetresPerSecond
-    }),
-    (Action::SpeedKnots, |app| {
-        app.view.options.units.speed = SpeedUnit::Knots
-    }),
+    (Action::BaseMapLayer, |app| app.view.options.map.layers.toggle(MapLayer::BaseMap)),
+    (Action::Swipe, |app| app.view.options.map.swipe.toggle(&mut app.view.options.map.layers)),
+    (Action::Graticule, |app| app.view.options.map.graticule = !app.view.options.map.graticule),
+    (Action::CoordinatesDegrees, |app| app.view.options.coordinates = CoordinateFormat::Degrees),
+    (Action::CoordinatesMinutes, |app| app.view.options.coordinates = CoordinateFormat::Minutes),
+    (Action::CoordinatesSeconds, |app| app.view.options.coordinates = CoordinateFormat::Seconds),
+    (Action::CoordinatesUtm, |app| app.view.options.coordinates = CoordinateFormat::Utm),
+    (Action::UnitsMetres, |app| app.view.options.units.length = LengthUnit::Metres),
+    (Action::UnitsFeet, |app| app.view.options.units.length = LengthUnit::Feet),
+    (Action::UnitsFathoms, |app| app.view.options.units.length = LengthUnit::Fathoms),
+    (Action::SpeedMetres, |app| app.view.options.units.speed = SpeedUnit::MetresPerSecond),
+    (Action::SpeedKnots, |app| app.view.options.units.speed = SpeedUnit::Knots),
     (Action::OutlierPreview, |app| {
         app.view.options.cloud.outlier_preview = !app.view.options.cloud.outlier_preview;
     }),
@@ -223,9 +163,7 @@ const SHOWN: &[(Action, Handler)] = &[
         let has_several = app.log_count() > 1;
         app.view.options.cloud.colour = app.view.options.cloud.colour.next(has_several);
     }),
-    (Action::Bottom3d, |app| {
-        app.view.options.cloud.bottom = !app.view.options.cloud.bottom
-    }),
+    (Action::Bottom3d, |app| app.view.options.cloud.bottom = !app.view.options.cloud.bottom),
     (Action::NextBottomColour, |app| {
         let cloud = &mut app.view.options.cloud;
         // What is not shown is shown as it was.
@@ -237,15 +175,9 @@ const SHOWN: &[(Action, Handler)] = &[
         app.view.options.cloud.isobaths = !app.view.options.cloud.isobaths
     }),
     (Action::TurnLight, |app| app.view.options.cloud.turn_light()),
-    (Action::ClipBox3d, |app| {
-        app.view.options.cloud.toggle_clip()
-    }),
-    (Action::Water3d, |app| {
-        app.view.options.cloud.water = !app.view.options.cloud.water
-    }),
-    (Action::Points3d, |app| {
-        app.view.options.cloud.points = !app.view.options.cloud.points
-    }),
+    (Action::ClipBox3d, |app| app.view.options.cloud.toggle_clip()),
+    (Action::Water3d, |app| app.view.options.cloud.water = !app.view.options.cloud.water),
+    (Action::Points3d, |app| app.view.options.cloud.points = !app.view.options.cloud.points),
     (Action::Theme, |app| {
         app.view.options.theme = match app.view.options.theme {
             ThemeChoice::Dark => ThemeChoice::Light,

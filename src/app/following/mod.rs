@@ -1,10 +1,13 @@
-//! Following a log while its recorder writes it: new pings appear as they come, what is there stays, and from time to time everything is
-//! made anew from the whole log, so that at the end the results are those of the finished file.
+//! Following a log while its recorder writes it: new pings appear as they come, what is there
+//! stays, and from time to time everything is made anew from the whole log, so that at the end the
+//! results are those of the finished file.
 //!
-//! `step` is the work in a background thread, `publish` shows what came of it, `scale` keeps the scale that was in
-//! force, `whole` says when everything is made anew. Its results for the new pings are provisional: they go by the calibration of the last
-//! run over the whole log ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log grew by a quarter, so the work for each ping
-//! does not grow with the log. Where objects were searched for, what is new is searched too. The log is only ever read, as a private copy
+//! `step` is the work in a background thread, `publish` shows what came of it, `scale` keeps the
+//! scale that was in force, `whole` says when everything is made anew. Its results for the new
+//! pings are provisional: they go by the calibration of the last run over the whole log
+//! ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log grew by a
+//! quarter, so the work for each ping does not grow with the log. Where objects were searched for,
+//! what is new is searched too. The log is only ever read, as a private copy
 //! ([`bathyscope_log::formats::GrowingLog`]).
 
 mod publish;
@@ -122,9 +125,7 @@ impl App {
     /// The log that is followed.
     pub fn followed(&self) -> Option<LogId> {
         let active = self.following.active.as_ref();
-        active
-            .filter(|active| active.ends.is_none())
-            .map(|active| active.log)
+        active.filter(|active| active.ends.is_none()).map(|active| active.log)
     }
 
     /// Whether the log that is shown is followed.
@@ -152,13 +153,8 @@ impl App {
         }
         let log = self.open_log(active.log)?;
         Some(FollowStatus::Growing {
-            pings: log
-                .survey
-                .as_ref()
-                .map_or(0, |survey| survey.side_scan.len()),
-            behind: active
-                .waiting
-                .map_or(Duration::ZERO, |since| since.elapsed()),
+            pings: log.survey.as_ref().map_or(0, |survey| survey.side_scan.len()),
+            behind: active.waiting.map_or(Duration::ZERO, |since| since.elapsed()),
         })
     }
 
@@ -172,9 +168,7 @@ impl App {
     /// Begins to follow the shown log, or ends it.
     pub(super) fn toggle_following(&mut self) {
         if let Some(other) = self.followed().filter(|id| *id != self.log.id) {
-            let name = self
-                .open_log(other)
-                .map_or_else(String::new, |log| quoted(&log.name()));
+            let name = self.open_log(other).map_or_else(String::new, |log| quoted(&log.name()));
             let text = format!("{name} is followed already; end that first");
             return self.notify(text, true);
         }
@@ -260,9 +254,8 @@ impl App {
                 active.tools = Some(tools);
             }
             Err(error) => {
-                let name = self
-                    .open_log(active.log)
-                    .map_or_else(String::new, |log| quoted(&log.name()));
+                let name =
+                    self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
                 active.ends = Some(End::Failed);
                 self.notify(format!("{name} cannot be followed: {error}"), true);
             }
@@ -303,9 +296,7 @@ impl App {
     fn goes_on(&self, active: &Active, step: &Stepping) -> bool {
         let newest = match (&active.fresh, step.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),
-            (None, false) => self
-                .open_log(active.log)
-                .and_then(|log| log.survey.as_ref()),
+            (None, false) => self.open_log(active.log).and_then(|log| log.survey.as_ref()),
             _ => None,
         };
         let is_same = newest.is_some_and(|newest| Arc::ptr_eq(newest, &step.from));
@@ -364,11 +355,7 @@ impl App {
     }
 
     fn is_engine_on(&self, id: LogId) -> bool {
-        let is_it = self
-            .pipeline
-            .requested
-            .as_ref()
-            .is_some_and(|(log, ..)| *log == id);
+        let is_it = self.pipeline.requested.as_ref().is_some_and(|(log, ..)| *log == id);
         is_it && self.engine_status() != EngineStatus::Idle
     }
 
@@ -393,9 +380,7 @@ impl App {
         let Some(mut tools) = active.tools.take() else {
             return;
         };
-        let has_waited = active
-            .waiting
-            .is_some_and(|since| since.elapsed() >= LONGEST_WAIT);
+        let has_waited = active.waiting.is_some_and(|since| since.elapsed() >= LONGEST_WAIT);
         let waits = !(has_waited || is_fresh);
         active.looked = Some(Instant::now());
         let from = ground.survey.clone();
@@ -403,14 +388,11 @@ impl App {
             let grown = tools.step(&ground, waits, progress);
             (tools, grown)
         });
-        active.stepping = Some(Stepping {
-            from,
-            is_fresh,
-            task,
-        });
+        active.stepping = Some(Stepping { from, is_fresh, task });
     }
 
-    /// Ends following a log whose track is another receiver's now: what is there is run over as it is.
+    /// Ends following a log whose track is another receiver's now: what is there is run over as it
+    /// is.
     fn leave_following(&mut self, id: LogId) {
         if let Some(log) = self.log_mut(id) {
             log.leave_provisional();
@@ -424,12 +406,8 @@ impl App {
 
     /// Says in one sentence why the log is not followed any more; what was read of it stays.
     fn fail_following(&mut self, active: &mut Active, why: &str) {
-        let name = self
-            .open_log(active.log)
-            .map_or_else(String::new, |log| quoted(&log.name()));
-        let pings = self
-            .open_log(active.log)
-            .and_then(|log| log.survey.as_ref());
+        let name = self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
+        let pings = self.open_log(active.log).and_then(|log| log.survey.as_ref());
         let pings = pings.map_or(0, |survey| survey.side_scan.len());
         active.ends = Some(End::Failed);
         active.fresh = None;
@@ -440,7 +418,8 @@ impl App {
 }
 
 impl OpenLog {
-    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would lose its bytes.
+    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would
+    /// lose its bytes.
     fn leave_map(&mut self, bytes: &[Bytes]) {
         for survey in [&mut self.survey, &mut self.as_read] {
             let is_as_long = |survey: &Arc<Survey>| {
@@ -448,10 +427,7 @@ impl OpenLog {
                 lengths.eq(bytes.iter().map(|bytes| bytes.len()))
             };
             if let Some(mapped) = survey.as_ref().filter(|survey| is_as_long(survey)) {
-                *survey = Some(Arc::new(Survey {
-                    bytes: bytes.to_vec(),
-                    ..Survey::clone(mapped)
-                }));
+                *survey = Some(Arc::new(Survey { bytes: bytes.to_vec(), ..Survey::clone(mapped) }));
             }
         }
     }

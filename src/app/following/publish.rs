@@ -1,4 +1,5 @@
-//! A longer state of a log in the place of the one that was shown: what was decided about it is carried over.
+//! A longer state of a log in the place of the one that was shown: what was decided about it is
+//! carried over.
 
 use super::step::FollowedLog;
 use crate::app::outdated::LogsChange;
@@ -8,11 +9,10 @@ use bathyscope_products::pipeline::{LogSettings, Products, Settings};
 use std::sync::Arc;
 
 impl App {
-    /// Whether the log's settings are those that results were made with, whatever state of the log each of them names.
+    /// Whether the log's settings are those that results were made with, whatever state of the log
+    /// each of them names.
     pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
-        let shown = self
-            .open_log(id)
-            .and_then(|log| Some((log, log.survey.as_ref()?)));
+        let shown = self.open_log(id).and_then(|log| Some((log, log.survey.as_ref()?)));
         let Some((log, survey)) = shown else {
             return false;
         };
@@ -32,13 +32,7 @@ impl App {
         let Some(log) = self.log_mut(id) else {
             return;
         };
-        let FollowedLog {
-            read,
-            survey,
-            mut products,
-            own,
-            ..
-        } = ground;
+        let FollowedLog { read, survey, mut products, own, .. } = ground;
         log.whole = log.settled().filter(|_| is_provisional);
         log.as_read = log.as_read.is_some().then_some(read);
         log.replace_survey(survey.clone());
@@ -77,7 +71,8 @@ impl App {
         self.follow_change(LogsChange::Grown(id));
     }
 
-    /// Carries boxes and measurements over to the state that a log has now, which may be longer than the one they were made on.
+    /// Carries boxes and measurements over to the state that a log has now, which may be longer
+    /// than the one they were made on.
     pub(in crate::app) fn carry_decisions(&mut self, id: LogId) {
         let Some(log) = self.log_mut(id) else {
             return;

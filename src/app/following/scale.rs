@@ -1,4 +1,5 @@
-//! The scale of a log while it is followed: what was in force stays until the analyst takes another one, and what changes is said.
+//! The scale of a log while it is followed: what was in force stays until the analyst takes another
+//! one, and what changes is said.
 
 use super::Active;
 use crate::app::{Action, App, LogId, OpenLog};
@@ -14,7 +15,8 @@ const STRETCH: &str = "calibration.pings";
 const SAME_M: f64 = 0.01;
 
 impl App {
-    /// Keeps the stretch that the scale of a followed log is measured on: the best-ranked one of a longer log is often another.
+    /// Keeps the stretch that the scale of a followed log is measured on: the best-ranked one of a
+    /// longer log is often another.
     pub(super) fn hold_scale(&mut self, active: &mut Active) {
         let Some(log) = self.open_log(active.log) else {
             return;
@@ -46,7 +48,8 @@ impl App {
         }
     }
 
-    /// Offers the best-ranked stretch of a log that has grown where its scale is another than the one in force.
+    /// Offers the best-ranked stretch of a log that has grown where its scale is another than the
+    /// one in force.
     pub(super) fn offer_flatter(&mut self, id: LogId) {
         let Some(log) = self.log_mut(id) else {
             return;
@@ -60,7 +63,8 @@ impl App {
         }
     }
 
-    /// Says by how much depths changed with the results of the whole log, where its scale or its offset is another now.
+    /// Says by how much depths changed with the results of the whole log, where its scale or its
+    /// offset is another now.
     pub(super) fn tell_drift(
         &mut self,
         survey: &Survey,
@@ -87,8 +91,8 @@ impl App {
 }
 
 impl OpenLog {
-    /// Writes the stretch that the scale is measured on into the log's own settings. Results that were made with it, as the best-ranked
-    /// one, stay as they are.
+    /// Writes the stretch that the scale is measured on into the log's own settings. Results that
+    /// were made with it, as the best-ranked one, stay as they are.
     fn name_stretch(&mut self, pings: PingRange) {
         Arc::make_mut(&mut self.own).set(STRETCH, Value::String(pings.into()));
         let name = |settings: &mut Arc<Settings>| {
@@ -111,7 +115,8 @@ fn is_measured_on(products: &Products, pings: PingRange) -> bool {
     made.mode == ScaleMode::FlatSpot && spot.is_some_and(|spot| spot.range() == pings)
 }
 
-/// The best-ranked stretch with what it would change, in a sentence; `None` where it is the one in force, or gives the same depths.
+/// The best-ranked stretch with what it would change, in a sentence; `None` where it is the one in
+/// force, or gives the same depths.
 fn flatter(products: &Products) -> Option<(PingRange, String)> {
     let made = &products.calibration;
     let used = made.flat_spot.as_ref();
@@ -134,9 +139,7 @@ fn flatter(products: &Products) -> Option<(PingRange, String)> {
 /// By how much one calibration puts a first return at the median depth deeper than another, metres.
 fn depth_change_m(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<f64> {
     let depth_m = after.measured_offset.or(before.measured_offset)?.depth_m;
-    let mut spans = Side::BOTH
-        .into_iter()
-        .filter_map(|side| survey.span(0, side));
+    let mut spans = Side::BOTH.into_iter().filter_map(|side| survey.span(0, side));
     let span = spans.next()?;
     let sample = span.sample_at(depth_m);
     let change_m = after.range_m(span, sample) - before.range_m(span, sample);

@@ -1,4 +1,5 @@
-//! What is done in a background thread about a log that is followed: its new bytes are taken in, and its results made of them.
+//! What is done in a background thread about a log that is followed: its new bytes are taken in,
+//! and its results made of them.
 
 use bathyscope_log::formats::{
     GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail,
@@ -13,8 +14,8 @@ use bathyscope_products::pipeline::{
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// More is only shown once the log grew by this share: what is shown is a copy of the whole, and so the work for each ping stays the same
-/// however long the log is.
+/// More is only shown once the log grew by this share: what is shown is a copy of the whole, and so
+/// the work for each ping stays the same however long the log is.
 const LEAST_SHARE: f64 = 1.0 / 4000.0;
 
 /// Why a step could not be done.
@@ -55,10 +56,7 @@ pub(super) struct FollowedLog {
 impl FollowedLog {
     /// The recording and its results.
     pub(super) fn settled(&self) -> ProcessedLog {
-        ProcessedLog {
-            survey: self.survey.clone(),
-            products: self.products.clone(),
-        }
+        ProcessedLog { survey: self.survey.clone(), products: self.products.clone() }
     }
 
     /// Carries the log's own settings over to a longer one.
@@ -74,7 +72,8 @@ impl FollowedLog {
     }
 }
 
-/// What goes from one step to the next: the copy of the log, and what its records and results go on with.
+/// What goes from one step to the next: the copy of the log, and what its records and results go on
+/// with.
 pub(super) struct Tools {
     pub growing: GrowingLog,
     /// The bytes of the log as it was when it began to be followed.
@@ -106,7 +105,8 @@ impl Tools {
         })
     }
 
-    /// Takes in what was added, and makes results of it if that is enough, or if it is not to wait any longer.
+    /// Takes in what was added, and makes results of it if that is enough, or if it is not to wait
+    /// any longer.
     pub(super) fn step(
         &mut self,
         ground: &FollowedLog,
@@ -129,19 +129,10 @@ impl Tools {
         let read = Arc::new(read);
         let frame = &ground.survey.track.frame;
         let survey = as_it_is_set(&read, &ground.products.settings, Some(frame))?;
-        let unchanged = survey
-            .side_scan
-            .partition_point(|ping| ping.time_s < seam.time_s);
+        let unchanged = survey.side_scan.partition_point(|ping| ping.time_s < seam.time_s);
         let (own, settings) = ground.settings_over(&survey)?;
         let results = self.results_for(ground, progress)?;
-        let products = extend(
-            &survey,
-            unchanged,
-            &ground.products,
-            &settings,
-            results,
-            progress,
-        )?;
+        let products = extend(&survey, unchanged, &ground.products, &settings, results, progress)?;
         Ok(Grown::Longer(Box::new(FollowedLog {
             read,
             survey,
@@ -151,7 +142,8 @@ impl Tools {
         })))
     }
 
-    /// What the results go on with by the settings in force; measured over the whole log where they changed.
+    /// What the results go on with by the settings in force; measured over the whole log where they
+    /// changed.
     fn results_for(
         &mut self,
         ground: &FollowedLog,
@@ -192,16 +184,11 @@ pub(super) fn whole(
     let own = own.map_or_else(|| ground.own.clone(), Arc::new);
     let settings = own.compose(&ground.shared)?;
     let products = run(&survey, &settings, None, progress, |_| ())?;
-    Ok(FollowedLog {
-        read,
-        survey,
-        products,
-        shared: ground.shared.clone(),
-        own,
-    })
+    Ok(FollowedLog { read, survey, products, shared: ground.shared.clone(), own })
 }
 
-/// A log that was read as its settings have it, in a frame; the very same one where they change nothing.
+/// A log that was read as its settings have it, in a frame; the very same one where they change
+/// nothing.
 fn as_it_is_set(
     read: &Arc<Survey>,
     settings: &Settings,

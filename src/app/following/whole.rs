@@ -21,13 +21,8 @@ impl App {
         };
         let made = log.whole.as_ref().map(|whole| &whole.products.settings);
         let now = log.products.as_ref().map(|products| &products.settings);
-        let is_changed = made
-            .zip(now)
-            .is_some_and(|(made, now)| bare(made) != bare(now));
-        let bytes = log
-            .survey
-            .as_ref()
-            .map_or(0, |survey| survey.source.byte_count) as f64;
+        let is_changed = made.zip(now).is_some_and(|(made, now)| bare(made) != bare(now));
+        let bytes = log.survey.as_ref().map_or(0, |survey| survey.source.byte_count) as f64;
         let has_grown = bytes >= WHOLE_AGAIN * active.whole_bytes as f64;
         let rests = active.added.elapsed() >= QUIET && log.whole.is_some();
         if !(has_grown || rests || is_changed) || log.is_behind() {
@@ -118,8 +113,8 @@ impl OpenLog {
     }
 }
 
-/// Settings without the state of the log that they are of, which changes with every ping, and without how its picture is shown, which no
-/// result depends on.
+/// Settings without the state of the log that they are of, which changes with every ping, and
+/// without how its picture is shown, which no result depends on.
 fn bare(settings: &Settings) -> Settings {
     let mut bare = settings.clone();
     (bare.bottom.log_bytes, bare.bottom.pings) = (0, 0);

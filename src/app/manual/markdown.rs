@@ -1,4 +1,5 @@
-//! The part of Markdown that the manual uses: headings, paragraphs, lists, fenced code, tables, and code within text.
+//! The part of Markdown that the manual uses: headings, paragraphs, lists, fenced code, tables, and
+//! code within text.
 
 /// A piece of text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,17 +53,12 @@ pub fn blocks(text: &str) -> Vec<PageBlock> {
             continue;
         }
         if line.starts_with("```") {
-            let code: Vec<&str> = lines
-                .by_ref()
-                .take_while(|line| !line.starts_with("```"))
-                .collect();
+            let code: Vec<&str> =
+                lines.by_ref().take_while(|line| !line.starts_with("```")).collect();
             found.push(PageBlock::Code(code.join("\n")));
         } else if line.starts_with('#') {
             let level = line.chars().take_while(|sign| *sign == '#').count();
-            found.push(PageBlock::Heading(
-                level,
-                line[level..].trim().replace('`', ""),
-            ));
+            found.push(PageBlock::Heading(level, line[level..].trim().replace('`', "")));
         } else if line.starts_with('|') {
             let mut rows = vec![cells(line)];
             while let Some(next) = lines.next_if(|next| next.starts_with('|')) {
@@ -91,9 +87,7 @@ pub fn blocks(text: &str) -> Vec<PageBlock> {
 /// Blocks under one heading, the heading first.
 pub fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
     let starts = |block: &PageBlock| matches!(block, PageBlock::Heading(..));
-    let mut cuts: Vec<usize> = (0..blocks.len())
-        .filter(|at| starts(&blocks[*at]))
-        .collect();
+    let mut cuts: Vec<usize> = (0..blocks.len()).filter(|at| starts(&blocks[*at])).collect();
     if cuts.first() != Some(&0) {
         cuts.insert(0, 0);
     }
@@ -104,9 +98,7 @@ pub fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
 
 /// Whether a line belongs to the paragraph or the entry before it.
 fn goes_on(line: &str) -> bool {
-    let starts_anew = ["#", "|", "- ", "```"]
-        .iter()
-        .any(|sign| line.starts_with(sign));
+    let starts_anew = ["#", "|", "- ", "```"].iter().any(|sign| line.starts_with(sign));
     !line.trim().is_empty() && !starts_anew
 }
 
@@ -118,13 +110,12 @@ fn cells(line: &str) -> Vec<Vec<Span>> {
     let inner = line.trim().trim_start_matches('|').trim_end_matches('|');
     // A bar that stands in a cell is escaped.
     let inner = inner.replace("\\|", "\u{0}");
-    let cells = inner
-        .split('|')
-        .map(|cell| cell.trim().replace('\u{0}', "|"));
+    let cells = inner.split('|').map(|cell| cell.trim().replace('\u{0}', "|"));
     cells.map(|cell| spans(&cell)).collect()
 }
 
-/// Text between backticks is code. Asterisks of strong text are left out: the window and the terminal have one weight.
+/// Text between backticks is code. Asterisks of strong text are left out: the window and the
+/// terminal have one weight.
 fn spans(text: &str) -> Vec<Span> {
     let span = |(index, piece): (usize, &str)| {
         let is_code = index % 2 == 1;
@@ -147,14 +138,8 @@ mod tests {
         let found = blocks(
             "# Title\n\nOne **line**\nand `code`.\n\n- an entry\n  goes on\n- another\n\n```sh\na  b\n```\n| x | `y` |\n|---|---|\n| 1 | 2\\|3 |\n",
         );
-        let code = |text: &str| Span {
-            text: text.to_owned(),
-            is_code: true,
-        };
-        let text = |text: &str| Span {
-            text: text.to_owned(),
-            is_code: false,
-        };
+        let code = |text: &str| Span { text: text.to_owned(), is_code: true };
+        let text = |text: &str| Span { text: text.to_owned(), is_code: false };
         assert_eq!(
             found,
             [
@@ -174,10 +159,7 @@ mod tests {
     #[test]
     fn sections_begin_at_headings() {
         let page = blocks("before\n\n# A\n\none\n\n## B\n\ntwo\n\nthree\n");
-        let lengths: Vec<usize> = sections(&page)
-            .iter()
-            .map(|section| section.len())
-            .collect();
+        let lengths: Vec<usize> = sections(&page).iter().map(|section| section.len()).collect();
         assert_eq!(lengths, [1, 2, 3]);
         assert!(sections(&[]).is_empty());
     }

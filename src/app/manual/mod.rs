@@ -1,5 +1,6 @@
-//! The manual: pages of Markdown that are compiled in, with tables that are derived from the program. `bathyscope manual` prints
-//! them, F1 shows them; `markdown` reads the part of Markdown that they use, `tables` makes the tables.
+//! The manual: pages of Markdown that are compiled in, with tables that are derived from the
+//! program. `bathyscope manual` prints them, F1 shows them; `markdown` reads the part of Markdown
+//! that they use, `tables` makes the tables.
 
 pub mod markdown;
 mod tables;

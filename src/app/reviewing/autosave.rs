@@ -1,5 +1,6 @@
-//! Decisions are kept as they are made: in a sidecar file of the log, written aside and renamed, every few seconds
-//! and when the log or the window is closed. What an earlier run left there is offered, never mixed in unasked.
+//! Decisions are kept as they are made: in a sidecar file of the log, written aside and renamed,
+//! every few seconds and when the log or the window is closed. What an earlier run left there is
+//! offered, never mixed in unasked.
 
 use super::{Parked, Reviewing, is_touched};
 use crate::app::error::AppError;
@@ -68,8 +69,8 @@ impl Autosave {
         EVERY.saturating_sub(passed)
     }
 
-    /// What one write does: where to, and whether decisions that lie there were never taken up. They go under another name, that of no
-    /// file.
+    /// What one write does: where to, and whether decisions that lie there were never taken up.
+    /// They go under another name, that of no file.
     fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), ExportError> + Send + use<>> {
         let path = self.path()?;
         let was_left = self.left.take().is_some();
@@ -120,9 +121,7 @@ impl App {
 
     /// Time until decisions are due to be written; `None` when there is nothing to write.
     pub fn autosave_due(&self) -> Option<Duration> {
-        self.logs()
-            .filter_map(|log| log.reviewing.autosave_due())
-            .min()
+        self.logs().filter_map(|log| log.reviewing.autosave_due()).min()
     }
 }
 
@@ -183,7 +182,8 @@ impl Reviewing {
         Ok(())
     }
 
-    /// Collects what an earlier run left. Gives how many boxes it decided about, where nobody has taken that up yet.
+    /// Collects what an earlier run left. Gives how many boxes it decided about, where nobody has
+    /// taken that up yet.
     fn poll_left(&mut self) -> Result<Option<usize>, AppError> {
         // The saved review comes first: what was left is compared with it.
         if self.opening.is_some() {
@@ -217,7 +217,8 @@ impl Reviewing {
 }
 
 impl App {
-    /// Writes decisions about a log when they are due, and notifies of those that an earlier run left.
+    /// Writes decisions about a log when they are due, and notifies of those that an earlier run
+    /// left.
     pub(in crate::app) fn poll_autosave(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {
@@ -267,7 +268,8 @@ impl App {
         }
     }
 
-    /// Keeps the decisions about a log that is a file from now on, and looks for those that an earlier run left.
+    /// Keeps the decisions about a log that is a file from now on, and looks for those that an
+    /// earlier run left.
     pub(in crate::app) fn look_for_unsaved(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {

@@ -8,10 +8,7 @@ use std::sync::Arc;
 impl App {
     /// Makes a list the classes of the survey.
     pub(in crate::app) fn set_classes(&mut self, review: ReviewSettings) {
-        let settings = Settings {
-            review,
-            ..Settings::clone(&self.log.settings)
-        };
+        let settings = Settings { review, ..Settings::clone(&self.log.settings) };
         self.change(settings, "classes of objects", false);
     }
 
@@ -30,10 +27,7 @@ impl App {
         let after = self.step_now();
         // The list is part of the same step.
         self.record_step(&before, &after, "name of class", true);
-        let settings = Settings {
-            review,
-            ..Settings::clone(&self.log.settings)
-        };
+        let settings = Settings { review, ..Settings::clone(&self.log.settings) };
         self.change(settings, "name of class", false);
     }
 }

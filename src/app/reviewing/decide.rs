@@ -21,7 +21,8 @@ pub struct Nudge {
 }
 
 impl Reviewing {
-    /// Goes back or forward to a version of the boxes; gives back the first box that is another one then.
+    /// Goes back or forward to a version of the boxes; gives back the first box that is another one
+    /// then.
     fn go_to(&mut self, review: Arc<Review>) -> Option<BoxId> {
         if Arc::ptr_eq(&review, &self.review) {
             return None;
@@ -33,7 +34,8 @@ impl Reviewing {
 }
 
 impl App {
-    /// Goes back or forward to a step, and to the box that it is about. The label is what the project's journal has for it.
+    /// Goes back or forward to a step, and to the box that it is about. The label is what the
+    /// project's journal has for it.
     pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
         self.map.measuring.figure = step.figure;
         self.take_planned(step.planned);
@@ -55,7 +57,8 @@ impl App {
         self.process();
     }
 
-    /// Goes back or forward to a step of one log; gives back the first box that is another one then.
+    /// Goes back or forward to a step of one log; gives back the first box that is another one
+    /// then.
     fn take_log_step(&mut self, step: LogStep, same_shared: bool) -> Option<LogBox> {
         let id = step.id;
         let log = self.log_mut(id)?;
@@ -67,12 +70,14 @@ impl App {
             self.set_own(id, own, false);
         }
         let changed = self.log_mut(id)?.reviewing.go_to(step.review);
-        // The log may have grown since that step; and with the settings its sides may be others than a moment ago.
+        // The log may have grown since that step; and with the settings its sides may be others
+        // than a moment ago.
         self.carry_decisions(id);
         changed.map(|one| LogBox { log: id, id: one })
     }
 
-    /// Makes `review` the boxes in force of a log, as one undo step that ends with the first change that is not `live`.
+    /// Makes `review` the boxes in force of a log, as one undo step that ends with the first change
+    /// that is not `live`.
     pub(in crate::app) fn take_review(
         &mut self,
         id: LogId,
@@ -88,7 +93,8 @@ impl App {
         self.record_step(&before, &after, label, live);
     }
 
-    /// Carries out an edit of the shown log's boxes, and selects the box that it adds. A drag passes many places, all but the last `live`.
+    /// Carries out an edit of the shown log's boxes, and selects the box that it adds. A drag
+    /// passes many places, all but the last `live`.
     pub(in crate::app) fn edit(&mut self, edit: &Edit, live: bool) {
         if let Some(added) = self.edit_of(self.log.id, edit, live) {
             self.log.reviewing.tool = Tool::Look;
@@ -128,11 +134,7 @@ impl App {
         self.log.reviewing.selected = id;
         self.log.reviewing.edge = BoxEdge::default();
         self.log.reviewing.judging.look_away();
-        let Some((survey, one)) = self
-            .log
-            .survey
-            .as_ref()
-            .zip(self.log.reviewing.selected_box())
+        let Some((survey, one)) = self.log.survey.as_ref().zip(self.log.reviewing.selected_box())
         else {
             self.log.reviewing.selected = None;
             if self.log.reviewing.tool == Tool::Edit {
@@ -154,11 +156,7 @@ impl App {
 
     /// Removes a box drawn by hand; rejects one that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
-        let manual = self
-            .log
-            .reviewing
-            .selected_box()
-            .filter(|one| one.model.is_none());
+        let manual = self.log.reviewing.selected_box().filter(|one| one.model.is_none());
         match manual.map(|one| one.id) {
             Some(id) => self.edit(&Edit::Remove(id), false),
             None => self.decide(Edit::Reject),
@@ -199,11 +197,7 @@ impl App {
         // On the screen it moves as the arrow points, however the picture is turned.
         let picture = &self.log.settings.picture;
         let along = if picture.flip { -along } else { along };
-        let across = if picture.starboard_first {
-            -across
-        } else {
-            across
-        };
+        let across = if picture.starboard_first { -across } else { across };
         let reviewing = &self.log.reviewing;
         let edit = match reviewing.edge {
             edge if nudge.resize || edge == BoxEdge::Whole => {
@@ -237,11 +231,7 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
         // The lower or right edge of a box to port is the near one.
         (Side::Port, true) => moved.near_m -= across_m,
         (side, false) => {
-            let outward_m = if side == Side::Port {
-                -across_m
-            } else {
-                across_m
-            };
+            let outward_m = if side == Side::Port { -across_m } else { across_m };
             let outward_m = outward_m.max(-mark.near_m);
             moved.near_m += outward_m;
             moved.far_m += outward_m;
@@ -252,9 +242,7 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
 
 /// The first box that differs between two versions and is there in the second.
 fn first_difference(from: &Review, to: &Review) -> Option<BoxId> {
-    to.boxes()
-        .find(|one| from.get(one.id) != Some(*one))
-        .map(|one| one.id)
+    to.boxes().find(|one| from.get(one.id) != Some(*one)).map(|one| one.id)
 }
 
 #[cfg(test)]
@@ -263,12 +251,7 @@ mod tests {
 
     #[test]
     fn arrows_move_a_box_as_it_looks() {
-        let port = Mark {
-            side: Side::Port,
-            pings: 2..12,
-            near_m: 5.0,
-            far_m: 7.0,
-        };
+        let port = Mark { side: Side::Port, pings: 2..12, near_m: 5.0, far_m: 7.0 };
         let moved = nudged(&port, 1, 10, false);
         assert_eq!(moved.pings, 3..13);
         assert!((moved.near_m - 4.6).abs() < 1e-9, "towards starboard");
@@ -278,10 +261,7 @@ mod tests {
         let larger = nudged(&port, 3, -10, true);
         assert_eq!(larger.pings, 2..15);
         assert!((larger.near_m - 5.4).abs() < 1e-9 && larger.far_m == 7.0);
-        let starboard = Mark {
-            side: Side::Starboard,
-            ..port
-        };
+        let starboard = Mark { side: Side::Starboard, ..port };
         assert!((nudged(&starboard, 0, 10, false).near_m - 5.4).abs() < 1e-9);
         assert!((nudged(&starboard, 0, 10, true).far_m - 7.4).abs() < 1e-9);
     }

@@ -122,7 +122,8 @@ impl App {
         self.findings.search.model_path = path;
     }
 
-    /// Starts a search for objects in all visible logs, first in the one that is shown; a search that runs is replaced.
+    /// Starts a search for objects in all visible logs, first in the one that is shown; a search
+    /// that runs is replaced.
     pub(in crate::app) fn detect(&mut self) {
         if self.log.products.is_none() {
             let text = "open a log first, and wait for its results";
@@ -131,9 +132,8 @@ impl App {
         let has_side_scan =
             |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
         let shown = self.log.id;
-        let mut logs: Vec<LogId> = (self.reviewed_logs().filter(has_side_scan))
-            .map(|log| log.id)
-            .collect();
+        let mut logs: Vec<LogId> =
+            (self.reviewed_logs().filter(has_side_scan)).map(|log| log.id).collect();
         logs.sort_by_key(|id| *id != shown);
         if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
@@ -141,11 +141,8 @@ impl App {
         }
         self.findings.search.running = None;
         self.findings.search.tail.wants();
-        (
-            self.findings.search.logs,
-            self.findings.search.done,
-            self.findings.search.found,
-        ) = (logs.len(), 0, 0);
+        (self.findings.search.logs, self.findings.search.done, self.findings.search.found) =
+            (logs.len(), 0, 0);
         self.findings.search.ahead = logs.into();
         self.search_next();
     }
@@ -168,10 +165,8 @@ impl App {
             let names = ahead.filter_map(|id| self.open_log(*id));
             let names: Vec<String> = names.map(OpenLog::name).collect();
             self.stop_detecting();
-            let text = format!(
-                "not searched, since they have no results yet: {}",
-                names.join(", ")
-            );
+            let text =
+                format!("not searched, since they have no results yet: {}", names.join(", "));
             self.notify(text, true);
         }
     }
@@ -206,17 +201,12 @@ impl App {
             let found = find(&survey, &navigation, &model, &settings, progress, on_found);
             Ok(found?)
         });
-        self.findings.search.running = Some(Detecting {
-            log: id,
-            messages,
-            pings: 0,
-            all,
-            task,
-        });
+        self.findings.search.running = Some(Detecting { log: id, messages, pings: 0, all, task });
     }
 
-    /// What of the shown log the boxes do not speak of, in a sentence, because a search still runs or was stopped; `None` where it has
-    /// been searched from end to end, and where nothing is known of a search.
+    /// What of the shown log the boxes do not speak of, in a sentence, because a search still runs
+    /// or was stopped; `None` where it has been searched from end to end, and where nothing is
+    /// known of a search.
     pub fn search_note(&self) -> Option<String> {
         let review = &self.log.reviewing.review;
         let running = self.findings.search.running.as_ref();
@@ -308,7 +298,8 @@ impl App {
         }
     }
 
-    /// Takes all that was found in a log. The whole search is one undo step, but what is found in each log is kept at once.
+    /// Takes all that was found in a log. The whole search is one undo step, but what is found in
+    /// each log is kept at once.
     fn take_found(&mut self, id: LogId, found: &[Detection], pings: usize) {
         self.findings.search.done += 1;
         self.findings.search.found += found.len();

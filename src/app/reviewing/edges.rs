@@ -1,4 +1,5 @@
-//! Single edges of a box by keys: those of its echo, the border to its shadow, and the end of the shadow. And points, which have none.
+//! Single edges of a box by keys: those of its echo, the border to its shadow, and the end of the
+//! shadow. And points, which have none.
 
 use super::{PIXEL_M, Reviewing, Tool};
 use crate::app::{App, LogPlace};
@@ -49,7 +50,8 @@ impl BoxEdge {
         }
     }
 
-    /// The edit that moves it by so many pings along the track and pixels of the raster to starboard; `None` of the whole box.
+    /// The edit that moves it by so many pings along the track and pixels of the raster to
+    /// starboard; `None` of the whole box.
     pub(super) fn moved(
         self,
         one: &Reviewed,
@@ -86,8 +88,9 @@ impl BoxEdge {
     }
 }
 
-/// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it is found, or, where no shadow is
-/// found, a third of the box from its near edge: boxes hold more shadow than echo, and a border on the far edge could not be grabbed.
+/// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it
+/// is found, or, where no shadow is found, a third of the box from its near edge: boxes hold more
+/// shadow than echo, and a border on the far edge could not be grabbed.
 pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
     let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
     let found = || {
@@ -113,7 +116,8 @@ impl App {
         }
     }
 
-    /// Takes the tool that marks points, or, with it in hand, marks one at the pointer or at the selected place.
+    /// Takes the tool that marks points, or, with it in hand, marks one at the pointer or at the
+    /// selected place.
     pub(in crate::app) fn point_tool(&mut self) {
         if self.log.reviewing.tool != Tool::Point {
             return self.take_tool(Tool::Point);
@@ -140,12 +144,7 @@ impl App {
         };
         let range_m = span.range_m(f64::from(sample));
         let class = self.log.reviewing.class();
-        let edit = Edit::AddPoint {
-            side,
-            ping: mark.ping,
-            range_m,
-            class,
-        };
+        let edit = Edit::AddPoint { side, ping: mark.ping, range_m, class };
         self.edit(&edit, false);
     }
 }
@@ -156,12 +155,7 @@ mod tests {
     use bathyscope_objects::review::BoxId;
 
     fn reviewed(side: Side) -> Reviewed {
-        let mark = bathyscope_objects::Mark {
-            side,
-            pings: 10..20,
-            near_m: 4.0,
-            far_m: 7.0,
-        };
+        let mark = bathyscope_objects::Mark { side, pings: 10..20, near_m: 4.0, far_m: 7.0 };
         Reviewed::drawn(BoxId(4), mark, 0)
     }
 

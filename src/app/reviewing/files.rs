@@ -23,7 +23,8 @@ pub(super) struct ReviewOpening {
 }
 
 impl App {
-    /// Where the review of the shown log is or would be kept: its file, or the sidecar file of the log.
+    /// Where the review of the shown log is or would be kept: its file, or the sidecar file of the
+    /// log.
     pub fn review_path(&self) -> Option<PathBuf> {
         self.log.review_path()
     }
@@ -33,7 +34,8 @@ impl App {
         self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
     }
 
-    /// Writes the reviews of all logs that differ from their files, each into the file that it has or the sidecar file of its log.
+    /// Writes the reviews of all logs that differ from their files, each into the file that it has
+    /// or the sidecar file of its log.
     pub(in crate::app) fn save_reviews(&mut self) {
         let changed = self.reviewed_logs().filter(|log| {
             let reviewing = &log.reviewing;
@@ -78,11 +80,8 @@ impl App {
         let Some(log) = self.log_mut(id) else {
             return;
         };
-        let text = format!(
-            "Saved {} boxes to {}",
-            log.reviewing.review.boxes().len(),
-            path.display()
-        );
+        let text =
+            format!("Saved {} boxes to {}", log.reviewing.review.boxes().len(), path.display());
         match log.reviewing.save(path) {
             Ok(()) => self.notify(text, false),
             Err(error) => self.notify(error.to_string(), true),
@@ -96,13 +95,8 @@ impl App {
             return;
         }
         self.write(move |progress| {
-            let written = write_boxes(
-                &logs,
-                &review,
-                export::DatasetPart::Train,
-                &folder,
-                progress,
-            );
+            let written =
+                write_boxes(&logs, &review, export::DatasetPart::Train, &folder, progress);
             written.map(|written| written.summary(&folder))
         });
     }
@@ -116,7 +110,8 @@ impl App {
         }
     }
 
-    /// Starts reading the review in a log's sidecar file, if there is one and nothing is at hand already.
+    /// Starts reading the review in a log's sidecar file, if there is one and nothing is at hand
+    /// already.
     pub(in crate::app) fn look_for_review(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         if let Some(log) = self.log_mut(id)
@@ -140,10 +135,9 @@ impl App {
             Ok(review) => {
                 let boxes = review.boxes().len();
                 let text = match unasked {
-                    true => format!(
-                        "Found {boxes} boxes in the log's sidecar file: {}",
-                        path.display()
-                    ),
+                    true => {
+                        format!("Found {boxes} boxes in the log's sidecar file: {}", path.display())
+                    }
                     false => format!("Opened {boxes} boxes: {}", path.display()),
                 };
                 // The sides may have been exchanged while it was read.
@@ -181,11 +175,7 @@ impl OpenLog {
         };
         let from = path.clone();
         let task = Task::start(jobs, move |_| Ok(Review::open_for(&from, &survey)?));
-        self.reviewing.opening = Some(ReviewOpening {
-            path,
-            unasked,
-            task,
-        });
+        self.reviewing.opening = Some(ReviewOpening { path, unasked, task });
         true
     }
 }

@@ -5,7 +5,8 @@ use crate::app::{App, CloseUp, Enlarged, LogBox};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, Reviewed};
 
-/// Longer side that anything small and a point count with, metres: what lies around is to be seen too.
+/// Longer side that anything small and a point count with, metres: what lies around is to be seen
+/// too.
 const LEAST_M: f64 = 1.5;
 
 impl App {
@@ -15,8 +16,8 @@ impl App {
         self.enlarge(Enlarged::Third);
     }
 
-    /// Shows the log of the next box of the queue, if it is another one, and the box: one to one in the waterfall, where that is
-    /// wished for.
+    /// Shows the log of the next box of the queue, if it is another one, and the box: one to one in
+    /// the waterfall, where that is wished for.
     pub(in crate::app) fn come_to(&mut self, id: LogBox) {
         self.select_log_box(id);
         self.enlarge(match self.view.options.waterfall.zooms_to_boxes {
@@ -25,7 +26,8 @@ impl App {
         });
     }
 
-    /// Shows the log of a box, if it is another one, and the box with what lies around it, in the scale that each view has.
+    /// Shows the log of a box, if it is another one, and the box with what lies around it, in the
+    /// scale that each view has.
     pub(in crate::app) fn bring_in(&mut self, id: LogBox) {
         self.select_log_box(id);
         self.enlarge(Enlarged::AsItIs);

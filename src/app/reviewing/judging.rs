@@ -1,5 +1,5 @@
-//! The boxes against the truth, when it is known: read in a background thread, compared once per change of boxes, counted
-//! once per move of the confidence slider.
+//! The boxes against the truth, when it is known: read in a background thread, compared once per
+//! change of boxes, counted once per move of the confidence slider.
 
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
@@ -78,11 +78,9 @@ impl Judging {
     pub fn source(&self) -> Option<String> {
         let (source, _) = self.truth.as_ref()?;
         Some(match source {
-            TruthSource::File(path) => path
-                .file_name()
-                .unwrap_or(path.as_os_str())
-                .to_string_lossy()
-                .into_owned(),
+            TruthSource::File(path) => {
+                path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+            }
             TruthSource::Demo => "the demo's scene".to_owned(),
         })
     }
@@ -255,9 +253,7 @@ impl OpenLog {
         }
         let log = self.survey.as_ref()?.source.files.first()?;
         let sidecar = log.with_extension(truth::SIDECAR);
-        sidecar
-            .is_file()
-            .then_some((TruthSource::File(sidecar), true))
+        sidecar.is_file().then_some((TruthSource::File(sidecar), true))
     }
 
     /// Starts reading its truth. Gives back whether there is a log.
@@ -270,17 +266,14 @@ impl OpenLog {
             TruthSource::Demo => Ok(SurveyTruth::parse(DEMO_TRUTH, &identity)?),
             TruthSource::File(path) => Ok(SurveyTruth::read(path, &identity)?),
         });
-        self.reviewing.judging.opening = Some(TruthOpening {
-            source,
-            unasked,
-            task,
-        });
+        self.reviewing.judging.opening = Some(TruthOpening { source, unasked, task });
         true
     }
 }
 
 impl App {
-    /// Reads the truth of the shown log from a file; while a log is being opened, once that is open.
+    /// Reads the truth of the shown log from a file; while a log is being opened, once that is
+    /// open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
         if self.load_status().is_some() {
             self.log.reviewing.judging.requested = Some(path);
@@ -323,7 +316,8 @@ impl App {
         }
     }
 
-    /// Shows a mistake: a box is selected, a missed object marked, and both are brought into all views.
+    /// Shows a mistake: a box is selected, a missed object marked, and both are brought into all
+    /// views.
     pub(in crate::app) fn show_mistake(&mut self, mistake: &Mistake) {
         match *mistake {
             Mistake::FalseAlarm { id, .. } => self.select_box(Some(id)),

@@ -1,4 +1,5 @@
-//! The queue of boxes over all logs: from one log on to the next in the order of the list, and decisions about whole objects.
+//! The queue of boxes over all logs: from one log on to the next in the order of the list, and
+//! decisions about whole objects.
 
 use super::Reviewing;
 use crate::app::{App, LogBox, OpenLog};
@@ -17,10 +18,10 @@ pub struct ReviewCounts {
 }
 
 impl App {
-    /// The logs whose boxes are reviewed, in the order of the list: those that are visible, and the one that is shown.
+    /// The logs whose boxes are reviewed, in the order of the list: those that are visible, and the
+    /// one that is shown.
     pub(crate) fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
-        self.logs()
-            .filter(|log| log.is_visible || log.id == self.log.id)
+        self.logs().filter(|log| log.is_visible || log.id == self.log.id)
     }
 
     /// Whether there is anything to review.
@@ -41,8 +42,8 @@ impl App {
         )
     }
 
-    /// Names of the classes that boxes can have, each once: the survey's list, whose first nine the digits name, and what else boxes of the
-    /// reviewed logs have.
+    /// Names of the classes that boxes can have, each once: the survey's list, whose first nine the
+    /// digits name, and what else boxes of the reviewed logs have.
     pub fn class_names(&self) -> Vec<&str> {
         let list = self.log.settings.review.classes.iter();
         let mut names: Vec<&str> = list.map(String::as_str).collect();
@@ -64,10 +65,7 @@ impl App {
     /// The box that keys act on.
     pub fn selected_log_box(&self) -> Option<LogBox> {
         let id = self.log.reviewing.selected?;
-        Some(LogBox {
-            log: self.log.id,
-            id,
-        })
+        Some(LogBox { log: self.log.id, id })
     }
 
     /// The boxes to look at, log after log.
@@ -103,8 +101,8 @@ impl App {
         }
     }
 
-    /// Decides about the selected box and moves on to the next undecided one. Without a selected box it only moves on: nobody
-    /// decides about a box unseen.
+    /// Decides about the selected box and moves on to the next undecided one. Without a selected
+    /// box it only moves on: nobody decides about a box unseen.
     pub(in crate::app) fn decide(&mut self, edit: fn(BoxId) -> Edit) {
         let line = self.line();
         let here = self.selected_log_box();
@@ -114,7 +112,8 @@ impl App {
         self.select_next_open(&line, here);
     }
 
-    /// Decides about all boxes of the selected object, in whichever logs, as one undo step, and moves on to the next undecided box.
+    /// Decides about all boxes of the selected object, in whichever logs, as one undo step, and
+    /// moves on to the next undecided box.
     pub(in crate::app) fn decide_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
         let line = self.line();
         let here = self.selected_log_box();

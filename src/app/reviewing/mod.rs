@@ -1,9 +1,11 @@
-//! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
+//! The boxes of the open survey: which one is selected, how they are lined up, which tool is in
+//! hand.
 //!
-//! `autosave` keeps decisions as they are made, `classes` changes the list of classes, `decide` carries out edits and moves on to the next box, `edges` moves single edges and
-//! marks points, `detect` asks a model, `line` is
-//! the queue over all logs, `places` puts boxes on the
-//! ground, `judging` compares them with the truth where it is known, `fly` enlarges a box in all views, `files` keeps the review and writes what other programs read.
+//! `autosave` keeps decisions as they are made, `classes` changes the list of classes, `decide`
+//! carries out edits and moves on to the next box, `edges` moves single edges and marks points,
+//! `detect` asks a model, `line` is the queue over all logs, `places` puts boxes on the ground,
+//! `judging` compares them with the truth where it is known, `fly` enlarges a box in all views,
+//! `files` keeps the review and writes what other programs read.
 
 mod autosave;
 mod classes;
@@ -166,9 +168,8 @@ impl Reviewing {
 
     /// The boxes in line that have pings in a range. Costs what it finds.
     pub fn between(&self, pings: std::ops::Range<usize>) -> impl Iterator<Item = &Reviewed> {
-        let from = self
-            .along
-            .partition_point(|one| one.mark.pings.start + self.longest <= pings.start);
+        let from =
+            self.along.partition_point(|one| one.mark.pings.start + self.longest <= pings.start);
         self.along[from..]
             .iter()
             .map(AsRef::as_ref)
@@ -183,8 +184,7 @@ impl Reviewing {
 
     /// Class that the next box drawn gets.
     pub fn class(&self) -> usize {
-        self.class
-            .min(self.review.classes().len().saturating_sub(1))
+        self.class.min(self.review.classes().len().saturating_sub(1))
     }
 
     /// The survey's raster; `None` until it is known where the pings lie.
@@ -192,7 +192,8 @@ impl Reviewing {
         self.raster.as_ref().map(|(_, raster)| raster)
     }
 
-    /// Whether decisions are in no file yet. Proposals alone are no loss: the model makes them again.
+    /// Whether decisions are in no file yet. Proposals alone are no loss: the model makes them
+    /// again.
     pub fn is_unsaved(&self) -> bool {
         !self.is_in_project
             && !Arc::ptr_eq(&self.review, &self.saved)
@@ -207,7 +208,8 @@ impl Reviewing {
             || self.judging.is_busy()
     }
 
-    /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
+    /// Extent of a mark along the track and in slant range, metres; the first is NaN until the
+    /// raster is known.
     pub fn size_m(&self, mark: &Mark) -> [f64; 2] {
         size_m(self.raster().map(AsRef::as_ref), mark)
     }
@@ -265,13 +267,15 @@ impl Reviewing {
         }
     }
 
-    /// Lays the raster out for a log that has grown; boxes keep their places until results of the whole log are there.
+    /// Lays the raster out for a log that has grown; boxes keep their places until results of the
+    /// whole log are there.
     pub(super) fn grow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
         let raster = Raster::new(survey, navigation, PIXEL_M);
         self.raster = Some((navigation.clone(), Arc::new(raster)));
     }
 
-    /// Carries the boxes over to a longer state of their log. What is in a file stays what is in it.
+    /// Carries the boxes over to a longer state of their log. What is in a file stays what is in
+    /// it.
     pub(super) fn carry(&mut self, identity: Identity) {
         if *self.review.identity() == identity {
             return;
@@ -303,8 +307,8 @@ impl Reviewing {
         }
     }
 
-    /// Has the boxes lie on the echoes that they were drawn on when the sides of the log are exchanged, or no longer. What was saved
-    /// stays saved: a review says which sides it means.
+    /// Has the boxes lie on the echoes that they were drawn on when the sides of the log are
+    /// exchanged, or no longer. What was saved stays saved: a review says which sides it means.
     pub(super) fn exchange(&mut self, swapped_sides: bool) {
         if self.review.identity().swapped_sides == swapped_sides {
             return;
@@ -322,7 +326,8 @@ impl Reviewing {
         self.set(review);
     }
 
-    /// Leaves it to the project to keep what is decided: no file next to the log is read or written any more.
+    /// Leaves it to the project to keep what is decided: no file next to the log is read or written
+    /// any more.
     pub(super) fn keep_elsewhere(&mut self) {
         self.is_in_project = true;
         // What this run wrote there for safety would be offered when the log is opened next.
@@ -340,7 +345,8 @@ impl Reviewing {
         })
     }
 
-    /// Takes over what an analyst goes on working with when another log is shown: order and filter of the boxes.
+    /// Takes over what an analyst goes on working with when another log is shown: order and filter
+    /// of the boxes.
     pub(super) fn take_tools(&mut self, before: &mut Self) {
         before.tool = Tool::Look;
         before.selected = None;
@@ -372,10 +378,5 @@ pub(super) fn middle(survey: &Survey, mark: &Mark) -> LogPlace {
         .map(|span| (span, span.sample_at(0.5 * (mark.near_m + mark.far_m))))
         .filter(|(span, sample)| (0.0..f64::from(span.count)).contains(sample))
         .map(|(_, sample)| sample as f32);
-    LogPlace {
-        ping,
-        side: sample.map(|_| mark.side),
-        sample,
-        point: None,
-    }
+    LogPlace { ping, side: sample.map(|_| mark.side), sample, point: None }
 }

@@ -1,5 +1,5 @@
-//! Where the boxes' objects lie in the world: computed in a background thread, a box again when it was moved and all again
-//! when the track, the first returns or the scale are others.
+//! Where the boxes' objects lie in the world: computed in a background thread, a box again when it
+//! was moved and all again when the track, the first returns or the scale are others.
 
 use super::Reviewing;
 use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
@@ -16,7 +16,8 @@ use std::sync::Arc;
 pub struct LocatedObject {
     /// Place, extent, height and depth.
     pub target: Target,
-    /// Corners of its footprint, metres east and north: length along the track, width across it; of a point all in its place.
+    /// Corners of its footprint, metres east and north: length along the track, width across it; of
+    /// a point all in its place.
     pub corners: [[f64; 2]; 4],
 }
 
@@ -121,10 +122,7 @@ impl OpenLog {
         reviewing.places.outdated = false;
         let ground = PlaceInputs(products.clone());
         let places = &mut reviewing.places;
-        let is_same = places
-            .ground
-            .as_ref()
-            .is_some_and(|known| known.is_same(&ground));
+        let is_same = places.ground.as_ref().is_some_and(|known| known.is_same(&ground));
         let is_known = |one: &Reviewed| {
             let known = places.known.get(&one.id);
             let is_as_placed = |(mark, extent, shadow): &BoxExtent| {
@@ -150,9 +148,7 @@ impl OpenLog {
                 (id, ((mark, extent, shadow), placed))
             };
             let requested = missing.into_par_iter();
-            requested
-                .filter_map(|one| (!progress.is_cancelled()).then(|| entry(one)))
-                .collect()
+            requested.filter_map(|one| (!progress.is_cancelled()).then(|| entry(one))).collect()
         });
         places.running = Some(Running { ground, task });
     }

@@ -12,7 +12,8 @@ pub enum CellSource {
     None = 0,
     /// No depth was measured in it: it lies between depths that were.
     Interpolated = 1,
-    /// None was measured in it, but the levels of its echoes tell how it slopes: inferred, not measured.
+    /// None was measured in it, but the levels of its echoes tell how it slopes: inferred, not
+    /// measured.
     FromLevels = 2,
     /// A first return of the side-scan lies in it, and no sounding.
     FirstReturn = 3,
@@ -22,12 +23,8 @@ pub enum CellSource {
 
 impl CellSource {
     /// Those that a depth can have.
-    pub const KNOWN: [Self; 4] = [
-        Self::Sounding,
-        Self::FirstReturn,
-        Self::FromLevels,
-        Self::Interpolated,
-    ];
+    pub const KNOWN: [Self; 4] =
+        [Self::Sounding, Self::FirstReturn, Self::FromLevels, Self::Interpolated];
 
     /// A word or two for legends and tables.
     pub fn name(self) -> &'static str {
@@ -65,7 +62,8 @@ pub(super) fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSour
     cells
 }
 
-/// Says of every cell with a depth that holds no measured one that it is interpolated, and of those without any that none is known.
+/// Says of every cell with a depth that holds no measured one that it is interpolated, and of those
+/// without any that none is known.
 pub(super) fn settle(sources: &mut [CellSource], depth_m: &[f32]) {
     for (source, depth_m) in sources.iter_mut().zip(depth_m) {
         *source = match (depth_m.is_nan(), *source) {

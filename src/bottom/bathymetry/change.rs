@@ -1,11 +1,13 @@
-//! How the bottom changed between two depth maps: by how much each cell rose, whether that can be told from their errors, and the volumes that were
-//! filled and cut.
+//! How the bottom changed between two depth maps: by how much each cell rose, whether that can be
+//! told from their errors, and the volumes that were filled and cut.
 //!
-//! A change is detected where it passes the level of detection, 1.96 times the standard deviation of the difference (Lane, Westaway and Hicks 2003,
-//! Earth Surf. Process. Landforms 28; Wheaton et al. 2010, ibid. 35), and has its whole volume, with the rim (`regions`). The standard deviation
-//! of a volume has a part that is the same everywhere (draft, water level), one that varies from place to place and averages out over areas
-//! that are larger than its range (Rolstad, Haug and Denby 2009, J. Glaciology 55, equation 8, for a spherical variogram), and one for what is
-//! drawn between measured places.
+//! A change is detected where it passes the level of detection, 1.96 times the standard deviation
+//! of the difference (Lane, Westaway and Hicks 2003, Earth Surf. Process. Landforms 28; Wheaton et
+//! al. 2010, ibid. 35), and has its whole volume, with the rim (`regions`). The standard deviation
+//! of a volume has a part that is the same everywhere (draft, water level), one that varies from
+//! place to place and averages out over areas that are larger than its range (Rolstad, Haug and
+//! Denby 2009, J. Glaciology 55, equation 8, for a spherical variogram), and one for what is drawn
+//! between measured places.
 
 mod regions;
 
@@ -20,7 +22,8 @@ const WITHIN_95: f64 = 1.96;
 /// What errors have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeErrors {
-    /// Standard deviation of what is the same in all cells: draft, water level, sound speed; metres.
+    /// Standard deviation of what is the same in all cells: draft, water level, sound speed;
+    /// metres.
     pub systematic_m: f64,
     /// Depths farther apart than this err independently, metres.
     pub range_m: f64,
@@ -28,10 +31,7 @@ pub struct ChangeErrors {
 
 impl ChangeErrors {
     /// Nothing beside the depths' own errors.
-    const NONE: Self = Self {
-        systematic_m: 0.0,
-        range_m: 0.0,
-    };
+    const NONE: Self = Self { systematic_m: 0.0, range_m: 0.0 };
 }
 
 /// What is known of a cell in both maps.
@@ -82,14 +82,15 @@ impl ChangeSum {
         self.variance_m4 += cell.area_m2 * cell.sigma_m.powi(2);
     }
 
-    /// Adds a place whose volume is so uncertain for what is drawn in it between measured places, cubic metres.
+    /// Adds a place whose volume is so uncertain for what is drawn in it between measured places,
+    /// cubic metres.
     fn add_place(&mut self, between_m3: f64) {
         self.places += 1;
         self.between_m6 += between_m3.powi(2);
     }
 
-    /// Standard deviation of the volume, cubic metres: of errors that vary from place to place, of what is the same everywhere, and of what is
-    /// drawn between measured places.
+    /// Standard deviation of the volume, cubic metres: of errors that vary from place to place, of
+    /// what is the same everywhere, and of what is drawn between measured places.
     pub fn sigma_m3(&self, errors: &ChangeErrors) -> [f64; 3] {
         let averaged = PI * errors.range_m.powi(2) / (5.0 * self.area_m2.max(f64::MIN_POSITIVE));
         let random = (self.area_m2 * self.variance_m4 * averaged.min(1.0)).sqrt();
@@ -165,14 +166,16 @@ impl ChangeTotals {
         }
     }
 
-    /// The most fill and the most cut that may hide where nothing is detected, cubic metres: the end of the interval of 95 %.
+    /// The most fill and the most cut that may hide where nothing is detected, cubic metres: the
+    /// end of the interval of 95 %.
     pub fn hidden_m3(&self, errors: &ChangeErrors) -> [f64; 2] {
         let within_m3 = self.undetected.within_95_m3(errors);
         let volume_m3 = self.undetected.volume_m3;
         [volume_m3, -volume_m3].map(|volume_m3| (volume_m3 + within_m3).max(0.0))
     }
 
-    /// The median rise, metres: where most of the bottom did not change, what one map is set off from the other.
+    /// The median rise, metres: where most of the bottom did not change, what one map is set off
+    /// from the other.
     pub fn median_rise_m(&self) -> Option<f64> {
         share_m(&self.rises_mm, self.all.cells, 0.5)
     }
@@ -182,7 +185,8 @@ impl ChangeTotals {
         share_m(&self.levels_mm, self.all.cells, 0.5)
     }
 
-    /// The change that 98 of 100 cells do not exceed either way, metres: what a scale of colours should reach to.
+    /// The change that 98 of 100 cells do not exceed either way, metres: what a scale of colours
+    /// should reach to.
     pub fn reach_m(&self) -> f64 {
         let ends = [0.01, 0.99].map(|share| share_m(&self.rises_mm, self.all.cells, share));
         ends.into_iter().flatten().map(f64::abs).fold(0.0, f64::max)

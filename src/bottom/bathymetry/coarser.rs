@@ -13,8 +13,9 @@ impl Surface {
         self.on_grid(grid, means, best)
     }
 
-    /// The direction square to the bottom at the centre of a cell, of length 1: east, north, up. Differences reach over known
-    /// neighbours only; where there are none, and outside of the grid, the bottom counts as level.
+    /// The direction square to the bottom at the centre of a cell, of length 1: east, north, up.
+    /// Differences reach over known neighbours only; where there are none, and outside of the grid,
+    /// the bottom counts as level.
     pub fn normal(&self, row: usize, column: usize) -> [f32; 3] {
         let at = |row: Option<usize>, column: Option<usize>| {
             let (row, column) = (row?, column?);
@@ -46,25 +47,20 @@ fn slope(before: Option<f64>, here: Option<f64>, behind: Option<f64>, cell_m: f6
 
 pub(super) fn means(fine: &Grid, values: &[f32], coarse: &Grid, times: usize) -> Vec<f32> {
     let mut made = vec![f32::NAN; coarse.len()];
-    made.par_chunks_mut(coarse.columns.max(1))
-        .enumerate()
-        .for_each(|(row, made)| {
-            let rows = row * times..((row + 1) * times).min(fine.rows);
-            for (column, made) in made.iter_mut().enumerate() {
-                let columns = column * times..((column + 1) * times).min(fine.columns);
-                let parts = rows.clone().flat_map(|row| {
-                    values[row * fine.columns..][columns.clone()]
-                        .iter()
-                        .filter(|value| !value.is_nan())
-                });
-                let (sum, count) = parts.fold((0.0, 0), |(sum, count), value| {
-                    (sum + f64::from(*value), count + 1)
-                });
-                if count > 0 {
-                    *made = (sum / f64::from(count)) as f32;
-                }
+    made.par_chunks_mut(coarse.columns.max(1)).enumerate().for_each(|(row, made)| {
+        let rows = row * times..((row + 1) * times).min(fine.rows);
+        for (column, made) in made.iter_mut().enumerate() {
+            let columns = column * times..((column + 1) * times).min(fine.columns);
+            let parts = rows.clone().flat_map(|row| {
+                values[row * fine.columns..][columns.clone()].iter().filter(|value| !value.is_nan())
+            });
+            let (sum, count) =
+                parts.fold((0.0, 0), |(sum, count), value| (sum + f64::from(*value), count + 1));
+            if count > 0 {
+                *made = (sum / f64::from(count)) as f32;
             }
-        });
+        }
+    });
     made
 }
 
@@ -84,7 +80,8 @@ fn best(fine: &Grid, values: &[CellSource], coarse: &Grid, times: usize) -> Vec<
 mod tests {
     use super::*;
 
-    /// 5 x 3 cells of 0.5 m: a plane that falls 1 in 2 towards the east and rises 1 in 4 towards the north, with a hole.
+    /// 5 x 3 cells of 0.5 m: a plane that falls 1 in 2 towards the east and rises 1 in 4 towards
+    /// the north, with a hole.
     fn plane() -> Surface {
         let grid = Grid::at([10.0, 20.0], 0.5, [5, 3]);
         let depth = |cell: usize| {
@@ -95,10 +92,7 @@ mod tests {
             }
         };
         let depth_m: Vec<f32> = (0..grid.len()).map(depth).collect();
-        Surface {
-            spread_m: depth_m.clone(),
-            ..Surface::of_depths(grid, depth_m)
-        }
+        Surface { spread_m: depth_m.clone(), ..Surface::of_depths(grid, depth_m) }
     }
 
     #[test]
@@ -125,10 +119,7 @@ mod tests {
             sum / cells.len() as f32
         };
         assert!((coarse.depth_m[0] - of(&[0, 1, 5, 6])).abs() < 1e-5);
-        assert!(
-            (coarse.depth_m[1] - of(&[2, 3, 8])).abs() < 1e-5,
-            "without the hole"
-        );
+        assert!((coarse.depth_m[1] - of(&[2, 3, 8])).abs() < 1e-5, "without the hole");
         assert!((coarse.depth_m[5] - of(&[14])).abs() < 1e-5, "at the edge");
         let mut parts = plane();
         parts.source = vec![CellSource::Interpolated; 15];

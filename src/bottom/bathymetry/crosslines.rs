@@ -1,4 +1,5 @@
-//! Where tracks cross, and how far the depths of the two passes differ there: what a survey says about its own repeatability.
+//! Where tracks cross, and how far the depths of the two passes differ there: what a survey says
+//! about its own repeatability.
 
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::median;
@@ -20,12 +21,7 @@ pub struct TrackDepth {
 impl TrackDepth {
     /// A depth at a time and a place.
     pub fn new(time_s: f64, [east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
-        Self {
-            time_s,
-            east_m,
-            north_m,
-            depth_m,
-        }
+        Self { time_s, east_m, north_m, depth_m }
     }
 }
 
@@ -36,8 +32,8 @@ pub struct CrosslinePass {
     pub track: usize,
     /// When, seconds.
     pub time_s: f64,
-    /// Median of the depths of this pass within [`REACH_M`] of the crossing, or between its neighbours where none is so near,
-    /// metres.
+    /// Median of the depths of this pass within [`REACH_M`] of the crossing, or between its
+    /// neighbours where none is so near, metres.
     pub depth_m: f64,
     /// Velocity of the boat, metres a second to the east and north.
     pub velocity_mps: [f64; 2],
@@ -52,7 +48,8 @@ pub struct Crossing {
     pub passes: [CrosslinePass; 2],
     /// Angle between the two courses, degrees, at most 90.
     pub angle_deg: f64,
-    /// What the depth grows by a metre to the east and to the north, metres, from the depths along both passes; NaN where they are too few.
+    /// What the depth grows by a metre to the east and to the north, metres, from the depths along
+    /// both passes; NaN where they are too few.
     pub gradient: [f64; 2],
 }
 
@@ -70,14 +67,17 @@ impl Crossing {
 
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
 pub const REACH_M: f64 = 0.5;
-/// Depths within this distance of a crossing, along their own track, give the slope there, metres, and how many at least.
+/// Depths within this distance of a crossing, along their own track, give the slope there, metres,
+/// and how many at least.
 const SLOPE_REACH_M: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
 /// Tracks that cross at a smaller angle run along each other: where they cross is chance, degrees.
 pub const LEAST_ANGLE_DEG: f64 = 20.0;
-/// A boat that has gone less far than this along its track since has not come back, it has stayed, metres.
+/// A boat that has gone less far than this along its track since has not come back, it has stayed,
+/// metres.
 const LEAST_WAY_M: f64 = 10.0;
-/// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point anywhere.
+/// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point
+/// anywhere.
 const PIECE_M: f64 = 0.5;
 /// Longer pieces, and those that took longer, span a gap in the track, metres and seconds.
 const LONGEST_PIECE_M: f64 = 5.0;
@@ -86,10 +86,12 @@ const LONGEST_PIECE_S: f64 = 5.0;
 const VELOCITY_S: [f64; 2] = [1.0, 10.0];
 /// Side of the squares that pieces are sorted into, metres.
 const SQUARE_M: f64 = 5.0;
-/// No more crossings than this are looked for: a boat that circles for a day would fill the memory with them.
+/// No more crossings than this are looked for: a boat that circles for a day would fill the memory
+/// with them.
 const MOST: usize = 1_000_000;
 
-/// Crossings of tracks, each in time order, with themselves and each other, in the order of their first pass.
+/// Crossings of tracks, each in time order, with themselves and each other, in the order of their
+/// first pass.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -97,11 +99,8 @@ pub fn crossings(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<Crossing>, Cancelled> {
-    let pieces: Vec<Piece> = tracks
-        .iter()
-        .enumerate()
-        .flat_map(|(track, depths)| pieces(track, depths))
-        .collect();
+    let pieces: Vec<Piece> =
+        tracks.iter().enumerate().flat_map(|(track, depths)| pieces(track, depths)).collect();
     let mut squares: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
     for (index, piece) in pieces.iter().enumerate() {
         for square in piece.squares() {
@@ -123,16 +122,12 @@ pub fn crossings(
         progress.advance(1);
     }
     let order = |one: &Crossing| one.passes.map(|pass| (pass.track, pass.time_s));
-    found.sort_by(|a, b| {
-        order(a)
-            .partial_cmp(&order(b))
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
+    found.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
     Ok(found)
 }
 
-/// Velocity of the boat at a depth of a track, metres a second to the east and north: from the places at least a second before and
-/// behind, or the depth's own where there is none within ten.
+/// Velocity of the boat at a depth of a track, metres a second to the east and north: from the
+/// places at least a second before and behind, or the depth's own where there is none within ten.
 pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     let here = &track[index];
     let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
@@ -197,8 +192,8 @@ struct TrackCrossing<'a> {
     angle_deg: f64,
 }
 
-/// Slope of the straight line of depth against the way in a direction, by least squares; NaN of too few depths, or where they lie in
-/// one place.
+/// Slope of the straight line of depth against the way in a direction, by least squares; NaN of too
+/// few depths, or where they lie in one place.
 fn slope_along<'a>(
     depths: impl Iterator<Item = &'a TrackDepth>,
     place: [f64; 2],
@@ -258,10 +253,7 @@ impl Piece {
         ];
         // An end belongs to the piece that begins there.
         let inside = shares.iter().all(|share| (0.0..1.0).contains(share));
-        let place = [
-            self.from[0] + shares[0] * a[0],
-            self.from[1] + shares[0] * a[1],
-        ];
+        let place = [self.from[0] + shares[0] * a[0], self.from[1] + shares[0] * a[1]];
         let here = place.map(|metres| (metres / SQUARE_M).floor() as i64);
         (inside && here == square).then_some(TrackCrossing {
             pieces: [self, other],
@@ -301,7 +293,8 @@ impl TrackCrossing<'_> {
         [east, north]
     }
 
-    /// The depths of a pass within a distance of the crossing: outwards from there, since the other pass may lie in the same track.
+    /// The depths of a pass within a distance of the crossing: outwards from there, since the other
+    /// pass may lie in the same track.
     fn within<'a>(
         &self,
         reach_m: f64,

@@ -1,21 +1,20 @@
-//! A surface on more ground than was measured: the picture of a side-scan reaches farther than the depths do, and is laid on a flat
-//! extrapolation of them.
+//! A surface on more ground than was measured: the picture of a side-scan reaches farther than the
+//! depths do, and is laid on a flat extrapolation of them.
 
 use super::coarser::means;
 use super::{CellSource, Grid, Surface};
 use rayon::prelude::*;
 
 impl Grid {
-    /// The grid on the same cells that reaches over a box, too: west, south, east and north, metres.
+    /// The grid on the same cells that reaches over a box, too: west, south, east and north,
+    /// metres.
     #[must_use]
     pub fn reaching(&self, [west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
         let cells = |metres: f64| (metres / self.cell_m).ceil().max(0.0) as usize;
         let [columns, rows] = [self.columns, self.rows].map(|count| count as f64 * self.cell_m);
         let [west, north] = [cells(self.west_m - west_m), cells(north_m - self.north_m)];
-        let [east, south] = [
-            cells(east_m - self.west_m - columns),
-            cells(self.north_m - rows - south_m),
-        ];
+        let [east, south] =
+            [cells(east_m - self.west_m - columns), cells(self.north_m - rows - south_m)];
         Self {
             west_m: self.west_m - west as f64 * self.cell_m,
             north_m: self.north_m + north as f64 * self.cell_m,
@@ -27,9 +26,10 @@ impl Grid {
 }
 
 impl Surface {
-    /// The same on the cells of a grid that reaches farther ([`Grid::reaching`]), with a depth in all cells that are `wanted`: where none is
-    /// known, the mean of those around it, over the more ground the farther away they are. Such a cell has [`CellSource::None`], and neither
-    /// spread nor distance.
+    /// The same on the cells of a grid that reaches farther ([`Grid::reaching`]), with a depth in
+    /// all cells that are `wanted`: where none is known, the mean of those around it, over the more
+    /// ground the farther away they are. Such a cell has [`CellSource::None`], and neither spread
+    /// nor distance.
     #[must_use]
     pub fn extrapolated_flat(&self, grid: Grid, wanted: impl Fn(usize) -> bool + Sync) -> Self {
         let numbers = |values: &[f32]| carried(&self.grid, values, &grid, f32::NAN);
@@ -60,8 +60,8 @@ impl Grid {
 }
 
 impl Surface {
-    /// The same with so many cells along the side of each: depths are bilinear between the middles of the cells, where they are known; all
-    /// else is that of the cell.
+    /// The same with so many cells along the side of each: depths are bilinear between the middles
+    /// of the cells, where they are known; all else is that of the cell.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         if times <= 1 {
@@ -99,7 +99,8 @@ fn carried<T: Copy>(from: &Grid, values: &[T], to: &Grid, beyond: T) -> Vec<T> {
     made
 }
 
-/// Depths with none unknown, where any is known: an unknown one is bilinear between the means of cells twice as long, which hold on in the same way.
+/// Depths with none unknown, where any is known: an unknown one is bilinear between the means of
+/// cells twice as long, which hold on in the same way.
 fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
     if grid.len() <= 1 || depth_m.iter().all(|depth_m| !depth_m.is_nan()) {
         return depth_m.to_vec();
@@ -127,7 +128,8 @@ fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// Depths along a line of cells from west to east, in the middle of 3 rows of which the others are unknown.
+    /// Depths along a line of cells from west to east, in the middle of 3 rows of which the others
+    /// are unknown.
     fn strip(depth_m: impl Fn(usize) -> f32) -> Surface {
         let grid = Grid::at([100.0, 50.0], 0.5, [40, 3]);
         let depths = (0..grid.len()).map(|cell| match cell / grid.columns {
@@ -148,12 +150,7 @@ mod tests {
         let grid = strip(|_| 1.0).grid;
         assert_eq!(grid.reaching([101.0, 49.0, 110.0, 49.5]), grid, "within");
         let larger = grid.reaching([99.9, 40.2, 120.1, 50.0]);
-        let expected = Grid {
-            west_m: 99.5,
-            columns: 1 + 40 + 1,
-            rows: 3 + 17,
-            ..grid
-        };
+        let expected = Grid { west_m: 99.5, columns: 1 + 40 + 1, rows: 3 + 17, ..grid };
         assert_eq!(larger, expected);
     }
 
@@ -184,20 +181,10 @@ mod tests {
             (at(102.25), at(117.75))
         };
         let (west_m, east_m) = along(48.25);
-        assert!(
-            (west_m - 2.4).abs() < 0.15 && (east_m - 5.5).abs() < 0.15,
-            "{west_m} {east_m}"
-        );
+        assert!((west_m - 2.4).abs() < 0.15 && (east_m - 5.5).abs() < 0.15, "{west_m} {east_m}");
         let (far_west_m, far_east_m) = along(32.0);
-        assert!(
-            far_east_m - far_west_m < 0.6 * (east_m - west_m),
-            "evens out"
-        );
-        assert!(
-            wide.depth_m
-                .iter()
-                .all(|depth_m| (2.0..=5.9).contains(depth_m))
-        );
+        assert!(far_east_m - far_west_m < 0.6 * (east_m - west_m), "evens out");
+        assert!(wide.depth_m.iter().all(|depth_m| (2.0..=5.9).contains(depth_m)));
     }
 
     #[test]
@@ -213,7 +200,8 @@ mod tests {
             let [east_m, north_m] = finer.grid.centre_of(cell);
             let known = coarse.at(east_m, north_m);
             assert_eq!(known.is_some(), !depth_m.is_nan());
-            // 0.1 m a cell of 0.5 m, but for what is beside the hole, and the outermost half cells, which have nothing to be between.
+            // 0.1 m a cell of 0.5 m, but for what is beside the hole, and the outermost half cells,
+            // which have nothing to be between.
             if known.is_some() && (100.25..114.0).contains(&east_m) {
                 let expected_m = 2.0 + 0.2 * (east_m - 100.25);
                 assert!((f64::from(*depth_m) - expected_m).abs() < 1e-4);

@@ -24,7 +24,8 @@ pub enum FromLevels {
     Off,
     /// They are used.
     Used {
-        /// Root mean square of the errors of left-out soundings by triangles and with levels, metres; `None` where too few could be left out.
+        /// Root mean square of the errors of left-out soundings by triangles and with levels,
+        /// metres; `None` where too few could be left out.
         left_out_m: Option<[f64; 2]>,
     },
     /// They are not.
@@ -42,7 +43,8 @@ pub enum LevelsRefused {
     TooFewEchoes,
     /// Too little of the ground is seen from two sides.
     OneSide,
-    /// The logs have too many recorders and range settings between them to learn the curves of each.
+    /// The logs have too many recorders and range settings between them to learn the curves of
+    /// each.
     TooManySettings,
     /// The survey has too many cells.
     TooLarge,
@@ -50,7 +52,8 @@ pub enum LevelsRefused {
     NotSolved,
     /// Too few soundings can be left out.
     NoTest,
-    /// Left-out soundings are predicted no better; root mean squares of their errors by triangles and with levels, metres.
+    /// Left-out soundings are predicted no better; root mean squares of their errors by triangles
+    /// and with levels, metres.
     NoBetter {
         /// By triangles.
         without_m: f64,
@@ -99,9 +102,7 @@ impl fmt::Display for FromLevels {
         match self {
             Self::Off => f.write_str("interpolated"),
             Self::Used { left_out_m: None } => f.write_str("from echo levels"),
-            Self::Used {
-                left_out_m: Some([without_m, with_m]),
-            } => write!(
+            Self::Used { left_out_m: Some([without_m, with_m]) } => write!(
                 f,
                 "from echo levels (left-out soundings are missed by {:.1} cm with them, by {:.1} cm without)",
                 100.0 * with_m,

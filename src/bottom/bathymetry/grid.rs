@@ -29,19 +29,13 @@ impl Grid {
     /// A grid by its north-western corner, the side of a cell, and its columns and rows.
     #[cfg(test)]
     pub fn at([west_m, north_m]: [f64; 2], cell_m: f64, [columns, rows]: [usize; 2]) -> Self {
-        Self {
-            west_m,
-            north_m,
-            cell_m,
-            columns,
-            rows,
-        }
+        Self { west_m, north_m, cell_m, columns, rows }
     }
 
-    /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20 million in all, where that is more,
-    /// over all points. Edges
-    /// lie on multiples of the cell, so that grids of several surveys fit onto each other. `None` without points, and where
-    /// the points or the cell are no numbers that a grid can be made of.
+    /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20
+    /// million in all, where that is more, over all points. Edges lie on multiples of the cell, so
+    /// that grids of several surveys fit onto each other. `None` without points, and where the
+    /// points or the cell are no numbers that a grid can be made of.
     pub(crate) fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
         let [west_m, south_m, east_m, north_m] = bounds(points.iter().map(DepthPoint::place));
         let extent_m = (east_m - west_m).max(north_m - south_m);
@@ -118,8 +112,9 @@ impl Grid {
         times
     }
 
-    /// Rows and columns before and behind a place, and how far on from the centre of the first to that of the second it is: below 0 and
-    /// above 1 beyond the outermost centres. Rows count from the north.
+    /// Rows and columns before and behind a place, and how far on from the centre of the first to
+    /// that of the second it is: below 0 and above 1 beyond the outermost centres. Rows count from
+    /// the north.
     pub fn about(&self, [east_m, north_m]: [f64; 2]) -> [CentresAbout; 2] {
         [
             CentresAbout::of((self.north_m - north_m) / self.cell_m, self.rows),
@@ -152,16 +147,14 @@ impl CentresAbout {
         let last = count.saturating_sub(1);
         let from_centre = cells - 0.5;
         let before = (from_centre.max(0.0) as usize).min(last.saturating_sub(1));
-        Self {
-            cells: [before, (before + 1).min(last)],
-            share: from_centre - before as f64,
-        }
+        Self { cells: [before, (before + 1).min(last)], share: from_centre - before as f64 }
     }
 }
 
-/// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of soundings, rounded down to
-/// 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since
-/// beyond the gap there will be no surface. `None` without points.
+/// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of
+/// soundings, rounded down to 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that
+/// of the squares of `gap_m` that hold a sounding, since beyond the gap there will be no surface.
+/// `None` without points.
 pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     let places = occupied(points, LEAST_CELL_M);
     let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
@@ -215,9 +208,7 @@ mod tests {
             for point in &points {
                 let index = grid.index_at(point.east_m, point.north_m).unwrap();
                 let [east_m, north_m] = grid.centre_of(index);
-                let off_m = (east_m - point.east_m)
-                    .abs()
-                    .max((north_m - point.north_m).abs());
+                let off_m = (east_m - point.east_m).abs().max((north_m - point.north_m).abs());
                 assert!(off_m <= 0.5 * grid.cell_m + 1e-9, "{off_m}");
             }
             assert_eq!(grid.index_at(grid.west_m - 0.1, 1.0), None);

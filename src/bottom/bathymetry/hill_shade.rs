@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 /// Factors on the relief to choose from.
 const EXAGGERATIONS: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
-/// The slope that the steeper tenth of a surface has at most after exaggeration: beyond it the picture is all black and white.
+/// The slope that the steeper tenth of a surface has at most after exaggeration: beyond it the
+/// picture is all black and white.
 const STEEP: f64 = 0.8;
 /// Slopes that are looked at to choose the exaggeration.
 const SLOPES: usize = 50_000;
@@ -14,8 +15,8 @@ const SLOPES: usize = 50_000;
 /// Where the light comes from, and what the relief is multiplied with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Direction of the light, degrees clockwise from grid north. From the north-west, as maps have it: from below, hills would be
-    /// taken for hollows.
+    /// Direction of the light, degrees clockwise from grid north. From the north-west, as maps have
+    /// it: from below, hills would be taken for hollows.
     pub azimuth_deg: f64,
     /// Height of the light over the horizon, degrees.
     pub altitude_deg: f64,
@@ -24,7 +25,8 @@ pub struct Light {
 }
 
 impl Light {
-    /// From the north-west, half-way up, with the factor of 1, 2, 5, 10, 20, 50 that suits the slopes of a surface.
+    /// From the north-west, half-way up, with the factor of 1, 2, 5, 10, 20, 50 that suits the
+    /// slopes of a surface.
     pub fn suited(surface: &Surface) -> Self {
         let step = (surface.grid.len() / SLOPES).max(1);
         let mut slopes: Vec<f64> = (0..surface.grid.len())
@@ -35,20 +37,13 @@ impl Light {
         let last = slopes.len().saturating_sub(1);
         let steep = match slopes.is_empty() {
             true => STEEP,
-            false => {
-                *slopes
-                    .select_nth_unstable_by(last * 9 / 10, f64::total_cmp)
-                    .1
-            }
+            false => *slopes.select_nth_unstable_by(last * 9 / 10, f64::total_cmp).1,
         };
         let suits = |factor: &f64| factor * steep <= STEEP;
         Self {
             azimuth_deg: 315.0,
             altitude_deg: 45.0,
-            exaggeration: EXAGGERATIONS
-                .into_iter()
-                .rfind(suits)
-                .unwrap_or(EXAGGERATIONS[0]),
+            exaggeration: EXAGGERATIONS.into_iter().rfind(suits).unwrap_or(EXAGGERATIONS[0]),
         }
     }
 
@@ -58,12 +53,13 @@ impl Light {
     }
 }
 
-/// Brightness of every cell, row by row: 1 (turned away from the light) to 255 (square to it), 0 where the depth of the cell or
-/// of one of the eight around it is unknown.
+/// Brightness of every cell, row by row: 1 (turned away from the light) to 255 (square to it), 0
+/// where the depth of the cell or of one of the eight around it is unknown.
 ///
-/// The slope is Horn's (1981, Proc. IEEE 69): with cells `a b c / d e f / g h i` from the north-west, the elevation rises
-/// eastwards by `((c + 2f + i) - (a + 2d + g)) / 8` a cell and northwards by `((a + 2b + c) - (g + 2h + i)) / 8`. Its cosine to
-/// the light is spread over 1 to 255, as `gdaldem hillshade` does.
+/// The slope is Horn's (1981, Proc. IEEE 69): with cells `a b c / d e f / g h i` from the
+/// north-west, the elevation rises eastwards by `((c + 2f + i) - (a + 2d + g)) / 8` a cell and
+/// northwards by `((a + 2b + c) - (g + 2h + i)) / 8`. Its cosine to the light is spread over 1 to
+/// 255, as `gdaldem hillshade` does.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -76,22 +72,19 @@ pub fn hill_shade(
     let (sin_altitude, cos_altitude) = light.altitude_deg.to_radians().sin_cos();
     let columns = surface.grid.columns;
     let mut shade = vec![0; surface.grid.len()];
-    shade
-        .par_chunks_mut(columns.max(1))
-        .enumerate()
-        .try_for_each(|(row, cells)| {
-            progress.check()?;
-            for (column, cell) in cells.iter_mut().enumerate() {
-                if let Some(slope) = gradient(surface, row * columns + column) {
-                    let [east, north] = slope.map(|slope| slope * light.exaggeration);
-                    let across = east * sin_azimuth + north * cos_azimuth;
-                    let cosine = (sin_altitude - cos_altitude * across)
-                        / (1.0 + east * east + north * north).sqrt();
-                    *cell = brightness(cosine);
-                }
+    shade.par_chunks_mut(columns.max(1)).enumerate().try_for_each(|(row, cells)| {
+        progress.check()?;
+        for (column, cell) in cells.iter_mut().enumerate() {
+            if let Some(slope) = gradient(surface, row * columns + column) {
+                let [east, north] = slope.map(|slope| slope * light.exaggeration);
+                let across = east * sin_azimuth + north * cos_azimuth;
+                let cosine = (sin_altitude - cos_altitude * across)
+                    / (1.0 + east * east + north * north).sqrt();
+                *cell = brightness(cosine);
             }
-            Ok(())
-        })?;
+        }
+        Ok(())
+    })?;
     Ok(shade)
 }
 
@@ -114,10 +107,7 @@ fn gradient(surface: &Surface, cell: usize) -> Option<[f64; 2]> {
         rise_m(north - 1 + column) + 2.0 * rise_m(here - 1 + column) + rise_m(south - 1 + column)
     };
     let over_m = 8.0 * surface.grid.cell_m;
-    let slope = [
-        (beside(2) - beside(0)) / over_m,
-        (along(north) - along(south)) / over_m,
-    ];
+    let slope = [(beside(2) - beside(0)) / over_m, (along(north) - along(south)) / over_m];
     let known = slope.iter().all(|slope| slope.is_finite()) && rise_m(here).is_finite();
     known.then_some(slope)
 }
@@ -127,7 +117,8 @@ mod tests {
     use super::*;
     use crate::bathymetry::Grid;
 
-    /// `depth = 3 + 0.4 sin(0.9 column) + 0.3 cos(1.3 row + 0.2 column)` to the millimetre, one cell unknown.
+    /// `depth = 3 + 0.4 sin(0.9 column) + 0.3 cos(1.3 row + 0.2 column)` to the millimetre, one
+    /// cell unknown.
     fn waves() -> Surface {
         let (rows, columns) = (7, 6);
         let depth_m = |cell: usize| {
@@ -143,7 +134,8 @@ mod tests {
 
     #[test]
     fn the_shade_is_that_of_gdaldem() {
-        // gdaldem hillshade -az 315 -alt 45 -z 1 and -z 5 (GDAL 3.6.2), on the elevations (minus the depths).
+        // gdaldem hillshade -az 315 -alt 45 -z 1 and -z 5 (GDAL 3.6.2), on the elevations (minus
+        // the depths).
         #[rustfmt::skip]
         let goldens = [
             (1.0, [0,0,0,0,0,0, 0,179,240,254,253,0, 0,147,207,216,201,0, 0,54,109,138,136,0, 0,57,138,0,0,0,
@@ -152,11 +144,7 @@ mod tests {
                    0,43,238,0,0,0, 0,0,0,0,0,0]),
         ];
         for (exaggeration, golden) in goldens {
-            let light = Light {
-                azimuth_deg: 315.0,
-                altitude_deg: 45.0,
-                exaggeration,
-            };
+            let light = Light { azimuth_deg: 315.0, altitude_deg: 45.0, exaggeration };
             let shade = hill_shade(&waves(), &light, &Progress::new()).unwrap();
             for (cell, (ours, theirs)) in shade.iter().zip(golden).enumerate() {
                 assert!(ours.abs_diff(theirs) <= 1, "{cell}: {ours}, {theirs}");

@@ -1,10 +1,11 @@
 //! The order in which places become a triangulation quickly, whatever their shape.
 //!
-//! spade's bulk loading takes quadratic time where many places lie on one line, as the soundings of a straight run do: it was
-//! over a minute for 40 000. Inserted one by one in random order each place changes few triangles, however the places lie; along a
-//! space-filling curve the next one is near the last, so that its triangle is found in a few steps. Both are had at once in rounds,
-//! each twice as large as the one before, of places drawn at random and sorted along the curve: Amenta, Choi and Rote,
-//! Incremental constructions con BRIO, SoCG 2003.
+//! spade's bulk loading takes quadratic time where many places lie on one line, as the soundings of
+//! a straight run do: it was over a minute for 40 000. Inserted one by one in random order each
+//! place changes few triangles, however the places lie; along a space-filling curve the next one is
+//! near the last, so that its triangle is found in a few steps. Both are had at once in rounds,
+//! each twice as large as the one before, of places drawn at random and sorted along the curve:
+//! Amenta, Choi and Rote, Incremental constructions con BRIO, SoCG 2003.
 
 use super::Node;
 use bathyscope_log::support::outline::bounds;
@@ -14,11 +15,12 @@ use rayon::prelude::*;
 const CURVE_BITS: u32 = 16;
 /// Rounds, of which the first is everything that is left.
 const ROUNDS: u32 = 12;
-/// Places farther off a line than this share of their coordinates span a surface; nearer ones are on it but for rounding.
+/// Places farther off a line than this share of their coordinates span a surface; nearer ones are
+/// on it but for rounding.
 const LEAST_WIDTH: f64 = 1e-9;
 
-/// Sorts nodes for their insertion; `false` where they span no surface: fewer than three places, or all on one line. The first
-/// three are a triangle.
+/// Sorts nodes for their insertion; `false` where they span no surface: fewer than three places, or
+/// all on one line. The first three are a triangle.
 pub(super) fn sort(nodes: &mut [Node]) -> bool {
     if !put_triangle_first(nodes) {
         return false;
@@ -26,7 +28,8 @@ pub(super) fn sort(nodes: &mut [Node]) -> bool {
     let (low, scale) = extent(nodes);
     let key = |node: &Node| {
         let steps = [node.east_m - low[0], node.north_m - low[1]].map(|way| (way * scale) as u32);
-        // The hash makes of the place a number that is as good as random, and the same in every run.
+        // The hash makes of the place a number that is as good as random, and the same in every
+        // run.
         let hash = (node.east_m.to_bits() ^ node.north_m.to_bits().rotate_left(32))
             .wrapping_mul(0x9E37_79B9_7F4A_7C15)
             .rotate_left(29)
@@ -38,7 +41,8 @@ pub(super) fn sort(nodes: &mut [Node]) -> bool {
     true
 }
 
-/// Brings three nodes to the front that are no line: two as far apart as it is quickly found, and the farthest from their line.
+/// Brings three nodes to the front that are no line: two as far apart as it is quickly found, and
+/// the farthest from their line.
 fn put_triangle_first(nodes: &mut [Node]) -> bool {
     let farthest = |nodes: &[Node], off: &dyn Fn(&Node) -> f64| {
         let offs = nodes.iter().map(off).enumerate();
@@ -62,10 +66,7 @@ fn put_triangle_first(nodes: &mut [Node]) -> bool {
     }
     nodes.swap(1, index);
     let [start, end] = [nodes[0], nodes[1]];
-    let along = [
-        (end.east_m - start.east_m) / length_m,
-        (end.north_m - start.north_m) / length_m,
-    ];
+    let along = [(end.east_m - start.east_m) / length_m, (end.north_m - start.north_m) / length_m];
     let off_line = move |node: &Node| {
         let way = [node.east_m - start.east_m, node.north_m - start.north_m];
         (along[0] * way[1] - along[1] * way[0]).abs()
@@ -120,12 +121,8 @@ mod tests {
     }
 
     fn nodes(places: impl Iterator<Item = [f64; 2]>) -> Vec<Node> {
-        let node = |[east_m, north_m]: [f64; 2]| Node {
-            east_m,
-            north_m,
-            depth_m: 1.0,
-            spread_m: 0.0,
-        };
+        let node =
+            |[east_m, north_m]: [f64; 2]| Node { east_m, north_m, depth_m: 1.0, spread_m: 0.0 };
         places.map(node).collect()
     }
 

@@ -3,11 +3,13 @@
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZero;
 
-/// Sixty-four nodes carry a place at most: a dense cloud has thousands within the gap, and those far off count for little.
+/// Sixty-four nodes carry a place at most: a dense cloud has thousands within the gap, and those
+/// far off count for little.
 const MOST: NonZero<usize> = NonZero::new(64).unwrap();
 
-/// Fills `weights` with the nodes that carry a place, and shares `1 / distance^2` of them that sum to 1 (Shepard 1968): the
-/// nearest, up to 64, within `reach_m`. Empty where no node is so near; a node itself at its own place.
+/// Fills `weights` with the nodes that carry a place, and shares `1 / distance^2` of them that sum
+/// to 1 (Shepard 1968): the nearest, up to 64, within `reach_m`. Empty where no node is so near; a
+/// node itself at its own place.
 pub(super) fn inverse_distance(
     index: &ImmutableKdTree<f64, 2>,
     place: [f64; 2],
@@ -47,10 +49,7 @@ mod tests {
         let mut weights = Vec::new();
         let mut depth_at = |place, reach_m| {
             inverse_distance(&index, place, reach_m, &mut weights);
-            weights
-                .iter()
-                .map(|(i, share)| share * nodes[*i].depth_m)
-                .sum::<f64>()
+            weights.iter().map(|(i, share)| share * nodes[*i].depth_m).sum::<f64>()
         };
         for golden in &GOLDEN {
             let found = depth_at(golden.place, 100.0);

@@ -1,4 +1,5 @@
-//! A surface of which no cell depends on what lies far away, so that a map of many tiles is the same as one of all.
+//! A surface of which no cell depends on what lies far away, so that a map of many tiles is the
+//! same as one of all.
 
 use super::cell_source::{measured_cells, settle};
 use super::nodes::merge_repeated_with;
@@ -7,21 +8,25 @@ use super::tin::largest_radius_m;
 use super::{DepthPoint, Grid};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Standard deviation of a depth that stands alone in its cell, metres: what differences between two logs scatter by on level ground.
+/// Standard deviation of a depth that stands alone in its cell, metres: what differences between
+/// two logs scatter by on level ground.
 const ALONE_M: f64 = 0.03;
-/// Lines through the cells of a tile depend on so many cells beyond its edge, however their corners are cut.
+/// Lines through the cells of a tile depend on so many cells beyond its edge, however their corners
+/// are cut.
 pub const LOCAL_MARGIN_CELLS: usize = 4;
 
-/// How far from a cell the points lie that it depends on, metres, but for the cells that they fall into.
+/// How far from a cell the points lie that it depends on, metres, but for the cells that they fall
+/// into.
 ///
-/// A triangle that counts lies, with all nodes that decide whether it is one, in its circumscribed circle: no two places of that are
-/// farther apart than its diameter.
+/// A triangle that counts lies, with all nodes that decide whether it is one, in its circumscribed
+/// circle: no two places of that are farther apart than its diameter.
 pub fn local_reach_m(max_gap_m: f64) -> f64 {
     2.0 * largest_radius_m(max_gap_m)
 }
 
-/// The surface of [`super::surface()`] by linear triangles on a grid that is given, each cell of which is the same to the bit whatever points there are
-/// beyond [`local_reach_m`] of it and whatever cells beside it: for grids whose cells are a power of two and lie on multiples of that,
+/// The surface of [`super::surface()`] by linear triangles on a grid that is given, each cell of
+/// which is the same to the bit whatever points there are beyond [`local_reach_m`] of it and
+/// whatever cells beside it: for grids whose cells are a power of two and lie on multiples of that,
 /// and points in one order.
 ///
 /// # Errors
@@ -88,11 +93,9 @@ mod tests {
         let whole = grid(511_900.0, 5_261_500.0, 1200, 1200);
         let all = local_surface(&points, whole, GAP_M, &Progress::new()).unwrap();
         let mut known = 0;
-        for (west_m, north_m) in [
-            (512_060.0, 5_261_300.0),
-            (512_100.0, 5_261_260.0),
-            (511_950.0, 5_261_420.0),
-        ] {
+        for (west_m, north_m) in
+            [(512_060.0, 5_261_300.0), (512_100.0, 5_261_260.0), (511_950.0, 5_261_420.0)]
+        {
             let part = grid(west_m, north_m, 160, 120);
             let reach_m = local_reach_m(GAP_M) + 1.0;
             let (east_m, south_m) = (west_m + 80.0, north_m - 60.0);
@@ -114,11 +117,7 @@ mod tests {
                     (&made.spread_m, &all.spread_m),
                     (&made.distance_m, &all.distance_m),
                 ] {
-                    assert_eq!(
-                        one[cell].to_bits(),
-                        other[of_all].to_bits(),
-                        "{row} {column}"
-                    );
+                    assert_eq!(one[cell].to_bits(), other[of_all].to_bits(), "{row} {column}");
                 }
                 assert_eq!(made.source[cell], all.source[of_all]);
                 known += usize::from(!made.depth_m[cell].is_nan());

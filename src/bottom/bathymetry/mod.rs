@@ -1,13 +1,19 @@
-//! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
+//! Depth maps from soundings: repeated positions merged, and sampled only where something was
+//! measured.
 //!
-//! In: depths with their places. Out: surfaces, and what is read from them: isobaths, comparisons, offsets between logs.
-//! It uses `survey` and `support`.
+//! In: depths with their places. Out: surfaces, and what is read from them: isobaths, comparisons,
+//! offsets between logs. It uses `survey` and `support`.
 //!
-//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`, sampled by a `triangle_walk`), `inverse_distance` find the depth
-//! between them, `left_out` says what it is worth, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
-//! `compare` compares points with a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
-//! the depths of one log off from those of others, `position_offsets` how far its positions are off and how late they are, `transect` looks at them
-//! along a line; `coarser` gives it larger cells, `flat_extrapolation` more ground, `change` says what changed between two of them, `cell_source` says what was measured in each.
+//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an
+//! `insertion_order`, sampled by a `triangle_walk`), `inverse_distance` find the depth between
+//! them, `left_out` says what it is worth, `grid` chooses the cells and `surface` fills them;
+//! `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints.
+//! `hill_shade` lights them, `isobaths` draws through them, `compare` compares points with a
+//! reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds
+//! what sets the depths of one log off from those of others, `position_offsets` how far its
+//! positions are off and how late they are, `transect` looks at them along a line; `coarser` gives
+//! it larger cells, `flat_extrapolation` more ground, `change` says what changed between two of
+//! them, `cell_source` says what was measured in each.
 
 mod cell_source;
 pub mod change;

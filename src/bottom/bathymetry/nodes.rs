@@ -13,8 +13,8 @@ pub struct Node {
     pub north_m: f64,
     /// Median depth, metres.
     pub depth_m: f64,
-    /// Standard deviation (n - 1) of the depths about their median, metres. Where there were fewer than three, the median of
-    /// that of the other places; 0 when no place has three.
+    /// Standard deviation (n - 1) of the depths about their median, metres. Where there were fewer
+    /// than three, the median of that of the other places; 0 when no place has three.
     pub spread_m: f64,
 }
 
@@ -28,8 +28,8 @@ impl Node {
 /// Fewer depths than this say nothing about their spread.
 const LEAST_FOR_SPREAD: usize = 3;
 
-/// One node for all points of a square of `cell_m`: the weighted mean place and the weighted median depth. A cell of 0 merges
-/// only exactly repeated places. Points without weight are left out.
+/// One node for all points of a square of `cell_m`: the weighted mean place and the weighted median
+/// depth. A cell of 0 merges only exactly repeated places. Points without weight are left out.
 ///
 /// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
 pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
@@ -44,7 +44,8 @@ pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     nodes
 }
 
-/// The same, where the spread of fewer than three depths is `typical_m`: no node depends on points of other squares.
+/// The same, where the spread of fewer than three depths is `typical_m`: no node depends on points
+/// of other squares.
 pub(super) fn merge_repeated_with(points: &[DepthPoint], cell_m: f64, typical_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     fill_spreads(&mut nodes, typical_m);
@@ -137,11 +138,7 @@ mod tests {
 
     #[test]
     fn a_cell_merges_its_neighbours_at_their_mean_place() {
-        let points = [
-            point(0.1, 0.1, 1.0),
-            point(0.3, 0.3, 3.0),
-            point(1.1, 0.1, 7.0),
-        ];
+        let points = [point(0.1, 0.1, 1.0), point(0.3, 0.3, 3.0), point(1.1, 0.1, 7.0)];
         let merged = merge_repeated(&points, 1.0);
         assert_eq!(merged.len(), 2);
         assert!((merged[0].east_m - 0.2).abs() < 1e-12);
@@ -151,11 +148,7 @@ mod tests {
 
     #[test]
     fn weights_decide_where_sources_meet() {
-        let mut points = [
-            point(0.0, 0.0, 2.0),
-            point(0.4, 0.0, 3.0),
-            point(0.4, 0.0, 4.0),
-        ];
+        let mut points = [point(0.0, 0.0, 2.0), point(0.4, 0.0, 3.0), point(0.4, 0.0, 4.0)];
         points[0].weight = 3.0;
         let merged = merge_repeated(&points, 1.0);
         assert_eq!(merged[0].depth_m, 2.0);

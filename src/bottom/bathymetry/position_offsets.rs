@@ -1,32 +1,37 @@
-//! How far the positions of each log are off, and how late they are, from where tracks cross over a bottom that slopes.
+//! How far the positions of each log are off, and how late they are, from where tracks cross over a
+//! bottom that slopes.
 //!
-//! A log whose positions are off measures at a crossing the depth of another place, and the slope of the bottom tells how far away that is.
-//! With the gradient `G` of the depth, heights `h`, shifts `s` and the boat's velocity `v` times the latency `t`, the depths of two passes
-//! differ by
+//! A log whose positions are off measures at a crossing the depth of another place, and the slope
+//! of the bottom tells how far away that is. With the gradient `G` of the depth, heights `h`,
+//! shifts `s` and the boat's velocity `v` times the latency `t`, the depths of two passes differ by
 //!
 //! `d_1 - d_2 = (h_1 - h_2) + G (s_1 + v_1 t_1 - s_2 - v_2 t_2)`
 //!
-//! which is linear in what is unknown. A shift that all logs share changes nothing; the shifts found have a mean of about zero. A latency is known even
-//! of one log that crosses itself in different directions.
+//! which is linear in what is unknown. A shift that all logs share changes nothing; the shifts
+//! found have a mean of about zero. A latency is known even of one log that crosses itself in
+//! different directions.
 
 use super::crosslines::{Crossing, TrackDepth, velocity_mps};
 use super::height_offsets::{difference_sigma_m, groups, robust_shares};
 use crate::sparse::{Equations, Factor, Pattern};
 use std::collections::BTreeMap;
 
-/// Standard deviations of what is looked for, before any crossing: of positions of a receiver without corrections, metres, and of the latency
-/// of a recorder, seconds. Where crossings say nothing, the bottom being level, the shift stays zero.
+/// Standard deviations of what is looked for, before any crossing: of positions of a receiver
+/// without corrections, metres, and of the latency of a recorder, seconds. Where crossings say
+/// nothing, the bottom being level, the shift stays zero.
 const SD_SHIFT_M: f64 = 2.0;
 const SD_LATENCY_S: f64 = 1.0;
 /// The same of heights, metres: nothing is assumed of them.
 const SD_HEIGHT_M: f64 = 10.0;
-/// Residuals scatter by at least this share of what their slopes let expect: few crossings can agree by chance.
+/// Residuals scatter by at least this share of what their slopes let expect: few crossings can
+/// agree by chance.
 const LEAST_SCALE: f64 = 0.5;
 /// A smaller slope may be that of noise, and says nothing about positions, metres a metre.
 const LEAST_SLOPE: f64 = 0.02;
 const ROUNDS: usize = 20;
-/// Rounds at most in which tracks are corrected and their crossings found anew, and the change that ends them, metres or seconds. Slopes are those
-/// over a few metres and so too small on mounds, which makes the first shifts too large.
+/// Rounds at most in which tracks are corrected and their crossings found anew, and the change that
+/// ends them, metres or seconds. Slopes are those over a few metres and so too small on mounds,
+/// which makes the first shifts too large.
 const MOST_CORRECTIONS: usize = 10;
 const CORRECTED: f64 = 0.01;
 /// Shifts that change by less than this are found, metres or seconds.
@@ -61,8 +66,8 @@ pub struct Shift {
     pub east_m: f64,
     /// And to the north.
     pub north_m: f64,
-    /// How much later its positions are than the depths recorded with them, seconds: the boat is where it will be recorded to be so much
-    /// later.
+    /// How much later its positions are than the depths recorded with them, seconds: the boat is
+    /// where it will be recorded to be so much later.
     pub latency_s: f64,
 }
 
@@ -70,10 +75,7 @@ impl Shift {
     /// What is added to a place that is passed at some velocity, metres.
     pub fn at(&self, velocity_mps: [f64; 2]) -> [f64; 2] {
         let [east, north] = velocity_mps;
-        [
-            self.east_m + self.latency_s * east,
-            self.north_m + self.latency_s * north,
-        ]
+        [self.east_m + self.latency_s * east, self.north_m + self.latency_s * north]
     }
 
     /// The same with more added, east, north and latency.
@@ -97,21 +99,19 @@ impl Shift {
 pub struct FoundShift {
     /// All of it, with what was known before.
     pub shift: Shift,
-    /// Standard error of the shift against the mean of the logs that are tied to this one, or against a pinned one of them, the larger of both directions,
-    /// metres; NaN where none was looked for. About 2 m where crossings say nothing.
+    /// Standard error of the shift against the mean of the logs that are tied to this one, or
+    /// against a pinned one of them, the larger of both directions, metres; NaN where none was
+    /// looked for. About 2 m where crossings say nothing.
     pub shift_error_m: f64,
-    /// Standard error of the latency, seconds; NaN where none was looked for. About 1 s where crossings say nothing.
+    /// Standard error of the latency, seconds; NaN where none was looked for. About 1 s where
+    /// crossings say nothing.
     pub latency_error_s: f64,
 }
 
 impl FoundShift {
     /// Nothing was looked for.
     pub const NONE: Self = Self {
-        shift: Shift {
-            east_m: 0.0,
-            north_m: 0.0,
-            latency_s: 0.0,
-        },
+        shift: Shift { east_m: 0.0, north_m: 0.0, latency_s: 0.0 },
         shift_error_m: f64::NAN,
         latency_error_s: f64::NAN,
     };
@@ -128,11 +128,7 @@ impl FoundShift {
 pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
     let moved = |(index, depth): (usize, &TrackDepth)| {
         let [east_m, north_m] = shift.at(velocity_mps(track, index));
-        TrackDepth {
-            east_m: depth.east_m + east_m,
-            north_m: depth.north_m + north_m,
-            ..*depth
-        }
+        TrackDepth { east_m: depth.east_m + east_m, north_m: depth.north_m + north_m, ..*depth }
     };
     track.iter().enumerate().map(moved).collect()
 }
@@ -146,8 +142,8 @@ pub struct CorrectedLog {
     pub pinned_m: Option<f64>,
 }
 
-/// The shifts of logs, found in rounds: `crossings` gives those of the tracks as corrected so far, whose places and slopes move with them. `None` where the
-/// equations have no solution in numbers.
+/// The shifts of logs, found in rounds: `crossings` gives those of the tracks as corrected so far,
+/// whose places and slopes move with them. `None` where the equations have no solution in numbers.
 ///
 /// # Errors
 /// Those of `crossings`.
@@ -177,8 +173,9 @@ pub fn settled_offsets<E>(
     Ok(Some(result))
 }
 
-/// The shifts of logs from crossings with each other and with themselves, by least squares with robust weights; a pass names its log as its track. `None` where the
-/// equations have no solution in numbers.
+/// The shifts of logs from crossings with each other and with themselves, by least squares with
+/// robust weights; a pass names its log as its track. `None` where the equations have no solution
+/// in numbers.
 fn position_offsets(
     logs: &[CorrectedLog],
     crossings: &[Crossing],
@@ -187,9 +184,8 @@ fn position_offsets(
     let adjustment = Adjustment::new(logs, crossings, wanted);
     let (values, factor) = adjustment.solve()?;
     let errors = adjustment.errors(&factor);
-    let found: Vec<FoundShift> = (0..logs.len())
-        .map(|log| adjustment.found(log, &values, &errors))
-        .collect();
+    let found: Vec<FoundShift> =
+        (0..logs.len()).map(|log| adjustment.found(log, &values, &errors)).collect();
     let is_number = |one: &FoundShift| one.shift.values().iter().all(|value| value.is_finite());
     found.iter().all(is_number).then_some(found)
 }
@@ -207,27 +203,18 @@ struct Adjustment<'a> {
 impl<'a> Adjustment<'a> {
     fn new(logs: &'a [CorrectedLog], crossings: &'a [Crossing], wanted: Wanted) -> Self {
         let used = |one: &&Crossing| {
-            let numbers = one
-                .gradient
-                .iter()
-                .chain([&one.passes[0].depth_m, &one.passes[1].depth_m]);
+            let numbers =
+                one.gradient.iter().chain([&one.passes[0].depth_m, &one.passes[1].depth_m]);
             let is_known = |pass: usize| one.passes[pass].track < logs.len();
             is_known(0) && is_known(1) && numbers.into_iter().all(|number| number.is_finite())
         };
         let crossings: Vec<&Crossing> = crossings.iter().filter(used).collect();
-        let sigmas_m = crossings
-            .iter()
-            .map(|one| difference_sigma_m(one.slope()))
-            .collect();
-        Self {
-            logs,
-            crossings,
-            sigmas_m,
-            wanted,
-        }
+        let sigmas_m = crossings.iter().map(|one| difference_sigma_m(one.slope())).collect();
+        Self { logs, crossings, sigmas_m, wanted }
     }
 
-    /// An equation for each crossing, in their order, and one for each unknown that holds it near zero.
+    /// An equation for each crossing, in their order, and one for each unknown that holds it near
+    /// zero.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         for (one, sigma_m) in self.crossings.iter().zip(&self.sigmas_m) {
@@ -245,7 +232,8 @@ impl<'a> Adjustment<'a> {
         equations
     }
 
-    /// The unknowns, and the factor of the equations that they solve: crossings that do not fit the others lose weight round by round.
+    /// The unknowns, and the factor of the equations that they solve: crossings that do not fit the
+    /// others lose weight round by round.
     fn solve(&self) -> Option<(Vec<f64>, Factor)> {
         let mut equations = self.equations();
         let count = UNKNOWNS * self.logs.len();
@@ -305,16 +293,13 @@ impl<'a> Adjustment<'a> {
         }
     }
 
-    /// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings tie to each other, unless one of them is pinned, for a
-    /// shift that all share is not known.
+    /// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings
+    /// tie to each other, unless one of them is pinned, for a shift that all share is not known.
     fn errors(&self, factor: &Factor) -> Vec<f64> {
         let logs = self.logs;
         let count = UNKNOWNS * logs.len();
         let mut variances = factor.variances(count);
-        let ties = self
-            .crossings
-            .iter()
-            .map(|one| one.passes.map(|pass| pass.track));
+        let ties = self.crossings.iter().map(|one| one.passes.map(|pass| pass.track));
         let group_of = groups(logs.len(), ties);
         let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (log, group) in group_of.into_iter().enumerate() {
@@ -339,10 +324,7 @@ impl<'a> Adjustment<'a> {
                 }
             }
         }
-        variances
-            .into_iter()
-            .map(|variance| variance.max(0.0).sqrt())
-            .collect()
+        variances.into_iter().map(|variance| variance.max(0.0).sqrt()).collect()
     }
 
     /// What the unknowns add to the difference of a crossing, and what is known of it, metres.
@@ -372,10 +354,7 @@ impl<'a> Adjustment<'a> {
     /// What some values of the unknowns leave of the difference of a crossing, metres.
     fn left_m(&self, one: &Crossing, values: &[f64]) -> f64 {
         let (terms, known_m) = self.sides(one);
-        let explained: f64 = terms
-            .iter()
-            .map(|(unknown, factor)| factor * values[*unknown])
-            .sum();
+        let explained: f64 = terms.iter().map(|(unknown, factor)| factor * values[*unknown]).sum();
         one.difference_m() - known_m - explained
     }
 }
@@ -397,8 +376,9 @@ mod tests {
         2.0 * (fraction - fraction.floor()) - 1.0
     }
 
-    /// Lines up and down an area of 100 by 100 m, along east or north, with depths of where the boat truly was: `shift` and the latency are
-    /// missing in the positions, the height in the depths.
+    /// Lines up and down an area of 100 by 100 m, along east or north, with depths of where the
+    /// boat truly was: `shift` and the latency are missing in the positions, the height in the
+    /// depths.
     fn track(log: usize, along_east: bool, shift: Shift, height_m: f64) -> Vec<TrackDepth> {
         let mut track: Vec<TrackDepth> = Vec::new();
         let speed_mps = 1.5 + 0.4 * log as f64;
@@ -410,11 +390,7 @@ mod tests {
                 let along_m = 0.2 * f64::from(step);
                 let along_m = if way > 0.0 { along_m } else { 100.0 - along_m };
                 let turn = |along: f64, across: f64| {
-                    if along_east {
-                        [along, across]
-                    } else {
-                        [across, along]
-                    }
+                    if along_east { [along, across] } else { [across, along] }
                 };
                 let at = turn(along_m, across_m);
                 let moved = shift.at(turn(way * speed_mps, 0.0));
@@ -440,74 +416,42 @@ mod tests {
     ) -> Vec<FoundShift> {
         let logs: Vec<CorrectedLog> = pinned_m
             .iter()
-            .map(|pinned_m| CorrectedLog {
-                shift: Shift::default(),
-                pinned_m: *pinned_m,
-            })
+            .map(|pinned_m| CorrectedLog { shift: Shift::default(), pinned_m: *pinned_m })
             .collect();
         let found = settled_offsets(&logs, wanted, |logs| {
             let moved = tracks.iter().zip(logs);
-            let moved: Vec<Vec<TrackDepth>> = moved
-                .map(|(track, log)| shifted(track, &log.shift))
-                .collect();
+            let moved: Vec<Vec<TrackDepth>> =
+                moved.map(|(track, log)| shifted(track, &log.shift)).collect();
             crossings(&moved, &Progress::new())
         });
         found.expect("not cancelled").expect("a solution")
     }
 
-    const BOTH: Wanted = Wanted {
-        shifts: true,
-        latencies: true,
-    };
+    const BOTH: Wanted = Wanted { shifts: true, latencies: true };
 
     #[test]
     fn shifts_and_latencies_are_found_from_crossings_over_a_hilly_bed() {
-        let shift = |east_m, north_m, latency_s| Shift {
-            east_m,
-            north_m,
-            latency_s,
-        };
+        let shift = |east_m, north_m, latency_s| Shift { east_m, north_m, latency_s };
         // Their mean is zero, but for latencies, which are known by themselves.
-        let truth = [
-            shift(1.2, -0.8, 0.8),
-            shift(-0.9, 0.2, 0.0),
-            shift(-0.3, 0.6, 0.3),
-        ];
+        let truth = [shift(1.2, -0.8, 0.8), shift(-0.9, 0.2, 0.0), shift(-0.3, 0.6, 0.3)];
         let heights_m = [0.2, -0.3, 0.5];
-        let tracks: Vec<Vec<TrackDepth>> = (0..3)
-            .map(|log| track(log, log != 1, truth[log], heights_m[log]))
-            .collect();
+        let tracks: Vec<Vec<TrackDepth>> =
+            (0..3).map(|log| track(log, log != 1, truth[log], heights_m[log])).collect();
         let found = found(&tracks, &[None; 3], BOTH);
         for (log, (found, truth)) in found.iter().zip(&truth).enumerate() {
             let off_m =
                 (found.shift.east_m - truth.east_m).hypot(found.shift.north_m - truth.north_m);
-            assert!(
-                off_m < 0.3 && off_m < 4.0 * found.shift_error_m,
-                "{log} {off_m} {found:?}"
-            );
+            assert!(off_m < 0.3 && off_m < 4.0 * found.shift_error_m, "{log} {off_m} {found:?}");
             let off_s = (found.shift.latency_s - truth.latency_s).abs();
-            assert!(
-                off_s < 0.15 && off_s < 4.0 * found.latency_error_s,
-                "{log} {off_s} {found:?}"
-            );
+            assert!(off_s < 0.15 && off_s < 4.0 * found.latency_error_s, "{log} {off_s} {found:?}");
         }
     }
 
     #[test]
     fn a_pinned_log_stays_and_holds_the_others() {
-        let off = Shift {
-            east_m: 1.5,
-            north_m: -1.0,
-            latency_s: 0.0,
-        };
-        let tracks = [
-            track(0, true, Shift::default(), 0.1),
-            track(1, false, off, 0.4),
-        ];
-        let wanted = Wanted {
-            shifts: true,
-            latencies: false,
-        };
+        let off = Shift { east_m: 1.5, north_m: -1.0, latency_s: 0.0 };
+        let tracks = [track(0, true, Shift::default(), 0.1), track(1, false, off, 0.4)];
+        let wanted = Wanted { shifts: true, latencies: false };
         let found = found(&tracks, &[Some(0.1), None], wanted);
         assert_eq!(found[0].shift, Shift::default());
         assert_eq!(found[0].shift_error_m, 0.0);
@@ -519,26 +463,17 @@ mod tests {
     #[test]
     fn a_level_bottom_says_nothing_about_positions() {
         let level = |log: usize| -> Vec<TrackDepth> {
-            let off = Shift {
-                east_m: 2.0 * log as f64,
-                ..Shift::default()
-            };
+            let off = Shift { east_m: 2.0 * log as f64, ..Shift::default() };
             let track = track(log, log == 0, off, 0.0).into_iter().enumerate();
             track
-                .map(|(index, depth)| TrackDepth {
-                    depth_m: 5.0 + 0.03 * noise(index),
-                    ..depth
-                })
+                .map(|(index, depth)| TrackDepth { depth_m: 5.0 + 0.03 * noise(index), ..depth })
                 .collect()
         };
         let found = found(&[level(0), level(1)], &[None; 2], BOTH);
         for one in found {
             let shift = one.shift;
             let is_small = shift.east_m.hypot(shift.north_m) < 0.5 && shift.latency_s.abs() < 0.2;
-            assert!(
-                is_small && one.shift_error_m > 1.0 && one.latency_error_s > 0.5,
-                "{one:?}"
-            );
+            assert!(is_small && one.shift_error_m > 1.0 && one.latency_error_s > 0.5, "{one:?}");
         }
         assert_eq!(position_offsets(&[], &[], BOTH), Some(Vec::new()));
     }

@@ -14,7 +14,8 @@ pub struct DepthPoint {
     pub depth_m: f64,
     /// What it counts where several depths meet; 1 for a recorder's own sounding, 0 for none.
     pub weight: f64,
-    /// Whether it is a depth of the recorder, under the boat or across the track, or of a reference, and no first return of the side-scan.
+    /// Whether it is a depth of the recorder, under the boat or across the track, or of a
+    /// reference, and no first return of the side-scan.
     pub is_sounding: bool,
 }
 
@@ -26,13 +27,7 @@ impl DepthPoint {
 
     /// A sounding that counts in full.
     pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
-        Self {
-            east_m,
-            north_m,
-            depth_m,
-            weight: 1.0,
-            is_sounding: true,
-        }
+        Self { east_m, north_m, depth_m, weight: 1.0, is_sounding: true }
     }
 }
 
@@ -50,7 +45,8 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
         .collect()
 }
 
-/// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any finite depth.
+/// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any
+/// finite depth.
 pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     statistics::colour_ends(depths)
 }

@@ -1,4 +1,5 @@
-//! Depths that a chart prints as figures: few enough to be read, the shoalest of their surroundings.
+//! Depths that a chart prints as figures: few enough to be read, the shoalest of their
+//! surroundings.
 
 use super::DepthPoint;
 use super::isobaths::IsobathSettings;
@@ -9,8 +10,9 @@ use std::collections::HashMap;
 /// Where nobody says how far figures are apart, about so many fit along the diagonal of a map.
 const ALONG_DIAGONAL: f64 = 40.0;
 
-/// Chooses depths that are `radius_m` apart at least, shoal first: the shallowest of all, then the shallowest that is far enough from it,
-/// and so on. Every other depth has a shallower one within that distance. They come from shallow to deep.
+/// Chooses depths that are `radius_m` apart at least, shoal first: the shallowest of all, then the
+/// shallowest that is far enough from it, and so on. Every other depth has a shallower one within
+/// that distance. They come from shallow to deep.
 pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
     let mut order: Vec<&DepthPoint> = points.iter().collect();
     order.sort_unstable_by(|a, b| {
@@ -30,18 +32,15 @@ pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
             (other.east_m - place[0]).hypot(other.north_m - place[1]) < radius_m
         };
         if !near.any(is_near) {
-            in_square
-                .entry([column, row])
-                .or_default()
-                .push(chosen.len());
+            in_square.entry([column, row]).or_default().push(chosen.len());
             chosen.push(*point);
         }
     }
     chosen
 }
 
-/// How far spot soundings are apart by the settings, or, where these leave it open, a round distance by the extent of the depths; `None`
-/// without an extent.
+/// How far spot soundings are apart by the settings, or, where these leave it open, a round
+/// distance by the extent of the depths; `None` without an extent.
 pub fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
     let [west, south, east, north] = bounds(points.iter().map(DepthPoint::place));
     let by_extent = || {
@@ -71,11 +70,7 @@ mod tests {
         let apart_m =
             |a: &DepthPoint, b: &DepthPoint| (a.east_m - b.east_m).hypot(a.north_m - b.north_m);
         for (index, point) in chosen.iter().enumerate() {
-            assert!(
-                chosen[..index]
-                    .iter()
-                    .all(|other| apart_m(point, other) >= 20.0)
-            );
+            assert!(chosen[..index].iter().all(|other| apart_m(point, other) >= 20.0));
         }
         // Each that was left out has a shallower one, or one as shallow, nearby.
         for point in &points {

@@ -16,14 +16,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceMethod {
-    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was measured is lost. Older projects may
-    /// name a plate that bent least, which is gone.
+    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was
+    /// measured is lost. Older projects may name a plate that bent least, which is gone.
     #[default]
     #[serde(alias = "auto", alias = "smooth")]
     Linear,
     /// By natural neighbours (Sibson): smooth but at the soundings.
     Natural,
-    /// By inverse distance squared of the nearest 64 within the gap: smooth, draws towards the mean.
+    /// By inverse distance squared of the nearest 64 within the gap: smooth, draws towards the
+    /// mean.
     InverseDistance,
 }
 
@@ -44,27 +45,31 @@ impl SurfaceMethod {
 pub struct SurfaceSettings {
     /// How the depth between soundings is found.
     pub method: SurfaceMethod,
-    /// Side of a cell, metres; chosen from the spacing of the soundings ([`suited_cell_m`]) when not given.
+    /// Side of a cell, metres; chosen from the spacing of the soundings ([`suited_cell_m`]) when
+    /// not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell_m: Option<f64>,
-    /// No value farther than this from a sounding, metres, and none in triangles between soundings more than twice as far apart
-    /// ([`super::Tin::with_max_gap`]).
+    /// No value farther than this from a sounding, metres, and none in triangles between soundings
+    /// more than twice as far apart ([`super::Tin::with_max_gap`]).
     pub max_gap_m: f64,
-    /// Most cells along the longer side: where a cell would make more of them, or more than 20 million in all, it is larger.
+    /// Most cells along the longer side: where a cell would make more of them, or more than 20
+    /// million in all, it is larger.
     pub max_side: usize,
-    /// What a recorder's own depth, a sounding or one of a swath, counts where several depths fall into one cell; 0 leaves them out.
+    /// What a recorder's own depth, a sounding or one of a swath, counts where several depths fall
+    /// into one cell; 0 leaves them out.
     pub down_scan_weight: f64,
     /// What a side-scan point counts there; 0 leaves them out.
     pub side_scan_weight: f64,
-    /// Whether all side-scan points above the recorded depth count: their depth may be that of weed or fish.
+    /// Whether all side-scan points above the recorded depth count: their depth may be that of weed
+    /// or fish.
     pub above_bottom: bool,
-    /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
-    /// metres: a field of boulders, no clump of weed, fish or object.
+    /// They count where most first returns of both sides lie above the recorded depth for longer
+    /// than this along the track, metres: a field of boulders, no clump of weed, fish or object.
     pub longest_above_bottom_m: f64,
     /// Whether depths between the lines come from the levels of the echoes.
     pub swath: SwathDepth,
-    /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`bathyscope_log::survey::Relief`]); otherwise on a
-    /// level one.
+    /// Whether echoes and objects are placed on the bottom that the log measured, where it did
+    /// ([`bathyscope_log::survey::Relief`]); otherwise on a level one.
     pub relief: bool,
 }
 
@@ -76,8 +81,9 @@ impl Default for SurfaceSettings {
             max_gap_m: 20.0,
             max_side: 4096,
             down_scan_weight: 1.0,
-            // On ponds 101 to 110 of `cargo bench --features bench -- surface` the map's error falls up to 1 and stays beyond: RMS 3.8 cm with
-            // soundings only, 3.4 at 0.3, 3.2 at 1 (gentle), 17.4, 16.5, 16.4 (steep), 6.6, 6.5, 6.3 (rough).
+            // On ponds 101 to 110 of `cargo bench --features bench -- surface` the map's error
+            // falls up to 1 and stays beyond: RMS 3.8 cm with soundings only, 3.4 at 0.3, 3.2 at 1
+            // (gentle), 17.4, 16.5, 16.4 (steep), 6.6, 6.5, 6.3 (rough).
             side_scan_weight: 1.0,
             above_bottom: false,
             longest_above_bottom_m: 40.0,
@@ -88,7 +94,8 @@ impl Default for SurfaceSettings {
 }
 
 impl SurfaceSettings {
-    /// What a point of the bottom counts: a side-scan point by its confidence; 0 when its source is left out.
+    /// What a point of the bottom counts: a side-scan point by its confidence; 0 when its source is
+    /// left out.
     pub fn weight(&self, point: &CloudPoint) -> f64 {
         match point.source {
             // Both are depths of the recorder itself.
@@ -114,10 +121,12 @@ impl SurfaceSettings {
 /// What the spread of a cell is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
-    /// How far the soundings that carry a cell disagree: the standard deviation of their depths about the cell's, each with its share
-    /// and its own spread, so it grows with noise and with relief between soundings.
+    /// How far the soundings that carry a cell disagree: the standard deviation of their depths
+    /// about the cell's, each with its share and its own spread, so it grows with noise and with
+    /// relief between soundings.
     OfSoundings,
-    /// The standard deviation of the depth's error by the distance to the nearest sounding, as leaving soundings out shows it.
+    /// The standard deviation of the depth's error by the distance to the nearest sounding, as
+    /// leaving soundings out shows it.
     OfError,
 }
 
@@ -136,12 +145,14 @@ pub struct Surface {
     pub depth_m: Vec<f32>,
     /// What [`Surface::spread_is`] says, metres; NaN where nothing is known.
     pub spread_m: Vec<f32>,
-    /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is known.
+    /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is
+    /// known.
     pub distance_m: Vec<f32>,
     /// The source of the depth in each cell.
     pub source: Vec<CellSource>,
-    /// How much brighter the bed of each cell is than that of the median cell, decibels of power, once slope, angle, range and the
-    /// recorder's gain are taken out: hard ground is bright; NaN where no echo says. `None` without depths from levels.
+    /// How much brighter the bed of each cell is than that of the median cell, decibels of power,
+    /// once slope, angle, range and the recorder's gain are taken out: hard ground is bright; NaN
+    /// where no echo says. `None` without depths from levels.
     pub hardness_db: Option<Vec<f32>>,
 }
 
@@ -177,8 +188,8 @@ impl Surface {
         }
     }
 
-    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track spans hardly a triangle, and its map
-    /// is the cells that were measured.
+    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track
+    /// spans hardly a triangle, and its map is the cells that were measured.
     pub(super) fn fill_measured(&mut self, nodes: impl Iterator<Item = Node>) {
         for node in nodes {
             let Some(index) = self.grid.index_at(node.east_m, node.north_m) else {
@@ -209,7 +220,8 @@ impl Surface {
         ends(known.map(|depth| f64::from(*depth)))
     }
 
-    /// West, south, east and north edge of the cells with a known depth, metres of the grid; `None` without any.
+    /// West, south, east and north edge of the cells with a known depth, metres of the grid; `None`
+    /// without any.
     pub fn known_bounds_m(&self) -> Option<[f64; 4]> {
         let grid = &self.grid;
         let rows = self.depth_m.chunks(grid.columns.max(1)).enumerate();
@@ -226,8 +238,8 @@ impl Surface {
         Some([east(left), north(bottom + 1), east(right + 1), north(top)])
     }
 
-    /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed, and nine of ten; `None` where the
-    /// spreads are not of errors.
+    /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed,
+    /// and nine of ten; `None` where the spreads are not of errors.
     pub fn usual_error_m(&self) -> Option<[f64; 2]> {
         let known = self.spread_m.iter().filter(|spread| !spread.is_nan());
         let mut sigmas_m: Vec<f64> = known.map(|spread| f64::from(*spread)).collect();
@@ -278,7 +290,8 @@ impl Surface {
         }
     }
 
-    /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing is known.
+    /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing
+    /// is known.
     pub fn at(&self, east_m: f64, north_m: f64) -> Option<(f32, f32)> {
         let index = self.grid.index_at(east_m, north_m)?;
         let depth_m = *self.depth_m.get(index)?;
@@ -286,12 +299,14 @@ impl Surface {
     }
 }
 
-/// Samples the soundings on a grid: no value outside their hull, farther than the gap from one, or in triangles between
-/// soundings too far apart ([`Tin::with_max_gap`]), so that the hull follows a winding track; a cell that holds a sounding has a
-/// value. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no surface (fewer than three places, or
-/// all on one line).
+/// Samples the soundings on a grid: no value outside their hull, farther than the gap from one, or
+/// in triangles between soundings too far apart ([`Tin::with_max_gap`]), so that the hull follows a
+/// winding track; a cell that holds a sounding has a value. Soundings of one cell are merged first
+/// ([`merge_repeated`]). `None` when there is no surface (fewer than three places, or all on one
+/// line).
 ///
-/// The points are given away, since a log has millions: they are gone before the triangles are made.
+/// The points are given away, since a log has millions: they are gone before the triangles are
+/// made.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -336,9 +351,7 @@ fn filled(
     settings: &SurfaceSettings,
     progress: &Progress,
 ) -> Result<Option<(Surface, Tin)>, Cancelled> {
-    let cell_m = settings
-        .cell_m
-        .or_else(|| suited_cell_m(&points, settings.max_gap_m));
+    let cell_m = settings.cell_m.or_else(|| suited_cell_m(&points, settings.max_gap_m));
     let Some(grid) = cell_m.and_then(|cell_m| Grid::over(&points, cell_m, settings.max_side))
     else {
         return Ok(None);
@@ -367,12 +380,10 @@ struct Cell {
 }
 
 impl Cell {
-    /// The mean of the nodes by their shares, and the standard deviation of the mixture that they are.
+    /// The mean of the nodes by their shares, and the standard deviation of the mixture that they
+    /// are.
     fn of(nodes: impl Iterator<Item = (Node, f64)> + Clone, distance_m: f64) -> Self {
-        let depth_m: f64 = nodes
-            .clone()
-            .map(|(node, share)| share * node.depth_m)
-            .sum();
+        let depth_m: f64 = nodes.clone().map(|(node, share)| share * node.depth_m).sum();
         let variance = |node: Node| node.spread_m.powi(2) + (node.depth_m - depth_m).powi(2);
         let variance: f64 = nodes.map(|(node, share)| share * variance(node)).sum();
         Self {
@@ -412,15 +423,11 @@ impl DepthField {
             SurfaceMethod::InverseDistance => Some(Near::new(tin.nodes().collect())?),
             _ => None,
         };
-        Some(Self {
-            method: settings.method,
-            gap_m,
-            tin,
-            near,
-        })
+        Some(Self { method: settings.method, gap_m, tin, near })
     }
 
-    /// On triangles alone of which none depends on what lies far away ([`Tin::with_local_triangles`]).
+    /// On triangles alone of which none depends on what lies far away
+    /// ([`Tin::with_local_triangles`]).
     pub(super) fn local(nodes: Vec<Node>, gap_m: f64) -> Option<Self> {
         let tin = Tin::new(nodes)?.with_max_gap(gap_m);
         Some(Self {
@@ -463,11 +470,7 @@ impl DepthField {
             SurfaceMethod::Natural => Between::NaturalNeighbour,
             _ => Between::Linear,
         };
-        Sampler {
-            field: self,
-            tin: self.tin.sampler(between),
-            weights: Vec::new(),
-        }
+        Sampler { field: self, tin: self.tin.sampler(between), weights: Vec::new() }
     }
 }
 
@@ -492,10 +495,7 @@ impl Sampler<'_> {
         };
         inverse_distance(index, place, gap_m, &mut self.weights);
         let carried = self.weights.iter();
-        Some(Cell::of(
-            carried.map(|(index, share)| (nodes[*index], *share)),
-            distance_m,
-        ))
+        Some(Cell::of(carried.map(|(index, share)| (nodes[*index], *share)), distance_m))
     }
 }
 

@@ -35,12 +35,7 @@ pub(super) const GOLDEN: [Golden; 5] = [
 ];
 
 const fn golden(place: [f64; 2], [linear, natural, inverse_distance]: [f64; 3]) -> Golden {
-    Golden {
-        place,
-        linear,
-        natural,
-        inverse_distance,
-    }
+    Golden { place, linear, natural, inverse_distance }
 }
 
 pub(super) fn golden_points() -> Vec<DepthPoint> {

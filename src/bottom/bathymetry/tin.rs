@@ -18,16 +18,17 @@ impl HasPosition for Node {
 
 type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintGenerator>;
 
-/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull. It takes some 150 bytes a node, two
-/// thirds of them for edges, so that nodes are moved in rather than copied.
+/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull. It takes
+/// some 150 bytes a node, two thirds of them for edges, so that nodes are moved in rather than
+/// copied.
 pub(crate) struct Tin {
     triangles: Triangulation,
     max_gap_m: f64,
     max_radius_m: f64,
 }
 
-/// Triangles with no edge longer than this share of the gap are always kept: along a single track they lie in a row, nearly
-/// flat, and their area across the track is negligible.
+/// Triangles with no edge longer than this share of the gap are always kept: along a single track
+/// they lie in a row, nearly flat, and their area across the track is negligible.
 const SHORT_EDGES: f64 = 0.25;
 
 /// Radius of the circle around a triangle of three edges of two gaps, metres.
@@ -40,23 +41,24 @@ pub(super) fn largest_radius_m(max_gap_m: f64) -> f64 {
 pub(crate) enum Between {
     /// On the plane of the triangle.
     Linear,
-    /// Sibson's natural neighbours: each node counts with the area that the place would take from its Voronoi cell.
+    /// Sibson's natural neighbours: each node counts with the area that the place would take from
+    /// its Voronoi cell.
     NaturalNeighbour,
 }
 
 /// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
 pub(crate) struct TinSampler<'a> {
     tin: &'a Tin,
-    /// A triangle near the place that was asked for last, with whether it counts where that was asked: spade's own hint is one for all
-    /// threads.
+    /// A triangle near the place that was asked for last, with whether it counts where that was
+    /// asked: spade's own hint is one for all threads.
     last: Option<(FixedFaceHandle<InnerTag>, Option<bool>)>,
     natural: Option<NaturalNeighbor<'a, Triangulation>>,
     weights: Vec<(FixedVertexHandle, f64)>,
 }
 
 impl Tin {
-    /// Triangulates; `None` where the nodes span no surface (fewer than three places, or all on one line), or when a coordinate
-    /// is none that can be triangulated (not finite, beyond 1e60 m).
+    /// Triangulates; `None` where the nodes span no surface (fewer than three places, or all on one
+    /// line), or when a coordinate is none that can be triangulated (not finite, beyond 1e60 m).
     pub(crate) fn new(mut nodes: Vec<Node>) -> Option<Self> {
         for node in &mut nodes {
             for metres in [&mut node.east_m, &mut node.north_m] {
@@ -74,28 +76,23 @@ impl Tin {
         for node in nodes {
             triangles.insert(node).ok()?;
         }
-        Some(Self {
-            triangles,
-            max_gap_m: f64::INFINITY,
-            max_radius_m: f64::INFINITY,
-        })
+        Some(Self { triangles, max_gap_m: f64::INFINITY, max_radius_m: f64::INFINITY })
     }
 
-    /// Leaves out triangles between nodes that are too far apart for anything to be known between them: those with an edge
-    /// longer than two gaps, and those whose circumscribed circle, which holds no node, is larger than that of a triangle of
-    /// three such edges. So the surface follows its nodes (an alpha shape): neither the bay of a winding track is filled from
-    /// one bank of the bend to the other, nor the lens between a bend and its chord.
+    /// Leaves out triangles between nodes that are too far apart for anything to be known between
+    /// them: those with an edge longer than two gaps, and those whose circumscribed circle, which
+    /// holds no node, is larger than that of a triangle of three such edges. So the surface follows
+    /// its nodes (an alpha shape): neither the bay of a winding track is filled from one bank of
+    /// the bend to the other, nor the lens between a bend and its chord.
     pub(crate) fn with_max_gap(self, max_gap_m: f64) -> Self {
         Self { max_gap_m, ..self }
     }
 
-    /// Leaves out every triangle whose circumscribed circle is larger than that of the largest that [`Tin::with_max_gap`] keeps, the nearly
-    /// flat ones of short edges too: no triangle that is left depends on a node farther from it than twice [`largest_radius_m`].
+    /// Leaves out every triangle whose circumscribed circle is larger than that of the largest that
+    /// [`Tin::with_max_gap`] keeps, the nearly flat ones of short edges too: no triangle that is
+    /// left depends on a node farther from it than twice [`largest_radius_m`].
     pub(crate) fn with_local_triangles(self) -> Self {
-        Self {
-            max_radius_m: largest_radius_m(self.max_gap_m),
-            ..self
-        }
+        Self { max_radius_m: largest_radius_m(self.max_gap_m), ..self }
     }
 
     /// Whether a triangle is one that [`Tin::with_max_gap`] keeps.
@@ -162,7 +159,8 @@ impl TinSampler<'_> {
         Some(self.nodes())
     }
 
-    /// Finds the nodes that carry a place: one that it lies on, the ends of an edge, the corners of a triangle. They are not weighed.
+    /// Finds the nodes that carry a place: one that it lies on, the ends of an edge, the corners of
+    /// a triangle. They are not weighed.
     fn find_corners(&mut self, place: Point2<f64>) {
         let triangles = &self.tin.triangles;
         self.weights.clear();
@@ -191,8 +189,7 @@ impl TinSampler<'_> {
             }
             PositionInTriangulation::OnEdge(edge) => {
                 let edge = triangles.directed_edge(edge);
-                self.weights
-                    .extend(edge.vertices().map(|end| (end.fix(), 0.0)));
+                self.weights.extend(edge.vertices().map(|end| (end.fix(), 0.0)));
                 edge.face().as_inner().or(edge.rev().face().as_inner())
             }
             PositionInTriangulation::OnFace(face) => {
@@ -218,8 +215,9 @@ impl TinSampler<'_> {
         }
     }
 
-    /// Weighs the corners in the order of their places: how a triangle is stored depends on all nodes that were ever inserted, and
-    /// with it the last bit of a weight, which would differ between maps that share the triangle.
+    /// Weighs the corners in the order of their places: how a triangle is stored depends on all
+    /// nodes that were ever inserted, and with it the last bit of a weight, which would differ
+    /// between maps that share the triangle.
     fn weigh_in_order(&mut self, place: Point2<f64>) {
         let triangles = &self.tin.triangles;
         let position = |corner: &(FixedVertexHandle, f64)| triangles.vertex(corner.0).position();
@@ -254,9 +252,11 @@ impl TinSampler<'_> {
         carried.map(move |(corner, weight)| (*triangles.vertex(*corner).data(), *weight))
     }
 
-    /// Distance from a place in a triangle to the nearest node; call it with the place that was asked for last.
+    /// Distance from a place in a triangle to the nearest node; call it with the place that was
+    /// asked for last.
     ///
-    /// Goes from the nodes that carry it to ever nearer neighbours: of Delaunay triangles every node but the nearest has one.
+    /// Goes from the nodes that carry it to ever nearer neighbours: of Delaunay triangles every
+    /// node but the nearest has one.
     pub(crate) fn distance_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
         let place = Point2::new(east_m, north_m);
         let triangles = &self.tin.triangles;
@@ -279,7 +279,8 @@ impl TinSampler<'_> {
         }
     }
 
-    /// Whether the place that was asked for last lies in a triangle that counts, on the edge of one, or on a node.
+    /// Whether the place that was asked for last lies in a triangle that counts, on the edge of
+    /// one, or on a node.
     fn is_known(&mut self) -> bool {
         let triangles = &self.tin.triangles;
         let place = |index: usize| triangles.vertex(self.weights[index].0).position();

@@ -22,8 +22,8 @@ pub struct TransectStation {
     pub depth_m: Option<f32>,
 }
 
-/// Looks at the depth at every corner of a line, and between two of them at equal steps of at most `step_m`, or of what makes
-/// `most` stations of the whole line where that is more.
+/// Looks at the depth at every corner of a line, and between two of them at equal steps of at most
+/// `step_m`, or of what makes `most` stations of the whole line where that is more.
 pub fn transect(
     corners: &[Corner],
     step_m: f64,
@@ -35,14 +35,9 @@ pub fn transect(
     if !(step_m > 0.0 && length_m.is_finite()) {
         return Vec::new();
     }
-    let station = |distance_m, place| TransectStation {
-        distance_m,
-        place,
-        depth_m: depth_at(place),
-    };
-    let first = corners
-        .first()
-        .map(|first| station(first.distance_m, first.place));
+    let station =
+        |distance_m, place| TransectStation { distance_m, place, depth_m: depth_at(place) };
+    let first = corners.first().map(|first| station(first.distance_m, first.place));
     let legs = corners.windows(2).flat_map(|leg| {
         let (from, to) = (leg[0], leg[1]);
         let steps = ((to.distance_m - from.distance_m) / step_m).ceil().max(1.0) as usize;
@@ -58,8 +53,9 @@ pub fn transect(
 }
 
 impl Surface {
-    /// Depth at a place, bilinear between the centres of the four cells about it; `None` where one of those that count is
-    /// unknown, so that a gap stays a gap. In the outer half of the outermost cells it is that of their centres.
+    /// Depth at a place, bilinear between the centres of the four cells about it; `None` where one
+    /// of those that count is unknown, so that a gap stays a gap. In the outer half of the
+    /// outermost cells it is that of their centres.
     pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         let grid = &self.grid;
         grid.index_at(place[0], place[1])?;
@@ -85,7 +81,8 @@ mod tests {
     use super::*;
     use crate::bathymetry::Grid;
 
-    /// Three rows of four cells of 2 m, west edge at 10, north edge at 106; the bed slopes to the east and to the south.
+    /// Three rows of four cells of 2 m, west edge at 10, north edge at 106; the bed slopes to the
+    /// east and to the south.
     fn slope() -> Surface {
         let grid = Grid::at([10.0, 106.0], 2.0, [4, 3]);
         let depth = |index: usize| {
@@ -103,17 +100,10 @@ mod tests {
             let depth_m = f64::from(surface.depth_at(place).unwrap());
             assert!((depth_m - plane_m).abs() < 1e-5, "{place:?}");
         }
-        assert_eq!(
-            surface.depth_at([10.0, 106.0]),
-            surface.depth_at([11.0, 105.0])
-        );
-        for outside in [
-            [9.99, 103.0],
-            [18.01, 103.0],
-            [12.0, 99.99],
-            [12.0, 106.01],
-            [f64::NAN, 103.0],
-        ] {
+        assert_eq!(surface.depth_at([10.0, 106.0]), surface.depth_at([11.0, 105.0]));
+        for outside in
+            [[9.99, 103.0], [18.01, 103.0], [12.0, 99.99], [12.0, 106.01], [f64::NAN, 103.0]]
+        {
             assert_eq!(surface.depth_at(outside), None);
         }
     }
@@ -122,28 +112,16 @@ mod tests {
     fn a_line_is_looked_at_at_its_corners_and_between() {
         let surface = slope();
         let corner = |place, distance_m| Corner { place, distance_m };
-        let corners = [
-            corner([11.0, 105.0], 0.0),
-            corner([14.0, 105.0], 3.0),
-            corner([14.0, 98.0], 10.0),
-        ];
+        let corners =
+            [corner([11.0, 105.0], 0.0), corner([14.0, 105.0], 3.0), corner([14.0, 98.0], 10.0)];
         let stations = transect(&corners, 0.5, 1000, |place| surface.depth_at(place));
         assert_eq!(stations.len(), 1 + 6 + 14);
-        assert_eq!(
-            (stations[6].place, stations[6].distance_m),
-            ([14.0, 105.0], 3.0)
-        );
+        assert_eq!((stations[6].place, stations[6].distance_m), ([14.0, 105.0], 3.0));
         assert_eq!(stations[0].depth_m, surface.depth_at([11.0, 105.0]));
         let known = stations.iter().filter(|station| station.depth_m.is_some());
-        assert_eq!(
-            known.map(|station| station.distance_m).reduce(f64::max),
-            Some(8.0)
-        );
+        assert_eq!(known.map(|station| station.distance_m).reduce(f64::max), Some(8.0));
         let few = transect(&corners, 0.5, 4, |_| None);
-        assert!(
-            few.len() <= 6 && few.last().unwrap().distance_m == 10.0,
-            "{few:?}"
-        );
+        assert!(few.len() <= 6 && few.last().unwrap().distance_m == 10.0, "{few:?}");
         assert!(transect(&[], 0.5, 4, |_| None).is_empty());
         assert!(transect(&corners[..1], 0.0, 4, |_| None).is_empty());
     }
@@ -157,13 +135,7 @@ mod tests {
             assert_eq!(surface.depth_at(gap), None, "{gap:?}");
         }
         // On the lines through the centres around it, it does not count.
-        for known in [
-            [13.0, 103.0],
-            [17.0, 102.5],
-            [15.0, 105.0],
-            [14.0, 101.0],
-            [12.9, 104.0],
-        ] {
+        for known in [[13.0, 103.0], [17.0, 102.5], [15.0, 105.0], [14.0, 101.0], [12.9, 104.0]] {
             assert!(surface.depth_at(known).is_some(), "{known:?}");
         }
     }

@@ -1,5 +1,5 @@
-//! The triangle of a place, by a walk from one near it: quicker than a search where places lie in rows, as the exact tests of a
-//! search are needed only next to an edge.
+//! The triangle of a place, by a walk from one near it: quicker than a search where places lie in
+//! rows, as the exact tests of a search are needed only next to an edge.
 
 use spade::handles::{FixedFaceHandle, InnerTag};
 use spade::{HasPosition, Point2, Triangulation};
@@ -17,7 +17,8 @@ pub(super) enum WalkEnd {
 
 /// Walks from a triangle towards a place, each time across an edge that the place lies beyond.
 ///
-/// Such a walk ends in any Delaunay triangulation (De Floriani and others, "On sorting triangles in a Delaunay tessellation", 1991).
+/// Such a walk ends in any Delaunay triangulation (De Floriani and others, "On sorting triangles in
+/// a Delaunay tessellation", 1991).
 pub(super) fn walk<T>(triangles: &T, from: FixedFaceHandle<InnerTag>, place: Point2<f64>) -> WalkEnd
 where
     T: Triangulation,
@@ -55,8 +56,8 @@ where
     WalkEnd::NearEdge(face.fix())
 }
 
-/// Share of the sum of both products that their difference may be off by in doubles (Shewchuk, "Adaptive Precision Floating-Point
-/// Arithmetic", 1997: `ccwerrboundA`, 3.33e-16).
+/// Share of the sum of both products that their difference may be off by in doubles (Shewchuk,
+/// "Adaptive Precision Floating-Point Arithmetic", 1997: `ccwerrboundA`, 3.33e-16).
 const ROUNDING: f64 = 4e-16;
 
 /// Whether a place lies to the left of an edge; `None` where rounding decides.

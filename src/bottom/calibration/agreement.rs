@@ -1,11 +1,13 @@
-//! How far the first returns of a stretch can be believed to show the bottom that the recorder measured.
+//! How far the first returns of a stretch can be believed to show the bottom that the recorder
+//! measured.
 
 use super::scale::Usable;
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::Side;
 use std::ops::Range;
 
-/// A range that departs from its share of the depth by more than this is a wrong pick, whatever the amount.
+/// A range that departs from its share of the depth by more than this is a wrong pick, whatever the
+/// amount.
 const WRONG: f64 = 0.2;
 
 /// First returns against recorded depths, with running sums so that any stretch costs the same.
@@ -52,10 +54,11 @@ impl DepthAgreement {
         }
     }
 
-    /// How much the scale of a stretch may be off, metres at the log's median depth: twice the scatter of `r / d` over both
-    /// sides together, which holds a slope across the track, and the square of the share of pings that give no pick on the
-    /// poorer side. A few of those are fish and interference; where there are many, what is left was selected: over boulders
-    /// and weed the pings at which they end below the margin.
+    /// How much the scale of a stretch may be off, metres at the log's median depth: twice the
+    /// scatter of `r / d` over both sides together, which holds a slope across the track, and the
+    /// square of the share of pings that give no pick on the poorer side. A few of those are fish
+    /// and interference; where there are many, what is left was selected: over boulders and weed
+    /// the pings at which they end below the margin.
     ///
     /// Zero where the log has no picks at all: then nothing distinguishes one stretch from another.
     pub(super) fn doubt_m(&self, pings: &Range<usize>) -> f64 {

@@ -18,7 +18,8 @@ const REFUSED: &str = "refused";
 /// Picks that a fit over the log needs, at least.
 const MIN_FIT_PICKS: usize = 50;
 
-/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked stretches.
+/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked
+/// stretches.
 ///
 /// Where the flat spot gives no scale the header's is in force, and a warning says so.
 ///
@@ -76,7 +77,8 @@ pub fn calibrate(
     if mode != settings.mode {
         warnings.push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
     }
-    // A constant is said by itself where it is left in the ranges; what would be refused may be none.
+    // A constant is said by itself where it is left in the ranges; what would be refused may be
+    // none.
     let constant = measured_offset.filter(|_| objection.is_none());
     let lead_m = constant.map_or(0.0, |measured| measured.offset_m);
     let spot = flat_spot.as_ref();
@@ -105,7 +107,8 @@ pub fn calibrate(
 
 /// Robust `r = k d + b` with the header's ranges; `None` where depths hardly vary or picks are few.
 ///
-/// The line goes through medians over blocks of pings: the noise of a single recorded depth would flatten it.
+/// The line goes through medians over blocks of pings: the noise of a single recorded depth would
+/// flatten it.
 fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     if picks.len() < MIN_FIT_PICKS {
         return None;
@@ -114,12 +117,7 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
         median(&mut block.iter().map(value).collect::<Vec<_>>())
     };
     let blocks: Vec<(f64, f64)> = blocks(picks)
-        .map(|block| {
-            (
-                middle(block, |pick| pick.depth_m),
-                middle(block, |pick| pick.range_m),
-            )
-        })
+        .map(|block| (middle(block, |pick| pick.depth_m), middle(block, |pick| pick.range_m)))
         .collect();
     let line = robust_line(&blocks)?;
     let about = |pick: &Usable| pick.range_m - line.slope * pick.depth_m - line.offset;
@@ -131,9 +129,11 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     })
 }
 
-/// What the header's scale makes of the first returns at the flat spot, less the constant `lead_m` that ranges have over depths: an offset
-/// of a few centimetres moves the flat spot's scale, and is none of the header's. Over a log whose range was changed there are no other
-/// picks to compare. Silent where a depth would change by less than it scatters by, but never because it scatters by much.
+/// What the header's scale makes of the first returns at the flat spot, less the constant `lead_m`
+/// that ranges have over depths: an offset of a few centimetres moves the flat spot's scale, and is
+/// none of the header's. Over a log whose range was changed there are no other picks to compare.
+/// Silent where a depth would change by less than it scatters by, but never because it scatters by
+/// much.
 fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     let (spread, factor) = (spot.spread()?, spot.factor?);
     let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
@@ -149,7 +149,8 @@ fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     })
 }
 
-/// Where side-scan and soundings differ by more than both are uncertain by, and nothing was said of it yet: no offset was looked for.
+/// Where side-scan and soundings differ by more than both are uncertain by, and nothing was said of
+/// it yet: no offset was looked for.
 fn remaining(made: &Calibration) -> Option<String> {
     let [left_m, two_sigma_m] = made.remaining_offset_m()?;
     let is_silent = matches!(made.offset_note, Some(note) if note != REFUSED);

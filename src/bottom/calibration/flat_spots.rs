@@ -15,12 +15,14 @@ const LENGTH_M: f64 = 10.0;
 /// Pings in a stretch, at least.
 const MIN_PINGS: usize = 20;
 
-/// Ranks the stretches of the track that suit a calibration, best first, at most `count`, not overlapping.
+/// Ranks the stretches of the track that suit a calibration, best first, at most `count`, not
+/// overlapping.
 ///
-/// A stretch suits when the recorded depth varies little over it, and when nearly every ping has a first return that may
-/// calibrate on both sides, all of them in one proportion to the depth ([`DepthAgreement`]). With a quarter of the weight the same
-/// is asked of three times its length: many stretches tie where the recorder rounds depths to 0.1 m, and the middle of a
-/// plain is the safest.
+/// A stretch suits when the recorded depth varies little over it, and when nearly every ping has a
+/// first return that may calibrate on both sides, all of them in one proportion to the depth
+/// ([`DepthAgreement`]). With a quarter of the weight the same is asked of three times its length:
+/// many stretches tie where the recorder rounds depths to 0.1 m, and the middle of a plain is the
+/// safest.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -53,9 +55,7 @@ pub fn flat_spots(
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = apart(ranked.into_iter().map(|(_, pings)| pings), count);
     let spots = best.into_iter();
-    Ok(spots
-        .map(|pings| of_stretch(survey, &profile, &picks, pings))
-        .collect())
+    Ok(spots.map(|pings| of_stretch(survey, &profile, &picks, pings)).collect())
 }
 
 /// The first `count` stretches that share no ping with one before.
@@ -123,7 +123,8 @@ fn of_stretch(
     let recorded = survey.side_scan.get(pings.clone()).unwrap_or_default();
     let with_depth = || recorded.iter().filter(|ping| ping.depth_m > 0.0);
     let locked = with_depth().filter(|ping| ping.depth_locked).count();
-    // A false value of a recorder that lost the bottom is the depth of a stretch only where there is no other.
+    // A false value of a recorder that lost the bottom is the depth of a stretch only where there
+    // is no other.
     let depths = with_depth().filter(|ping| ping.depth_locked || locked == 0);
     let mut depths_m: Vec<f64> = depths.map(|ping| f64::from(ping.depth_m)).collect();
     let least_m = depths_m.iter().copied().reduce(f64::min);
@@ -133,9 +134,7 @@ fn of_stretch(
     FlatSpot {
         length_m: profile.way_m(&pings),
         depth_m: median(&mut depths_m),
-        relief_m: greatest_m
-            .zip(least_m)
-            .map_or(f64::NAN, |(most, least)| most - least),
+        relief_m: greatest_m.zip(least_m).map_or(f64::NAN, |(most, least)| most - least),
         lost: with_depth().count() - locked,
         slope,
         scatter_m,

@@ -1,10 +1,12 @@
-//! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
+//! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over
+//! the whole log.
 //!
 //! In: a survey with its navigation and first returns. Out: flat spots, and a calibration.
 //! It uses `survey` and `support`.
 //!
-//! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one, `scale` measures pixels per metre on them
-//! and reads the header's, `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
+//! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one,
+//! `scale` measures pixels per metre on them and reads the header's, `offset` finds the constant
+//! between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
 //! them side by side and chooses.
 
 mod agreement;
@@ -42,10 +44,11 @@ pub enum ScaleMode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PpdReach {
-    /// Pixels per metre, one constant for the whole log as published: wrong where the range was changed.
+    /// Pixels per metre, one constant for the whole log as published: wrong where the range was
+    /// changed.
     Constant,
-    /// A factor on the range that the log's header gives each ping. The same as the constant while the range stays, also
-    /// where the header's is an estimate (Humminbird).
+    /// A factor on the range that the log's header gives each ping. The same as the constant while
+    /// the range stays, also where the header's is an estimate (Humminbird).
     Factor,
 }
 
@@ -55,10 +58,12 @@ pub enum PpdReach {
 pub enum OffsetMode {
     /// Ranges stay as they are.
     None,
-    /// As [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they are ([`RangeSource`]).
+    /// As [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they are
+    /// ([`RangeSource`]).
     Auto,
-    /// The constant that the log shows is taken off, where it is one that an instrument causes ([`RangeOffset`]): the pulse's
-    /// leading edge (a few centimetres early), and draft or keel offset where the recorder adds one to its depths only.
+    /// The constant that the log shows is taken off, where it is one that an instrument causes
+    /// ([`RangeOffset`]): the pulse's leading edge (a few centimetres early), and draft or keel
+    /// offset where the recorder adds one to its depths only.
     Fit,
 }
 
@@ -72,7 +77,8 @@ pub struct CalibrationSettings {
     pub pings: Option<PingRange>,
     /// What the flat spot's scale is for pings of another recorded range.
     pub ppd: PpdReach,
-    /// What is done about a constant offset. A scale from a flat spot holds it already, so it acts on the header's only.
+    /// What is done about a constant offset. A scale from a flat spot holds it already, so it acts
+    /// on the header's only.
     pub offset: OffsetMode,
 }
 
@@ -113,10 +119,7 @@ impl FromStr for PingRange {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parsed = text.split_once("..").and_then(|(start, end)| {
-            Some(PingRange {
-                start: start.trim().parse().ok()?,
-                end: end.trim().parse().ok()?,
-            })
+            Some(PingRange { start: start.trim().parse().ok()?, end: end.trim().parse().ok()? })
         });
         parsed
             .filter(|range| range.start < range.end)
@@ -132,7 +135,8 @@ impl TryFrom<String> for PingRange {
     }
 }
 
-/// A stretch of the track where the recorded depth hardly changes, and what the first returns say there.
+/// A stretch of the track where the recorded depth hardly changes, and what the first returns say
+/// there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatSpot {
     /// Side-scan pings of the stretch.
@@ -153,17 +157,15 @@ pub struct FlatSpot {
     pub picks: [usize; 2],
     /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
     pub ppd: Option<Scale>,
-    /// Recorded depth over the header's slant range, median over the same picks: what a metre of the header measures.
+    /// Recorded depth over the header's slant range, median over the same picks: what a metre of
+    /// the header measures.
     pub factor: Option<f64>,
 }
 
 impl FlatSpot {
     /// Its pings as a setting has them.
     pub fn range(&self) -> PingRange {
-        PingRange {
-            start: self.pings.start,
-            end: self.pings.end,
-        }
+        PingRange { start: self.pings.start, end: self.pings.end }
     }
 
     /// How flat it is and what its first returns say, in three lines.
@@ -205,7 +207,8 @@ pub struct Scale {
     pub picks: usize,
 }
 
-/// Robust straight line `r = k d + b` of first-return range against recorded depth over the whole log.
+/// Robust straight line `r = k d + b` of first-return range against recorded depth over the whole
+/// log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthFit {
     /// Slope; about 1 when the fan covers nadir, above 1 when the inner edge of the beam is tilted.
@@ -231,7 +234,8 @@ pub struct Calibration {
     pub header: Option<Scale>,
     /// Range against depth over the whole log.
     pub fit: Option<DepthFit>,
-    /// Taken off every slant range, metres: [`Calibration::measured_offset`] where it is in force, else 0.
+    /// Taken off every slant range, metres: [`Calibration::measured_offset`] where it is in force,
+    /// else 0.
     pub offset_m: f64,
     /// The constant between ranges and depths that the log shows, in force or not.
     pub measured_offset: Option<RangeOffset>,
@@ -252,8 +256,9 @@ impl Calibration {
         self.flat_spot.as_ref()?.factor
     }
 
-    /// How much longer first-return ranges are than recorded depths by the scale in force, at the median depth, and two standard errors of
-    /// that, metres; `None` where the log does not show it.
+    /// How much longer first-return ranges are than recorded depths by the scale in force, at the
+    /// median depth, and two standard errors of that, metres; `None` where the log does not show
+    /// it.
     pub fn remaining_offset_m(&self) -> Option<[f64; 2]> {
         let found = self.measured_offset?;
         let left_m = match (self.mode, self.factor()) {
@@ -265,7 +270,8 @@ impl Calibration {
         Some([left_m, found.uncertainty_m])
     }
 
-    /// What is done to the recorded ranges, for the edge of a picture; `None` where they stay as they are.
+    /// What is done to the recorded ranges, for the edge of a picture; `None` where they stay as
+    /// they are.
     pub fn range_change(&self) -> Option<String> {
         match (self.mode, self.reach, self.ppd(), self.factor()) {
             (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => {
@@ -279,7 +285,8 @@ impl Calibration {
         }
     }
 
-    /// Slant range, metres, at a distance of `sample` samples outward from the nearest edge of a recorded side.
+    /// Slant range, metres, at a distance of `sample` samples outward from the nearest edge of a
+    /// recorded side.
     pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
         let header_m = span.range_m(sample);
         match (self.mode, self.reach, self.ppd(), self.factor()) {

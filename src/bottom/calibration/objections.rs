@@ -11,14 +11,16 @@ const SLOPING: f64 = 0.03;
 const UNEVEN: f64 = 0.15;
 /// Share of the pings without bottom from which that is said.
 const LOST: f64 = 0.1;
-/// A spread is larger than that of the best stretch when it is so many times as large, and beyond this share of the scale.
+/// A spread is larger than that of the best stretch when it is so many times as large, and beyond
+/// this share of the scale.
 const WIDER: f64 = 1.5;
 const WIDE: f64 = 0.01;
 /// A spread beyond this share of the scale is large without comparison: at 2 m of depth it is 6 cm.
 pub(super) const VERY_WIDE: f64 = 0.03;
 
 impl FlatSpot {
-    /// Why it is a worse place for a calibration than `best`, or none at all; empty where nothing speaks against it.
+    /// Why it is a worse place for a calibration than `best`, or none at all; empty where nothing
+    /// speaks against it.
     pub fn objections(&self, survey: &Survey, best: Option<&FlatSpot>) -> Vec<String> {
         if self.depth_m.is_nan() {
             return vec![
@@ -41,10 +43,7 @@ impl FlatSpot {
         }
         found.extend(self.few_returns(survey));
         if self.length_m < SHORT_M {
-            found.push(format!(
-                "The stretch is short: {:.1} m along the track.",
-                self.length_m
-            ));
+            found.push(format!("The stretch is short: {:.1} m along the track.", self.length_m));
         }
         if self.slope.abs() > SLOPING {
             found.push(format!(
@@ -53,10 +52,7 @@ impl FlatSpot {
             ));
         }
         if self.relief_m > UNEVEN * self.depth_m {
-            found.push(format!(
-                "The recorded depth varies by {:.0} cm.",
-                100.0 * self.relief_m
-            ));
+            found.push(format!("The recorded depth varies by {:.0} cm.", 100.0 * self.relief_m));
         }
         found.extend(self.wide_spread(best));
         found
@@ -78,7 +74,8 @@ impl FlatSpot {
         ))
     }
 
-    /// Where the scales of single pings scatter by much, by themselves or next to those of the best stretch.
+    /// Where the scales of single pings scatter by much, by themselves or next to those of the best
+    /// stretch.
     fn wide_spread(&self, best: Option<&FlatSpot>) -> Option<String> {
         let spread = self.spread()?;
         let percent = 100.0 * spread;
@@ -110,11 +107,7 @@ mod tests {
             slope: 0.004,
             scatter_m: 0.01,
             picks: [98, 99],
-            ppd: Some(Scale {
-                px_per_m: 50.0,
-                spread_px_per_m: 0.4,
-                picks: 197,
-            }),
+            ppd: Some(Scale { px_per_m: 50.0, spread_px_per_m: 0.4, picks: 197 }),
             factor: Some(1.003),
         }
     }
@@ -123,10 +116,7 @@ mod tests {
     fn a_worse_stretch_says_why_and_a_good_one_says_nothing() {
         let survey = Survey::default();
         let of = |change: fn(&mut FlatSpot)| {
-            let mut spot = FlatSpot {
-                pings: 900..1000,
-                ..good()
-            };
+            let mut spot = FlatSpot { pings: 900..1000, ..good() };
             change(&mut spot);
             spot.objections(&survey, Some(&good())).join(" ")
         };
@@ -152,20 +142,14 @@ mod tests {
         for spread_px_per_m in [0.4, 0.7, 1.6, 4.29, 20.0] {
             let spot = FlatSpot {
                 pings: 0..100,
-                ppd: best.ppd.map(|ppd| Scale {
-                    spread_px_per_m,
-                    ..ppd
-                }),
+                ppd: best.ppd.map(|ppd| Scale { spread_px_per_m, ..ppd }),
                 ..good()
             };
             for best in [Some(&best), None] {
                 let found = spot.objections(&survey, best).len();
                 assert!(best.is_none() || found >= last, "{spread_px_per_m}");
                 last = if best.is_some() { found } else { last };
-                assert_eq!(
-                    found > 0,
-                    spread_px_per_m > if best.is_some() { 0.6 } else { 1.5 }
-                );
+                assert_eq!(found > 0, spread_px_per_m > if best.is_some() { 0.6 } else { 1.5 });
             }
         }
     }

@@ -1,41 +1,47 @@
-//! The constant between first-return ranges and recorded depths, and whether it may be taken off the ranges.
+//! The constant between first-return ranges and recorded depths, and whether it may be taken off
+//! the ranges.
 //!
-//! What an instrument adds is small and the same at every depth: the length of the pulse's leading edge, the receiver's filter,
-//! a draft or keel offset that went into the depths only. What is larger, grows with the depth or differs from one stretch of
-//! the log to the next comes from something else: soundings of another bottom, a scale that is off, wrong picks.
+//! What an instrument adds is small and the same at every depth: the length of the pulse's leading
+//! edge, the receiver's filter, a draft or keel offset that went into the depths only. What is
+//! larger, grows with the depth or differs from one stretch of the log to the next comes from
+//! something else: soundings of another bottom, a scale that is off, wrong picks.
 
 use super::robust::robust_line;
 use super::scale::Usable;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::Side;
 
-/// Pings that are looked at together: long enough to quiet the noise of the recorded depth, short against slopes.
+/// Pings that are looked at together: long enough to quiet the noise of the recorded depth, short
+/// against slopes.
 const BLOCK_PINGS: usize = 24;
 /// Picks on each side of a block, at least.
 const MIN_PICKS: usize = 8;
 /// Blocks that an offset is based on, at least.
 const MIN_BLOCKS: usize = 4;
 
-/// Largest offset that an instrument causes: a pulse of a few hundred microseconds or a draft, metres, and the receiver's and
-/// the detector's filters, samples.
+/// Largest offset that an instrument causes: a pulse of a few hundred microseconds or a draft,
+/// metres, and the receiver's and the detector's filters, samples.
 const MOST_M: f64 = 0.25;
 const MOST_SAMPLES: f64 = 3.0;
-/// How early an edge is found by its pulse and the filters alone, and how late, metres and samples. What goes beyond could also
-/// be a share of the depth, so the log must show that it is none.
+/// How early an edge is found by its pulse and the filters alone, and how late, metres and samples.
+/// What goes beyond could also be a share of the depth, so the log must show that it is none.
 const EARLY_M: f64 = 0.10;
 const EARLY_SAMPLES: f64 = 1.5;
 const LATE_M: f64 = 0.01;
 const LATE_SAMPLES: f64 = 0.5;
 /// How far an offset may be from the truth and still be better than none, metres.
 pub(super) const TOLERANCE_M: f64 = 0.04;
-/// How much an offset that is more than an edge may change down to the depths of the log, and how uncertain that may be, metres: of
-/// 240 simulated logs none gets a wrong offset by these, and the river of the tests, whose recorder rounds depths to 0.1 m, keeps its.
+/// How much an offset that is more than an edge may change down to the depths of the log, and how
+/// uncertain that may be, metres: of 240 simulated logs none gets a wrong offset by these, and the
+/// river of the tests, whose recorder rounds depths to 0.1 m, keeps its.
 const MOST_DRIFT_M: f64 = 0.07;
 const MOST_UNCERTAIN_M: f64 = 0.10;
-/// Share of the deeper side's picks in a block that may be flagged as an above-bottom return: where there are more, the ground is not
-/// what was found first. Those of the other blocks count, flagged or not: to leave them out would select the late ones.
+/// Share of the deeper side's picks in a block that may be flagged as an above-bottom return: where
+/// there are more, the ground is not what was found first. Those of the other blocks count, flagged
+/// or not: to leave them out would select the late ones.
 const MOST_FLAGGED: f64 = 0.4;
-/// Share of the blocks that support an offset, at least: of fewer, which ones they are is an accident.
+/// Share of the blocks that support an offset, at least: of fewer, which ones they are is an
+/// accident.
 const MIN_SHARE: f64 = 0.2;
 /// Scatter of blocks that is always there, metres, and the number of them that is a handful.
 const LEAST_SCATTER_M: f64 = 0.01;
@@ -46,19 +52,22 @@ const MEDIAN_ERROR: f64 = 1.2533;
 /// The constant between first-return ranges and recorded depths as a log shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeOffset {
-    /// How much longer ranges are than recorded depths, metres; negative when first returns are found early.
+    /// How much longer ranges are than recorded depths, metres; negative when first returns are
+    /// found early.
     pub offset_m: f64,
     /// How far it may be off by the scatter of its blocks, metres (two standard errors).
     pub uncertainty_m: f64,
     /// Blocks of pings that it is based on.
     pub blocks: usize,
-    /// Share of the blocks at recorded depths that it is based on, 0 to 1: the others are above-bottom returns.
+    /// Share of the blocks at recorded depths that it is based on, 0 to 1: the others are
+    /// above-bottom returns.
     pub share: f64,
     /// Median recorded depth of the blocks, metres.
     pub depth_m: f64,
     /// Slope of range against depth over the same blocks; NaN where the depths do not vary.
     pub k: f64,
-    /// How far the slope may be off by the scatter (two standard errors); infinite where the depths do not vary.
+    /// How far the slope may be off by the scatter (two standard errors); infinite where the depths
+    /// do not vary.
     pub k_uncertainty: f64,
     /// How much the noise of the recorded depths may take from the slope.
     pub k_attenuation: f64,
@@ -70,10 +79,11 @@ pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
 }
 
 impl RangeOffset {
-    /// What the picks at recorded depths, flagged or not, show; `None` where no stretch has enough of them on both sides.
+    /// What the picks at recorded depths, flagged or not, show; `None` where no stretch has enough
+    /// of them on both sides.
     ///
-    /// On a slope the nearest bottom on the upper side is nearer than the water is deep, so the deeper side of each block of
-    /// pings speaks: there, the nearest bottom is straight below.
+    /// On a slope the nearest bottom on the upper side is nearer than the water is deep, so the
+    /// deeper side of each block of pings speaks: there, the nearest bottom is straight below.
     pub(super) fn of(picks: &[Usable]) -> Option<Self> {
         let all = blocks(picks).count();
         let blocks: Vec<(f64, f64)> = blocks(picks).filter_map(depth_and_excess).collect();
@@ -97,7 +107,8 @@ impl RangeOffset {
         })
     }
 
-    /// Says that the offset is larger than any instrument makes it, in a sentence; `sample_m` is the range of one sample.
+    /// Says that the offset is larger than any instrument makes it, in a sentence; `sample_m` is
+    /// the range of one sample.
     pub(super) fn excess(&self, sample_m: f64) -> Option<String> {
         let most_m = MOST_M + MOST_SAMPLES * sample_m;
         let enough = self.blocks >= MIN_BLOCKS && self.offset_m.abs() > most_m;
@@ -108,11 +119,10 @@ impl RangeOffset {
         ))
     }
 
-    /// Why the offset must not be taken off the ranges, in a sentence; `sample_m` is the range of one sample. `None` when it may.
+    /// Why the offset must not be taken off the ranges, in a sentence; `sample_m` is the range of
+    /// one sample. `None` when it may.
     pub(super) fn objection(&self, sample_m: f64) -> Option<String> {
-        let Self {
-            offset_m, blocks, ..
-        } = *self;
+        let Self { offset_m, blocks, .. } = *self;
         let drift_m = ((self.k - 1.0) * self.depth_m).abs();
         let drift_uncertainty_m = self.k_uncertainty * self.depth_m;
         // False where the depths do not vary: then neither is a number that compares.
@@ -154,16 +164,13 @@ impl RangeOffset {
 fn depth_and_excess(block: &[Usable]) -> Option<(f64, f64)> {
     let [port, starboard] = Side::BOTH.map(|side| excess_m(block, side));
     let (port, starboard) = (port?, starboard?);
-    let (excess_m, flagged) = if port.0 > starboard.0 {
-        port
-    } else {
-        starboard
-    };
+    let (excess_m, flagged) = if port.0 > starboard.0 { port } else { starboard };
     let mut depths: Vec<f64> = block.iter().map(|pick| pick.depth_m).collect();
     (flagged <= MOST_FLAGGED).then(|| (median(&mut depths), excess_m))
 }
 
-/// Median of range minus recorded depth on one side, metres, and the share of its picks that is flagged.
+/// Median of range minus recorded depth on one side, metres, and the share of its picks that is
+/// flagged.
 fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     let picks = || block.iter().filter(|pick| pick.side == side);
     let flagged = picks().filter(|pick| pick.above_bottom).count();
@@ -172,9 +179,10 @@ fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     (excess.len() >= MIN_PICKS).then(|| (median(&mut excess), flagged))
 }
 
-/// Slope of range against depth over blocks of depth and excess, two standard errors of it, and how much the noise of the recorded depths may
-/// take from it. Noise in a depth is in the excess too, with the other sign, so that over a level bed, where depths
-/// vary by their noise alone, the slope comes out near zero whatever it is (attenuation; W. A. Fuller, Measurement error models, 1987).
+/// Slope of range against depth over blocks of depth and excess, two standard errors of it, and how
+/// much the noise of the recorded depths may take from it. Noise in a depth is in the excess too,
+/// with the other sign, so that over a level bed, where depths vary by their noise alone, the slope
+/// comes out near zero whatever it is (attenuation; W. A. Fuller, Measurement error models, 1987).
 /// The scatter of a handful of blocks is often small by accident.
 fn slope(blocks: &[(f64, f64)]) -> (f64, [f64; 2]) {
     let n = blocks.len() as f64;

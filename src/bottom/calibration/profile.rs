@@ -8,7 +8,8 @@ const MIN_SPEED_MPS: f64 = 0.2;
 /// A pause between two pings that ends a stretch, seconds.
 const MAX_PAUSE_S: f64 = 2.0;
 
-/// Recorded depth against distance along the track, with running sums so that any stretch costs the same.
+/// Recorded depth against distance along the track, with running sums so that any stretch costs the
+/// same.
 pub(super) struct Profile {
     /// Distance sailed up to each ping, metres.
     along_m: Vec<f64>,
@@ -61,7 +62,8 @@ impl Profile {
         self.along_m.last().copied().unwrap_or(0.0)
     }
 
-    /// Pings from `start` on that cover `length_m` and are `min_pings` at least; `None` where one has no depth to lean on.
+    /// Pings from `start` on that cover `length_m` and are `min_pings` at least; `None` where one
+    /// has no depth to lean on.
     pub(super) fn stretch(
         &self,
         start: usize,
@@ -69,10 +71,7 @@ impl Profile {
         min_pings: usize,
     ) -> Option<Range<usize>> {
         let goal_m = self.along_m[start] + length_m;
-        let end = self
-            .along_m
-            .partition_point(|&along_m| along_m < goal_m)
-            .max(start + min_pings);
+        let end = self.along_m.partition_point(|&along_m| along_m < goal_m).max(start + min_pings);
         let complete = end < self.len() && self.sums(&(start..end)).usable == (end - start) as f64;
         complete.then_some(start..end)
     }
@@ -82,7 +81,8 @@ impl Profile {
         let from_m = self.along_m[pings.start] - margin_m;
         let to_m = self.along_m[pings.end - 1] + margin_m;
         let place = |goal_m: f64| self.along_m.partition_point(|&along_m| along_m < goal_m);
-        // Where the boat seems not to move, because a log gives one time to all pings, no distance is below the goal.
+        // Where the boat seems not to move, because a log gives one time to all pings, no distance
+        // is below the goal.
         place(from_m).min(pings.start)..place(to_m).max(pings.end)
     }
 
@@ -98,7 +98,8 @@ impl Profile {
         }
     }
 
-    /// How much the depth varies over a stretch: rise of its line and twice the scatter about it, metres.
+    /// How much the depth varies over a stretch: rise of its line and twice the scatter about it,
+    /// metres.
     pub(super) fn variation_m(&self, pings: &Range<usize>) -> f64 {
         let (slope, scatter_m) = self.sums(pings).line();
         let length_m = self.along_m[pings.end - 1] - self.along_m[pings.start];
@@ -112,7 +113,8 @@ impl Profile {
         ends.map_or(0.0, |(from_m, to_m)| to_m - from_m)
     }
 
-    /// Least-squares slope of the depth, metres a metre, and the standard deviation about its line, metres; NaN for no pings.
+    /// Least-squares slope of the depth, metres a metre, and the standard deviation about its line,
+    /// metres; NaN for no pings.
     pub(super) fn line(&self, pings: &Range<usize>) -> (f64, f64) {
         if pings.is_empty() {
             return (f64::NAN, f64::NAN);

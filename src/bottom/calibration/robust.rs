@@ -10,15 +10,17 @@ pub(crate) struct FittedLine {
     pub spread: f64,
 }
 
-/// Points that the starting line is drawn through, at most; the median of their pairwise slopes costs the square of it.
+/// Points that the starting line is drawn through, at most; the median of their pairwise slopes
+/// costs the square of it.
 const START_POINTS: usize = 300;
 /// Reweighting rounds; the weights settle after a handful.
 const ROUNDS: usize = 12;
-/// Points farther from the line than this many standard deviations have no weight (Tukey's biweight).
+/// Points farther from the line than this many standard deviations have no weight (Tukey's
+/// biweight).
 const CUT_SIGMAS: f64 = 4.685;
 
-/// Robust line through `(x, y)`: Theil-Sen over an even subsample, then least squares with Tukey's weights. `None` when
-/// `x` hardly varies.
+/// Robust line through `(x, y)`: Theil-Sen over an even subsample, then least squares with Tukey's
+/// weights. `None` when `x` hardly varies.
 pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
     let mut line = theil_sen(points)?;
     for _ in 0..ROUNDS {
@@ -28,20 +30,13 @@ pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
             (x, y, (1.0 - u * u).max(0.0).powi(2))
         });
         let (slope, offset) = weighted_line(weighted)?;
-        line = FittedLine {
-            slope,
-            offset,
-            spread: spread(points, slope, offset),
-        };
+        line = FittedLine { slope, offset, spread: spread(points, slope, offset) };
     }
     Some(line)
 }
 
 fn spread(points: &[(f64, f64)], slope: f64, offset: f64) -> f64 {
-    let mut residuals: Vec<f64> = points
-        .iter()
-        .map(|&(x, y)| y - slope * x - offset)
-        .collect();
+    let mut residuals: Vec<f64> = points.iter().map(|&(x, y)| y - slope * x - offset).collect();
     spread_about(&mut residuals, 0.0)
 }
 
@@ -50,26 +45,15 @@ fn theil_sen(points: &[(f64, f64)]) -> Option<FittedLine> {
     let sample: Vec<(f64, f64)> = points.iter().copied().step_by(step).collect();
     let mut slopes = Vec::with_capacity(sample.len() * sample.len() / 2);
     for (index, a) in sample.iter().enumerate() {
-        let later = sample[index + 1..]
-            .iter()
-            .filter(|b| (b.0 - a.0).abs() > 1e-9);
+        let later = sample[index + 1..].iter().filter(|b| (b.0 - a.0).abs() > 1e-9);
         slopes.extend(later.map(|b| (b.1 - a.1) / (b.0 - a.0)));
     }
     if slopes.is_empty() {
         return None;
     }
     let slope = median(&mut slopes);
-    let offset = median(
-        &mut points
-            .iter()
-            .map(|&(x, y)| y - slope * x)
-            .collect::<Vec<_>>(),
-    );
-    Some(FittedLine {
-        slope,
-        offset,
-        spread: spread(points, slope, offset),
-    })
+    let offset = median(&mut points.iter().map(|&(x, y)| y - slope * x).collect::<Vec<_>>());
+    Some(FittedLine { slope, offset, spread: spread(points, slope, offset) })
 }
 
 fn weighted_line(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Option<(f64, f64)> {
@@ -79,15 +63,10 @@ fn weighted_line(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Optio
     let weight = sum(|_, _, w| w);
     let (x_mean, y_mean) = (sum(|x, _, w| w * x) / weight, sum(|_, y, w| w * y) / weight);
     let (xx, xy) = points.fold((0.0, 0.0), |(xx, xy), (x, y, w)| {
-        (
-            xx + w * (x - x_mean).powi(2),
-            xy + w * (x - x_mean) * (y - y_mean),
-        )
+        (xx + w * (x - x_mean).powi(2), xy + w * (x - x_mean) * (y - y_mean))
     });
     let slope = xy / xx;
-    slope
-        .is_finite()
-        .then_some((slope, y_mean - slope * x_mean))
+    slope.is_finite().then_some((slope, y_mean - slope * x_mean))
 }
 
 #[cfg(test)]

@@ -6,11 +6,12 @@ use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
-/// A pick whose r / d differs from the log's median by more than this factor is no bottom: the search ran into its limit,
-/// or stopped at the edge of the dead zone.
+/// A pick whose r / d differs from the log's median by more than this factor is no bottom: the
+/// search ran into its limit, or stopped at the edge of the dead zone.
 const RATIO_LIMIT: f64 = 1.6;
 
-/// Picks that a scale is based on, at least, as a share of what the stretch could give: fewer are accidents of the search.
+/// Picks that a scale is based on, at least, as a share of what the stretch could give: fewer are
+/// accidents of the search.
 const MIN_SHARE: f64 = 0.05;
 
 /// A pick that may calibrate.
@@ -56,8 +57,8 @@ pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtD
     picks.map(of).collect()
 }
 
-/// The picks of the log that may calibrate, in ping order: no above-bottom return, not at the search limit, not at the dead zone, and
-/// not where the recorder had lost the bottom.
+/// The picks of the log that may calibrate, in ping order: no above-bottom return, not at the
+/// search limit, not at the dead zone, and not where the recorder had lost the bottom.
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     let mut picks = picks_at_depths(survey, returns);
     picks.retain(|pick| !pick.above_bottom);
@@ -99,8 +100,8 @@ pub(super) fn inside<'a>(picks: &'a [Usable], pings: &Range<usize>) -> &'a [Usab
     &picks[place(pings.start)..place(pings.end).max(place(pings.start))]
 }
 
-/// `PPD = p / d`: the median over the usable picks of a stretch of `pings` pings, both sides; `None` when they are too few to
-/// stand for it.
+/// `PPD = p / d`: the median over the usable picks of a stretch of `pings` pings, both sides;
+/// `None` when they are too few to stand for it.
 pub(super) fn pixels_per_metre(picks: &[Usable], pings: usize) -> Option<Scale> {
     let enough = picks.len() as f64 >= MIN_SHARE * (2 * pings) as f64;
     let values = || picks.iter().map(Usable::px_per_m).collect();
@@ -122,10 +123,7 @@ pub fn header_scale(survey: &Survey) -> Option<Scale> {
 /// How many times the recorded scale changes by more than 1 % from one ping to the next.
 pub(super) fn range_changes(survey: &Survey) -> usize {
     let scales: Vec<f64> = header_scales(survey).collect();
-    scales
-        .windows(2)
-        .filter(|pair| (pair[1] / pair[0] - 1.0).abs() > 0.01)
-        .count()
+    scales.windows(2).filter(|pair| (pair[1] / pair[0] - 1.0).abs() > 0.01).count()
 }
 
 fn header_scales(survey: &Survey) -> impl Iterator<Item = f64> + '_ {

@@ -1,28 +1,31 @@
-//! Which first returns above the recorded depth are no bottom, and how far along the track they go on.
+//! Which first returns above the recorded depth are no bottom, and how far along the track they go
+//! on.
 //!
-//! A clump of weed, a fish and an object are soon passed; a field of boulders or the foot of a bank goes on. Since the echo does
-//! not distinguish weed from boulders, their length along the track has to. A recorder that smooths its depth, or writes it in steps of
-//! 10 cm, departs from a rough bed all along: there only what stands out of that is above the bottom.
+//! A clump of weed, a fish and an object are soon passed; a field of boulders or the foot of a bank
+//! goes on. Since the echo does not distinguish weed from boulders, their length along the track
+//! has to. A recorder that smooths its depth, or writes it in steps of 10 cm, departs from a rough
+//! bed all along: there only what stands out of that is above the bottom.
 
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Navigation, PingNav, Side, Survey};
 
-/// Way to both sides of a ping over which most first returns must lie above the recorded depth for the ping to belong to a
-/// stretch of them, metres.
+/// Way to both sides of a ping over which most first returns must lie above the recorded depth for
+/// the ping to belong to a stretch of them, metres.
 const AROUND_M: f64 = 5.0;
-/// Way to both sides over which it is judged how closely the recorded depth follows the first returns, metres: weed and objects fill less
-/// than half of it, else it is a long stretch.
+/// Way to both sides over which it is judged how closely the recorded depth follows the first
+/// returns, metres: weed and objects fill less than half of it, else it is a long stretch.
 const FOLLOWED_M: f64 = 30.0;
 /// Pings on so much of the way share that judgement, metres.
 const SHARED_M: f64 = 2.0;
-/// A first return above the recorded depth by more standard deviations than this is above the bottom.
+/// A first return above the recorded depth by more standard deviations than this is above the
+/// bottom.
 const SIGMAS: f64 = 3.0;
 /// Steps longer than this are gaps of the log: a stretch ends there, metres.
 const LONGEST_STEP_M: f64 = 5.0;
 
-/// For every ping, how far a first return has to lie above the recorded depth so as not to be what this departs from the bed by nearby,
-/// metres.
+/// For every ping, how far a first return has to lie above the recorded depth so as not to be what
+/// this departs from the bed by nearby, metres.
 pub(super) fn usual_departures_m(
     survey: &Survey,
     navigation: &Navigation,
@@ -38,9 +41,7 @@ pub(super) fn usual_departures_m(
         let from = usual_m.len();
         let at_m = way_m[from];
         let around = way_m.partition_point(|way| *way < at_m - FOLLOWED_M)
-            ..way_m
-                .partition_point(|way| *way <= at_m + FOLLOWED_M)
-                .min(pings);
+            ..way_m.partition_point(|way| *way <= at_m + FOLLOWED_M).min(pings);
         let heights = heights_m[around].as_flattened().iter().copied();
         let mut heights: Vec<f64> = heights.filter(|height| !height.is_nan()).collect();
         let middle_m = median(&mut heights);
@@ -52,12 +53,11 @@ pub(super) fn usual_departures_m(
     usual_m
 }
 
-/// How far a first return lies above the recorded depth, by the recorder's own scale, metres; NaN without either.
+/// How far a first return lies above the recorded depth, by the recorder's own scale, metres; NaN
+/// without either.
 pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
     let found = survey.span(ping, side).zip(returns.side(side).get(ping));
-    let range_m = found.map_or(f64::NAN, |(span, pick)| {
-        span.range_m(f64::from(pick.sample))
-    });
+    let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));
     f64::from(survey.locked_depth_m(ping)) - range_m
 }
 
@@ -80,9 +80,7 @@ pub(super) fn stretches_m(
     let pings = way_m.len().min(survey.side_scan.len());
     let belongs = |ping: usize| {
         let from = way_m.partition_point(|at| *at < way_m[ping] - AROUND_M);
-        let to = way_m
-            .partition_point(|at| *at <= way_m[ping] + AROUND_M)
-            .min(pings);
+        let to = way_m.partition_point(|at| *at <= way_m[ping] + AROUND_M).min(pings);
         let (judged, above) = (judged[to] - judged[from], above[to] - above[from]);
         2 * above > judged
     };
@@ -105,15 +103,11 @@ fn way_m(pings: &[PingNav]) -> Vec<f64> {
     pings
         .iter()
         .map(|ping| {
-            let step_m = last.map_or(0.0, |last| {
-                (ping.east_m - last.east_m).hypot(ping.north_m - last.north_m)
-            });
+            let step_m = last
+                .map_or(0.0, |last| (ping.east_m - last.east_m).hypot(ping.north_m - last.north_m));
             // A ping without a place has a step of NaN: it stays where the boat was.
-            way_m += if step_m > LONGEST_STEP_M {
-                2.0 * AROUND_M + step_m
-            } else {
-                step_m.max(0.0)
-            };
+            way_m +=
+                if step_m > LONGEST_STEP_M { 2.0 * AROUND_M + step_m } else { step_m.max(0.0) };
             if ping.east_m.is_finite() {
                 last = Some(ping);
             }
@@ -129,8 +123,9 @@ mod tests {
     use bathyscope_log::survey::{SidePing, SideSpan};
     use std::sync::Arc;
 
-    /// Heights of first returns above recorded depths, and how far above them is usual, along 120 m of a bed with a clump of weed of
-    /// 0.4 m at 60 m. `bed_m` and `recorded_m` are depths at a way, metres.
+    /// Heights of first returns above recorded depths, and how far above them is usual, along 120 m
+    /// of a bed with a clump of weed of 0.4 m at 60 m. `bed_m` and `recorded_m` are depths at a
+    /// way, metres.
     fn clump(bed_m: impl Fn(f64) -> f64, recorded_m: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let pings = 1200;
         let way_m = |ping: usize| 0.1 * ping as f64;
@@ -150,11 +145,8 @@ mod tests {
         };
         let survey = Survey::of_pings((0..pings).map(ping));
         let picks = Arc::new((0..pings).map(pick).collect());
-        let returns = FirstReturns {
-            port: Arc::clone(&picks),
-            starboard: picks,
-            ..FirstReturns::default()
-        };
+        let returns =
+            FirstReturns { port: Arc::clone(&picks), starboard: picks, ..FirstReturns::default() };
         let place = |ping: usize| PingNav::northbound([0.0, way_m(ping)], 2.0);
         let navigation = Navigation::of_pings((0..pings).map(place));
         let usual_m = usual_departures_m(&survey, &navigation, &returns);

@@ -45,21 +45,14 @@ pub fn build(
 ) -> Result<PointCloud, Cancelled> {
     let traits = PickTraits::new(survey, navigation, returns);
     let returns = (returns, &traits);
-    place(
-        survey,
-        navigation,
-        returns,
-        calibration,
-        settings,
-        correction,
-        progress,
-    )
+    place(survey, navigation, returns, calibration, settings, correction, progress)
 }
 
 /// Builds the cloud of first returns whose traits are known.
 ///
-/// Every sounding, every pick of a ping with a heading and every stretch of a swath gives a point. Each point lies on its own beam's side of the
-/// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
+/// Every sounding, every pick of a ping with a heading and every stretch of a swath gives a point.
+/// Each point lies on its own beam's side of the track: starboard is `(h_y, -h_x) / |h|`. Ranges
+/// and depths are corrected before any geometry.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -79,12 +72,7 @@ pub fn place(
         DownScan::All => vec![true; survey.soundings.len()],
         DownScan::Locked => confirmed(survey, &ranges, |depth_m| reduction.altitude_m(depth_m)),
     };
-    let soundings = Arc::new(sounding_points(
-        survey,
-        navigation,
-        &is_reliable,
-        correction,
-    ));
+    let soundings = Arc::new(sounding_points(survey, navigation, &is_reliable, correction));
     progress.advance(1);
     let cross_slopes = match settings.geometry {
         Geometry::Slope => cross_slopes(survey, &ranges),
@@ -102,14 +90,7 @@ pub fn place(
         let picks = picks(returns, traits, side);
         // Nearly every ping has one: a list that grows is copied, and takes twice the memory then.
         let mut points = Vec::with_capacity(ranges_m.len());
-        points.extend(side_points(
-            navigation,
-            picks,
-            side,
-            ranges_m,
-            bottom_point,
-            z_m,
-        ));
+        points.extend(side_points(navigation, picks, side, ranges_m, bottom_point, z_m));
         points
     };
     let swath = Arc::new(swath_points(survey, navigation, correction, progress)?);
@@ -121,16 +102,14 @@ pub fn place(
         PointSource::Swath => swath.clone(),
     });
     progress.advance(1);
-    Ok(PointCloud {
-        points,
-        zero_heading: navigation.zero_heading,
-    })
+    Ok(PointCloud { points, zero_heading: navigation.zero_heading })
 }
 
 /// No side-scan reaches farther, metres: where a calibration says so, it is that which is wrong.
 const FARTHEST_M: f64 = 10_000.0;
 
-/// Slant range of every pick of a side, by the true speed of sound; NaN without one, or where it cannot be.
+/// Slant range of every pick of a side, by the true speed of sound; NaN without one, or where it
+/// cannot be.
 fn ranges_m(
     survey: &Survey,
     returns: &FirstReturns,
@@ -147,22 +126,16 @@ fn ranges_m(
         .collect()
 }
 
-/// The slope at every ping. Above-bottom returns count: on a steep slope the bottom itself lies above the recorded
-/// depth, and an above-bottom return on one side moves only the points of that side.
+/// The slope at every ping. Above-bottom returns count: on a steep slope the bottom itself lies
+/// above the recorded depth, and an above-bottom return on one side moves only the points of that
+/// side.
 fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
     let sides = port.iter().zip(starboard);
     let pairs: Vec<Pair> = sides
         .zip(survey.side_scan.iter())
-        .map(|((&port_m, &starboard_m), ping)| Pair {
-            time_s: ping.time_s,
-            port_m,
-            starboard_m,
-        })
+        .map(|((&port_m, &starboard_m), ping)| Pair { time_s: ping.time_s, port_m, starboard_m })
         .collect();
-    (0..pairs.len())
-        .into_par_iter()
-        .map(|ping| cross_slopes_rad(&pairs, ping))
-        .collect()
+    (0..pairs.len()).into_par_iter().map(|ping| cross_slopes_rad(&pairs, ping)).collect()
 }
 
 fn sounding_points(
@@ -216,9 +189,7 @@ fn side_points<'a>(
         Side::Starboard => PointSource::Starboard,
     };
     let pings = navigation.pings.iter().zip(picks).zip(ranges_m);
-    let detected = pings
-        .enumerate()
-        .filter(|(_, (_, range_m))| **range_m > 0.0);
+    let detected = pings.enumerate().filter(|(_, (_, range_m))| **range_m > 0.0);
     detected.filter_map(move |(ping, ((place, (pick, traits)), &range_m))| {
         let bottom_point = bottom_point(ping, range_m);
         let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;

@@ -6,8 +6,8 @@ use std::ops::Index;
 use std::slice::Iter;
 use std::sync::Arc;
 
-/// Entries by their source, in the order of [`PointSource`] and numbered through all of them. The parts are shared by all copies; each can
-/// grow without the others being moved.
+/// Entries by their source, in the order of [`PointSource`] and numbered through all of them. The
+/// parts are shared by all copies; each can grow without the others being moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BySource<T>([Arc<Vec<T>>; PointSource::ALL.len()]);
 
@@ -112,10 +112,7 @@ mod tests {
         });
         let all: Vec<char> = list.iter().copied().collect();
         assert_eq!(all, ['a', 'b', 'c', 'd', 'e']);
-        assert_eq!(
-            (list.len(), list[2], list[4], list.get(5)),
-            (5, 'c', 'e', None)
-        );
+        assert_eq!((list.len(), list[2], list[4], list.get(5)), (5, 'c', 'e', None));
         let starts = PointSource::ALL.map(|source| list.start(source));
         assert_eq!(starts, [0, 2, 2, 3]);
         assert_eq!(list.of(PointSource::Starboard)[0], 'c');

@@ -1,12 +1,13 @@
-//! What each point of a cloud is: decided here once, for the map, every file, every count and every view.
+//! What each point of a cloud is: decided here once, for the map, every file, every count and every
+//! view.
 
 use super::{CloudPoint, OutlierSettings, PointCloud, PointSource, outliers};
 use bathyscope_log::named;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-/// What a point is, in the code of ASPRS LAS 1.4 and its topo-bathymetric profile. Classes from 64 on are free for users; those here are
-/// named in LAS files.
+/// What a point is, in the code of ASPRS LAS 1.4 and its topo-bathymetric profile. Classes from 64
+/// on are free for users; those here are named in LAS files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum PointClass {
@@ -16,7 +17,8 @@ pub enum PointClass {
     LowNoise = 7,
     /// The same, nearer than the recorded depth by more than the margin.
     HighNoise = 18,
-    /// The bottom: the map, the figures of agreement and all that rests on depths take these points and no others.
+    /// The bottom: the map, the figures of agreement and all that rests on depths take these points
+    /// and no others.
     Bottom = 40,
     /// A sounding written while the recorder had lost the bottom.
     NoBottom = 45,
@@ -56,7 +58,8 @@ impl PointClass {
 /// What the class of a point is decided by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassRules<'a> {
-    /// First returns of less confidence than this are not kept, and nobody's neighbours (`first_return.min_confidence`).
+    /// First returns of less confidence than this are not kept, and nobody's neighbours
+    /// (`first_return.min_confidence`).
     pub min_confidence: f32,
     /// Whether all above-bottom returns count as bottom (`surface.above_bottom`).
     pub above_bottom: bool,
@@ -81,14 +84,16 @@ impl ClassRules<'_> {
         }
     }
 
-    /// Soundings have no confidence. Whether an above-bottom return is the ground is decided by its stretch.
+    /// Soundings have no confidence. Whether an above-bottom return is the ground is decided by its
+    /// stretch.
     fn has_low_confidence(&self, point: &CloudPoint) -> bool {
         point.ground_confidence() < self.min_confidence
     }
 }
 
-/// The class of every point. Outliers are found among the side-scan points as the published code does: with neither soundings nor points
-/// of too low confidence as neighbours. Those of a swath are found among its own points, which lie much closer.
+/// The class of every point. Outliers are found among the side-scan points as the published code
+/// does: with neither soundings nor points of too low confidence as neighbours. Those of a swath
+/// are found among its own points, which lie much closer.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -101,10 +106,7 @@ pub fn classify(
         point if point.source.is_side_scan() && !rules.has_low_confidence(point) => point.place(),
         _ => [f64::NAN; 3],
     };
-    let OutlierSettings {
-        radius_m,
-        min_neighbors,
-    } = *rules.outliers;
+    let OutlierSettings { radius_m, min_neighbors } = *rules.outliers;
     let count = cloud.points.len();
     let mut kept = outliers::keep_places(count, &side_scan, radius_m, min_neighbors, progress)?;
     let swath = cloud.points.of(PointSource::Swath);
@@ -116,9 +118,7 @@ pub fn classify(
         kept.extend(of_swath);
     }
     let points = cloud.points.iter().zip(kept);
-    Ok(points
-        .map(|(point, is_kept)| rules.class(point, !is_kept))
-        .collect())
+    Ok(points.map(|(point, is_kept)| rules.class(point, !is_kept)).collect())
 }
 
 /// How many points there are of each class.
@@ -148,9 +148,7 @@ impl ClassCounts {
     /// Points of a class.
     pub fn count(&self, class: PointClass) -> usize {
         let all = PointClass::ALL.into_iter().zip(self.counts);
-        all.filter(|(one, _)| *one == class)
-            .map(|(_, count)| count)
-            .sum()
+        all.filter(|(one, _)| *one == class).map(|(_, count)| count).sum()
     }
 
     /// All points.
@@ -168,7 +166,8 @@ impl ClassCounts {
         self.count(PointClass::LowNoise) + self.count(PointClass::HighNoise)
     }
 
-    /// Removed share of the points that the outlier filter looks at, those of side-scan and swath, 0 to 1.
+    /// Removed share of the points that the outlier filter looks at, those of side-scan and swath,
+    /// 0 to 1.
     pub fn noise_share(&self) -> f64 {
         self.noise() as f64 / (self.side_scan + self.swath).max(1) as f64
     }

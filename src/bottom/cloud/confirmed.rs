@@ -1,16 +1,19 @@
-//! Soundings that stand out like glitches and are none: a rock or a pile under the boat is passed in a few soundings, as a wrong depth is,
-//! but the side-scan sees it too.
+//! Soundings that stand out like glitches and are none: a rock or a pile under the boat is passed
+//! in a few soundings, as a wrong depth is, but the side-scan sees it too.
 
 use bathyscope_log::survey::{Sounding, Survey, nearest_in_time};
 
-/// More soundings than this in a row without bottom lock are a loss of the bottom, in which the depth may meet a first return by chance.
+/// More soundings than this in a row without bottom lock are a loss of the bottom, in which the
+/// depth may meet a first return by chance.
 const LONGEST: usize = 4;
-/// A first return is at the depth of a sounding within this, metres: a part of what a sounding stands out by.
+/// A first return is at the depth of a sounding within this, metres: a part of what a sounding
+/// stands out by.
 const WITHIN_M: f64 = 0.15;
 
-/// For each sounding whether it counts although it stands out from those around it: the recorder had the bottom right before and after
-/// it, and a first return of the nearest ping, or of the one before or behind that, lies at its depth. `ranges_m` are those of port and
-/// starboard, NaN without a first return, on the scale of `altitude_m`.
+/// For each sounding whether it counts although it stands out from those around it: the recorder
+/// had the bottom right before and after it, and a first return of the nearest ping, or of the one
+/// before or behind that, lies at its depth. `ranges_m` are those of port and starboard, NaN
+/// without a first return, on the scale of `altitude_m`.
 pub(super) fn confirmed(
     survey: &Survey,
     ranges_m: &[Vec<f64>; 2],
@@ -45,25 +48,20 @@ mod tests {
     use bathyscope_log::survey::{SidePing, mark_bottom_lock};
     use std::sync::Arc;
 
-    /// Soundings of 3 m but for a stretch of them, at every other of pings whose port sees `port_m` there and whose starboard sees the bed.
+    /// Soundings of 3 m but for a stretch of them, at every other of pings whose port sees `port_m`
+    /// there and whose starboard sees the bed.
     fn confirmed_at(stretch: std::ops::Range<usize>, depth_m: f32, port_m: f64) -> Vec<usize> {
         let mut soundings: Vec<Sounding> = (0..60)
             .map(|index| Sounding {
                 time_s: 0.2 * index as f64,
-                depth_m: if stretch.contains(&index) {
-                    depth_m
-                } else {
-                    3.0
-                },
+                depth_m: if stretch.contains(&index) { depth_m } else { 3.0 },
                 locked: false,
             })
             .collect();
         mark_bottom_lock(&mut soundings);
         let ping = |ping: usize| SidePing::with_depth(0.1 * ping as f64, 3.0);
-        let survey = Survey {
-            soundings: Arc::new(soundings),
-            ..Survey::of_pings((0..120).map(ping))
-        };
+        let survey =
+            Survey { soundings: Arc::new(soundings), ..Survey::of_pings((0..120).map(ping)) };
         let port = (0..120).map(|ping| match stretch.contains(&(ping / 2)) {
             true => port_m,
             false => 3.0,

@@ -15,7 +15,8 @@ pub struct DepthChange {
 }
 
 impl DepthChange {
-    /// Of the points that `classes` keeps of a cloud, against those of the same first returns in another one; `None` where none is in both.
+    /// Of the points that `classes` keeps of a cloud, against those of the same first returns in
+    /// another one; `None` where none is in both.
     pub fn between(
         before: &PointCloud,
         classes: &[PointClass],
@@ -37,11 +38,7 @@ impl DepthChange {
         }
         let further = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         let largest_m = changes_m.iter().copied().reduce(further)?;
-        Some(Self {
-            count: changes_m.len(),
-            median_m: median(&mut changes_m),
-            largest_m,
-        })
+        Some(Self { count: changes_m.len(), median_m: median(&mut changes_m), largest_m })
     }
 }
 
@@ -80,10 +77,7 @@ mod tests {
                 PointSource::Starboard => of(starboard),
             }
         });
-        PointCloud {
-            points,
-            zero_heading: 0,
-        }
+        PointCloud { points, zero_heading: 0 }
     }
 
     #[test]

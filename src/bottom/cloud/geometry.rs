@@ -12,11 +12,13 @@ pub struct BottomPoint {
     pub across_m: f64,
 }
 
-/// The bottom point of a first return at slant range `range_m` in the geometries that need nothing but the range.
+/// The bottom point of a first return at slant range `range_m` in the geometries that need nothing
+/// but the range.
 ///
 /// - published: `z = r cos(alpha_2)`, `y = r sin(alpha_2)`, equations (5) and (6) of the paper;
-/// - self-consistent: with `PPD' = p_0 cos(alpha_2) / d_0` in place of `p_0 / d_0` the published equations give back the
-///   depth they were calibrated on: `z = r`, `y = r tan(alpha_2)` in terms of the unchanged range;
+/// - self-consistent: with `PPD' = p_0 cos(alpha_2) / d_0` in place of `p_0 / d_0` the published
+///   equations give back the depth they were calibrated on: `z = r`, `y = r tan(alpha_2)` in terms
+///   of the unchanged range;
 /// - nadir, and [`Geometry::Slope`] before the slope is known: `z = r`, `y = 0`.
 pub fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f64) -> BottomPoint {
     let (sin, cos) = alpha2_deg.to_radians().sin_cos();
@@ -30,7 +32,5 @@ pub fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f64) -> 
 
 /// The place `across_m` out to one side of the boat; `None` without heading or position.
 pub fn across_track(place: &PingNav, side: Side, across_m: f64) -> Option<[f64; 2]> {
-    place
-        .abeam(side, across_m)
-        .filter(|[east_m, _]| east_m.is_finite())
+    place.abeam(side, across_m).filter(|[east_m, _]| east_m.is_finite())
 }

@@ -1,11 +1,17 @@
-//! The 3D point cloud: soundings under the boat, first returns beside it, depths across the track, and the outlier filter.
+//! The 3D point cloud: soundings under the boat, first returns beside it, depths across the track,
+//! and the outlier filter.
 //!
-//! In: a survey with its navigation, first returns and calibration. Out: points with classes, and the depth under the boat at every ping.
-//! It uses `sonar`, `survey` and `support`.
+//! In: a survey with its navigation, first returns and calibration. Out: points with classes, and
+//! the depth under the boat at every ping. It uses `sonar`, `survey` and `support`.
 //!
-//! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from, `confirmed` says which soundings without bottom lock count, `pick_traits` what a point has of its first return (`above_bottom`, and by `level` how strong its echo is), `swath` makes points of depths across the track, `record` says which record measured a point, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
-//! with recorded depths, `scales` says between which values points are coloured.
+//! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular`
+//! for the one on a slope and `correction` for what depths count from, `confirmed` says which
+//! soundings without bottom lock count, `pick_traits` what a point has of its first return
+//! (`above_bottom`, and by `level` how strong its echo is), `swath` makes points of depths across
+//! the track, `record` says which record measured a point, `reduction` joins it to the calibration
+//! for every read-out; `class` says what each point is, `outliers` is the filter for any points;
+//! `residuals` measures agreement with recorded depths, `scales` says between which values points
+//! are coloured.
 
 mod above_bottom;
 mod build;
@@ -55,8 +61,8 @@ pub enum Geometry {
     SelfConsistent,
     /// `z = r`, `y = 0`: the first return is straight below.
     Nadir,
-    /// The specular point: the first return lies where the bottom is square to the beam. Its slope comes from the
-    /// difference of the two sides.
+    /// The specular point: the first return lies where the bottom is square to the beam. Its slope
+    /// comes from the difference of the two sides.
     Slope,
 }
 
@@ -78,18 +84,15 @@ pub struct CloudSettings {
 pub enum DownScan {
     /// All, as published.
     All,
-    /// Those at which the recorder had the bottom; the others are points of the class [`PointClass::NoBottom`].
+    /// Those at which the recorder had the bottom; the others are points of the class
+    /// [`PointClass::NoBottom`].
     #[default]
     Locked,
 }
 
 impl Default for CloudSettings {
     fn default() -> Self {
-        Self {
-            geometry: Geometry::Slope,
-            alpha2_deg: 16.0,
-            down_scan: DownScan::Locked,
-        }
+        Self { geometry: Geometry::Slope, alpha2_deg: 16.0, down_scan: DownScan::Locked }
     }
 }
 
@@ -99,16 +102,14 @@ impl Default for CloudSettings {
 pub struct OutlierSettings {
     /// Radius of the sphere around a point, metres.
     pub radius_m: f64,
-    /// A point is kept when the sphere holds more than this many points, itself included (Open3D's legacy rule).
+    /// A point is kept when the sphere holds more than this many points, itself included (Open3D's
+    /// legacy rule).
     pub min_neighbors: usize,
 }
 
 impl Default for OutlierSettings {
     fn default() -> Self {
-        Self {
-            radius_m: 3.011,
-            min_neighbors: 10,
-        }
+        Self { radius_m: 3.011, min_neighbors: 10 }
     }
 }
 
@@ -147,31 +148,37 @@ impl PointSource {
 pub struct CloudPoint {
     /// What measured it.
     pub source: PointSource,
-    /// The side-scan ping; for other points the side-scan ping nearest in time (0 in a log without side-scan).
+    /// The side-scan ping; for other points the side-scan ping nearest in time (0 in a log without
+    /// side-scan).
     pub ping: u32,
-    /// The sounding for down-scan points, the ping of the swath for swath points ([`CloudPoint::record`]).
+    /// The sounding for down-scan points, the ping of the swath for swath points
+    /// ([`CloudPoint::record`]).
     pub record: Option<RecordIndex>,
-    /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first return confirms it or
-    /// [`DownScan::All`] asks for it.
+    /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first
+    /// return confirms it or [`DownScan::All`] asks for it.
     pub reliable: bool,
-    /// Whether it is an above-bottom return: its pick lies above the recorded depth ([`crate::first_return::Pick::above_bottom`]) by more
-    /// than this departs from the bed nearby.
+    /// Whether it is an above-bottom return: its pick lies above the recorded depth
+    /// ([`crate::first_return::Pick::above_bottom`]) by more than this departs from the bed nearby.
     pub above_bottom: bool,
-    /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to 0.2 m of slant range beyond it; 0 for
-    /// other points, of which none is known. Samples of two bytes are scaled to one, as everywhere.
+    /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to
+    /// 0.2 m of slant range beyond it; 0 for other points, of which none is known. Samples of two
+    /// bytes are scaled to one, as everywhere.
     pub level: u8,
-    /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
-    /// it does not.
+    /// How far along the track most first returns of both sides lie above the recorded depth as
+    /// this one does, metres; 0 where it does not.
     pub above_bottom_m: f32,
-    /// The confidence of the first return ([`crate::first_return::Pick::confidence`]); NaN for other points.
+    /// The confidence of the first return ([`crate::first_return::Pick::confidence`]); NaN for
+    /// other points.
     pub confidence: f32,
-    /// First return in u8 samples outward; for a swath point the number of its depth in its ping; NaN for a sounding.
+    /// First return in u8 samples outward; for a swath point the number of its depth in its ping;
+    /// NaN for a sounding.
     pub sample: f32,
     /// Metres east of the survey's origin.
     pub east_m: f64,
     /// Metres north of the survey's origin.
     pub north_m: f64,
-    /// Elevation, metres: negative below the transducer, or below what [`Correction`] makes depths count from.
+    /// Elevation, metres: negative below the transducer, or below what [`Correction`] makes depths
+    /// count from.
     pub z_m: f64,
 }
 
@@ -204,13 +211,11 @@ impl PointCloud {
         }
         let counts = |point: &&CloudPoint| point.record().exclusion(exclusions).is_none();
         let counted = |source| self.points.of(source).iter().filter(counts).copied();
-        Self {
-            points: BySource::from_parts(|source| Arc::new(counted(source).collect())),
-            ..self
-        }
+        Self { points: BySource::from_parts(|source| Arc::new(counted(source).collect())), ..self }
     }
 
-    /// The points that count for the map, with their index; `classes` holds the class of each point.
+    /// The points that count for the map, with their index; `classes` holds the class of each
+    /// point.
     pub fn kept<'a>(
         &'a self,
         classes: &'a [PointClass],
@@ -226,7 +231,8 @@ impl CloudPoint {
         [self.east_m, self.north_m, self.z_m]
     }
 
-    /// The confidence if what lies above the recorded depth is ground, as where it goes on for long; that of any other point is its own.
+    /// The confidence if what lies above the recorded depth is ground, as where it goes on for
+    /// long; that of any other point is its own.
     pub fn ground_confidence(&self) -> f32 {
         ground_confidence(self.confidence, self.above_bottom)
     }

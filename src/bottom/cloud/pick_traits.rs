@@ -19,7 +19,8 @@ pub(super) struct PickTrait {
     pub(super) level: u8,
 }
 
-/// That of all first returns. Several clouds of the same returns share it: it costs as much as all else of a cloud.
+/// That of all first returns. Several clouds of the same returns share it: it costs as much as all
+/// else of a cloud.
 pub struct PickTraits {
     /// By side, port first, one a ping.
     sides: [Vec<PickTrait>; 2],
@@ -53,13 +54,9 @@ impl PickTraits {
         };
         let of_side = |side: Side| {
             let picks = returns.side(side).par_iter().enumerate();
-            picks
-                .map(|(ping, pick)| of_pick(side, ping, pick))
-                .collect()
+            picks.map(|(ping, pick)| of_pick(side, ping, pick)).collect()
         };
-        Self {
-            sides: Side::BOTH.map(of_side),
-        }
+        Self { sides: Side::BOTH.map(of_side) }
     }
 
     /// Those of a side, one a ping.

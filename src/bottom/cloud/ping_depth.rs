@@ -9,7 +9,8 @@ use serde::Serialize;
 pub enum DepthSource {
     /// The recorder's own sounding.
     Sounding,
-    /// The first returns of the side-scan alone: the recorder had lost the bottom, or records no depth.
+    /// The first returns of the side-scan alone: the recorder had lost the bottom, or records no
+    /// depth.
     SideScan,
     /// There is none.
     #[default]
@@ -25,8 +26,9 @@ pub struct PingDepth {
     pub source: DepthSource,
 }
 
-/// One entry a side-scan ping: the recorded depth where the recorder had the bottom, else that of the deeper of the first returns
-/// that are kept. The other side detects a bank or a boulder to the side of the boat first.
+/// One entry a side-scan ping: the recorded depth where the recorder had the bottom, else that of
+/// the deeper of the first returns that are kept. The other side detects a bank or a boulder to the
+/// side of the boat first.
 pub fn ping_depths(
     survey: &Survey,
     cloud: &PointCloud,
@@ -41,9 +43,8 @@ pub fn ping_depths(
             false => (f32::NAN, DepthSource::None),
         }
     });
-    let mut depths: Vec<PingDepth> = recorded
-        .map(|(depth_m, source)| PingDepth { depth_m, source })
-        .collect();
+    let mut depths: Vec<PingDepth> =
+        recorded.map(|(depth_m, source)| PingDepth { depth_m, source }).collect();
     let kept = cloud.kept(classes);
     for (_, point) in kept.filter(|(_, point)| point.source.is_side_scan()) {
         if let Some(depth) = depths.get_mut(point.ping as usize)
@@ -61,10 +62,7 @@ pub fn ping_depths(
 pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions: &Exclusions) {
     for (ping, depth) in (first..).zip(depths) {
         if exclusions.ping(ping).is_some() {
-            *depth = PingDepth {
-                depth_m: f32::NAN,
-                source: DepthSource::None,
-            };
+            *depth = PingDepth { depth_m: f32::NAN, source: DepthSource::None };
         }
     }
 }
@@ -92,12 +90,10 @@ impl TrackShare {
     pub fn of(depths: &[PingDepth], places: &[PingNav]) -> Self {
         let mut share = Self::default();
         for (index, depth) in depths.iter().enumerate() {
-            let pair = index
-                .checked_sub(1)
-                .and_then(|last| places.get(last).zip(places.get(index)));
-            let step_m = pair.map_or(0.0, |(a, b)| {
-                (b.east_m - a.east_m).hypot(b.north_m - a.north_m)
-            });
+            let pair =
+                index.checked_sub(1).and_then(|last| places.get(last).zip(places.get(index)));
+            let step_m =
+                pair.map_or(0.0, |(a, b)| (b.east_m - a.east_m).hypot(b.north_m - a.north_m));
             // Steps from or to a ping without a place are NaN.
             let step_m = if step_m < LONGEST_STEP_M { step_m } else { 0.0 };
             share.track_m += step_m;

@@ -1,4 +1,5 @@
-//! Which record of a log measured a point: what its time, its boat's place and its exclusion follow from.
+//! Which record of a log measured a point: what its time, its boat's place and its exclusion follow
+//! from.
 
 use super::{CloudPoint, PointSource};
 use bathyscope_log::survey::{
@@ -44,7 +45,8 @@ impl CloudPoint {
         }
     }
 
-    /// The side of the boat that it was measured on; `None` under the boat, and where the log does not have its record.
+    /// The side of the boat that it was measured on; `None` under the boat, and where the log does
+    /// not have its record.
     pub fn side(&self, survey: &Survey) -> Option<Side> {
         match self.source {
             PointSource::DownScan => None,

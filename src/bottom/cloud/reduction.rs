@@ -1,14 +1,16 @@
-//! What samples and recorded depths are in metres, by the calibration and the corrections in force: the one place that says so,
-//! for the points of the cloud and for every read-out, line and axis.
+//! What samples and recorded depths are in metres, by the calibration and the corrections in force:
+//! the one place that says so, for the points of the cloud and for every read-out, line and axis.
 //!
-//! Slant ranges are those of the picture as calibrated, by the true speed of sound. Depths count from the [`DepthReference`].
+//! Slant ranges are those of the picture as calibrated, by the true speed of sound. Depths count
+//! from the [`DepthReference`].
 
 use super::correction::DepthReference;
 use super::{CloudPoint, Correction, PointRecord};
 use crate::calibration::Calibration;
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 
-/// From the recorder's samples and depths to ranges and depths. The default one leaves both as recorded.
+/// From the recorder's samples and depths to ranges and depths. The default one leaves both as
+/// recorded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reduction<'a> {
     calibration: Option<&'a Calibration>,
@@ -18,13 +20,11 @@ pub struct Reduction<'a> {
 impl<'a> Reduction<'a> {
     /// By a calibration and a correction.
     pub fn new(calibration: &'a Calibration, correction: &'a Correction) -> Self {
-        Self {
-            calibration: Some(calibration),
-            correction: Some(correction),
-        }
+        Self { calibration: Some(calibration), correction: Some(correction) }
     }
 
-    /// Slant range at a distance of `sample` samples outward from the nearest edge of a recorded side, metres.
+    /// Slant range at a distance of `sample` samples outward from the nearest edge of a recorded
+    /// side, metres.
     pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
         let calibrated_m = match self.calibration {
             Some(calibration) => calibration.range_m(span, sample),
@@ -35,13 +35,12 @@ impl<'a> Reduction<'a> {
 
     /// Slant range of a sample of a ping, metres; NaN where that side was not recorded.
     pub fn range_at_m(&self, survey: &Survey, ping: usize, side: Side, sample: f32) -> f64 {
-        survey
-            .span(ping, side)
-            .map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
+        survey.span(ping, side).map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
     }
 
-    /// Slant range at which a point of the cloud was measured, metres; of a sounding its distance straight below, of a swath point that
-    /// straight to its place. NaN where the log does not have the point's record.
+    /// Slant range at which a point of the cloud was measured, metres; of a sounding its distance
+    /// straight below, of a swath point that straight to its place. NaN where the log does not have
+    /// the point's record.
     pub fn point_range_m(&self, survey: &Survey, point: &CloudPoint) -> f64 {
         let recorded_m = match (point.record(), point.side(survey)) {
             (PointRecord::Ping(ping), Some(side)) => {
@@ -73,12 +72,14 @@ impl<'a> Reduction<'a> {
         span.range_m(self.sample_at(span, range_m))
     }
 
-    /// Distance from the transducer down to the bottom that a recorded depth means, metres: the altitude.
+    /// Distance from the transducer down to the bottom that a recorded depth means, metres: the
+    /// altitude.
     pub fn altitude_m(&self, recorded_m: f64) -> f64 {
         self.factor() * recorded_m
     }
 
-    /// The depth that one recorded at a time of the log means, metres below [`Reduction::reference`].
+    /// The depth that one recorded at a time of the log means, metres below
+    /// [`Reduction::reference`].
     pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
         match self.correction {
             Some(correction) => correction.depth_m(time_s, recorded_m),
@@ -86,15 +87,15 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// The depth of a bottom so far below the transducer at a time of the log, metres below [`Reduction::reference`].
+    /// The depth of a bottom so far below the transducer at a time of the log, metres below
+    /// [`Reduction::reference`].
     pub fn depth_below_m(&self, time_s: f64, altitude_m: f64) -> f64 {
         self.depth_m(time_s, altitude_m / self.factor())
     }
 
     /// What depths count from.
     pub fn reference(&self) -> DepthReference {
-        self.correction
-            .map_or(DepthReference::Transducer, Correction::reference)
+        self.correction.map_or(DepthReference::Transducer, Correction::reference)
     }
 
     fn factor(&self) -> f64 {
@@ -125,15 +126,13 @@ mod tests {
         };
         let settings = DepthSettings {
             draft_m: 0.3,
-            sound_speed: SoundSpeedSettings {
-                m_s: Some(1470.0),
-                ..SoundSpeedSettings::default()
-            },
+            sound_speed: SoundSpeedSettings { m_s: Some(1470.0), ..SoundSpeedSettings::default() },
             ..DepthSettings::default()
         };
         let correction = Correction::new(settings, &Survey::default());
         let reduction = Reduction::new(&calibration, &correction);
-        // Sample 100 begins 2.5 m out by the header; 5 cm more as calibrated, and 2 % less by the speed of sound.
+        // Sample 100 begins 2.5 m out by the header; 5 cm more as calibrated, and 2 % less by the
+        // speed of sound.
         let range_m = reduction.range_m(&span, 100.0);
         assert!((range_m - 0.98 * 2.55).abs() < 1e-9, "{range_m}");
         assert!((reduction.sample_at(&span, range_m) - 100.0).abs() < 1e-9);

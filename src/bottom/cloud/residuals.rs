@@ -5,8 +5,8 @@ use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::Survey;
 use serde::Serialize;
 
-/// Statistics of differences: of elevations, measured minus reference, so that above 0 is shallower; where other things are
-/// compared, it is said there.
+/// Statistics of differences: of elevations, measured minus reference, so that above 0 is
+/// shallower; where other things are compared, it is said there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Residuals {
     /// Number of differences.
@@ -25,22 +25,23 @@ pub struct Residuals {
     pub p95_m: f64,
 }
 
-/// Elevation of side-scan points minus that of the recorded depth at the same ping (positive is shallower), over the kept points
-/// where the recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
+/// Elevation of side-scan points minus that of the recorded depth at the same ping (positive is
+/// shallower), over the kept points where the recorder had the bottom; `None` without any. Recorded
+/// depths are corrected as the cloud's were.
 ///
-/// The two are those of different places where the bottom point lies across-track: on a slope the difference is real.
+/// The two are those of different places where the bottom point lies across-track: on a slope the
+/// difference is real.
 pub fn residuals(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,
     classes: &[PointClass],
 ) -> Option<Residuals> {
-    Residuals::of(&mut same_ping_differences(
-        survey, cloud, correction, classes,
-    ))
+    Residuals::of(&mut same_ping_differences(survey, cloud, correction, classes))
 }
 
-/// The differences behind [`residuals`], metres: those of several logs are put together before statistics are made of them.
+/// The differences behind [`residuals`], metres: those of several logs are put together before
+/// statistics are made of them.
 pub fn same_ping_differences(
     survey: &Survey,
     cloud: &PointCloud,

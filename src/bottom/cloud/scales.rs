@@ -4,8 +4,8 @@ use super::{PointClass, PointCloud, Reduction};
 use bathyscope_log::support::statistics::{colour_ends, wider};
 use bathyscope_log::survey::Survey;
 
-/// Ends of the colour scales of what is known of a point besides its depth: the 2nd and the 98th percentile of the kept points. `None`
-/// where no point has such a value.
+/// Ends of the colour scales of what is known of a point besides its depth: the 2nd and the 98th
+/// percentile of the kept points. `None` where no point has such a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointScales {
     /// Level of the echo of first returns, 0 to 255.
@@ -33,9 +33,6 @@ impl PointScales {
     /// Those that both need.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
-        Self {
-            level: wider(self.level, other.level),
-            range_m: wider(self.range_m, other.range_m),
-        }
+        Self { level: wider(self.level, other.level), range_m: wider(self.range_m, other.range_m) }
     }
 }

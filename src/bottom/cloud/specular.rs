@@ -1,10 +1,12 @@
-//! The specular point: on a slope the first return comes from the upper side, where the bottom is square to the beam.
+//! The specular point: on a slope the first return comes from the upper side, where the bottom is
+//! square to the beam.
 //!
-//! Over a plane that falls off to starboard by the angle beta, the nearest bottom to starboard is straight below,
-//! `r = d`, and to port it lies up the slope: `r = d cos(beta)`, at depth `r cos(beta)` and `r sin(beta)` out. So the two
-//! sides of the same pings give the slope without the recorded depth and its noise. Near level ground beta hangs on
-//! millimetres (1 % of range is 8 degrees), so the difference of the sides is a median along the track, less its own
-//! spread: what speckle and stones could have made counts as level. Among dead bands, windows, smoothers and the
+//! Over a plane that falls off to starboard by the angle beta, the nearest bottom to starboard is
+//! straight below, `r = d`, and to port it lies up the slope: `r = d cos(beta)`, at depth `r
+//! cos(beta)` and `r sin(beta)` out. So the two sides of the same pings give the slope without the
+//! recorded depth and its noise. Near level ground beta hangs on millimetres (1 % of range is 8
+//! degrees), so the difference of the sides is a median along the track, less its own spread: what
+//! speckle and stones could have made counts as level. Among dead bands, windows, smoothers and the
 //! recorded depth as reference, this measured best on simulated gentle, steep and rough beds alike.
 
 use super::geometry::BottomPoint;
@@ -16,7 +18,8 @@ const REACH: usize = 10;
 const MIN_PAIRS: usize = 7;
 /// Pings farther away in time than this are another place, seconds.
 const MAX_AWAY_S: f64 = 2.0;
-/// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its bottom point far out.
+/// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its
+/// bottom point far out.
 const MAX_SLOPE_DEG: f64 = 35.0;
 
 /// Slant ranges of both sides of a ping, metres; NaN without a pick.
@@ -27,8 +30,8 @@ pub(super) struct Pair {
     pub(super) starboard_m: f64,
 }
 
-/// How steeply the bottom rises to port and to starboard at a ping, radians, from the pings around it: one of the two is 0, and both where
-/// there are too few.
+/// How steeply the bottom rises to port and to starboard at a ping, radians, from the pings around
+/// it: one of the two is 0, and both where there are too few.
 pub(super) fn cross_slopes_rad(pairs: &[Pair], ping: usize) -> [f64; 2] {
     let around = &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)];
     let (mut differences, mut deeper) = ([0.0; 2 * REACH + 1], [0.0; 2 * REACH + 1]);
@@ -58,12 +61,10 @@ pub(super) fn cross_slopes_rad(pairs: &[Pair], ping: usize) -> [f64; 2] {
     }
 }
 
-/// The bottom point of a first return at slant range `range_m` on a side to which the bottom rises by `slope_rad`.
+/// The bottom point of a first return at slant range `range_m` on a side to which the bottom rises
+/// by `slope_rad`.
 pub(super) fn specular_point(range_m: f64, slope_rad: f64) -> BottomPoint {
-    BottomPoint {
-        depth_m: range_m * slope_rad.cos(),
-        across_m: range_m * slope_rad.sin(),
-    }
+    BottomPoint { depth_m: range_m * slope_rad.cos(), across_m: range_m * slope_rad.sin() }
 }
 
 fn middle(values: &mut [f64]) -> f64 {
@@ -74,7 +75,8 @@ fn middle(values: &mut [f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Both sides over a plane 3 m deep that falls off to starboard, with picks that are off by up to 4 mm.
+    /// Both sides over a plane 3 m deep that falls off to starboard, with picks that are off by up
+    /// to 4 mm.
     fn plane(slope_deg: f64) -> Vec<Pair> {
         let noise = |ping: usize| 0.004 * [0.0, 1.0, -1.0, 0.5, -0.5][ping % 5];
         (0..60)

@@ -8,7 +8,8 @@ use bathyscope_log::survey::{
 };
 use rayon::prelude::*;
 
-/// Of the depths of a ping in a stretch across the track of this share of the depth, one makes a point: the sonar does not see finer.
+/// Of the depths of a ping in a stretch across the track of this share of the depth, one makes a
+/// point: the sonar does not see finer.
 const STRETCH_SHARE: f64 = 0.1;
 /// Stretches are this long at least, metres.
 const LEAST_STRETCH_M: f64 = 0.2;
@@ -72,7 +73,8 @@ fn add_points(
     points.extend(placed.filter(|point| point.east_m.is_finite()));
 }
 
-/// Of each stretch across the track the sounding of median depth: a place that was measured, and no spike.
+/// Of each stretch across the track the sounding of median depth: a place that was measured, and no
+/// spike.
 fn thinned(mut soundings: Vec<SwathSounding>) -> Vec<SwathSounding> {
     let mut depths_m: Vec<f64> = soundings.iter().map(|one| one.depth_m).collect();
     let Some(depth_m) = upper_median(&mut depths_m, f64::total_cmp) else {
@@ -97,17 +99,9 @@ mod tests {
     fn a_stretch_has_one_point_and_a_spike_has_none() {
         let sounding = |number: usize| SwathSounding {
             number,
-            side: if number < 300 {
-                Side::Port
-            } else {
-                Side::Starboard
-            },
+            side: if number < 300 { Side::Port } else { Side::Starboard },
             out_m: 0.05 * (number % 300) as f64,
-            depth_m: if number % 10 == 7 {
-                1.0
-            } else {
-                4.0 + 1e-3 * number as f64
-            },
+            depth_m: if number % 10 == 7 { 1.0 } else { 4.0 + 1e-3 * number as f64 },
         };
         let kept = thinned((0..600).map(sounding).collect());
         // 15 m on each side in stretches of 0.43 m.

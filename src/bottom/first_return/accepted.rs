@@ -1,4 +1,5 @@
-//! First returns above the recorded depth that an analyst accepts as bottom: they stay where they were found.
+//! First returns above the recorded depth that an analyst accepts as bottom: they stay where they
+//! were found.
 
 use super::{BottomEdit, BottomSettings};
 use bathyscope_log::survey::Side;
@@ -6,22 +7,15 @@ use bathyscope_log::survey::Side;
 impl BottomEdit {
     /// First returns that are bottom where they were found.
     fn accepted(side: Side, pings: [usize; 2]) -> Self {
-        Self {
-            side,
-            pings,
-            corners: Vec::new(),
-            accepted: true,
-        }
+        Self { side, pings, corners: Vec::new(), accepted: true }
     }
 }
 
 impl BottomSettings {
-    /// With the first returns of these pings accepted as bottom where they were found; what was drawn stays.
+    /// With the first returns of these pings accepted as bottom where they were found; what was
+    /// drawn stays.
     pub fn accepting(&self, side: Side, pings: [usize; 2]) -> Self {
-        let drawn = self
-            .lines
-            .iter()
-            .filter(|line| !line.accepted && line.side == side);
+        let drawn = self.lines.iter().filter(|line| !line.accepted && line.side == side);
         let whole = vec![BottomEdit::accepted(side, pings)];
         let parts = drawn.fold(whole, |parts, line| {
             let cut = |part: BottomEdit| {
@@ -32,31 +26,23 @@ impl BottomSettings {
             };
             parts.into_iter().flat_map(cut).collect()
         });
-        parts
-            .into_iter()
-            .fold(self.clone(), |all, part| all.with(part))
+        parts.into_iter().fold(self.clone(), |all, part| all.with(part))
     }
 
     /// With nothing accepted in these pings; what was drawn stays.
     pub fn not_accepting(&self, side: Side, pings: [usize; 2]) -> Self {
         let accepted = BottomSettings {
-            lines: (self.lines.iter().filter(|line| line.accepted))
-                .cloned()
-                .collect(),
+            lines: (self.lines.iter().filter(|line| line.accepted)).cloned().collect(),
             ..*self
         };
         let rest = accepted.without(side, pings).lines;
-        rest.into_iter()
-            .fold(self.drawn_only(), |all, part| all.with(part))
+        rest.into_iter().fold(self.drawn_only(), |all, part| all.with(part))
     }
 
     /// Only what was drawn: first returns that were accepted are as they were found.
     pub fn drawn_only(&self) -> Self {
         let lines = self.lines.iter().filter(|line| !line.accepted);
-        Self {
-            lines: lines.cloned().collect(),
-            ..*self
-        }
+        Self { lines: lines.cloned().collect(), ..*self }
     }
 
     /// Whether first returns of any stretch were accepted as bottom.
@@ -83,11 +69,7 @@ mod tests {
             ..SidePing::with_depth(0.0, 3.0)
         };
         let survey = Survey::of_pings(vec![recorded; 40]);
-        let flagged = Pick {
-            sample: 24.0,
-            confidence: 0.02,
-            above_bottom: true,
-        };
+        let flagged = Pick { sample: 24.0, confidence: 0.02, above_bottom: true };
         let drawn = BottomSettings::of(&survey).with(BottomEdit {
             corners: vec![[10.0, 2.0], [13.0, 2.0]],
             accepted: false,
@@ -106,10 +88,7 @@ mod tests {
         for (ping, pick) in returns.port.iter().enumerate() {
             assert_eq!(pick.above_bottom, !(5..=20).contains(&ping), "{ping}");
         }
-        assert_eq!(
-            returns.port[7].sample, flagged.sample,
-            "it stays in its place"
-        );
+        assert_eq!(returns.port[7].sample, flagged.sample, "it stays in its place");
         assert!(returns.port[7].confidence > 0.6, "{:?}", returns.port[7]);
         assert_eq!(returns.port[11].sample, 20.0, "what was drawn stays");
         assert!(!returns.is_drawn(Side::Port, 7) && returns.is_drawn(Side::Port, 11));

@@ -1,7 +1,8 @@
 //! The bottom line: which bottom the picture is laid out by.
 //!
-//! Water column, ground range, gain normalisation and mosaic follow it. Points, calibration and residuals are those of the first returns,
-//! whatever the line: points at the recorded depth would be no measurements, and would agree with it to the digit.
+//! Water column, ground range, gain normalisation and mosaic follow it. Points, calibration and
+//! residuals are those of the first returns, whatever the line: points at the recorded depth would
+//! be no measurements, and would agree with it to the digit.
 
 use super::{FirstReturns, Pick};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
@@ -14,13 +15,15 @@ pub enum BottomLine {
     /// The first return of each side.
     #[default]
     Search,
-    /// The depth of the recorder's own sounding, the same on both sides; the first return where the recorder had lost the bottom.
+    /// The depth of the recorder's own sounding, the same on both sides; the first return where the
+    /// recorder had lost the bottom.
     Recorded,
 }
 
-/// The line at the recorded depths: manual picks stay, and where there is no depth to believe, or it lies beyond the recorded range, so do
-/// the first returns that were found. `sample_at` is the sample of a recorded side in whose place the echo of a depth lies, by the
-/// calibration in force. What was not taken from the recorder is said in a warning.
+/// The line at the recorded depths: manual picks stay, and where there is no depth to believe, or
+/// it lies beyond the recorded range, so do the first returns that were found. `sample_at` is the
+/// sample of a recorded side in whose place the echo of a depth lies, by the calibration in force.
+/// What was not taken from the recorder is said in a warning.
 pub fn at_recorded_depth(
     survey: &Survey,
     returns: &FirstReturns,
@@ -39,11 +42,7 @@ pub fn at_recorded_depth(
             let depth_m = f64::from(survey.locked_depth_m(ping));
             let sample = sample_at(span, depth_m);
             if (0.0..=f64::from(span.count)).contains(&sample) {
-                *pick = Pick {
-                    sample: sample as f32,
-                    confidence: 1.0,
-                    above_bottom: false,
-                };
+                *pick = Pick { sample: sample as f32, confidence: 1.0, above_bottom: false };
             } else {
                 found += 1;
             }
@@ -94,11 +93,7 @@ mod tests {
             ping(30.0, true),
         ];
         let survey = Survey::of_pings(side_scan);
-        let pick = |sample| Pick {
-            sample,
-            confidence: 0.5,
-            above_bottom: true,
-        };
+        let pick = |sample| Pick { sample, confidence: 0.5, above_bottom: true };
         let returns = FirstReturns {
             port: Arc::new((0..5).map(|ping| pick(100.0 + ping as f32)).collect()),
             starboard: vec![Pick::NONE; 5].into(),
@@ -106,18 +101,13 @@ mod tests {
             ..FirstReturns::default()
         };
         // Echoes lie 0.1 m farther out than by the recorder's scale.
-        let line = at_recorded_depth(&survey, &returns, |span, depth_m| {
-            span.sample_at(depth_m + 0.1)
-        });
+        let line =
+            at_recorded_depth(&survey, &returns, |span, depth_m| span.sample_at(depth_m + 0.1));
         let samples: Vec<f32> = line.port.iter().map(|pick| pick.sample).collect();
         assert_eq!(samples, [205.0, 101.0, 102.0, 103.0, 104.0]);
         assert!(!line.port[0].above_bottom && line.port[2].above_bottom);
         assert_eq!(line.drawn, returns.drawn);
         assert!(line.starboard.iter().all(|pick| !pick.is_some()));
-        assert!(
-            line.warnings[0].contains("at 3 of 4 places"),
-            "{:?}",
-            line.warnings
-        );
+        assert!(line.warnings[0].contains("at 3 of 4 places"), "{:?}", line.warnings);
     }
 }

@@ -1,11 +1,14 @@
-//! How sure a first return is: the chance that it lies within 25 cm of the nearest ground on its side.
+//! How sure a first return is: the chance that it lies within 25 cm of the nearest ground on its
+//! side.
 //!
-//! What speaks for and against a pick ([`Evidence`]) is gathered from the method that found it, from the picks around it, from
-//! those of the other side and from the recorded depth. One law for each method makes a chance of it. Both were fitted to the
-//! picks of simulated ponds (seeds 101 to 120 of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the
-//! threshold on bytes and words), a third of them as if no depth had been recorded, and are checked on others:
-//! `cargo bench --features bench -- confidence`. Over weed, whose echo comes before that of the ground, no law can know that from a boulder:
-//! what lies above the recorded depth gets the share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
+//! What speaks for and against a pick ([`Evidence`]) is gathered from the method that found it,
+//! from the picks around it, from those of the other side and from the recorded depth. One law for
+//! each method makes a chance of it. Both were fitted to the picks of simulated ponds (seeds 101 to
+//! 120 of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the
+//! threshold on bytes and words), a third of them as if no depth had been recorded, and are checked
+//! on others: `cargo bench --features bench -- confidence`. Over weed, whose echo comes before that
+//! of the ground, no law can know that from a boulder: what lies above the recorded depth gets the
+//! share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 
 use super::{Method, Pick, above_bottom};
 use bathyscope_log::survey::{Side, Survey};
@@ -16,18 +19,16 @@ use rayon::prelude::*;
 pub(super) struct MethodPick {
     /// Samples outward from the middle; NaN where nothing was found.
     pub sample: f32,
-    /// The tracker: mean score of the line around the ping, and how much less the best line would gather that passes nearer,
-    /// or farther, here. The threshold: how far the pick moves towards the boat and away from it when the level is moved by
-    /// a tenth, as shares of its distance, and nothing.
+    /// The tracker: mean score of the line around the ping, and how much less the best line would
+    /// gather that passes nearer, or farther, here. The threshold: how far the pick moves towards
+    /// the boat and away from it when the level is moved by a tenth, as shares of its distance, and
+    /// nothing.
     pub signs: [f32; 3],
 }
 
 impl MethodPick {
     /// Nothing found.
-    pub(super) const NONE: MethodPick = MethodPick {
-        sample: f32::NAN,
-        signs: [0.0; 3],
-    };
+    pub(super) const NONE: MethodPick = MethodPick { sample: f32::NAN, signs: [0.0; 3] };
 }
 
 /// What speaks for a pick and against it.
@@ -49,19 +50,21 @@ pub struct Evidence {
 
 /// Pings to both sides that are looked at.
 pub(super) const REACH: usize = 8;
-/// Neighbours lie on a line with a pick within this many metres and so many more a ping away: a bed that slopes 20 degrees
-/// along the track moves 5 cm at every ping.
+/// Neighbours lie on a line with a pick within this many metres and so many more a ping away: a bed
+/// that slopes 20 degrees along the track moves 5 cm at every ping.
 const ON_LINE_M: [f32; 2] = [0.10, 0.05];
 /// The other side detects the bottom as far out within so many metres and this share of the range.
 const AS_FAR: [f32; 2] = [0.25, 0.15];
 
-/// Of picks that lie more than 0.34 m above the recorded depth so many are the ground, 0 to 1: on 12 logs of two simulators, with weed, fish,
-/// boulders, mounds and slopes, 1.6 % of 1 430.
+/// Of picks that lie more than 0.34 m above the recorded depth so many are the ground, 0 to 1: on
+/// 12 logs of two simulators, with weed, fish, boulders, mounds and slopes, 1.6 % of 1 430.
 pub(super) const ABOVE_BOTTOM_SHARE: f32 = 0.03;
-/// The same by the height above the recorded depth, metres: 98 % of 60 picks from 0.20 to 0.25 m, 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
+/// The same by the height above the recorded depth, metres: 98 % of 60 picks from 0.20 to 0.25 m,
+/// 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
 const ABOVE_BOTTOM: [(f32, f32); 3] = [(0.24, 1.0), (0.28, 0.25), (0.34, ABOVE_BOTTOM_SHARE)];
 
-/// The confidence if what lies above the recorded depth is ground; that of any other return is its own.
+/// The confidence if what lies above the recorded depth is ground; that of any other return is its
+/// own.
 pub(crate) fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
     match above_bottom {
         true => (confidence / ABOVE_BOTTOM_SHARE).min(1.0),
@@ -109,11 +112,7 @@ impl Gathering<'_> {
                     beyond_dead_zone_m: range_m - self.dead_zone_m as f32,
                 }
             };
-            (0..own.len())
-                .into_par_iter()
-                .with_min_len(1024)
-                .map(of)
-                .collect()
+            (0..own.len()).into_par_iter().with_min_len(1024).map(of).collect()
         })
     }
 
@@ -142,22 +141,18 @@ impl Gathering<'_> {
 
     /// Slant ranges by the recorder's scale, metres; NaN without a pick.
     fn ranges_m(&self, side: Side) -> Vec<f32> {
-        let found = self.found[side as usize]
-            .par_iter()
-            .enumerate()
-            .with_min_len(1024);
+        let found = self.found[side as usize].par_iter().enumerate().with_min_len(1024);
         found
             .map(|(index, found)| {
                 let span = self.survey.span(self.first + index, side);
-                span.map_or(f32::NAN, |span| {
-                    span.range_m(f64::from(found.sample)) as f32
-                })
+                span.map_or(f32::NAN, |span| span.range_m(f64::from(found.sample)) as f32)
             })
             .collect()
     }
 }
 
-/// Share of the ranges around a ping, itself left out, that lie within what is allowed so many pings away.
+/// Share of the ranges around a ping, itself left out, that lie within what is allowed so many
+/// pings away.
 fn support(ranges_m: &[f32], ping: usize, range_m: f32, allowed_m: impl Fn(usize) -> f32) -> f32 {
     let around = ping.saturating_sub(REACH)..ranges_m.len().min(ping + REACH + 1);
     let count = around.len() - 1;
@@ -178,32 +173,16 @@ impl Evidence {
         of_first_return * between(self.above_m(), &ABOVE_BOTTOM)
     }
 
-    /// The tracker is seldom wrong, and then for one reason: each sign takes its share. The shares are those of the picks that
-    /// are right at each value of the sign.
+    /// The tracker is seldom wrong, and then for one reason: each sign takes its share. The shares
+    /// are those of the picks that are right at each value of the sign.
     pub(crate) fn chance_of_line(&self) -> f32 {
         let [step, nearer, farther] = self.signs;
         let shares = [
             between(step, &[(1.0, 0.6), (2.0, 0.85), (3.0, 0.985), (4.0, 1.0)]),
-            between(
-                nearer,
-                &[
-                    (0.0, 0.8),
-                    (2.0, 0.84),
-                    (4.0, 0.96),
-                    (12.0, 0.975),
-                    (16.0, 1.0),
-                ],
-            ),
+            between(nearer, &[(0.0, 0.8), (2.0, 0.84), (4.0, 0.96), (12.0, 0.975), (16.0, 1.0)]),
             between(
                 farther,
-                &[
-                    (0.0, 0.45),
-                    (2.0, 0.6),
-                    (3.0, 0.8),
-                    (6.0, 0.9),
-                    (9.0, 0.97),
-                    (14.0, 1.0),
-                ],
+                &[(0.0, 0.45), (2.0, 0.6), (3.0, 0.8), (6.0, 0.9), (9.0, 0.97), (14.0, 1.0)],
             ),
             between(self.own, &[(0.3, 0.6), (0.6, 0.95), (0.9, 1.0)]),
             between(self.of_depth(), &[(1.05, 1.0), (1.15, 0.4)]),
@@ -245,10 +224,7 @@ impl Evidence {
 /// A value on the straight lines between places; beyond the ends, that of the end.
 fn between(at: f32, places: &[(f32, f32)]) -> f32 {
     let after = places.partition_point(|(place, _)| *place <= at);
-    match (
-        after.checked_sub(1).and_then(|before| places.get(before)),
-        places.get(after),
-    ) {
+    match (after.checked_sub(1).and_then(|before| places.get(before)), places.get(after)) {
         (Some((from, low)), Some((to, high))) => low + (high - low) * (at - from) / (to - from),
         (Some((_, value)), None) | (None, Some((_, value))) => *value,
         (None, None) => 0.0,
@@ -273,33 +249,15 @@ mod tests {
     fn what_speaks_against_a_pick_of_the_tracker_lowers_its_chance() {
         let chance = |evidence: Evidence| evidence.chance(Method::Tracker);
         assert!(chance(SOUND) > 0.99);
-        let no_depth = Evidence {
-            depth_m: f32::NAN,
-            ..SOUND
-        };
+        let no_depth = Evidence { depth_m: f32::NAN, ..SOUND };
         assert!(chance(no_depth) > 0.99);
         let against = [
-            Evidence {
-                signs: [2.0, 20.0, 20.0],
-                ..SOUND
-            },
-            Evidence {
-                signs: [5.0, 1.0, 20.0],
-                ..SOUND
-            },
-            Evidence {
-                signs: [5.0, 20.0, 1.0],
-                ..SOUND
-            },
+            Evidence { signs: [2.0, 20.0, 20.0], ..SOUND },
+            Evidence { signs: [5.0, 1.0, 20.0], ..SOUND },
+            Evidence { signs: [5.0, 20.0, 1.0], ..SOUND },
             Evidence { own: 0.4, ..SOUND },
-            Evidence {
-                depth_m: 2.6,
-                ..SOUND
-            },
-            Evidence {
-                depth_m: 3.3,
-                ..SOUND
-            },
+            Evidence { depth_m: 2.6, ..SOUND },
+            Evidence { depth_m: 3.3, ..SOUND },
         ];
         for evidence in against {
             assert!(chance(evidence) < 0.9, "{evidence:?}");
@@ -315,11 +273,7 @@ mod tests {
                     Method::Tracker => SOUND.signs,
                     Method::Threshold => [0.0; 3],
                 };
-                let evidence = Evidence {
-                    depth_m,
-                    signs,
-                    ..SOUND
-                };
+                let evidence = Evidence { depth_m, signs, ..SOUND };
                 evidence.chance(method)
             };
             assert!(chance(0.1) > 0.99 && chance(0.35) <= ABOVE_BOTTOM_SHARE);
@@ -329,29 +283,11 @@ mod tests {
     #[test]
     fn a_threshold_that_is_met_in_the_ring_down_is_no_bottom_and_a_clear_edge_is() {
         let level = |evidence: Evidence| evidence.chance(Method::Threshold);
-        let edge = Evidence {
-            signs: [0.0; 3],
-            ..SOUND
-        };
+        let edge = Evidence { signs: [0.0; 3], ..SOUND };
         assert!(level(edge) > 0.99);
-        let rings = Evidence {
-            range_m: 0.51,
-            beyond_dead_zone_m: 0.01,
-            ..edge
-        };
+        let rings = Evidence { range_m: 0.51, beyond_dead_zone_m: 0.01, ..edge };
         assert!(level(rings) < 0.01);
-        assert!(
-            level(Evidence {
-                depth_m: f32::NAN,
-                ..rings
-            }) < 0.01
-        );
-        assert!(
-            level(Evidence {
-                signs: [0.0, 0.3, 0.0],
-                depth_m: f32::NAN,
-                ..edge
-            }) < 0.2
-        );
+        assert!(level(Evidence { depth_m: f32::NAN, ..rings }) < 0.01);
+        assert!(level(Evidence { signs: [0.0, 0.3, 0.0], depth_m: f32::NAN, ..edge }) < 0.2);
     }
 }

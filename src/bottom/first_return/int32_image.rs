@@ -1,8 +1,9 @@
 //! The published picture: four stored bytes read as one little-endian int32.
 //!
-//! The rows of a composite frame run from far port over the middle to far starboard, and a word takes four neighbours in
-//! that order. Seen outward from the middle, the most significant byte of word `k` is therefore sample `4 k + 3` on
-//! starboard and sample `4 k` on port. A word is negative when that byte is 128 or more.
+//! The rows of a composite frame run from far port over the middle to far starboard, and a word
+//! takes four neighbours in that order. Seen outward from the middle, the most significant byte of
+//! word `k` is therefore sample `4 k + 3` on starboard and sample `4 k` on port. A word is negative
+//! when that byte is 128 or more.
 
 use bathyscope_log::survey::{SampleOrder, Samples, Side};
 

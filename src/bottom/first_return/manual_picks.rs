@@ -1,4 +1,5 @@
-//! Manual picks (bottom edits): where the search is wrong and the analyst sees the ground, they replace what was found.
+//! Manual picks (bottom edits): where the search is wrong and the analyst sees the ground, they
+//! replace what was found.
 
 use super::{FirstReturns, Pick};
 use bathyscope_log::support::statistics::ends;
@@ -6,7 +7,8 @@ use bathyscope_log::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// `bottom.*` settings: the edits of the first returns of one log. The window keeps them in `LOG.bottom.toml`.
+/// `bottom.*` settings: the edits of the first returns of one log. The window keeps them in
+/// `LOG.bottom.toml`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BottomSettings {
@@ -14,7 +16,8 @@ pub struct BottomSettings {
     pub log_bytes: u64,
     /// Side-scan pings of that log.
     pub pings: usize,
-    /// Whether it was drawn with port and starboard exchanged against the recording (`mounting.swap_sides`).
+    /// Whether it was drawn with port and starboard exchanged against the recording
+    /// (`mounting.swap_sides`).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub swapped_sides: bool,
     /// The stretches; no two cover the same ping of a side.
@@ -29,11 +32,12 @@ pub struct BottomEdit {
     pub side: Side,
     /// First and last ping.
     pub pings: [usize; 2],
-    /// Ping and slant range, metres by the recorder's scale; straight between them, level beyond the ends. None where no
-    /// bottom is detected.
+    /// Ping and slant range, metres by the recorder's scale; straight between them, level beyond
+    /// the ends. None where no bottom is detected.
     #[serde(default)]
     pub corners: Vec<[f64; 2]>,
-    /// The first returns stay where they were found, and are bottom whatever the recorded depth. Such a stretch has no corners.
+    /// The first returns stay where they were found, and are bottom whatever the recorded depth.
+    /// Such a stretch has no corners.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub accepted: bool,
 }
@@ -42,9 +46,11 @@ pub struct BottomEdit {
 const MOST_LINES: usize = 100_000;
 
 impl BottomEdit {
-    /// The line along a path of the pen, from ping to ping; `path` holds pings with their fractions (ping 7 lies between 7 and
-    /// 8) and slant ranges, metres. Where the pen went back, what it drew last counts. Corners that lie on the line within
-    /// `tolerance_m` are left out. `None` of a path that meets none of the `count` pings.
+    /// The line along a path of the pen, from ping to ping; `path` holds pings with their fractions
+    /// (ping 7 lies between 7 and
+    /// 8) and slant ranges, metres. Where the pen went back, what it drew last counts. Corners that
+    ///    lie on the line within `tolerance_m` are left out. `None` of a path that meets none of
+    ///    the `count` pings.
     pub fn along(
         path: &[[f64; 2]],
         side: Side,
@@ -108,13 +114,7 @@ impl BottomEdit {
         let before = (first < pings[0]).then(|| [first, last.min(pings[0].saturating_sub(1))]);
         let after = (last > pings[1]).then(|| [first.max(pings[1] + 1), last]);
         let line = self.clone();
-        [before, after]
-            .into_iter()
-            .flatten()
-            .map(move |pings| BottomEdit {
-                pings,
-                ..line.clone()
-            })
+        [before, after].into_iter().flatten().map(move |pings| BottomEdit { pings, ..line.clone() })
     }
 }
 
@@ -151,23 +151,18 @@ impl BottomSettings {
     /// # Errors
     /// When it was drawn on another log.
     pub fn belongs_to(&self, survey: &Survey) -> Result<(), OtherLog> {
-        let Self {
-            log_bytes, pings, ..
-        } = Self::of(survey);
+        let Self { log_bytes, pings, .. } = Self::of(survey);
         // An earlier version counted the bytes of a track that was applied to the log.
         let track = survey.track.external.as_ref().and(survey.bytes.last());
         let with_track = log_bytes + track.map_or(0, |track| track.len() as u64);
         if self.pings == pings && [log_bytes, with_track].contains(&self.log_bytes) {
             return Ok(());
         }
-        Err(OtherLog {
-            drawn_on: (self.log_bytes, self.pings),
-            log: (log_bytes, pings),
-        })
+        Err(OtherLog { drawn_on: (self.log_bytes, self.pings), log: (log_bytes, pings) })
     }
 
-    /// The same for the log whose sidecar file it is: what an earlier version kept while a track was applied to the log
-    /// counts the bytes of that, which may be gone.
+    /// The same for the log whose sidecar file it is: what an earlier version kept while a track
+    /// was applied to the log counts the bytes of that, which may be gone.
     ///
     /// # Errors
     /// When it was drawn on another log.
@@ -175,23 +170,16 @@ impl BottomSettings {
         let of = Self::of(survey);
         if survey.was(self.log_bytes, self.pings) {
             // More of it was written since.
-            return Ok(Self {
-                log_bytes: of.log_bytes,
-                pings: of.pings,
-                ..self
-            });
+            return Ok(Self { log_bytes: of.log_bytes, pings: of.pings, ..self });
         }
         if self.pings != of.pings || self.log_bytes < of.log_bytes {
             self.belongs_to(survey)?;
         }
-        Ok(Self {
-            log_bytes: of.log_bytes,
-            ..self
-        }
-        .with_sides(survey.swapped_sides))
+        Ok(Self { log_bytes: of.log_bytes, ..self }.with_sides(survey.swapped_sides))
     }
 
-    /// The same edits for a log whose port and starboard are exchanged or not: what was drawn on an echo stays on it.
+    /// The same edits for a log whose port and starboard are exchanged or not: what was drawn on an
+    /// echo stays on it.
     #[must_use]
     pub fn with_sides(mut self, swapped_sides: bool) -> Self {
         if !self.is_empty() && self.swapped_sides != swapped_sides {
@@ -225,10 +213,7 @@ impl BottomSettings {
             let parts = meets.then(|| line.outside(pings));
             whole.into_iter().chain(parts.into_iter().flatten())
         });
-        Self {
-            lines: lines.collect(),
-            ..*self
-        }
+        Self { lines: lines.collect(), ..*self }
     }
 
     /// The line over a ping, if one was drawn there.
@@ -251,7 +236,8 @@ impl BottomSettings {
         lines.map(|line| line.span().count()).sum()
     }
 
-    /// How many first returns of this log were drawn and accepted, in sentences for its report; empty where none was.
+    /// How many first returns of this log were drawn and accepted, in sentences for its report;
+    /// empty where none was.
     pub fn statement(&self, survey: &Survey) -> String {
         // A drawing of another log is not even counted: it may claim any number of pings.
         if self.is_empty() || self.belongs_to(survey).is_err() {
@@ -267,11 +253,7 @@ impl BottomSettings {
                 "At {count} pings first returns above the recorded depth are accepted as bottom."
             ),
         };
-        let gap = if drawn.is_empty() || accepted.is_empty() {
-            ""
-        } else {
-            " "
-        };
+        let gap = if drawn.is_empty() || accepted.is_empty() { "" } else { " " };
         drawn + gap + &accepted
     }
 
@@ -306,8 +288,9 @@ impl BottomSettings {
         Ok(())
     }
 
-    /// Applies the edits to what was found; a manual pick is certain, and neither it nor an accepted one is an above-bottom return. Drawn on
-    /// another log, they are left out with a warning.
+    /// Applies the edits to what was found; a manual pick is certain, and neither it nor an
+    /// accepted one is an above-bottom return. Drawn on another log, they are left out with a
+    /// warning.
     pub fn apply(&self, survey: &Survey, returns: &mut FirstReturns) {
         if self.is_empty() {
             return;
@@ -345,7 +328,8 @@ impl BottomSettings {
     }
 }
 
-/// Fewest corners whose line stays within a tolerance of all (D. Douglas, T. Peucker, 1973, measured along the range).
+/// Fewest corners whose line stays within a tolerance of all (D. Douglas, T. Peucker, 1973,
+/// measured along the range).
 fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
     let Some(last) = corners.len().checked_sub(1) else {
         return Vec::new();
@@ -388,12 +372,7 @@ mod tests {
     fn a_path_of_the_pen_gives_each_ping_its_range_and_few_corners() {
         // A straight way of 40 pings in 9 steps, then back over the last ten at 9 m.
         let mut path: Vec<[f64; 2]> = (0..10)
-            .map(|step| {
-                [
-                    10.5 + f64::from(step) * 40.0 / 9.0,
-                    4.0 + f64::from(step) * 0.4,
-                ]
-            })
+            .map(|step| [10.5 + f64::from(step) * 40.0 / 9.0, 4.0 + f64::from(step) * 0.4])
             .collect();
         path.extend([[50.5, 9.0], [40.5, 9.0]]);
         let drawn = BottomEdit::along(&path, Side::Port, 100, 0.01).expect("a line");
@@ -422,10 +401,7 @@ mod tests {
 
     #[test]
     fn the_last_line_counts_and_what_it_does_not_cover_stays() {
-        let log = BottomSettings {
-            pings: 99,
-            ..BottomSettings::default()
-        };
+        let log = BottomSettings { pings: 99, ..BottomSettings::default() };
         let all = log
             .with(line(Side::Port, [10, 30], 3.0))
             .with(line(Side::Starboard, [0, 98], 5.0))
@@ -446,9 +422,7 @@ mod tests {
         }
         assert_eq!(range_m(Side::Starboard, 22), Some(5.0));
         assert_eq!(all.ping_count(), 21 + 99);
-        let less = all
-            .without(Side::Starboard, [0, 97])
-            .without(Side::Port, [0, 98]);
+        let less = all.without(Side::Starboard, [0, 97]).without(Side::Port, [0, 98]);
         assert_eq!(less.ping_count(), 1);
         assert!(less.without(Side::Starboard, [98, 98]).is_empty());
     }
@@ -478,12 +452,7 @@ mod tests {
         assert_eq!(returns.port[0].sample, 20.0);
         assert!((0..4).all(|ping| returns.is_drawn(Side::Port, ping)));
         assert!(!returns.is_drawn(Side::Port, 4) && !returns.is_drawn(Side::Starboard, 0));
-        assert!(
-            returns
-                .port
-                .iter()
-                .all(|pick| pick.is_some() || pick.confidence == 0.0)
-        );
+        assert!(returns.port.iter().all(|pick| pick.is_some() || pick.confidence == 0.0));
         assert!(!returns.port[1].is_some() && !returns.port[2].is_some());
 
         let of_another_log = BottomSettings {
@@ -501,18 +470,13 @@ mod tests {
     fn settings_that_no_hand_can_have_drawn_are_refused() {
         let with = |lines: &str| {
             let text = format!("log_bytes = 9\npings = 50\n{lines}");
-            toml::from_str::<BottomSettings>(&text)
-                .expect("settings")
-                .check()
+            toml::from_str::<BottomSettings>(&text).expect("settings").check()
         };
         assert_eq!(
             with("[[lines]]\nside = 'port'\npings = [3, 9]\ncorners = [[3, 2], [9, 2.5]]"),
             Ok(())
         );
-        assert_eq!(
-            with("[[lines]]\nside = 'starboard'\npings = [3, 3]"),
-            Ok(())
-        );
+        assert_eq!(with("[[lines]]\nside = 'starboard'\npings = [3, 3]"), Ok(()));
         for wrong in [
             "pings = [9, 3]",
             "pings = [3, 50]",
@@ -520,10 +484,7 @@ mod tests {
             "pings = [3, 9]\ncorners = [[3, -1]]",
             "pings = [3, 9]\ncorners = [[9, 1], [3, 1]]",
         ] {
-            assert!(
-                with(&format!("[[lines]]\nside = 'port'\n{wrong}")).is_err(),
-                "{wrong}"
-            );
+            assert!(with(&format!("[[lines]]\nside = 'port'\n{wrong}")).is_err(), "{wrong}");
         }
     }
 }

@@ -3,9 +3,11 @@
 //! In: a survey. Out: a first return for each ping and side, and these with the bottom edits.
 //! It uses `survey` and `support`.
 //!
-//! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the plain method, `tracker` the one
-//! that follows the bottom as a whole line, `confidence` says how sure a pick is, `above_bottom` which lie above the recorded depth,
-//! `manual_picks` holds what the analyst drew instead, `accepted` what was accepted as it was found, `bottom_line` which bottom the picture is laid out by.
+//! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the
+//! plain method, `tracker` the one that follows the bottom as a whole line, `confidence` says how
+//! sure a pick is, `above_bottom` which lie above the recorded depth, `manual_picks` holds what the
+//! analyst drew instead, `accepted` what was accepted as it was found, `bottom_line` which bottom
+//! the picture is laid out by.
 
 mod above_bottom;
 mod accepted;
@@ -39,7 +41,8 @@ pub enum SampleMode {
     /// The recorded bytes.
     #[default]
     Bytes,
-    /// Four bytes read as one little-endian int32, as the published code does: a picture of a quarter of the columns.
+    /// Four bytes read as one little-endian int32, as the published code does: a picture of a
+    /// quarter of the columns.
     Words,
 }
 
@@ -71,8 +74,8 @@ pub struct FirstReturnSettings {
     pub threshold: f32,
     /// Slant range around the transducer that is ignored (ring-down), metres.
     pub dead_zone_m: f64,
-    /// A pick nearer than the recorded depth by more than this is flagged as an above-bottom return, metres; not where the recorder had lost
-    /// the bottom.
+    /// A pick nearer than the recorded depth by more than this is flagged as an above-bottom
+    /// return, metres; not where the recorder had lost the bottom.
     pub above_bottom_margin_m: f64,
     /// Least confidence of a first return whose point is kept, 0 to 1.
     pub min_confidence: f32,
@@ -87,7 +90,8 @@ impl Default for FirstReturnSettings {
             threshold: 0.3,
             dead_zone_m: 0.5,
             above_bottom_margin_m: 0.15,
-            // On ponds less than one in four threshold picks below it is right, weed counted; the tracker has hardly one there.
+            // On ponds less than one in four threshold picks below it is right, weed counted; the
+            // tracker has hardly one there.
             min_confidence: 0.2,
             bottom_line: BottomLine::Search,
         }
@@ -95,8 +99,8 @@ impl Default for FirstReturnSettings {
 }
 
 impl FirstReturnSettings {
-    /// Whether both find the same picks: the least confidence only decides which of them are kept, and the bottom line which of them the
-    /// picture is laid out by.
+    /// Whether both find the same picks: the least confidence only decides which of them are kept,
+    /// and the bottom line which of them the picture is laid out by.
     pub fn finds_the_same(&self, other: &Self) -> bool {
         Self {
             min_confidence: other.min_confidence,
@@ -109,24 +113,23 @@ impl FirstReturnSettings {
 /// Where the bottom was first detected on one side of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
-    /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no pick.
+    /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no
+    /// pick.
     pub sample: f32,
-    /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated ponds ([`Evidence`]);
-    /// 0 when there is no pick.
+    /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated
+    /// ponds ([`Evidence`]); 0 when there is no pick.
     pub confidence: f32,
-    /// Nearer than the recorded depth by more than the margin: an above-bottom return (weed, fish, another obstacle).
+    /// Nearer than the recorded depth by more than the margin: an above-bottom return (weed, fish,
+    /// another obstacle).
     pub above_bottom: bool,
 }
 
 impl Pick {
     /// No return found.
-    pub const NONE: Pick = Pick {
-        sample: f32::NAN,
-        confidence: 0.0,
-        above_bottom: false,
-    };
+    pub const NONE: Pick = Pick { sample: f32::NAN, confidence: 0.0, above_bottom: false };
 
-    /// Takes the return for the bottom although it lies above the recorded depth: its confidence is then that of ground.
+    /// Takes the return for the bottom although it lies above the recorded depth: its confidence is
+    /// then that of ground.
     fn accept(&mut self) {
         self.confidence = ground_confidence(self.confidence, self.above_bottom);
         self.above_bottom = false;
@@ -145,7 +148,8 @@ pub struct FirstReturns {
     pub port: Arc<Vec<Pick>>,
     /// One entry per [`Survey::side_scan`] ping.
     pub starboard: Arc<Vec<Pick>>,
-    /// What the search should say about itself (for example words whose sign bit defeats the threshold).
+    /// What the search should say about itself (for example words whose sign bit defeats the
+    /// threshold).
     pub warnings: Vec<String>,
     /// Stretches of manual picks: first and last ping, and the side.
     pub drawn: Vec<(Side, [usize; 2])>,
@@ -189,8 +193,9 @@ impl FirstReturns {
     }
 }
 
-/// Finds the first return on both sides of every ping. None is in the noise that a unit without a side-scan transducer
-/// records: whatever passed a threshold there would be a point at a made-up depth.
+/// Finds the first return on both sides of every ping. None is in the noise that a unit without a
+/// side-scan transducer records: whatever passed a threshold there would be a point at a made-up
+/// depth.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -207,7 +212,8 @@ pub fn detect(
     detect_with(survey, image, settings, &normalisation, progress)
 }
 
-/// As [`detect`] by a scale that was measured before: that of a picture of which the survey is a part.
+/// As [`detect`] by a scale that was measured before: that of a picture of which the survey is a
+/// part.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -235,14 +241,11 @@ pub fn detect_with(
 
 fn none(survey: &Survey) -> FirstReturns {
     let none = Arc::new(vec![Pick::NONE; survey.side_scan.len()]);
-    FirstReturns {
-        port: none.clone(),
-        starboard: none,
-        ..FirstReturns::default()
-    }
+    FirstReturns { port: none.clone(), starboard: none, ..FirstReturns::default() }
 }
 
-/// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their confidence is fitted to.
+/// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their
+/// confidence is fitted to.
 pub fn evidence(
     survey: &Survey,
     image: &ImageSettings,
@@ -289,8 +292,9 @@ fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
 
 /// The tracker over some pings only; the same picks as over the whole survey.
 ///
-/// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture, kept by the caller
-/// ([`ThresholdIndex::normalisation`] has it). The result has one entry per ping of `pings`.
+/// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture,
+/// kept by the caller ([`ThresholdIndex::normalisation`] has it). The result has one entry per ping
+/// of `pings`.
 ///
 /// # Errors
 /// When the work was cancelled.

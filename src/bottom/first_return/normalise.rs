@@ -1,4 +1,5 @@
-//! Normalised intensity: the middle set to zero, then min-max over the whole picture, as the paper does it.
+//! Normalised intensity: the middle set to zero, then min-max over the whole picture, as the paper
+//! does it.
 
 use super::int32_image;
 use super::{ImageSettings, SampleMode};
@@ -11,8 +12,8 @@ pub(super) const BLOCK: usize = 512;
 
 /// The scale between recorded and normalised intensity, measured over the whole masked picture.
 ///
-/// `normalised = (value - lowest) / (highest - lowest)`, where a value is a byte, or the signed word of
-/// [`SampleMode::Words`]. The middle of the picture (the dead zone) counts as zeros.
+/// `normalised = (value - lowest) / (highest - lowest)`, where a value is a byte, or the signed
+/// word of [`SampleMode::Words`]. The middle of the picture (the dead zone) counts as zeros.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Normalisation {
     /// What a value of the picture is.
@@ -51,17 +52,8 @@ impl Normalisation {
             .try_reduce(|| ValueExtremes::NONE, |a, b| Ok(a.and(b)))?;
         let ValueExtremes { lowest, highest } = extremes;
         // A picture without a single value is black.
-        let (lowest, highest) = if lowest > highest {
-            (0, 0)
-        } else {
-            (lowest, highest)
-        };
-        Ok(Self {
-            samples: image.samples,
-            dead_zone_m,
-            lowest,
-            highest,
-        })
+        let (lowest, highest) = if lowest > highest { (0, 0) } else { (lowest, highest) };
+        Ok(Self { samples: image.samples, dead_zone_m, lowest, highest })
     }
 
     /// The scale over this picture and another part of it.
@@ -80,13 +72,15 @@ impl Normalisation {
         }
     }
 
-    /// The smallest value whose normalised intensity reaches `level`; above every value when the picture is empty.
+    /// The smallest value whose normalised intensity reaches `level`; above every value when the
+    /// picture is empty.
     pub(crate) fn raw_level(&self, level: f32) -> i64 {
         let span = i64::from(self.highest) - i64::from(self.lowest);
         if span <= 0 {
             return i64::MAX;
         }
-        // A level such as 0.2 is not exact in binary: without the slack, the value that is 0.2 would miss it.
+        // A level such as 0.2 is not exact in binary: without the slack, the value that is 0.2
+        // would miss it.
         let raw = (f64::from(level) - 1e-6) * span as f64;
         i64::from(self.lowest) + raw.ceil() as i64
     }
@@ -97,8 +91,8 @@ impl Normalisation {
         ((i64::from(value) - i64::from(self.lowest)) as f64 / span as f64) as f32
     }
 
-    /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one value a sample, or one a
-    /// word of four. Empty where the side was not recorded.
+    /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one
+    /// value a sample, or one a word of four. Empty where the side was not recorded.
     pub fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
         let span = survey.span(ping, side);
         let Some((span, samples)) = span.zip(survey.samples(ping, side)) else {
@@ -147,23 +141,14 @@ struct ValueExtremes {
 }
 
 impl ValueExtremes {
-    const NONE: Self = Self {
-        lowest: i32::MAX,
-        highest: i32::MIN,
-    };
+    const NONE: Self = Self { lowest: i32::MAX, highest: i32::MIN };
 
     fn and(self, other: Self) -> Self {
-        Self {
-            lowest: self.lowest.min(other.lowest),
-            highest: self.highest.max(other.highest),
-        }
+        Self { lowest: self.lowest.min(other.lowest), highest: self.highest.max(other.highest) }
     }
 
     fn with(self, value: i32) -> Self {
-        self.and(Self {
-            lowest: value,
-            highest: value,
-        })
+        self.and(Self { lowest: value, highest: value })
     }
 }
 
@@ -173,39 +158,33 @@ fn ping_extremes(
     mode: SampleMode,
     dead_zone_m: f64,
 ) -> ValueExtremes {
-    Side::BOTH
-        .into_iter()
-        .fold(ValueExtremes::NONE, |extremes, side| {
-            let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side))
-            else {
-                return extremes;
-            };
-            let dead = dead_samples(span, dead_zone_m);
-            let masked = if dead > 0 { extremes.with(0) } else { extremes };
-            match mode {
-                SampleMode::Bytes => match samples.stored_u8() {
-                    Some((stored, order)) => {
-                        masked.and(byte_extremes(int32_image::beyond(stored, order, dead)))
-                    }
-                    None => (dead..samples.len())
-                        .fold(masked, |all, at| all.with(i32::from(samples.get(at)))),
-                },
-                SampleMode::Words => {
-                    int32_image::outward(samples, side, dead).fold(masked, ValueExtremes::with)
+    Side::BOTH.into_iter().fold(ValueExtremes::NONE, |extremes, side| {
+        let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side))
+        else {
+            return extremes;
+        };
+        let dead = dead_samples(span, dead_zone_m);
+        let masked = if dead > 0 { extremes.with(0) } else { extremes };
+        match mode {
+            SampleMode::Bytes => match samples.stored_u8() {
+                Some((stored, order)) => {
+                    masked.and(byte_extremes(int32_image::beyond(stored, order, dead)))
                 }
+                None => (dead..samples.len())
+                    .fold(masked, |all, at| all.with(i32::from(samples.get(at)))),
+            },
+            SampleMode::Words => {
+                int32_image::outward(samples, side, dead).fold(masked, ValueExtremes::with)
             }
-        })
+        }
+    })
 }
 
 fn byte_extremes(bytes: &[u8]) -> ValueExtremes {
     if bytes.is_empty() {
         return ValueExtremes::NONE;
     }
-    let (lowest, highest) = bytes.iter().fold((u8::MAX, u8::MIN), |(low, high), &byte| {
-        (low.min(byte), high.max(byte))
-    });
-    ValueExtremes {
-        lowest: i32::from(lowest),
-        highest: i32::from(highest),
-    }
+    let (lowest, highest) =
+        bytes.iter().fold((u8::MAX, u8::MIN), |(low, high), &byte| (low.min(byte), high.max(byte)));
+    ValueExtremes { lowest: i32::from(lowest), highest: i32::from(highest) }
 }

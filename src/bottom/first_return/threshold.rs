@@ -1,7 +1,8 @@
 //! The plain threshold, fast enough to follow a slider over any length of log.
 //!
-//! The first sample that reaches a level is always one that exceeds all samples before it. Those running maxima are few
-//! (six to ten of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
+//! The first sample that reaches a level is always one that exceeds all samples before it. Those
+//! running maxima are few (six to ten of 1400 samples), so they are kept once per side of a ping,
+//! and any level is a search among them.
 
 use super::confidence::{Gathering, MethodPick};
 use super::normalise::{BLOCK, dead_samples};
@@ -11,10 +12,11 @@ use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Answers where a threshold is first reached, for any threshold, without looking at the picture again.
+/// Answers where a threshold is first reached, for any threshold, without looking at the picture
+/// again.
 ///
-/// Made once for a survey, a sample mode and a dead zone. About 3 bytes for each running maximum: some 6 MB for
-/// 100 000 pings. Samples beyond the 65 535th of a side are not searched.
+/// Made once for a survey, a sample mode and a dead zone. About 3 bytes for each running maximum:
+/// some 6 MB for 100 000 pings. Samples beyond the 65 535th of a side are not searched.
 #[derive(Clone, Debug)]
 pub struct ThresholdIndex {
     normalisation: Normalisation,
@@ -67,17 +69,12 @@ impl ThresholdIndex {
             }
         };
         let pings = 0..survey.side_scan.len();
-        let depths_m = pings
-            .into_par_iter()
-            .map(|ping| survey.locked_depth_m(ping));
-        Ok(Self {
-            normalisation,
-            maxima,
-            depths_m: depths_m.collect(),
-        })
+        let depths_m = pings.into_par_iter().map(|ping| survey.locked_depth_m(ping));
+        Ok(Self { normalisation, maxima, depths_m: depths_m.collect() })
     }
 
-    /// The first sample of every side of every ping, outward, whose normalised intensity reaches `level`.
+    /// The first sample of every side of every ping, outward, whose normalised intensity reaches
+    /// `level`.
     pub(super) fn found(&self, level: f32) -> Settled {
         let levels = ThresholdLevels::new(&self.normalisation, level);
         let side = |side: usize| {
@@ -91,13 +88,11 @@ impl ThresholdIndex {
             });
             found.collect()
         };
-        Settled {
-            found: [side(0), side(1)],
-            depths_m: self.depths_m.clone(),
-        }
+        Settled { found: [side(0), side(1)], depths_m: self.depths_m.clone() }
     }
 
-    /// The first returns of the whole survey at one threshold. `survey` is the one that the index was built from.
+    /// The first returns of the whole survey at one threshold. `survey` is the one that the index
+    /// was built from.
     pub fn detect(
         &self,
         survey: &Survey,
@@ -149,14 +144,9 @@ impl ThresholdLevels {
         let sample = f32::from(sample);
         let near = f32::from(at[first(self.below).min(step)]);
         // Where no sample is as bright as that, the bottom lies nowhere.
-        let far = at
-            .get(first(self.above))
-            .map_or(2.0 * sample, |&at| f32::from(at));
+        let far = at.get(first(self.above)).map_or(2.0 * sample, |&at| f32::from(at));
         let share = |samples: f32| (samples / sample.max(1.0)).min(1.0);
-        MethodPick {
-            sample,
-            signs: [share(sample - near), share(far - sample), 0.0],
-        }
+        MethodPick { sample, signs: [share(sample - near), share(far - sample), 0.0] }
     }
 }
 
@@ -202,11 +192,7 @@ impl<V: Copy + Send + Sync + PartialOrd> Staircases<V> {
                 progress.check()?;
                 let range = block * BLOCK..pings.min((block + 1) * BLOCK);
                 progress.advance(range.len() as u64);
-                let mut stairs = Staircase {
-                    at: Vec::new(),
-                    value: Vec::new(),
-                    row: Vec::new(),
-                };
+                let mut stairs = Staircase { at: Vec::new(), value: Vec::new(), row: Vec::new() };
                 let mut lengths = Vec::with_capacity(2 * range.len());
                 for ping in range {
                     for side in Side::BOTH {

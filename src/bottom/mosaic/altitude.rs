@@ -6,11 +6,13 @@ use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
-/// Pings before and behind whose middle value counts: a fish or a lost pick must not bend the ground.
+/// Pings before and behind whose middle value counts: a fish or a lost pick must not bend the
+/// ground.
 const HALF_PINGS: usize = 6;
 
-/// Altitude of every ping on one side, metres: the median over nearby pings of the first returns, where one is none or lies above
-/// the bottom by the recorded depth; between such stretches linear in the ping. NaN throughout where there is neither.
+/// Altitude of every ping on one side, metres: the median over nearby pings of the first returns,
+/// where one is none or lies above the bottom by the recorded depth; between such stretches linear
+/// in the ping. NaN throughout where there is neither.
 pub fn altitudes_m(
     survey: &Survey,
     returns: &FirstReturns,
@@ -24,11 +26,8 @@ pub fn altitudes_m(
         .into_par_iter()
         .map(|ping| {
             let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(measured.len());
-            let mut known: Vec<f64> = measured[near]
-                .iter()
-                .copied()
-                .filter(|m| m.is_finite())
-                .collect();
+            let mut known: Vec<f64> =
+                measured[near].iter().copied().filter(|m| m.is_finite()).collect();
             median(&mut known) as f32
         })
         .collect();
@@ -51,11 +50,7 @@ fn altitude_m(
         }
         _ => f64::NAN,
     };
-    if picked_m > 0.0 {
-        picked_m
-    } else {
-        f64::from(survey.locked_depth_m(ping))
-    }
+    if picked_m > 0.0 { picked_m } else { f64::from(survey.locked_depth_m(ping)) }
 }
 
 /// Fills NaN linearly between its neighbours, and with the nearest value at both ends.

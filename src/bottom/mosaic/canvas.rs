@@ -38,17 +38,14 @@ impl Canvas {
         }
     }
 
-    /// Least and greatest distance on the ground, along a ray of a strip, at which the ray is no farther than `apart_m` from a cell of the
-    /// window; `None` where it is nowhere.
+    /// Least and greatest distance on the ground, along a ray of a strip, at which the ray is no
+    /// farther than `apart_m` from a cell of the window; `None` where it is nowhere.
     pub(super) fn distances_m(&self, ray: &MosaicRay, apart_m: f64) -> Option<[f64; 2]> {
         let window = &self.window;
         let around_m = apart_m + window.cell_m;
         let [west_m, south_m, east_m, north_m] = window.bounds_m();
         let mut distances_m = [0.0, f64::INFINITY];
-        for (axis, bounds_m) in [[west_m, east_m], [south_m, north_m]]
-            .into_iter()
-            .enumerate()
-        {
+        for (axis, bounds_m) in [[west_m, east_m], [south_m, north_m]].into_iter().enumerate() {
             let from_here = bounds_m.map(|bound_m| bound_m - ray.at[axis]);
             let [least_m, most_m] = [from_here[0] - around_m, from_here[1] + around_m];
             let out = ray.out[axis];
@@ -72,12 +69,7 @@ impl Canvas {
         strip: &[MosaicRay; 2],
         lines: [&MosaicLine; 2],
     ) {
-        vectorised(PaintStrip {
-            canvas: self,
-            corners,
-            strip,
-            lines,
-        });
+        vectorised(PaintStrip { canvas: self, corners, strip, lines });
     }
 
     /// As [`Canvas::paint`]; not vectorised.
@@ -89,10 +81,12 @@ impl Canvas {
         lines: [&MosaicLine; 2],
     ) {
         let window = self.window;
-        // Cells are taken in rows or in columns, whichever run along the rays: few runs, and long ones.
+        // Cells are taken in rows or in columns, whichever run along the rays: few runs, and long
+        // ones.
         let is_along_rows = strip[0].out[0].abs() >= strip[0].out[1].abs();
         let turned = |[x, y]: [f64; 2]| if is_along_rows { [x, y] } else { [y, x] };
-        // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
+        // In cells from the window's north-west corner, rows southward; a cell's middle is at +
+        // 0.5.
         let mut in_cells = *corners;
         for corner in &mut in_cells {
             *corner = turned([
@@ -147,10 +141,7 @@ impl Canvas {
     /// 0 where nothing was seen, else 1 to 255.
     pub(super) fn finish(self) -> Vec<u8> {
         let mut levels = vec![0; self.sums.len()];
-        vectorised(FinishCells {
-            sums: &self.sums,
-            levels: &mut levels,
-        });
+        vectorised(FinishCells { sums: &self.sums, levels: &mut levels });
         levels
     }
 }
@@ -168,8 +159,7 @@ impl VectorLoop for PaintStrip<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.canvas
-            .paint_cells(self.corners, self.strip, self.lines);
+        self.canvas.paint_cells(self.corners, self.strip, self.lines);
     }
 }
 
@@ -192,9 +182,10 @@ impl VectorLoop for FinishCells<'_> {
 
 /// The ground between two rays, on which one is turned and moved evenly into the other.
 ///
-/// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`) lies on it where
-/// `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`, with `f(0) = q x s` and `f(1) = (q - dp) x (s + ds)`: on which side
-/// of each of both rays the place lies. Where the signs differ it lies between them.
+/// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`)
+/// lies on it where `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`, with `f(0) = q x
+/// s` and `f(1) = (q - dp) x (s + ds)`: on which side of each of both rays the place lies. Where
+/// the signs differ it lies between them.
 struct GroundBetween {
     here: MosaicRay,
     next: MosaicRay,
@@ -218,32 +209,24 @@ impl GroundBetween {
     #[inline(always)]
     fn new(&[here, next]: &[MosaicRay; 2]) -> Self {
         let (dp, ds) = (minus(next.at, here.at), minus(next.out, here.out));
-        Self {
-            here,
-            next,
-            dp,
-            ds,
-            bend: -cross(dp, ds),
-        }
+        Self { here, next, dp, ds, bend: -cross(dp, ds) }
     }
 
-    /// Where a place lies between the rays: the share of the way from the first to the second, and the distance out along the ray
-    /// there, metres on the ground; NaN where it does not.
+    /// Where a place lies between the rays: the share of the way from the first to the second, and
+    /// the distance out along the ray there, metres on the ground; NaN where it does not.
     #[inline(always)]
     fn find(&self, place: [f64; 2]) -> [f64; 2] {
         let q = minus(place, self.here.at);
         let first = cross(q, self.here.out);
-        // The next strip computes the same of this ray: no place lies in both strips, or in neither.
+        // The next strip computes the same of this ray: no place lies in both strips, or in
+        // neither.
         let second = cross(minus(place, self.next.at), self.next.out);
         let is_between = (first >= 0.0) != (second >= 0.0);
         // The chord of `f`, then a step of Newton's method: the bend is small against the chord.
         let per_share = 1.0 / (first - second);
         let chord = first * per_share;
         let share = (chord - self.bend * chord * (1.0 - chord) * per_share).clamp(0.0, 1.0);
-        let out = [
-            self.here.out[0] + share * self.ds[0],
-            self.here.out[1] + share * self.ds[1],
-        ];
+        let out = [self.here.out[0] + share * self.ds[0], self.here.out[1] + share * self.ds[1]];
         let from = [q[0] - share * self.dp[0], q[1] - share * self.dp[1]];
         let ground_m = (from[0] * out[0] + from[1] * out[1]) / (out[0] * out[0] + out[1] * out[1]);
         let is_there = is_between & (ground_m >= 0.0);
@@ -260,10 +243,7 @@ mod tests {
     fn a_place_between_two_turned_rays_is_found_where_it_was_put() {
         let ray = |at: [f64; 2], heading_deg: f64| MosaicRay {
             at,
-            out: [
-                heading_deg.to_radians().cos(),
-                heading_deg.to_radians().sin(),
-            ],
+            out: [heading_deg.to_radians().cos(), heading_deg.to_radians().sin()],
             altitude_m: 3.0,
             under_m: 3.0,
             across: AcrossTrack::LEVEL,
@@ -282,14 +262,8 @@ mod tests {
                         + ground_m * lerp(strip[0].out[axis], strip[1].out[axis])
                 });
                 let found = between.find(place);
-                assert!(
-                    (found[0] - share).abs() < 1e-3,
-                    "{share} {ground_m}: {found:?}"
-                );
-                assert!(
-                    (found[1] - ground_m).abs() < 1e-3,
-                    "{share} {ground_m}: {found:?}"
-                );
+                assert!((found[0] - share).abs() < 1e-3, "{share} {ground_m}: {found:?}");
+                assert!((found[1] - ground_m).abs() < 1e-3, "{share} {ground_m}: {found:?}");
             }
         }
         assert!(between.find([10.0, 19.9])[1].is_nan());

@@ -7,11 +7,13 @@ use crate::bathymetry::isobaths::{Polygon, depth_areas};
 use crate::bathymetry::{Grid, Surface};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Side of the squares that the ground is sampled with, metres, unless that would make more than [`MOST_SQUARES`] along a side.
+/// Side of the squares that the ground is sampled with, metres, unless that would make more than
+/// [`MOST_SQUARES`] along a side.
 const SQUARE_M: f64 = 0.5;
 const MOST_SQUARES: f64 = 2000.0;
 
-/// The ground that any strip of the logs covers, in the plane that their layouts share; to half a square. Empty where nothing is shown.
+/// The ground that any strip of the logs covers, in the plane that their layouts share; to half a
+/// square. Empty where nothing is shown.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -68,7 +70,8 @@ mod tests {
     fn strips_side_by_side_cover_all_between_them() {
         let grid = Grid::at([0.0, 20.0], 0.5, [80, 40]);
         let mut covered = vec![0.0; grid.len()];
-        // A fan of thin strips, 30 m long and slanting: the parallelogram from x = 1 to 9 at the bottom, 6 m to the right on top.
+        // A fan of thin strips, 30 m long and slanting: the parallelogram from x = 1 to 9 at the
+        // bottom, 6 m to the right on top.
         for strip in 0..80 {
             let [from, to] = [strip, strip + 1].map(|edge| 1.0 + 0.1 * f64::from(edge));
             cover(

@@ -1,14 +1,17 @@
-//! Empirical gain normalisation: the level that the ground has on average, by range and by angle from straight down.
+//! Empirical gain normalisation: the level that the ground has on average, by range and by angle
+//! from straight down.
 //!
-//! What is left of spreading, absorption, the beam's pattern and the recorder's own gain shows as bright and dark bands along
-//! the track. Spreading, absorption and time-varied gain depend on the range alone, the beam's pattern and the backscatter of
-//! level ground on the angle alone, so the mean level of a side is taken as the product of two curves. Both are fitted to
-//! all pings of the survey at once. A range and angle that only a few pings reached then takes what other pings say of that range
-//! and of that angle; its own mean would divide away what lies there. A shadow or an object is rare at any one range and angle, so
-//! it hardly moves a curve and keeps its contrast.
+//! What is left of spreading, absorption, the beam's pattern and the recorder's own gain shows as
+//! bright and dark bands along the track. Spreading, absorption and time-varied gain depend on the
+//! range alone, the beam's pattern and the backscatter of level ground on the angle alone, so the
+//! mean level of a side is taken as the product of two curves. Both are fitted to all pings of the
+//! survey at once. A range and angle that only a few pings reached then takes what other pings say
+//! of that range and of that angle; its own mean would divide away what lies there. A shadow or an
+//! object is rare at any one range and angle, so it hardly moves a curve and keeps its contrast.
 //!
-//! Each side has its own curves, since transducers differ, and both are brought to one level: ground looks the same to port and to
-//! starboard. What is bright in the whole survey is then brought to a fixed level, so that a quiet recorder's mosaic is not black.
+//! Each side has its own curves, since transducers differ, and both are brought to one level:
+//! ground looks the same to port and to starboard. What is bright in the whole survey is then
+//! brought to a fixed level, so that a quiet recorder's mosaic is not black.
 
 use super::MosaicLayout;
 use super::layout::MosaicRay;
@@ -20,7 +23,8 @@ use std::ops::Range;
 const RANGE_BINS: usize = 48;
 const ANGLE_BINS: usize = 45;
 const BINS: usize = RANGE_BINS * ANGLE_BINS;
-/// A value of a curve counts as much as its samples, the mean of its neighbours as much as this many.
+/// A value of a curve counts as much as its samples, the mean of its neighbours as much as this
+/// many.
 const NEIGHBOURS_COUNT: f64 = 2000.0;
 /// Rounds in which the two curves are fitted in turn. The change in the last is far below a level.
 const ROUNDS: usize = 60;
@@ -32,7 +36,8 @@ const MOST_PINGS: usize = 20_000;
 const CHUNK: usize = 256;
 /// Bounds of the factor: beyond them there is only noise.
 const FACTORS: [f32; 2] = [0.25, 4.0];
-/// The level that this share of the normalised samples lies below, and the bounds of the factor that brings it there.
+/// The level that this share of the normalised samples lies below, and the bounds of the factor
+/// that brings it there.
 const BRIGHT_SHARE: f64 = 0.98;
 const BRIGHT_LEVEL: f32 = 210.0;
 const STRETCHES: [f32; 2] = [0.5, 8.0];
@@ -84,10 +89,7 @@ impl Sums {
             let range_m = ray.range_m(from as f64 + 0.5);
             let bin = |place: f64, count: usize| (place as usize).min(count - 1);
             let range = bin(range_m / far_m * RANGE_BINS as f64, RANGE_BINS);
-            let angle = bin(
-                obliqueness(range_m, ray.altitude_m) * ANGLE_BINS as f64,
-                ANGLE_BINS,
-            );
+            let angle = bin(obliqueness(range_m, ray.altitude_m) * ANGLE_BINS as f64, ANGLE_BINS);
             let range_end_m = match range + 1 {
                 RANGE_BINS => f64::INFINITY,
                 next => next as f64 / RANGE_BINS as f64 * far_m,
@@ -98,10 +100,7 @@ impl Sums {
                 _ => ray.altitude_m / (1.0 - next * next),
             };
             let end = first_beyond(ray, range_end_m.min(angle_end_m)).clamp(from + 1, levels.len());
-            let sum: u64 = levels[from..end]
-                .iter()
-                .map(|&level| u64::from(level))
-                .sum();
+            let sum: u64 = levels[from..end].iter().map(|&level| u64::from(level)).sum();
             let bin = &mut self.0[range * ANGLE_BINS + angle];
             *bin = [bin[0] + sum as f64, bin[1] + (end - from) as f64];
             from = end;
@@ -115,7 +114,8 @@ fn first_beyond(ray: &MosaicRay, range_m: f64) -> usize {
     (ray.sample_at(range_m) - 0.5).ceil().max(0.0) as usize
 }
 
-/// The angle from straight down as `sqrt(1 - cos)`, 0 to 1: nearly in proportion to the angle, without an arc cosine.
+/// The angle from straight down as `sqrt(1 - cos)`, 0 to 1: nearly in proportion to the angle,
+/// without an arc cosine.
 #[inline(always)]
 fn obliqueness(range_m: f64, altitude_m: f64) -> f64 {
     (1.0 - altitude_m / range_m).max(0.0).sqrt()
@@ -150,11 +150,8 @@ pub fn gain_table(
     let all = sides.iter().cloned().fold(Sums::none(), Sums::with);
     let [sum, count] = all.total();
     let goal = sum / count.max(1.0);
-    let mut table = GainTable {
-        far_m,
-        stretch: 1.0,
-        sides: sides.map(|sums| Curves::fitted(&sums, goal)),
-    };
+    let mut table =
+        GainTable { far_m, stretch: 1.0, sides: sides.map(|sums| Curves::fitted(&sums, goal)) };
     progress.check()?;
     let few: Vec<usize> = pings.iter().copied().step_by(BRIGHT_EVERY).collect();
     table.stretch = table.stretch(survey, layout, &few);
@@ -180,8 +177,9 @@ fn each_ray(
 }
 
 impl Curves {
-    /// Factors that bring the mean level at every range and at every angle to `goal`: the two curves of the levels are fitted in
-    /// turn, each to what the other leaves (iterative proportional fitting).
+    /// Factors that bring the mean level at every range and at every angle to `goal`: the two
+    /// curves of the levels are fitted in turn, each to what the other leaves (iterative
+    /// proportional fitting).
     fn fitted(sums: &Sums, goal: f64) -> Self {
         let [sum, count] = sums.total();
         let mut by_range = [(sum / count.max(1.0)).max(LEAST_LEVEL); RANGE_BINS];
@@ -211,7 +209,8 @@ impl Curves {
 struct Weighed {
     /// Of the levels.
     sum: f64,
-    /// What the levels would sum to if this curve were one: each count times the value of the other curve.
+    /// What the levels would sum to if this curve were one: each count times the value of the other
+    /// curve.
     expected: f64,
     count: f64,
 }
@@ -224,15 +223,15 @@ fn weighed(bins: impl Iterator<Item = ([f64; 2], f64)>) -> Weighed {
     })
 }
 
-/// A curve's next values: what its bins say, and where these are few the mean of the values on both sides.
+/// A curve's next values: what its bins say, and where these are few the mean of the values on both
+/// sides.
 fn steadied<const COUNT: usize>(
     curve: [f64; COUNT],
     at: impl Fn(usize) -> Weighed,
 ) -> [f64; COUNT] {
     let bins: [Weighed; COUNT] = std::array::from_fn(at);
-    let [expected, count] = (bins.iter()).fold([0.0; 2], |[expected, count], bin| {
-        [expected + bin.expected, count + bin.count]
-    });
+    let [expected, count] = (bins.iter())
+        .fold([0.0; 2], |[expected, count], bin| [expected + bin.expected, count + bin.count]);
     if expected <= 0.0 {
         return curve;
     }
@@ -247,10 +246,7 @@ impl GainTable {
     /// The same, with all levels times a factor.
     #[must_use]
     pub fn brightened(self, factor: f32) -> Self {
-        Self {
-            stretch: self.stretch * factor,
-            ..self
-        }
+        Self { stretch: self.stretch * factor, ..self }
     }
 
     /// The factor that brings what is bright among some pings to one level.
@@ -278,8 +274,8 @@ impl GainTable {
         (BRIGHT_LEVEL / bright).clamp(STRETCHES[0], STRETCHES[1])
     }
 
-    /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the factor of straight down. `by_range`
-    /// keeps what rays of this side and table have in common.
+    /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the
+    /// factor of straight down. `by_range` keeps what rays of this side and table have in common.
     #[inline(always)]
     pub(super) fn factors(
         &self,
@@ -321,7 +317,8 @@ impl GainTable {
         RANGE_BINS as f64 / self.far_m
     }
 
-    /// The factor at a slant range over ground that lies at an altitude, metres. The water column has that of straight down.
+    /// The factor at a slant range over ground that lies at an altitude, metres. The water column
+    /// has that of straight down.
     pub fn factor(&self, side: Side, range_m: f32, altitude_m: f32) -> f32 {
         let altitude_m = f64::from(altitude_m);
         self.factor_at(side, f64::from(range_m).max(altitude_m), altitude_m)
@@ -336,8 +333,8 @@ impl GainTable {
         self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
     }
 
-    /// The factors by range and by angle of a side, at the middles of even steps: in slant range from 0 to [`GainTable::far_m`], in
-    /// `sqrt(1 - altitude / range)` from 0 to 1.
+    /// The factors by range and by angle of a side, at the middles of even steps: in slant range
+    /// from 0 to [`GainTable::far_m`], in `sqrt(1 - altitude / range)` from 0 to 1.
     pub fn curves(&self, side: Side) -> (&[f32], &[f32]) {
         let curves = &self.sides[side as usize];
         (&curves.by_range, &curves.by_angle)
@@ -367,7 +364,8 @@ fn angle_place(range_m: f64, altitude_m: f64) -> f64 {
     obliqueness(range_m, altitude_m) * ANGLE_BINS as f64 - 0.5
 }
 
-/// Factors by range of the samples of a ray; rays that begin and step alike, as most of a line's do, have the same.
+/// Factors by range of the samples of a ray; rays that begin and step alike, as most of a line's
+/// do, have the same.
 #[derive(Default)]
 pub(super) struct RangeFactors {
     start_m: f64,
@@ -401,7 +399,8 @@ impl RangeFactors {
     }
 }
 
-/// A curve between the middles of two bins, where it is linear, or beyond its ends, where it is constant.
+/// A curve between the middles of two bins, where it is linear, or beyond its ends, where it is
+/// constant.
 struct CurvePiece {
     /// Places are counted in bins from the middle of the first.
     start: f64,
@@ -415,12 +414,7 @@ impl CurvePiece {
     #[inline(always)]
     fn of(curve: &[f32], place: f64) -> Self {
         let last = curve.len() - 1;
-        let constant = |value: f32, end: f64| Self {
-            start: 0.0,
-            end,
-            value,
-            slope: 0.0,
-        };
+        let constant = |value: f32, end: f64| Self { start: 0.0, end, value, slope: 0.0 };
         match place {
             place if place >= last as f64 => constant(curve[last], f64::INFINITY),
             place if place >= 0.0 => {
@@ -470,10 +464,7 @@ mod tests {
         let factor = |range: usize, angle: usize| curves.by_range[range] * curves.by_angle[angle];
         for (range, angle) in [(30, 8), (30, 20), (5, 6), (40, 30), (21, 15)] {
             let normalised = f64::from(factor(range, angle)) * level(range, angle);
-            assert!(
-                (normalised - 100.0).abs() < 5.0,
-                "{range} {angle}: {normalised}"
-            );
+            assert!((normalised - 100.0).abs() < 5.0, "{range} {angle}: {normalised}");
         }
     }
 }

@@ -1,7 +1,8 @@
 //! One mosaic of several logs: its grid, and levels that are alike where logs show the same ground.
 //!
-//! Each log is normalised by itself, to its own mean level. Where one went over gravel and another over mud, the same ground would be
-//! darker in the one than in the other, and the edge of a swath a step. What both show of the same cells tells by how much.
+//! Each log is normalised by itself, to its own mean level. Where one went over gravel and another
+//! over mud, the same ground would be darker in the one than in the other, and the edge of a swath
+//! a step. What both show of the same cells tells by how much.
 
 use super::layout::{Bounds, bounds_of, grid_over};
 use super::{Gain, MosaicLog, MosaicSettings, Overlap, window};
@@ -10,10 +11,12 @@ use crate::bathymetry::height_offsets::{Datum, LogOverlap, OverlapKind, adjust};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 
-/// Cells in which levels are compared: metres, unless that would make more than so many along a side.
+/// Cells in which levels are compared: metres, unless that would make more than so many along a
+/// side.
 pub const LEVEL_CELL_M: f64 = 1.0;
 const MOST_CELLS: f64 = 2000.0;
-/// Cells of a block give one difference, since neighbours show the same echoes: its side in cells, and the fewest cells.
+/// Cells of a block give one difference, since neighbours show the same echoes: its side in cells,
+/// and the fewest cells.
 const BLOCK_CELLS: usize = 10;
 const LEAST_CELLS: usize = 10;
 /// Bounds of the factor that makes logs alike: beyond them they show different things.
@@ -24,8 +27,9 @@ pub fn level_factor(ln: f64) -> f64 {
     ln.exp().clamp(FACTORS[0], FACTORS[1])
 }
 
-/// Differences of the logarithms of levels where logs show the same ground. Each has all cells of a grid of about [`LEVEL_CELL_M`], 0 where it shows
-/// nothing; the overlaps name logs by their places in the list.
+/// Differences of the logarithms of levels where logs show the same ground. Each has all cells of a
+/// grid of about [`LEVEL_CELL_M`], 0 where it shows nothing; the overlaps name logs by their places
+/// in the list.
 pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
     let band = BLOCK_CELLS * grid.columns;
     let mut found = Vec::new();
@@ -53,9 +57,9 @@ pub fn joint_grid(logs: &[MosaicLog], cell_m: f64) -> Option<Grid> {
     joint_bounds(logs).map(|bounds| grid_over(bounds, cell_m))
 }
 
-/// Brings the levels of the logs to each other where they show the same ground, each by one factor: those whose logarithms fit the
-/// differences best by robust least squares, and which leave the mean brightness as it is. Nothing changes where levels are shown as
-/// recorded.
+/// Brings the levels of the logs to each other where they show the same ground, each by one factor:
+/// those whose logarithms fit the differences best by robust least squares, and which leave the
+/// mean brightness as it is. Nothing changes where levels are shown as recorded.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -72,19 +76,12 @@ pub fn match_levels(
     let Some(grid) = joint_grid(&logs, cell_m) else {
         return Ok(logs);
     };
-    let coarse = MosaicSettings {
-        cell_m,
-        overlap: Overlap::Blend,
-        ..settings.clone()
-    };
+    let coarse = MosaicSettings { cell_m, overlap: Overlap::Blend, ..settings.clone() };
     let mut cells: BTreeMap<usize, Vec<(usize, u8)>> = BTreeMap::new();
     for (index, log) in logs.iter().enumerate() {
         let thinned = log.layout.thinned(cell_m);
         let levels = window(&log.survey, &thinned, &grid, &log.gain, &coarse, progress)?;
-        let shown = levels
-            .into_iter()
-            .enumerate()
-            .filter(|(_, level)| *level > 0);
+        let shown = levels.into_iter().enumerate().filter(|(_, level)| *level > 0);
         for (cell, level) in shown {
             cells.entry(cell).or_default().push((index, level));
         }
@@ -105,16 +102,11 @@ fn differences(cells: &BTreeMap<usize, Vec<(usize, u8)>>, grid: &Grid) -> Vec<Lo
         for (rank, &(first, first_level)) in logs.iter().enumerate() {
             for &(second, second_level) in &logs[rank + 1..] {
                 let ratio = f64::from(second_level) / f64::from(first_level);
-                blocks
-                    .entry(([first, second], block))
-                    .or_default()
-                    .push(ratio.ln());
+                blocks.entry(([first, second], block)).or_default().push(ratio.ln());
             }
         }
     }
-    let enough = blocks
-        .into_iter()
-        .filter(|(_, ratios)| ratios.len() >= LEAST_CELLS);
+    let enough = blocks.into_iter().filter(|(_, ratios)| ratios.len() >= LEAST_CELLS);
     enough
         .map(|((logs, [row, column]), mut ratios)| {
             let place = grid.centre(row * BLOCK_CELLS, column * BLOCK_CELLS);

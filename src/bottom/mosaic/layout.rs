@@ -22,7 +22,8 @@ pub const TILE_CELLS: usize = 256;
 /// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
 const LONGEST_STEP_M: f64 = 3.0;
 const LONGEST_PAUSE_S: f64 = 2.0;
-/// Slant range in which an echo rises from the first return on, metres: about a pulse and the scatter of first returns.
+/// Slant range in which an echo rises from the first return on, metres: about a pulse and the
+/// scatter of first returns.
 const RISE_M: f64 = 0.05;
 /// Length over which the plane's scale and direction are taken, metres.
 const PROBE_M: f64 = 20.0;
@@ -40,7 +41,8 @@ pub struct MosaicRay {
     pub under_m: f64,
     /// The ground outward.
     pub across: AcrossTrack,
-    /// Calibrated slant range of the near edge of the first sample, and what each sample adds, metres.
+    /// Calibrated slant range of the near edge of the first sample, and what each sample adds,
+    /// metres.
     pub start_m: f64,
     /// See `start_m`.
     pub step_m: f64,
@@ -72,7 +74,8 @@ impl MosaicRay {
         }
     }
 
-    /// The place on the ray, counted in samples, of the ground at a distance; the slant range itself with the water column.
+    /// The place on the ray, counted in samples, of the ground at a distance; the slant range
+    /// itself with the water column.
     pub fn sample_of(&self, ground_m: f64, water_column: bool) -> f64 {
         if water_column {
             return self.sample_at(ground_m);
@@ -94,7 +97,8 @@ impl MosaicRay {
         }
     }
 
-    /// Least slant range that is shown: where the bottom rises from under the boat, its foot is broad and the water above it dark.
+    /// Least slant range that is shown: where the bottom rises from under the boat, its foot is
+    /// broad and the water above it dark.
     #[inline(always)]
     fn least_m(&self) -> f64 {
         match self.under_m > self.altitude_m {
@@ -141,7 +145,8 @@ pub struct MosaicLayout {
     /// By side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
     altitudes_m: [Vec<f32>; 2],
-    /// How far rays reach, metres: asked for again and again, and on ground that is not level slow to say. Empty until all else is known.
+    /// How far rays reach, metres: asked for again and again, and on ground that is not level slow
+    /// to say. Empty until all else is known.
     shown_m: [Vec<f64>; 2],
     /// The ground across the track, and heights over it under the boat where it is not level.
     relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
@@ -154,8 +159,8 @@ pub struct MosaicLayout {
 }
 
 impl MosaicLayout {
-    /// Lays a survey out. `plane` takes metres east and north of the survey's origin to the plane of the map (metres too: the
-    /// survey's own plane, or a projection such as UTM).
+    /// Lays a survey out. `plane` takes metres east and north of the survey's origin to the plane
+    /// of the map (metres too: the survey's own plane, or a projection such as UTM).
     pub fn new(
         survey: &Survey,
         navigation: &Navigation,
@@ -181,11 +186,7 @@ impl MosaicLayout {
             })
             .collect();
         let joined = joined(survey, navigation, &placed);
-        Self {
-            joined,
-            ..Self::of_placed(survey, placed, returns, calibration, settings)
-        }
-        .boxed()
+        Self { joined, ..Self::of_placed(survey, placed, returns, calibration, settings) }.boxed()
     }
 
     /// Pings at their places, none joined to the next.
@@ -202,19 +203,12 @@ impl MosaicLayout {
         };
         Self {
             pings: (0..placed.len() as u32).collect(),
-            stands_for: (0..placed.len() as u32)
-                .map(|ping| [ping, ping + 1])
-                .collect(),
+            stands_for: (0..placed.len() as u32).map(|ping| [ping, ping + 1]).collect(),
             joined: vec![false; placed.len()],
             altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
             shown_m: Default::default(),
             water_column: settings.water_column,
-            far_m: ranges
-                .iter()
-                .flatten()
-                .flatten()
-                .map(far)
-                .fold(0.1, f64::max),
+            far_m: ranges.iter().flatten().flatten().map(far).fold(0.1, f64::max),
             placed,
             ranges,
             relief: None,
@@ -222,20 +216,12 @@ impl MosaicLayout {
         }
     }
 
-    /// All pings at one place: for what depends on ranges and altitudes alone, where the boat's place is not known.
+    /// All pings at one place: for what depends on ranges and altitudes alone, where the boat's
+    /// place is not known.
     pub fn placeless(survey: &Survey, returns: &FirstReturns, calibration: &Calibration) -> Self {
-        let here = Placed {
-            at: [0.0; 2],
-            starboard: [1.0, 0.0],
-        };
+        let here = Placed { at: [0.0; 2], starboard: [1.0, 0.0] };
         let placed = vec![Some(here); survey.side_scan.len()];
-        Self::of_placed(
-            survey,
-            placed,
-            returns,
-            calibration,
-            &MosaicSettings::default(),
-        )
+        Self::of_placed(survey, placed, returns, calibration, &MosaicSettings::default())
     }
 
     /// Whether any side of any ping has a ray.
@@ -244,7 +230,8 @@ impl MosaicLayout {
         Side::BOTH.into_iter().any(rays)
     }
 
-    /// The same with all ranges times a factor: where sound runs at another speed than the recorder took.
+    /// The same with all ranges times a factor: where sound runs at another speed than the recorder
+    /// took.
     pub fn with_range_factor(mut self, factor: f64) -> Self {
         for ranges in self.ranges.iter_mut().flatten().flatten() {
             ranges.start_m = (f64::from(ranges.start_m) * factor) as f32;
@@ -275,7 +262,8 @@ impl MosaicLayout {
         self.boxed()
     }
 
-    /// The same without the pings that are excluded, and without the ground between them and the next.
+    /// The same without the pings that are excluded, and without the ground between them and the
+    /// next.
     #[must_use]
     pub fn without(mut self, exclusions: &Exclusions) -> Self {
         if exclusions.is_empty() {
@@ -338,7 +326,8 @@ impl MosaicLayout {
         (all[0] <= all[2]).then_some(all)
     }
 
-    /// The strips that touch some ground, in the order they were recorded: the ping of this layout they begin at, and the side.
+    /// The strips that touch some ground, in the order they were recorded: the ping of this layout
+    /// they begin at, and the side.
     pub fn strips_in(&self, ground: Bounds) -> impl Iterator<Item = (usize, Side)> {
         let boxes = self.boxes.iter().enumerate();
         let boxes = boxes.filter(move |(_, bounds)| boxes_meet(**bounds, ground));
@@ -365,7 +354,8 @@ impl MosaicLayout {
         self.water_column
     }
 
-    /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or lies in a turn.
+    /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or
+    /// lies in a turn.
     pub fn ray(&self, ping: usize, side: Side) -> Option<MosaicRay> {
         let placed = (*self.placed.get(ping)?)?;
         let ranges = (*self.ranges[side as usize].get(ping)?)?;
@@ -465,19 +455,15 @@ impl MosaicLayout {
     }
 }
 
-/// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew pass most of it by. They do
-/// where all of the ground lies on one side of the strip, seen along its rays.
+/// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew
+/// pass most of it by. They do where all of the ground lies on one side of the strip, seen along
+/// its rays.
 fn lies_on(
     strip: &[MosaicRay; 2],
     corners: &[[f64; 2]; 4],
     [west, south, east, north]: &Bounds,
 ) -> bool {
-    let ground = [
-        [*west, *south],
-        [*west, *north],
-        [*east, *south],
-        [*east, *north],
-    ];
+    let ground = [[*west, *south], [*west, *north], [*east, *south], [*east, *north]];
     strip.iter().all(|ray| {
         let reach = |places: &[[f64; 2]; 4]| {
             let off = |place: &[f64; 2]| {
@@ -517,7 +503,8 @@ fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -
         .collect()
 }
 
-/// The way from a ping to the next, metres, where they are near enough to each other to show the ground between them.
+/// The way from a ping to the next, metres, where they are near enough to each other to show the
+/// ground between them.
 pub fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Option<f64> {
     let (here, next) = (navigation.pings.get(ping)?, navigation.pings.get(ping + 1)?);
     let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
@@ -535,13 +522,7 @@ pub(super) fn grid_over([west, south, east, north]: Bounds, cell_m: f64) -> Grid
     let west_m = (west / cell_m).floor() * cell_m;
     let north_m = (north / cell_m).ceil() * cell_m;
     let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
-    Grid {
-        west_m,
-        north_m,
-        cell_m,
-        columns: cells(east - west_m),
-        rows: cells(north_m - south),
-    }
+    Grid { west_m, north_m, cell_m, columns: cells(east - west_m), rows: cells(north_m - south) }
 }
 
 /// The strips that touch each tile; tiles without any are not in it.
@@ -553,9 +534,7 @@ pub struct TileIndex {
 impl TileIndex {
     /// Tiles that show something, as row and column, from the north-west by rows.
     pub fn tiles(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.tiles
-            .keys()
-            .map(|&(row, column)| (row as usize, column as usize))
+        self.tiles.keys().map(|&(row, column)| (row as usize, column as usize))
     }
 
     /// The strips of a tile, in the order they were recorded: the ping they begin at, and the side.

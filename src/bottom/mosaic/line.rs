@@ -10,7 +10,8 @@ use std::ops::Range;
 
 /// Steps of a line in a cell. Between steps a line is linear.
 const STEPS: usize = 4;
-/// Most pings that a line of a coarse picture is the mean of: more of them would cost more than they smooth.
+/// Most pings that a line of a coarse picture is the mean of: more of them would cost more than
+/// they smooth.
 const MOST_AVERAGED: usize = 16;
 
 /// What all lines of a picture have in common.
@@ -44,7 +45,8 @@ impl<'a> LineContext<'a> {
     }
 }
 
-/// A part of one side of a ping: each level is the mean over a cell on the ground, and over at least one sample.
+/// A part of one side of a ping: each level is the mean over a cell on the ground, and over at
+/// least one sample.
 pub(super) struct MosaicLine {
     side: Side,
     /// Which ping of the layout it is of, if any.
@@ -97,8 +99,9 @@ impl MosaicLine {
         }
     }
 
-    /// Reads the part of a ping's side that lies between two distances on the ground, unless it is there: then that between the distances
-    /// of `with_margin_m`, which holds it. False when there is nothing to read.
+    /// Reads the part of a ping's side that lies between two distances on the ground, unless it is
+    /// there: then that between the distances of `with_margin_m`, which holds it. False when there
+    /// is nothing to read.
     pub(super) fn read(
         &mut self,
         lines: &LineContext<'_>,
@@ -122,12 +125,7 @@ impl MosaicLine {
         self.per_m = lines.steps_per_m;
         self.reach = step(ray.shown_m).ceil() as usize + 2;
         self.steps = steps(with_margin_m, self.reach);
-        let is_read = vectorised(ReadSteps {
-            line: self,
-            lines,
-            place,
-            ray,
-        });
+        let is_read = vectorised(ReadSteps { line: self, lines, place, ray });
         self.of = is_read.then_some(place);
         is_read
     }
@@ -135,7 +133,8 @@ impl MosaicLine {
     /// Reads the steps that it is to hold; not vectorised.
     #[inline(always)]
     fn read_steps(&mut self, lines: &LineContext<'_>, place: usize, ray: &MosaicRay) -> bool {
-        // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
+        // Places on the ray, counted in samples, of the edges of all cells that are taken the mean
+        // of.
         self.edges.clear();
         self.edges.resize(self.steps.len() + STEPS, 0.0);
         for (index, edge) in self.edges.iter_mut().enumerate() {
@@ -154,7 +153,8 @@ impl MosaicLine {
         true
     }
 
-    /// Takes the mean of each cell between its edges; `first` is the sample that the sums begin with.
+    /// Takes the mean of each cell between its edges; `first` is the sample that the sums begin
+    /// with.
     #[inline(always)]
     fn take_means(&mut self, first: f64) {
         let last = (self.sums.len() - 1) as f64;
@@ -181,7 +181,8 @@ impl MosaicLine {
         }
     }
 
-    /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when there are none.
+    /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when
+    /// there are none.
     #[inline(always)]
     fn sum_up(
         &mut self,
@@ -224,7 +225,8 @@ impl MosaicLine {
         length > 0
     }
 
-    /// Adds up some samples of a ping and of those `around` it that were recorded over the same range; how many pings that were.
+    /// Adds up some samples of a ping and of those `around` it that were recorded over the same
+    /// range; how many pings that were.
     fn add_up(
         &mut self,
         lines: &LineContext<'_>,
@@ -278,7 +280,8 @@ impl VectorLoop for ReadSteps<'_> {
     }
 }
 
-/// Mean of the samples between two places counted in samples, by their running sums. At least one sample wide; NaN outside.
+/// Mean of the samples between two places counted in samples, by their running sums. At least one
+/// sample wide; NaN outside.
 #[inline(always)]
 fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
     let last = (sums.len() - 1) as f64;

@@ -1,7 +1,7 @@
 //! The side-scan mosaic: every echo at its place on the ground, tile by tile.
 //!
-//! In: a survey with its navigation, first returns, calibration and relief. Out: gain tables, layouts, and tiles of the mosaic.
-//! It uses `bottom`, `sonar`, `survey` and `support`.
+//! In: a survey with its navigation, first returns, calibration and relief. Out: gain tables,
+//! layouts, and tiles of the mosaic. It uses `bottom`, `sonar`, `survey` and `support`.
 //!
 //! ```text
 //! FirstReturns --altitude--> height over the ground of every ping and side
@@ -12,11 +12,13 @@
 //!                            '--part--> what one log shows of a tile, to be joined with those of others later
 //! ```
 //!
-//! The ground to the side of the boat is that of the log's own depths ([`bathyscope_log::survey::Relief`]), held to the first return, which comes from
-//! what is nearest; where no depth is known, level at the altitude `h` of the first return, so an echo at slant range `r` comes from
-//! `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is turned and moved evenly, so that the strips
-//! close without gaps on the outer side of a bend. A tile costs time and memory in proportion to what it shows; nothing grows
-//! with the area of the mosaic.
+//! The ground to the side of the boat is that of the log's own depths
+//! ([`bathyscope_log::survey::Relief`]), held to the first return, which comes from what is
+//! nearest; where no depth is known, level at the altitude `h` of the first return, so an echo at
+//! slant range `r` comes from `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is
+//! turned and moved evenly, so that the strips close without gaps on the outer side of a bend. A
+//! tile costs time and memory in proportion to what it shows; nothing grows with the area of the
+//! mosaic.
 
 mod altitude;
 mod canvas;
@@ -51,8 +53,8 @@ use serde::{Deserialize, Serialize};
 pub enum Gain {
     /// As recorded.
     Recorded,
-    /// Divided by the survey's own mean level of each side, a curve by range times a curve by angle (empirical gain normalisation), and
-    /// brought to one brightness. Shadows stay dark.
+    /// Divided by the survey's own mean level of each side, a curve by range times a curve by angle
+    /// (empirical gain normalisation), and brought to one brightness. Shadows stay dark.
     #[default]
     Empirical,
 }
@@ -94,10 +96,11 @@ pub struct MosaicSettings {
     pub gain: Gain,
     /// Whether the water column stays in: slant ranges are then taken for distances on the ground.
     pub water_column: bool,
-    /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under the boat with what little
-    /// was insonified there.
+    /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under
+    /// the boat with what little was insonified there.
     pub nadir_gap_deg: f64,
-    /// Pings where the boat turns faster are left out, degrees a second: their far ends sweep over the ground.
+    /// Pings where the boat turns faster are left out, degrees a second: their far ends sweep over
+    /// the ground.
     pub most_turn_deg_s: f64,
 }
 

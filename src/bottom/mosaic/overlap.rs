@@ -14,8 +14,9 @@ pub enum Overlap {
     Later,
     /// The brighter echo: objects stay, shadows are lost.
     Brighter,
-    /// The echo that lies nearest to the middle of its swath, halfway out, where a side-scan hears the ground best: objects and shadows
-    /// stay, and a swath's weak ends show only where there is nothing else.
+    /// The echo that lies nearest to the middle of its swath, halfway out, where a side-scan hears
+    /// the ground best: objects and shadows stay, and a swath's weak ends show only where there is
+    /// nothing else.
     Middle,
     /// The mean, weighted towards the middle of each swath: smooth, but objects and shadows fade.
     Blend,
@@ -34,10 +35,7 @@ impl CellSum {
     /// Of one echo, or of all that a log shows of the cell.
     #[inline(always)]
     pub(super) fn of(level: f32, weight: f32) -> Self {
-        Self {
-            weighted: level * weight,
-            weight,
-        }
+        Self { weighted: level * weight, weight }
     }
 
     /// 0 where nothing was seen, else 1 to 255.

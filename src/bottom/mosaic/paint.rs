@@ -1,4 +1,5 @@
-//! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
+//! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray
+//! through its middle.
 
 use super::canvas::Canvas;
 use super::layout::{MosaicLayout, MosaicRay, TILE_CELLS, TileIndex};
@@ -41,12 +42,7 @@ struct Part<'a> {
 
 impl<'a> Part<'a> {
     fn of(log: &'a MosaicLog, index: &'a TileIndex) -> Self {
-        Self {
-            survey: &log.survey,
-            layout: &log.layout,
-            gain: &log.gain,
-            index,
-        }
+        Self { survey: &log.survey, layout: &log.layout, gain: &log.gain, index }
     }
 }
 
@@ -60,17 +56,12 @@ pub fn tile(
     settings: &MosaicSettings,
     place: [usize; 2],
 ) -> MosaicTile {
-    let part = Part {
-        survey,
-        layout,
-        gain,
-        index,
-    };
+    let part = Part { survey, layout, gain, index };
     tile_of(std::iter::once(part), grid, settings, place)
 }
 
-/// The same of several logs, each with its index: one after the other by the rule of `mosaic.overlap`, so the last of them counts
-/// for the latest.
+/// The same of several logs, each with its index: one after the other by the rule of
+/// `mosaic.overlap`, so the last of them counts for the latest.
 pub fn joint_tile(
     logs: &[(&MosaicLog, &TileIndex)],
     grid: &Grid,
@@ -87,9 +78,7 @@ fn tile_of<'a>(
     settings: &MosaicSettings,
     place: [usize; 2],
 ) -> MosaicTile {
-    MosaicTile {
-        levels: painted(parts, grid, settings, place).finish(),
-    }
+    MosaicTile { levels: painted(parts, grid, settings, place).finish() }
 }
 
 /// A tile of one log before it is finished.
@@ -128,8 +117,8 @@ fn painted<'a>(
     canvas
 }
 
-/// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
-/// what it shows.
+/// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned
+/// layout a coarse grid costs what it shows.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -141,12 +130,7 @@ pub fn window(
     settings: &MosaicSettings,
     progress: &Progress,
 ) -> Result<Vec<u8>, Cancelled> {
-    joint_window(
-        std::iter::once((survey, layout, gain)),
-        grid,
-        settings,
-        progress,
-    )
+    joint_window(std::iter::once((survey, layout, gain)), grid, settings, progress)
 }
 
 /// The same of several logs, one after the other by the rule of `mosaic.overlap`.
@@ -206,13 +190,12 @@ fn draw<E>(
     Ok(())
 }
 
-/// How far places at equal distances along both rays of a strip are apart at most, in the plane of the map.
+/// How far places at equal distances along both rays of a strip are apart at most, in the plane of
+/// the map.
 fn farthest_apart_m(strip: &[MosaicRay; 2]) -> f64 {
-    let [near, far] = [
-        |ray: &MosaicRay| ray.at,
-        |ray: &MosaicRay| ray.place(ray.range_m(ray.count as f64)),
-    ]
-    .map(|place| strip.each_ref().map(place));
+    let [near, far] =
+        [|ray: &MosaicRay| ray.at, |ray: &MosaicRay| ray.place(ray.range_m(ray.count as f64))]
+            .map(|place| strip.each_ref().map(place));
     let apart = |[[x0, y0], [x1, y1]]: [[f64; 2]; 2]| (x1 - x0).hypot(y1 - y0);
     apart(near).max(apart(far))
 }

@@ -1,4 +1,5 @@
-//! What one log shows of a tile, in numbers that can be stored and joined with those of other logs at any later time.
+//! What one log shows of a tile, in numbers that can be stored and joined with those of other logs
+//! at any later time.
 
 use super::layout::TILE_CELLS;
 use super::overlap::CellSum;
@@ -11,7 +12,8 @@ use crate::bathymetry::Grid;
 pub struct MosaicPart {
     /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
     pub levels: Vec<u8>,
-    /// What each of them counts where it meets those of other logs, 0 where nothing was seen; empty where `mosaic.overlap` weighs nothing.
+    /// What each of them counts where it meets those of other logs, 0 where nothing was seen; empty
+    /// where `mosaic.overlap` weighs nothing.
     pub weights: Vec<f32>,
 }
 
@@ -45,21 +47,18 @@ pub fn part(
         true => sums.iter().map(|sum| stepped(sum.weight())).collect(),
         false => Vec::new(),
     };
-    MosaicPart {
-        levels: sums.iter().map(CellSum::level).collect(),
-        weights,
-    }
+    MosaicPart { levels: sums.iter().map(CellSum::level).collect(), weights }
 }
 
-/// A weight in whole steps. Levels times such weights add up exactly in 32 bits, those of 256 logs in any order, and such weights pack to a
-/// third of the size.
+/// A weight in whole steps. Levels times such weights add up exactly in 32 bits, those of 256 logs
+/// in any order, and such weights pack to a third of the size.
 fn stepped(weight: f32) -> f32 {
     const STEPS: f32 = 256.0;
     (weight * STEPS).round() / STEPS
 }
 
-/// A tile of several logs from the part of each, one after the other by the rule of `mosaic.overlap`: one of a single log is as
-/// [`super::tile`] draws it.
+/// A tile of several logs from the part of each, one after the other by the rule of
+/// `mosaic.overlap`: one of a single log is as [`super::tile`] draws it.
 ///
 /// # Errors
 /// Those of the parts.
@@ -77,9 +76,7 @@ pub fn join_parts<E>(
             }
         }
     }
-    Ok(MosaicTile {
-        levels: sums.iter().map(CellSum::level).collect(),
-    })
+    Ok(MosaicTile { levels: sums.iter().map(CellSum::level).collect() })
 }
 
 #[cfg(test)]
@@ -92,10 +89,7 @@ mod tests {
         levels.resize(TILE_CELLS * TILE_CELLS, 0);
         let mut weights: Vec<f32> = cells.iter().map(|cell| stepped(cell.1)).collect();
         weights.resize(TILE_CELLS * TILE_CELLS, 0.0);
-        MosaicPart {
-            levels,
-            weights: if is_weighted { weights } else { Vec::new() },
-        }
+        MosaicPart { levels, weights: if is_weighted { weights } else { Vec::new() } }
     }
 
     fn joined(overlap: Overlap, parts: &[&[(u8, f32)]]) -> Vec<u8> {
@@ -125,18 +119,11 @@ mod tests {
             .map(|log| {
                 let level = |step: u8| 1 + log.wrapping_mul(step) % 255;
                 let weight = f32::from(log + 1) / 41.0;
-                [
-                    (level(7), weight),
-                    (level(31), 1.0 - weight),
-                    (level(3), 0.03),
-                ]
+                [(level(7), weight), (level(31), 1.0 - weight), (level(3), 0.03)]
             })
             .collect();
         let forward: Vec<&[(u8, f32)]> = logs.iter().map(|log| &log[..]).collect();
         let backward: Vec<&[(u8, f32)]> = logs.iter().rev().map(|log| &log[..]).collect();
-        assert_eq!(
-            joined(Overlap::Blend, &forward),
-            joined(Overlap::Blend, &backward)
-        );
+        assert_eq!(joined(Overlap::Blend, &forward), joined(Overlap::Blend, &backward));
     }
 }

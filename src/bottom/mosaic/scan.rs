@@ -21,13 +21,7 @@ impl<'a> Scan<'a> {
         for corner in corners {
             (low, high) = (low.min(corner[1]), high.max(corner[1]));
         }
-        Self {
-            corners,
-            columns,
-            rows: cells(low, high, rows),
-            low,
-            high,
-        }
+        Self { corners, columns, rows: cells(low, high, rows), low, high }
     }
 
     /// The columns that it lies in, in one of its rows.
@@ -40,8 +34,8 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// Cells by which a span is too wide rather than too narrow: what lies on the edge of two polygons must be in one of them,
-/// however their corners are rounded.
+/// Cells by which a span is too wide rather than too narrow: what lies on the edge of two polygons
+/// must be in one of them, however their corners are rounded.
 const MARGIN: f64 = 1e-6;
 
 /// Whole cells whose middles lie between two places, within `0..count`.

@@ -1,4 +1,5 @@
-//! How often each level occurs in a log's picture, and the levels that are shown as black and white.
+//! How often each level occurs in a log's picture, and the levels that are shown as black and
+//! white.
 
 use super::Tone;
 use super::log_picture::LogPicture;
@@ -51,11 +52,7 @@ impl LevelHistogram {
         };
         let wide = count / HISTOGRAM_BARS;
         let bar = |bins: &[u64]| u32::try_from(bins.iter().sum::<u64>()).unwrap_or(u32::MAX);
-        Self {
-            bars: bins.chunks(wide).map(bar).collect(),
-            reach,
-            automatic,
-        }
+        Self { bars: bins.chunks(wide).map(bar).collect(), reach, automatic }
     }
 }
 
@@ -83,11 +80,7 @@ mod tests {
         let histogram = LevelHistogram::with_bins(&levels, BINS, reach, true);
         let Levels { black, white } = histogram.automatic;
         assert!((black * 255.0 - 2.0).abs() < 0.3, "{}", black * 255.0);
-        assert!(
-            (white * 255.0 - 198.0 / 0.9).abs() < 0.4,
-            "{}",
-            white * 255.0
-        );
+        assert!((white * 255.0 - 198.0 / 0.9).abs() < 0.4, "{}", white * 255.0);
         assert_eq!(histogram.bars.len(), HISTOGRAM_BARS);
         assert_eq!(histogram.bars.iter().sum::<u32>(), 10_000);
         let noise = LevelHistogram::with_bins(&levels, BINS, reach, false);

@@ -8,9 +8,11 @@ use bathyscope_log::survey::{Side, SideScanState, Survey};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted anew while a slider is dragged.
+/// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted
+/// anew while a slider is dragged.
 const MOST_ECHOES: usize = 1 << 17;
-/// Pings that the mean of a row of a tile is taken over, evenly spread: few enough to be read while it is drawn, however long the log.
+/// Pings that the mean of a row of a tile is taken over, evenly spread: few enough to be read while
+/// it is drawn, however long the log.
 const MOST_PINGS_OF_ROW: usize = 64;
 
 /// An echo with all that its level depends on.
@@ -77,8 +79,9 @@ impl LogPicture {
         })
     }
 
-    /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]` of a side, the mean over
-    /// some pings, or [`MOST_PINGS_OF_ROW`] of them. Of the last ping beyond the end; without the filter the factor is 1.
+    /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the
+    /// stripe filter]` of a side, the mean over some pings, or [`MOST_PINGS_OF_ROW`] of them. Of
+    /// the last ping beyond the end; without the filter the factor is 1.
     pub fn row(&self, side: Side, pings: Range<usize>) -> [f32; 4] {
         let scales = self.scales.side(side);
         let factors = self.factors.as_ref().map(|sides| &sides[side as usize]);
@@ -90,12 +93,7 @@ impl LogPicture {
         let sum = pings.fold([0.0; 4], |sum: [f64; 4], ping| {
             let scale = self.scales.at(side, ping);
             let factor = factors.and_then(|factors| factors.get(ping).copied());
-            let of_ping = [
-                scale.altitude_m,
-                scale.scale,
-                scale.offset_m,
-                factor.unwrap_or(1.0),
-            ];
+            let of_ping = [scale.altitude_m, scale.scale, scale.offset_m, factor.unwrap_or(1.0)];
             std::array::from_fn(|part| sum[part] + f64::from(of_ping[part]))
         });
         sum.map(|part| (part / count) as f32)
@@ -126,9 +124,8 @@ fn echoes(
 ) -> Result<Vec<PictureEcho>, Cancelled> {
     let pings = survey.side_scan.len();
     let step = pings.div_ceil(MOST_SAMPLED_PINGS).max(1);
-    let spans = (0..pings)
-        .step_by(step)
-        .flat_map(|ping| Side::BOTH.map(|side| survey.span(ping, side)));
+    let spans =
+        (0..pings).step_by(step).flat_map(|ping| Side::BOTH.map(|side| survey.span(ping, side)));
     let all: usize = spans.flatten().map(|span| span.count as usize).sum();
     let every = all.div_ceil(MOST_ECHOES).max(1);
     let mut echoes = Vec::new();

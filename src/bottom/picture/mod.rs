@@ -1,7 +1,8 @@
-//! How the side-scan of one log is shown: gain, stripes, levels, and where an echo lies across the track.
+//! How the side-scan of one log is shown: gain, stripes, levels, and where an echo lies across the
+//! track.
 //!
-//! In: a survey with its first returns and calibration. Out: tables of gain and scale for each ping, and levels.
-//! It uses `sonar`, `survey` and `support`.
+//! In: a survey with its first returns and calibration. Out: tables of gain and scale for each
+//! ping, and levels. It uses `sonar`, `survey` and `support`.
 //!
 //! ```text
 //! FirstReturns + Calibration --PingScales--> altitude and scale of every ping and side
@@ -10,7 +11,8 @@
 //! echoes + PictureSettings --LevelHistogram--> Levels
 //! ```
 //!
-//! Nothing here is computed per texel of a tile: a change of gain costs a few numbers, not new tiles.
+//! Nothing here is computed per texel of a tile: a change of gain costs a few numbers, not new
+//! tiles.
 
 mod histogram;
 mod log_picture;

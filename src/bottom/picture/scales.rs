@@ -1,4 +1,5 @@
-//! What a recorded range is worth at every ping: its calibrated slant range, and its distance on the ground.
+//! What a recorded range is worth at every ping: its calibrated slant range, and its distance on
+//! the ground.
 
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
@@ -31,11 +32,7 @@ pub struct PingScale {
 impl Default for PingScale {
     /// Ranges as recorded over a bottom that is not known.
     fn default() -> Self {
-        Self {
-            altitude_m: 0.0,
-            scale: 1.0,
-            offset_m: 0.0,
-        }
+        Self { altitude_m: 0.0, scale: 1.0, offset_m: 0.0 }
     }
 }
 
@@ -50,7 +47,8 @@ impl PingScale {
         (slant_m - f64::from(self.offset_m)) / f64::from(self.scale)
     }
 
-    /// Where a recorded range lies across the track, metres from the middle; what lies before the ground lies in the middle.
+    /// Where a recorded range lies across the track, metres from the middle; what lies before the
+    /// ground lies in the middle.
     pub fn across_m(&self, geometry: PictureGeometry, recorded_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
@@ -58,14 +56,13 @@ impl PingScale {
             PictureGeometry::SlantBeyondWater => (self.slant_m(recorded_m) - altitude_m).max(0.0),
             PictureGeometry::Ground => {
                 let slant_m = self.slant_m(recorded_m).max(0.0);
-                (slant_m * slant_m - altitude_m * altitude_m)
-                    .max(0.0)
-                    .sqrt()
+                (slant_m * slant_m - altitude_m * altitude_m).max(0.0).sqrt()
             }
         }
     }
 
-    /// Inverse of [`PingScale::across_m`] on the ground: the recorded range that is shown at a distance from the middle.
+    /// Inverse of [`PingScale::across_m`] on the ground: the recorded range that is shown at a
+    /// distance from the middle.
     pub fn recorded_at_m(&self, geometry: PictureGeometry, across_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
@@ -84,39 +81,30 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Every combination of least and greatest: what is monotonic in each is least and greatest at one of them.
+    /// Every combination of least and greatest: what is monotonic in each is least and greatest at
+    /// one of them.
     fn corners(&self) -> impl Iterator<Item = PingScale> {
         let Self { least, most } = *self;
         (0..8).map(move |corner| {
             let of = |bit: u32| if corner & bit == 0 { least } else { most };
-            PingScale {
-                altitude_m: of(1).altitude_m,
-                scale: of(2).scale,
-                offset_m: of(4).offset_m,
-            }
+            PingScale { altitude_m: of(1).altitude_m, scale: of(2).scale, offset_m: of(4).offset_m }
         })
     }
 
-    /// Where recorded ranges from `near_m` to `far_m` can lie across the track, at whichever ping: nearest and farthest.
+    /// Where recorded ranges from `near_m` to `far_m` can lie across the track, at whichever ping:
+    /// nearest and farthest.
     pub fn across_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
-        [
-            nearest.fold(f64::MAX, f64::min),
-            farthest.fold(0.0, f64::max),
-        ]
+        [nearest.fold(f64::MAX, f64::min), farthest.fold(0.0, f64::max)]
     }
 
-    /// Which recorded ranges can be shown between two distances from the middle, at whichever ping: nearest and farthest.
+    /// Which recorded ranges can be shown between two distances from the middle, at whichever ping:
+    /// nearest and farthest.
     pub fn recorded_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
-        let nearest = self
-            .corners()
-            .map(|one| one.recorded_at_m(geometry, near_m));
+        let nearest = self.corners().map(|one| one.recorded_at_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.recorded_at_m(geometry, far_m));
-        [
-            nearest.fold(f64::MAX, f64::min),
-            farthest.fold(f64::MIN, f64::max),
-        ]
+        [nearest.fold(f64::MAX, f64::min), farthest.fold(f64::MIN, f64::max)]
     }
 }
 
@@ -127,8 +115,8 @@ pub struct PingScales {
 }
 
 impl PingScales {
-    /// Of a log by its first returns and its calibration, with all ranges times `range_factor`: where sound runs at another speed than
-    /// the recorder took.
+    /// Of a log by its first returns and its calibration, with all ranges times `range_factor`:
+    /// where sound runs at another speed than the recorder took.
     pub fn new(
         survey: &Survey,
         returns: &FirstReturns,
@@ -163,20 +151,13 @@ impl PingScales {
             };
             pings.map(scale).collect()
         };
-        Self {
-            sides: Side::BOTH.map(side),
-        }
+        Self { sides: Side::BOTH.map(side) }
     }
 
     /// Of so many pings over level ground, with ranges as recorded.
     pub fn level(pings: usize, altitude_m: f32) -> Self {
-        let scale = PingScale {
-            altitude_m,
-            ..PingScale::default()
-        };
-        Self {
-            sides: [vec![scale; pings], vec![scale; pings]],
-        }
+        let scale = PingScale { altitude_m, ..PingScale::default() };
+        Self { sides: [vec![scale; pings], vec![scale; pings]] }
     }
 
     /// Of a side, ping by ping.
@@ -196,10 +177,8 @@ impl PingScales {
         let all = self.sides.iter().flatten();
         let mut found: Option<Extremes> = None;
         for one in all {
-            let Extremes { least, most } = found.get_or_insert(Extremes {
-                least: *one,
-                most: *one,
-            });
+            let Extremes { least, most } =
+                found.get_or_insert(Extremes { least: *one, most: *one });
             least.altitude_m = least.altitude_m.min(one.altitude_m);
             least.scale = least.scale.min(one.scale);
             least.offset_m = least.offset_m.min(one.offset_m);
@@ -207,10 +186,7 @@ impl PingScales {
             most.scale = most.scale.max(one.scale);
             most.offset_m = most.offset_m.max(one.offset_m);
         }
-        found.unwrap_or(Extremes {
-            least: PingScale::default(),
-            most: PingScale::default(),
-        })
+        found.unwrap_or(Extremes { least: PingScale::default(), most: PingScale::default() })
     }
 }
 
@@ -220,21 +196,13 @@ mod tests {
     use proptest::prelude::*;
 
     fn any_scale() -> impl Strategy<Value = PingScale> {
-        (0.0_f32..80.0, 0.8_f32..1.2, -1.0_f32..1.0).prop_map(|(altitude_m, scale, offset_m)| {
-            PingScale {
-                altitude_m,
-                scale,
-                offset_m,
-            }
-        })
+        (0.0_f32..80.0, 0.8_f32..1.2, -1.0_f32..1.0)
+            .prop_map(|(altitude_m, scale, offset_m)| PingScale { altitude_m, scale, offset_m })
     }
 
     #[test]
     fn a_triangle_of_three_four_and_five() {
-        let scale = PingScale {
-            altitude_m: 3.0,
-            ..PingScale::default()
-        };
+        let scale = PingScale { altitude_m: 3.0, ..PingScale::default() };
         assert!((scale.across_m(PictureGeometry::Ground, 5.0) - 4.0).abs() < 1e-9);
         assert_eq!(scale.across_m(PictureGeometry::Ground, 2.0), 0.0);
         assert_eq!(scale.across_m(PictureGeometry::SlantBeyondWater, 5.0), 2.0);

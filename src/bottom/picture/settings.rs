@@ -30,7 +30,8 @@ pub struct PictureSettings {
     pub gamma: f64,
     /// Whether later pings stand to the left, or above.
     pub flip: bool,
-    /// Whether port is shown where starboard is, and starboard where port is. The data stay as they are.
+    /// Whether port is shown where starboard is, and starboard where port is. The data stay as they
+    /// are.
     pub starboard_first: bool,
 }
 
@@ -52,7 +53,8 @@ impl Default for PictureSettings {
     }
 }
 
-/// What the settings do to the echoes of a log, in numbers: the part of them that a histogram depends on.
+/// What the settings do to the echoes of a log, in numbers: the part of them that a histogram
+/// depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
     /// Whether the gain table acts.
@@ -82,11 +84,7 @@ impl PictureSettings {
 
     /// The same with the levels, gain and filters of a fresh log: what `Reset` gives.
     pub fn reset(&self) -> Self {
-        Self {
-            flip: self.flip,
-            starboard_first: self.starboard_first,
-            ..Self::default()
-        }
+        Self { flip: self.flip, starboard_first: self.starboard_first, ..Self::default() }
     }
 }
 
@@ -103,8 +101,8 @@ impl Tone {
             }
     }
 
-    /// Factor of time-varied gain and balance on echoes of a side at a slant range, metres: `k log10 r + 2 alpha r` dB of amplitude,
-    /// 0 dB at `middle_m`.
+    /// Factor of time-varied gain and balance on echoes of a side at a slant range, metres: `k
+    /// log10 r + 2 alpha r` dB of amplitude, 0 dB at `middle_m`.
     pub fn factor(&self, side: Side, range_m: f32, middle_m: f32) -> f32 {
         let range_m = range_m.max(LEAST_RANGE_M);
         let spreading = self.spreading_db * (range_m / middle_m).log10();
@@ -114,7 +112,8 @@ impl Tone {
     }
 }
 
-/// Slant range below which time-varied gain does not change any more, metres: nothing is heard there but the pulse.
+/// Slant range below which time-varied gain does not change any more, metres: nothing is heard
+/// there but the pulse.
 pub const LEAST_RANGE_M: f32 = 0.05;
 
 #[cfg(test)]

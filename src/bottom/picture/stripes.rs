@@ -1,8 +1,10 @@
 //! The stripe filter: a factor for every ping that is brighter or darker than those about it.
 //!
-//! Interference of another sonar, a wave that tilts the boat or a hand on the recorder's gain makes a whole ping brighter or darker;
-//! the ground does not change from one ping to the next. The level of a ping is the mean of the middle of its echoes, which an object or
-//! a shadow in it does not move, and it is brought to the median of the pings about it, which keeps the edge between two grounds.
+//! Interference of another sonar, a wave that tilts the boat or a hand on the recorder's gain makes
+//! a whole ping brighter or darker; the ground does not change from one ping to the next. The level
+//! of a ping is the mean of the middle of its echoes, which an object or a shadow in it does not
+//! move, and it is brought to the median of the pings about it, which keeps the edge between two
+//! grounds.
 
 use super::PingScales;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -23,7 +25,8 @@ const LEAST_LEVEL: f32 = 0.5;
 /// Pings between two looks at whether the work was cancelled.
 const CHUNK: usize = 512;
 
-/// Factors that bring the pings of a log to the levels of those about them, by side, port first; 1 where nothing was recorded.
+/// Factors that bring the pings of a log to the levels of those about them, by side, port first; 1
+/// where nothing was recorded.
 ///
 /// # Errors
 /// When the work was cancelled.

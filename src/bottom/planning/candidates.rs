@@ -1,4 +1,5 @@
-//! Lines that could be sailed: over many headings and offsets, each with the stretch that reduces the uncertainty most for its time.
+//! Lines that could be sailed: over many headings and offsets, each with the stretch that reduces
+//! the uncertainty most for its time.
 
 use super::ground::PlanningGrid;
 use super::leg::{Leg, apart_m};
@@ -14,9 +15,11 @@ const HEADINGS: usize = 18;
 const BEST_OF_HEADING: usize = 6;
 /// Lines of one heading are so far apart at least, metres.
 const LEAST_OFFSET_M: f64 = 1.0;
-/// Crossing an object that was seen from one side only is worth as much as depths for so many square metres of which nothing is known.
+/// Crossing an object that was seen from one side only is worth as much as depths for so many
+/// square metres of which nothing is known.
 const OBJECT_M2: f64 = 150.0;
-/// A line goes on beside an object for so far to either side, metres: its shadow and its ends are in the picture then.
+/// A line goes on beside an object for so far to either side, metres: its shadow and its ends are
+/// in the picture then.
 const BESIDE_M: f64 = 5.0;
 
 /// What limits a line.
@@ -62,7 +65,8 @@ impl CandidateLine {
         }
     }
 
-    /// The same without some metres, from whichever end mends less; `None` where too little is left.
+    /// The same without some metres, from whichever end mends less; `None` where too little is
+    /// left.
     pub(super) fn shortened(&self, by_m: f64, least_m: f64) -> Option<Self> {
         let steps = (by_m / self.step_m).ceil().max(1.0) as usize;
         let left = self.gains.len().checked_sub(steps)?;
@@ -84,8 +88,8 @@ impl CandidateLine {
     }
 }
 
-/// The lines that promise most for their time, best first. `ends` are those of the lines that are planned already: from one of them the boat
-/// comes.
+/// The lines that promise most for their time, best first. `ends` are those of the lines that are
+/// planned already: from one of them the boat comes.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -126,10 +130,7 @@ impl ParallelLines {
     fn new(ground: &PlanningGrid, heading_rad: f64) -> Self {
         let (sin, cos) = heading_rad.sin_cos();
         let (along, across) = ([sin, cos], [cos, -sin]);
-        let places = ground
-            .cells
-            .iter()
-            .map(|cell| turned(cell.place, along, across));
+        let places = ground.cells.iter().map(|cell| turned(cell.place, along, across));
         let bounds = places.fold(None, |bounds, [a, b]| {
             let [[a0, a1], [b0, b1]] = bounds.unwrap_or([[a, a], [b, b]]);
             Some([[a0.min(a), a1.max(a)], [b0.min(b), b1.max(b)]])
@@ -235,11 +236,7 @@ impl ParallelLines {
                 let away_m = (ends.iter())
                     .flat_map(|end| [from, to].map(|place| apart_m(*end, place)))
                     .fold(f64::INFINITY, f64::min);
-                let away_s = if ends.is_empty() {
-                    0.0
-                } else {
-                    away_m / limits.speed_mps
-                };
+                let away_s = if ends.is_empty() { 0.0 } else { away_m / limits.speed_mps };
                 let seconds = stretch.len() as f64 * step_s + turn_s + away_s;
                 found.push(CandidateLine {
                     from,

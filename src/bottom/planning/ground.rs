@@ -1,4 +1,5 @@
-//! The ground cell by cell: how far the nearest sounding is, how often it was insonified, and what that leaves in doubt.
+//! The ground cell by cell: how far the nearest sounding is, how often it was insonified, and what
+//! that leaves in doubt.
 
 use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
 use super::leg::apart_m;
@@ -6,16 +7,19 @@ use super::water::{Water, thinned};
 use crate::nearest::Nearest;
 use rayon::prelude::*;
 
-/// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it helps.
+/// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it
+/// helps.
 pub(super) const DOUBT_M: f64 = 5.0;
 /// Of the differences that are more than so many standard deviations of a depth at a sounding.
 const DOUBT_SIGMAS: f64 = 2.0;
 /// More of them are not looked at.
 const MOST_DOUBTS: usize = 500;
-/// Of the mean of two passes that differ, a third leaves this share of the standard deviation: the root of two thirds.
+/// Of the mean of two passes that differ, a third leaves this share of the standard deviation: the
+/// root of two thirds.
 const THIRD_PASS: f32 = 0.816_5;
-/// What the first and the second look of the side-scan at a place are worth, as shares of the standard deviation where nothing is known: less
-/// than a depth, since that is what a plan is for, and enough that lines keep to distances at which the range covers the ground twice.
+/// What the first and the second look of the side-scan at a place are worth, as shares of the
+/// standard deviation where nothing is known: less than a depth, since that is what a plan is for,
+/// and enough that lines keep to distances at which the range covers the ground twice.
 const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
 
 /// A cell of the water.
@@ -42,7 +46,8 @@ pub(super) struct PlanningGrid {
     pub objects: Vec<SeenObject>,
     /// What distance leaves in doubt.
     pub sigma: SigmaLaw,
-    /// Ground nearer to a sounding than this counts as mended, metres: half of the spacing that was asked for.
+    /// Ground nearer to a sounding than this counts as mended, metres: half of the spacing that was
+    /// asked for.
     pub mended_m: f32,
     /// Distance across the track that side-scan insonifies, metres; 0 without any.
     pub swath_m: f64,
@@ -59,13 +64,9 @@ impl PlanningGrid {
         let looks = counted(&water, &known.looks);
         let cell = |&(index, place): &(usize, [f64; 2])| {
             let distance_m = soundings.as_ref().map(|near| near.distance_m(place));
-            let near = doubts
-                .iter()
-                .filter(|doubt| apart_m(doubt.place, place) < DOUBT_M);
+            let near = doubts.iter().filter(|doubt| apart_m(doubt.place, place) < DOUBT_M);
             // The mean of two passes is off by half of their difference.
-            let doubt_m = near
-                .map(|doubt| 0.5 * doubt.difference_m.abs())
-                .fold(0.0, f64::max);
+            let doubt_m = near.map(|doubt| 0.5 * doubt.difference_m.abs()).fold(0.0, f64::max);
             WaterCell {
                 place,
                 distance_m: distance_m.unwrap_or(f64::INFINITY) as f32,
@@ -128,7 +129,8 @@ impl PlanningGrid {
         depth_m.max(doubt_m).max(look_m)
     }
 
-    /// The ground after a straight pass from one place to another; `is_line` where its side-scan counts, which that of a turn does not.
+    /// The ground after a straight pass from one place to another; `is_line` where its side-scan
+    /// counts, which that of a turn does not.
     pub(super) fn sail(&mut self, from: [f64; 2], to: [f64; 2], is_line: bool) {
         let way = [to[0] - from[0], to[1] - from[1]];
         let length_m = way[0].hypot(way[1]);
@@ -176,9 +178,8 @@ impl PlanningGrid {
 fn largest(known: &SurveyCoverage) -> Vec<Doubt> {
     let least_m = DOUBT_SIGMAS * f64::from(known.sigma.at(0.0));
     let doubts = known.doubts.iter().copied();
-    let mut doubts: Vec<Doubt> = doubts
-        .filter(|doubt| doubt.difference_m.abs() > least_m)
-        .collect();
+    let mut doubts: Vec<Doubt> =
+        doubts.filter(|doubt| doubt.difference_m.abs() > least_m).collect();
     let size = |doubt: &Doubt| doubt.difference_m.abs();
     doubts.sort_by(|a, b| size(b).total_cmp(&size(a)));
     doubts.truncate(MOST_DOUBTS);

@@ -1,4 +1,5 @@
-//! What a survey knows of its ground, as far as a plan needs it. All in one plane, metres east and north.
+//! What a survey knows of its ground, as far as a plan needs it. All in one plane, metres east and
+//! north.
 
 use crate::bathymetry::SigmaByDistance;
 
@@ -55,8 +56,8 @@ pub struct Doubt {
 }
 
 impl SeenObject {
-    /// How well the directions that it was seen from complete each other: the largest sine squared of an angle between two of them, 1 at
-    /// right angles, 0 from one side only.
+    /// How well the directions that it was seen from complete each other: the largest sine squared
+    /// of an angle between two of them, 1 at right angles, 0 from one side only.
     pub fn crossing(&self) -> f64 {
         let each = self.headings_rad.iter().enumerate();
         each.map(|(index, heading)| crossed(&self.headings_rad[..index], *heading))
@@ -65,19 +66,17 @@ impl SeenObject {
 
     /// The same with one more heading.
     pub(crate) fn crossing_with(&self, heading_rad: f64) -> f64 {
-        self.crossing()
-            .max(crossed(&self.headings_rad, heading_rad))
+        self.crossing().max(crossed(&self.headings_rad, heading_rad))
     }
 }
 
 fn crossed(headings_rad: &[f64], other_rad: f64) -> f64 {
-    let sines = headings_rad
-        .iter()
-        .map(|heading| (heading - other_rad).sin());
+    let sines = headings_rad.iter().map(|heading| (heading - other_rad).sin());
     sines.map(|sine| sine * sine).fold(0.0, f64::max)
 }
 
-/// The standard deviation of a depth's error by the distance to the nearest sounding, up to what it is where nothing is known.
+/// The standard deviation of a depth's error by the distance to the nearest sounding, up to what it
+/// is where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SigmaLaw {
     /// At multiples of [`STEP_M`]; the last is that of all distances beyond.
@@ -88,16 +87,16 @@ pub struct SigmaLaw {
 const STEP_M: f64 = 0.1;
 /// No law goes farther than this, metres.
 const FARTHEST_M: f64 = 500.0;
-/// Where a survey has too few soundings to leave some out: at a sounding, metres, and for each metre from it. The ponds of
-/// `cargo bench --features bench -- surface` have 0.01 to 0.06 a metre.
+/// Where a survey has too few soundings to leave some out: at a sounding, metres, and for each
+/// metre from it. The ponds of `cargo bench --features bench -- surface` have 0.01 to 0.06 a metre.
 const USUAL_SIGMA_M: f64 = 0.05;
 const USUAL_RISE: f64 = 0.04;
 /// Nothing is worse known than by a guess of the mean depth: this at least, metres.
 const LEAST_LIMIT_M: f64 = 0.1;
 
 impl SigmaLaw {
-    /// By left-out soundings where there were enough, else a usual rise; nowhere more than `limit_m`, the spread of the depths of the survey,
-    /// with which the mean depth would be wrong.
+    /// By left-out soundings where there were enough, else a usual rise; nowhere more than
+    /// `limit_m`, the spread of the depths of the survey, with which the mean depth would be wrong.
     pub fn new(left_out: Option<&SigmaByDistance>, limit_m: f64) -> Self {
         let at = |distance_m: f64| match left_out {
             Some(left_out) => left_out.at(distance_m),
@@ -105,10 +104,8 @@ impl SigmaLaw {
         };
         let limit_m = limit_m.max(LEAST_LIMIT_M).max(1.5 * at(0.0));
         let steps = (0..=(FARTHEST_M / STEP_M) as u32).map(|step| at(STEP_M * f64::from(step)));
-        let mut steps_m: Vec<f32> = steps
-            .take_while(|sigma_m| *sigma_m < limit_m)
-            .map(|sigma_m| sigma_m as f32)
-            .collect();
+        let mut steps_m: Vec<f32> =
+            steps.take_while(|sigma_m| *sigma_m < limit_m).map(|sigma_m| sigma_m as f32).collect();
         steps_m.push(limit_m as f32);
         Self { steps_m }
     }
@@ -146,10 +143,7 @@ mod tests {
 
     #[test]
     fn two_looks_at_right_angles_are_worth_most() {
-        let mut object = SeenObject {
-            place: [0.0, 0.0],
-            headings_rad: vec![0.2],
-        };
+        let mut object = SeenObject { place: [0.0, 0.0], headings_rad: vec![0.2] };
         assert_eq!(object.crossing(), 0.0);
         let right = std::f64::consts::FRAC_PI_2;
         assert!((object.crossing_with(0.2 + right) - 1.0).abs() < 1e-12);

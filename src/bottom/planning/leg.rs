@@ -26,10 +26,7 @@ impl Leg {
     /// The same line sailed the other way.
     #[must_use]
     pub fn turned(self) -> Self {
-        Self {
-            from: self.to,
-            to: self.from,
-        }
+        Self { from: self.to, to: self.from }
     }
 
     /// Place and course at its start.
@@ -44,10 +41,7 @@ impl Leg {
 
     fn pose(&self, place: [f64; 2]) -> TurnPose {
         let [east, north] = self.way();
-        TurnPose {
-            place,
-            course_rad: north.atan2(east),
-        }
+        TurnPose { place, course_rad: north.atan2(east) }
     }
 
     fn way(&self) -> [f64; 2] {

@@ -1,13 +1,16 @@
 //! Where to sail next: lines that mend the most of a survey in so many minutes.
 //!
-//! In: what a survey has insonified, and where water is. Out: lines in the order of sailing, with what they mend.
-//! It uses `support`.
+//! In: what a survey has insonified, and where water is. Out: lines in the order of sailing, with
+//! what they mend. It uses `support`.
 //!
-//! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each cell of it lacks: depths (by the distance to
-//! the nearest sounding, `known::SigmaLaw`), a first or second look of the side-scan, a third pass where two disagree, another side
-//! of an object. `candidates` are straight lines over many headings, each with the stretch (`window`) that reduces the uncertainty most for its time;
-//! the best by far, counted with the turns to it, is taken, what it mends is taken off, and so on until the minutes are used or no line is worth its time. `route` orders
-//! the lines, with `turns` that the boat can make and that stay in the water. `plan` is what comes out.
+//! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each
+//! cell of it lacks: depths (by the distance to the nearest sounding, `known::SigmaLaw`), a first
+//! or second look of the side-scan, a third pass where two disagree, another side of an object.
+//! `candidates` are straight lines over many headings, each with the stretch (`window`) that
+//! reduces the uncertainty most for its time; the best by far, counted with the turns to it, is
+//! taken, what it mends is taken off, and so on until the minutes are used or no line is worth its
+//! time. `route` orders the lines, with `turns` that the boat can make and that stay in the water.
+//! `plan` is what comes out.
 
 mod candidates;
 mod ground;
@@ -29,14 +32,15 @@ use ground::PlanningGrid;
 use route::{Insertion, Route};
 use water::Water;
 
-/// Times the widest gap of a depth map that an outline of what was sailed closes to either side: a strip of three gaps between two lines is
-/// water.
+/// Times the widest gap of a depth map that an outline of what was sailed closes to either side: a
+/// strip of three gaps between two lines is water.
 const CLOSED_GAPS: f64 = 1.5;
 /// Candidates that a turn leads to, of which the best is taken.
 const LOOKED_AT: usize = 40;
 /// No plan has more lines.
 const MOST_LINES: usize = 400;
-/// A line that mends less than this share of what the first does in the same time is not worth sailing: the plan ends before it.
+/// A line that mends less than this share of what the first does in the same time is not worth
+/// sailing: the plan ends before it.
 const WORTH: f64 = 0.03;
 
 /// Why there is no plan.
@@ -86,8 +90,8 @@ impl PlanError {
     }
 }
 
-/// Plans lines that mend the most of a survey in the time of the settings, in the water within `area` (rings in the survey's plane, metres) or
-/// within the outline of what was sailed.
+/// Plans lines that mend the most of a survey in the time of the settings, in the water within
+/// `area` (rings in the survey's plane, metres) or within the outline of what was sailed.
 ///
 /// The same input gives the same plan.
 ///
@@ -120,11 +124,7 @@ fn within(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, Plan
     let water = Water::within(rings).ok_or(PlanError::NoArea)?;
     let near_m = known.sigma.reach_m().max(known.max_gap_m);
     let [first_m, last_m] = [0, 1].map(|axis| {
-        let cells = if axis == 0 {
-            water.grid.columns
-        } else {
-            water.grid.rows
-        };
+        let cells = if axis == 0 { water.grid.columns } else { water.grid.rows };
         cells as f64 * water.grid.cell_m
     });
     let is_near = |place: &[f64; 2]| {
@@ -155,16 +155,8 @@ fn sailed(
     let mut used_m = 0.0;
     let mut first_rate = None;
     for _ in 0..MOST_LINES {
-        let ends: Vec<[f64; 2]> = route
-            .legs()
-            .iter()
-            .flat_map(|leg| [leg.from, leg.to])
-            .collect();
-        let limits = Limits {
-            speed_mps,
-            radius_m,
-            most_m: budget_m - used_m,
-        };
+        let ends: Vec<[f64; 2]> = route.legs().iter().flat_map(|leg| [leg.from, leg.to]).collect();
+        let limits = Limits { speed_mps, radius_m, most_m: budget_m - used_m };
         let found = candidates(&ground, &ends, &limits, progress)?;
         if found.is_empty() && ends.is_empty() {
             return Err(why_none(&ground, &limits));
@@ -208,8 +200,8 @@ fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
     }
 }
 
-/// The candidate that reduces the uncertainty most for its time, counted with the turns to it, that fits into the rest of the way, shortened where it must be;
-/// with what it mends a metre.
+/// The candidate that reduces the uncertainty most for its time, counted with the turns to it, that
+/// fits into the rest of the way, shortened where it must be; with what it mends a metre.
 fn best(
     found: &[CandidateLine],
     route: &mut Route<'_>,
@@ -217,9 +209,7 @@ fn best(
     limits: &Limits,
 ) -> Option<(f64, Insertion, Leg)> {
     let mut best: Option<(f64, Insertion, Leg)> = None;
-    let fitting = found
-        .iter()
-        .filter_map(|candidate| fitted(candidate, route, rest_m, limits));
+    let fitting = found.iter().filter_map(|candidate| fitted(candidate, route, rest_m, limits));
     for (growth_m, insertion, candidate) in fitting.take(LOOKED_AT) {
         let rate = candidate.gain / growth_m.max(limits.least_m());
         if best.as_ref().is_none_or(|(most, _, _)| rate > *most) {

@@ -21,19 +21,14 @@ pub struct PlanSettings {
     pub speed_mps: Option<f64>,
     /// Least radius that the boat turns with, metres.
     pub turn_radius_m: f64,
-    /// Distance between lines that is close enough, metres; where it is not given, lines come closer as long as that mends more than all
-    /// else.
+    /// Distance between lines that is close enough, metres; where it is not given, lines come
+    /// closer as long as that mends more than all else.
     pub spacing_m: Option<f64>,
 }
 
 impl Default for PlanSettings {
     fn default() -> Self {
-        Self {
-            minutes: 20.0,
-            speed_mps: None,
-            turn_radius_m: 5.0,
-            spacing_m: None,
-        }
+        Self { minutes: 20.0, speed_mps: None, turn_radius_m: 5.0, spacing_m: None }
     }
 }
 
@@ -51,9 +46,7 @@ impl PlanSettings {
             return Err(PlanError::Settings("a plan takes 0.1 to 1440 minutes"));
         }
         if !optional(self.speed_mps, 0.1, 20.0) {
-            return Err(PlanError::Settings(
-                "the boat's speed is 0.1 to 20 metres a second",
-            ));
+            return Err(PlanError::Settings("the boat's speed is 0.1 to 20 metres a second"));
         }
         if !within(self.turn_radius_m, 0.5, 500.0) {
             return Err(PlanError::Settings("the turn radius is 0.5 to 500 metres"));
@@ -232,5 +225,6 @@ impl WaterState {
     }
 }
 
-/// An object whose looks cross at less than 30 degrees was seen from one side only: the sine squared of that.
+/// An object whose looks cross at less than 30 degrees was seen from one side only: the sine
+/// squared of that.
 const ONE_SIDED: f64 = 0.25;

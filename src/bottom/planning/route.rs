@@ -36,13 +36,7 @@ pub(super) struct Route<'a> {
 impl<'a> Route<'a> {
     /// Without any line.
     pub(super) fn new(water: &'a Water, radius_m: f64) -> Self {
-        Self {
-            water,
-            radius_m,
-            lines: Vec::new(),
-            order: Vec::new(),
-            links: HashMap::new(),
-        }
+        Self { water, radius_m, lines: Vec::new(), order: Vec::new(), links: HashMap::new() }
     }
 
     /// The lines in the order and the direction that they are sailed in.
@@ -58,7 +52,8 @@ impl<'a> Route<'a> {
         lines_m + links.sum::<f64>()
     }
 
-    /// By how much the route grows with a line at its best place, and that place; `None` where no turn leads there.
+    /// By how much the route grows with a line at its best place, and that place; `None` where no
+    /// turn leads there.
     pub(super) fn growth(&mut self, leg: Leg) -> Option<(f64, Insertion)> {
         if self.order.is_empty() {
             return Some((leg.length_m(), Insertion { at: 0, leg }));
@@ -89,8 +84,8 @@ impl<'a> Route<'a> {
         self.order.insert(at, (self.lines.len() - 1, false));
     }
 
-    /// Shortens the turns: stretches of the order are sailed backwards (2-opt), and single lines elsewhere or the other way (or-opt).
-    /// Gives the metres that this saves.
+    /// Shortens the turns: stretches of the order are sailed backwards (2-opt), and single lines
+    /// elsewhere or the other way (or-opt). Gives the metres that this saves.
     pub(super) fn improve(&mut self) -> f64 {
         let before_m = self.length_m();
         for _ in 0..ROUNDS {
@@ -101,7 +96,8 @@ impl<'a> Route<'a> {
         before_m - self.length_m()
     }
 
-    /// Reverses stretches while that shortens the way. A turn is as long the other way, so that those within a stretch stay.
+    /// Reverses stretches while that shortens the way. A turn is as long the other way, so that
+    /// those within a stretch stay.
     fn reverse_a_stretch(&mut self) -> bool {
         let count = self.order.len();
         let mut is_better = false;
@@ -171,9 +167,7 @@ impl<'a> Route<'a> {
     fn places_near(&self, leg: &Leg) -> Vec<usize> {
         let away_m = |line: &Leg| {
             let ends = [line.from, line.to];
-            let each = ends
-                .iter()
-                .flat_map(|end| [apart_m(*end, leg.from), apart_m(*end, leg.to)]);
+            let each = ends.iter().flat_map(|end| [apart_m(*end, leg.from), apart_m(*end, leg.to)]);
             each.fold(f64::INFINITY, f64::min)
         };
         let mut nearest: Vec<(f64, usize)> = (self.order.iter().enumerate())
@@ -181,10 +175,8 @@ impl<'a> Route<'a> {
             .collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
         nearest.truncate(NEAREST);
-        let mut places: Vec<usize> = nearest
-            .iter()
-            .flat_map(|(_, index)| [*index, *index + 1])
-            .collect();
+        let mut places: Vec<usize> =
+            nearest.iter().flat_map(|(_, index)| [*index, *index + 1]).collect();
         places.sort_unstable();
         places.dedup();
         places
@@ -205,9 +197,7 @@ impl<'a> Route<'a> {
     /// What that cannot be less than: the way as the crow flies.
     fn least_m(&self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
         let ends = from.zip(to);
-        ends.map_or(0.0, |(from, to)| {
-            apart_m(self.leg(from).to, self.leg(to).from)
-        })
+        ends.map_or(0.0, |(from, to)| apart_m(self.leg(from).to, self.leg(to).from))
     }
 
     fn link_m(&mut self, from: Sailed, to: Sailed) -> f64 {
@@ -244,21 +234,13 @@ mod tests {
 
     #[test]
     fn lines_in_any_order_become_a_round_to_and_fro() {
-        let ring = vec![
-            [-50.0, -50.0],
-            [250.0, -50.0],
-            [250.0, 150.0],
-            [-50.0, 150.0],
-        ];
+        let ring = vec![[-50.0, -50.0], [250.0, -50.0], [250.0, 150.0], [-50.0, 150.0]];
         let water = Water::within(&[ring]).unwrap();
         let mut route = Route::new(&water, 5.0);
         // Ten lines 10 m apart in a mixed order, all drawn eastwards, each put at the end.
         for rank in [3, 9, 0, 6, 1, 8, 4, 2, 7, 5] {
             let north = 10.0 * f64::from(rank);
-            let leg = Leg {
-                from: [0.0, north],
-                to: [200.0, north],
-            };
+            let leg = Leg { from: [0.0, north], to: [200.0, north] };
             let at = route.order.len();
             route.insert(Insertion { at, leg });
         }
@@ -266,16 +248,8 @@ mod tests {
         // Half a circle of 5 m between neighbours.
         let best_m = 10.0 * 200.0 + 9.0 * std::f64::consts::PI * 5.0;
         let length_m = route.length_m();
-        assert!(
-            saved_m > 0.0 && length_m < 1.03 * best_m,
-            "{length_m} {best_m}"
-        );
-        let (growth_m, _) = route
-            .growth(Leg {
-                from: [0.0, 100.0],
-                to: [200.0, 100.0],
-            })
-            .unwrap();
+        assert!(saved_m > 0.0 && length_m < 1.03 * best_m, "{length_m} {best_m}");
+        let (growth_m, _) = route.growth(Leg { from: [0.0, 100.0], to: [200.0, 100.0] }).unwrap();
         assert!((growth_m - 215.7).abs() < 0.1, "{growth_m}");
     }
 
@@ -283,10 +257,8 @@ mod tests {
     fn a_turn_that_leaves_the_water_is_none() {
         let ring = vec![[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]];
         let water = Water::within(&[ring]).unwrap();
-        let pose = |east: f64, north: f64, course_rad: f64| TurnPose {
-            place: [east, north],
-            course_rad,
-        };
+        let pose =
+            |east: f64, north: f64, course_rad: f64| TurnPose { place: [east, north], course_rad };
         // Half a circle to the line beside, with room for it and without.
         let beside = |north: f64| {
             let up = std::f64::consts::FRAC_PI_2;

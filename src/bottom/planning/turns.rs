@@ -1,7 +1,8 @@
 //! Turns that a boat can make: the shortest way between two poses with a least radius.
 //!
-//! L. E. Dubins (On curves of minimal length with a constraint on average curvature, 1957): it is two arcs with a straight piece between
-//! them, or three arcs. The equations are those of A. M. Shkel and V. Lumelsky (Classification of the Dubins set, 2001).
+//! L. E. Dubins (On curves of minimal length with a constraint on average curvature, 1957): it is
+//! two arcs with a straight piece between them, or three arcs. The equations are those of A. M.
+//! Shkel and V. Lumelsky (Classification of the Dubins set, 2001).
 
 use std::f64::consts::{PI, TAU};
 
@@ -36,19 +37,15 @@ pub(super) struct Turn {
     pieces: [Piece; 3],
 }
 
-/// All ways between two poses that are two arcs and a straight piece, or three arcs, the shortest first.
+/// All ways between two poses that are two arcs and a straight piece, or three arcs, the shortest
+/// first.
 pub(super) fn turns(from: TurnPose, to: TurnPose, radius_m: f64) -> Vec<Turn> {
     let [east, north] = [0, 1].map(|axis| to.place[axis] - from.place[axis]);
     let direction = north.atan2(east);
     let (a, b) = (from.course_rad - direction, to.course_rad - direction);
     let words = words(east.hypot(north) / radius_m, turned(a), turned(b));
-    let mut turns: Vec<Turn> = (words.into_iter().flatten())
-        .map(|pieces| Turn {
-            from,
-            radius_m,
-            pieces,
-        })
-        .collect();
+    let mut turns: Vec<Turn> =
+        (words.into_iter().flatten()).map(|pieces| Turn { from, radius_m, pieces }).collect();
     turns.sort_by(|one, other| one.length_m().total_cmp(&other.length_m()));
     turns
 }
@@ -59,7 +56,8 @@ fn turned(angle: f64) -> f64 {
     if TAU - angle < 1e-9 { 0.0 } else { angle }
 }
 
-/// The six words of Dubins, for a distance in radii and both courses from the direction between the places.
+/// The six words of Dubins, for a distance in radii and both courses from the direction between the
+/// places.
 fn words(d: f64, a: f64, b: f64) -> [Option<[Piece; 3]>; 6] {
     let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
     let cos_ab = (a - b).cos();
@@ -70,35 +68,19 @@ fn words(d: f64, a: f64, b: f64) -> [Option<[Piece; 3]>; 6] {
     let straight = |p: f64, [y, x]: [f64; 2]| if p < 1e-6 { b } else { y.atan2(x) };
     let lsl = same(1.0).map(|p| {
         let middle = straight(p, [cos_b - cos_a, d + sin_a - sin_b]);
-        [
-            Left(turned(middle - a)),
-            Straight(p),
-            Left(turned(b - middle)),
-        ]
+        [Left(turned(middle - a)), Straight(p), Left(turned(b - middle))]
     });
     let rsr = same(-1.0).map(|p| {
         let middle = straight(p, [cos_a - cos_b, d - sin_a + sin_b]);
-        [
-            Right(turned(a - middle)),
-            Straight(p),
-            Right(turned(middle - b)),
-        ]
+        [Right(turned(a - middle)), Straight(p), Right(turned(middle - b))]
     });
     let lsr = root(d * d - 2.0 + 2.0 * cos_ab + 2.0 * d * (sin_a + sin_b)).map(|p| {
         let middle = (-cos_a - cos_b).atan2(d + sin_a + sin_b) - (-2.0_f64).atan2(p);
-        [
-            Left(turned(middle - a)),
-            Straight(p),
-            Right(turned(middle - b)),
-        ]
+        [Left(turned(middle - a)), Straight(p), Right(turned(middle - b))]
     });
     let rsl = root(d * d - 2.0 + 2.0 * cos_ab - 2.0 * d * (sin_a + sin_b)).map(|p| {
         let middle = (cos_a + cos_b).atan2(d - sin_a - sin_b) - 2.0_f64.atan2(p);
-        [
-            Right(turned(a - middle)),
-            Straight(p),
-            Left(turned(b - middle)),
-        ]
+        [Right(turned(a - middle)), Straight(p), Left(turned(b - middle))]
     });
     let arcs = |sign: f64| {
         let cos = (6.0 - d * d + 2.0 * cos_ab + 2.0 * d * sign * (sin_a - sin_b)) / 8.0;
@@ -124,8 +106,8 @@ impl Turn {
         self.radius_m * (first + middle + last)
     }
 
-    /// Places along the way without those at its ends: the ends of its pieces, and so many within arcs that they are drawn round; straight
-    /// pieces have a place every `straight_m` metres.
+    /// Places along the way without those at its ends: the ends of its pieces, and so many within
+    /// arcs that they are drawn round; straight pieces have a place every `straight_m` metres.
     pub(super) fn places(&self, straight_m: f64) -> Vec<[f64; 2]> {
         let mut pose = self.from;
         let mut places = Vec::new();
@@ -150,19 +132,13 @@ impl Turn {
 
     /// The pose after a part of a piece.
     fn after(&self, from: TurnPose, piece: Piece, part: f64) -> TurnPose {
-        let TurnPose {
-            place: [east, north],
-            course_rad,
-        } = from;
+        let TurnPose { place: [east, north], course_rad } = from;
         let radius_m = self.radius_m;
         let sign = match piece {
             Straight(_) => {
                 let (sin, cos) = course_rad.sin_cos();
                 let way_m = radius_m * part;
-                return TurnPose {
-                    place: [east + way_m * cos, north + way_m * sin],
-                    course_rad,
-                };
+                return TurnPose { place: [east + way_m * cos, north + way_m * sin], course_rad };
             }
             Left(_) => 1.0,
             Right(_) => -1.0,
@@ -192,10 +168,7 @@ mod tests {
     use super::*;
 
     fn pose(east: f64, north: f64, course_rad: f64) -> TurnPose {
-        TurnPose {
-            place: [east, north],
-            course_rad,
-        }
+        TurnPose { place: [east, north], course_rad }
     }
 
     #[test]
@@ -212,10 +185,7 @@ mod tests {
                 let end = turn.end();
                 let off_m = (end.place[0] - to.place[0]).hypot(end.place[1] - to.place[1]);
                 let off_rad = (end.course_rad - to.course_rad).sin().abs();
-                assert!(
-                    off_m < 1e-6 && off_rad < 1e-6,
-                    "{turn:?}: {off_m} {off_rad}"
-                );
+                assert!(off_m < 1e-6 && off_rad < 1e-6, "{turn:?}: {off_m} {off_rad}");
             }
         }
         assert!(words > 1400, "{words}");
@@ -248,7 +218,8 @@ mod tests {
                 let (a, b, c) = (side(0, 1), side(1, 2), side(0, 2));
                 let cross = (corner[1][0] - corner[0][0]) * (corner[2][1] - corner[0][1])
                     - (corner[1][1] - corner[0][1]) * (corner[2][0] - corner[0][0]);
-                // Heron: the radius of the circle through three places is a b c over twice the cross product.
+                // Heron: the radius of the circle through three places is a b c over twice the
+                // cross product.
                 let radius_m = a * b * c / (2.0 * cross.abs()).max(1e-12);
                 assert!(radius_m > 2.49, "{turn:?}: {radius_m}");
             }

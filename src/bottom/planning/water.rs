@@ -22,15 +22,15 @@ pub(super) struct Water {
 }
 
 impl Water {
-    /// The cells that lie within rings wholly (a place within an even number of them is outside, so that islands are rings too);
-    /// `None` where there are none.
+    /// The cells that lie within rings wholly (a place within an even number of them is outside, so
+    /// that islands are rings too); `None` where there are none.
     pub(super) fn within(rings: &[Vec<[f64; 2]>]) -> Option<Self> {
         let bounds = bounds(rings.iter().flatten().copied())?;
         fitting(bounds, |grid| within_rings(grid, rings))
     }
 
-    /// The ground about soundings with gaps of up to `2 reach_m` closed: every place that cannot be reached by a circle of
-    /// that radius which holds no sounding. `None` without soundings.
+    /// The ground about soundings with gaps of up to `2 reach_m` closed: every place that cannot be
+    /// reached by a circle of that radius which holds no sounding. `None` without soundings.
     pub(super) fn around(soundings: &[[f64; 2]], reach_m: f64) -> Option<Self> {
         let [west, south, east, north] = bounds(soundings.iter().copied())?;
         let pad_m = 1.2 * reach_m;
@@ -90,16 +90,15 @@ fn fitting(
     None
 }
 
-/// Cells whose centre lies in the rings, but those that a ring passes or that are next to one: what is left is inside to its corners.
+/// Cells whose centre lies in the rings, but those that a ring passes or that are next to one: what
+/// is left is inside to its corners.
 fn within_rings(grid: &Grid, rings: &[Vec<[f64; 2]>]) -> Vec<bool> {
     let mut open = vec![false; grid.len()];
     let rows = open.par_chunks_mut(grid.columns.max(1)).enumerate();
     rows.for_each(|(row, cells)| {
         let north_m = grid.centre(row, 0)[1];
-        let mut crossings: Vec<f64> = rings
-            .iter()
-            .flat_map(|ring| crossed(ring, north_m))
-            .collect();
+        let mut crossings: Vec<f64> =
+            rings.iter().flat_map(|ring| crossed(ring, north_m)).collect();
         crossings.sort_by(f64::total_cmp);
         for between in crossings.chunks_exact(2) {
             for (column, cell) in cells.iter_mut().enumerate() {
@@ -141,15 +140,15 @@ fn close_about(grid: &Grid, [east_m, north_m]: [f64; 2], open: &mut [bool]) {
     }
 }
 
-/// The closing of the soundings by a circle: cells within its radius of a sounding, without those within its radius of others.
+/// The closing of the soundings by a circle: cells within its radius of a sounding, without those
+/// within its radius of others.
 fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
     let Some(near) = Nearest::of(&thinned(soundings, 0.5 * grid.cell_m)) else {
         return vec![false; grid.len()];
     };
     let cells = (0..grid.len()).into_par_iter();
-    let reached: Vec<bool> = cells
-        .map(|cell| near.distance_m(grid.centre_of(cell)) <= reach_m)
-        .collect();
+    let reached: Vec<bool> =
+        cells.map(|cell| near.distance_m(grid.centre_of(cell)) <= reach_m).collect();
     let is_rim = |cell: &usize| {
         let (row, column) = (cell / grid.columns, cell % grid.columns);
         let beside = [
@@ -160,14 +159,13 @@ fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
         ];
         !reached[*cell] && beside.into_iter().flatten().any(|cell| reached[cell])
     };
-    let rim: Vec<[f64; 2]> = (0..grid.len())
-        .filter(is_rim)
-        .map(|cell| grid.centre_of(cell))
-        .collect();
+    let rim: Vec<[f64; 2]> =
+        (0..grid.len()).filter(is_rim).map(|cell| grid.centre_of(cell)).collect();
     let Some(rim) = Nearest::of(&rim) else {
         return reached;
     };
-    // The outermost lines themselves are a boundary, which half a cell of rounding must not take away.
+    // The outermost lines themselves are a boundary, which half a cell of rounding must not take
+    // away.
     let inner_m = reach_m - 0.5 * grid.cell_m;
     let cells = reached.par_iter().enumerate();
     cells
@@ -182,9 +180,7 @@ pub(super) fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
     let mut places: Vec<[f64; 2]> = places.iter().filter(finite).copied().collect();
     places.sort_by(|a, b| {
         let squares = square(a).cmp(&square(b));
-        squares
-            .then(a[0].total_cmp(&b[0]))
-            .then(a[1].total_cmp(&b[1]))
+        squares.then(a[0].total_cmp(&b[0])).then(a[1].total_cmp(&b[1]))
     });
     places.dedup_by_key(|place| square(place));
     places
@@ -197,12 +193,7 @@ mod tests {
     #[test]
     fn cells_of_a_polygon_with_an_island_lie_in_it_wholly() {
         let ring = |half_m: f64| {
-            vec![
-                [-half_m, -half_m],
-                [half_m, -half_m],
-                [1.2 * half_m, half_m],
-                [-half_m, half_m],
-            ]
+            vec![[-half_m, -half_m], [half_m, -half_m], [1.2 * half_m, half_m], [-half_m, half_m]]
         };
         let rings = [ring(40.0), ring(8.0)];
         let water = Water::within(&rings).unwrap();
@@ -221,14 +212,9 @@ mod tests {
         let all_m2 = 80.0 * 84.0 - 16.0 * 16.8;
         // Along the sides, two cells wide, nothing is open.
         let sides_m = rings.iter().flat_map(|ring| edges(ring));
-        let sides_m: f64 = sides_m
-            .map(|[[x, y], [to_x, to_y]]| (to_x - x).hypot(to_y - y))
-            .sum();
+        let sides_m: f64 = sides_m.map(|[[x, y], [to_x, to_y]]| (to_x - x).hypot(to_y - y)).sum();
         let closed_m2 = 2.0 * water.grid.cell_m * sides_m;
-        assert!(
-            area_m2 > all_m2 - closed_m2 && area_m2 < all_m2,
-            "{area_m2} {closed_m2}"
-        );
+        assert!(area_m2 > all_m2 - closed_m2 && area_m2 < all_m2, "{area_m2} {closed_m2}");
         assert!(!water.holds([0.0, 0.0]) && water.holds([20.0, 0.0]) && !water.holds([60.0, 0.0]));
     }
 
@@ -242,10 +228,7 @@ mod tests {
         soundings.extend((50..=200).map(|step| [0.0, f64::from(step)]));
         let water = Water::around(&soundings, 30.0).unwrap();
         assert!(water.holds([50.0, 25.0]), "the strip");
-        assert!(
-            water.holds([50.0, 0.0]) && water.holds([0.0, 150.0]),
-            "what was sailed"
-        );
+        assert!(water.holds([50.0, 0.0]) && water.holds([0.0, 150.0]), "what was sailed");
         assert!(!water.holds([80.0, 120.0]), "beyond");
         assert!(!water.holds([50.0, -4.0]) && !water.holds([-4.0, 150.0]));
     }

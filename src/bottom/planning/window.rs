@@ -6,11 +6,12 @@ use std::ops::Range;
 /// Rounds of Dinkelbach's method: three or four are usual.
 const ROUNDS: usize = 12;
 
-/// The stretch of `gains`, `least` to `most` steps long, with the largest gain for its time, each step taking `step_s` and the whole
-/// `extra_s` more; with that gain. `None` where there is nothing to gain, or no such stretch.
+/// The stretch of `gains`, `least` to `most` steps long, with the largest gain for its time, each
+/// step taking `step_s` and the whole `extra_s` more; with that gain. `None` where there is nothing
+/// to gain, or no such stretch.
 ///
-/// W. Dinkelbach (On nonlinear fractional programming, 1967): what is best for its time at a rate is found as a sum, and gives a
-/// better rate, until that stays.
+/// W. Dinkelbach (On nonlinear fractional programming, 1967): what is best for its time at a rate
+/// is found as a sum, and gives a better rate, until that stays.
 pub(super) fn best_stretch(
     gains: &[f32],
     least: usize,
@@ -44,7 +45,8 @@ pub(super) fn best_stretch(
 /// The stretch with the largest sum less `cost` a step.
 fn largest(sums: &[f64], least: usize, most: usize, cost: f64) -> Option<Range<usize>> {
     let at = |index: usize| sums[index] - cost * index as f64;
-    // Starts that may still be the best one, in the order of place and of what stands there, both rising.
+    // Starts that may still be the best one, in the order of place and of what stands there, both
+    // rising.
     let mut starts: VecDeque<usize> = VecDeque::new();
     let mut best: Option<(f64, Range<usize>)> = None;
     for end in least..sums.len() {

@@ -1,5 +1,6 @@
-//! How results are shown, the same in the window, in the report, in files and in the evaluation: colours, numbers in words,
-//! round steps, the graticule and plots. Nothing here depends on a widget, the GPU or a survey.
+//! How results are shown, the same in the window, in the report, in files and in the evaluation:
+//! colours, numbers in words, round steps, the graticule and plots. Nothing here depends on a
+//! widget, the GPU or a survey.
 //!
 //! In: plain numbers. Out: colours, texts, ticks and SVG.
 //! It uses nothing outside `support`.

@@ -12,10 +12,10 @@ const RIGHT: f64 = 36.0;
 const KEY: f64 = 150.0;
 /// Points nearer to each other than this share of both axes are one.
 const NEAR: f64 = 1e-3;
-/// Colours by Okabe and Ito, which colour-blind readers can distinguish; the first is the strongest.
-const COLOURS: [&str; 8] = [
-    "#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a00",
-];
+/// Colours by Okabe and Ito, which colour-blind readers can distinguish; the first is the
+/// strongest.
+const COLOURS: [&str; 8] =
+    ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a00"];
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,14 +32,11 @@ impl Axis {
     /// With round ticks.
     pub fn new(name: &str, ends: [f64; 2]) -> Self {
         let [from, to] = ends;
-        Self {
-            name: name.to_owned(),
-            ends,
-            ticks: ticks::ticks(from.min(to), from.max(to)),
-        }
+        Self { name: name.to_owned(), ends, ticks: ticks::ticks(from.min(to), from.max(to)) }
     }
 
-    /// Where a value lies, from 0 at the beginning to 1 at the end; in the middle of an axis without extent.
+    /// Where a value lies, from 0 at the beginning to 1 at the end; in the middle of an axis
+    /// without extent.
     pub fn share(&self, value: f64) -> f64 {
         let [from, to] = self.ends;
         match to == from {
@@ -203,10 +200,8 @@ impl Drawing<'_> {
     fn thinned(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let Plot { across, up, .. } = self.plot;
         let mut kept: Vec<[f64; 2]> = Vec::new();
-        let mut sound = points
-            .iter()
-            .filter(|point| point.iter().all(|at| at.is_finite()))
-            .peekable();
+        let mut sound =
+            points.iter().filter(|point| point.iter().all(|at| at.is_finite())).peekable();
         while let Some(&[x, y]) = sound.next() {
             let is_near = |last: &[f64; 2]| {
                 (across.share(last[0]) - across.share(x)).abs() < NEAR
@@ -236,10 +231,7 @@ mod tests {
     }
 
     fn curve(name: &str, points: &[[f64; 2]]) -> PlotCurve {
-        PlotCurve {
-            name: name.to_owned(),
-            points: points.to_vec(),
-        }
+        PlotCurve { name: name.to_owned(), points: points.to_vec() }
     }
 
     #[test]
@@ -249,10 +241,7 @@ mod tests {
             .chain([[f64::NAN, 0.3]])
             .collect();
         let plot = plot([0.0, 1.0], vec![]);
-        let drawing = Drawing {
-            plot: &plot,
-            area: [360.0, 360.0],
-        };
+        let drawing = Drawing { plot: &plot, area: [360.0, 360.0] };
         let kept = drawing.thinned(&points);
         assert!((900..1100).contains(&kept.len()), "{}", kept.len());
         assert_eq!((kept[0], kept.last()), ([0.0, 0.5], Some(&[1.0, 0.5])));

@@ -11,7 +11,8 @@ pub fn count(number: usize) -> String {
     grouped(number, ' ')
 }
 
-/// A count for a page that breaks its lines: the groups are set apart by a thin space that none breaks at.
+/// A count for a page that breaks its lines: the groups are set apart by a thin space that none
+/// breaks at.
 pub fn typeset_count(number: usize) -> String {
     grouped(number, '\u{202f}')
 }
@@ -36,7 +37,8 @@ pub fn decimal(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on kilometres.
+/// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on
+/// kilometres.
 pub fn way(length_m: f64) -> String {
     match length_m < 2000.0 {
         true => format!("{length_m:.0} m"),
@@ -52,7 +54,8 @@ pub fn and_course(course_rad: f64) -> String {
     }
 }
 
-/// An area on the ground: square metres, from two hectares on hectares, from two square kilometres on square kilometres.
+/// An area on the ground: square metres, from two hectares on hectares, from two square kilometres
+/// on square kilometres.
 pub fn area(value_m2: f64) -> String {
     match value_m2 {
         _ if !value_m2.is_finite() => NONE.to_owned(),
@@ -154,10 +157,7 @@ mod tests {
     fn a_page_says_it_in_words() {
         assert_eq!(typeset_count(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(long_date(1_410_181_021.0), "8 September 2014");
-        assert_eq!(
-            [48.0, 1020.0, 7500.0].map(long_duration),
-            ["48 s", "17 min", "2 h 05 min"]
-        );
+        assert_eq!([48.0, 1020.0, 7500.0].map(long_duration), ["48 s", "17 min", "2 h 05 min"]);
         assert_eq!([950.4, 2347.0].map(way), ["950 m", "2.35 km"]);
         let place = LonLat::new(-111.488_102, 36.932_541);
         assert_eq!(position(place), "36.932541° N, 111.488102° W");

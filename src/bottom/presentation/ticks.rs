@@ -5,14 +5,14 @@ const ONE_TWO_FIVE: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 /// Where a scale may end: closer together, so that little of it stays empty.
 const ENDS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 /// Round in time, seconds; beyond, whole days.
-const TIMES_S: [f64; 12] = [
-    1.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 21_600.0, 86_400.0,
-];
-/// Share by which a number may miss a round one and still be it: what the last bits of a quotient are off.
+const TIMES_S: [f64; 12] =
+    [1.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 21_600.0, 86_400.0];
+/// Share by which a number may miss a round one and still be it: what the last bits of a quotient
+/// are off.
 const HAIR: f64 = 1e-9;
 
-/// The smallest of 1, 2, 5, 10, 20 ... and 0.5, 0.2, 0.1 ... that is at least `least`; no smaller than 1e-9, also where `least` is no
-/// number.
+/// The smallest of 1, 2, 5, 10, 20 ... and 0.5, 0.2, 0.1 ... that is at least `least`; no smaller
+/// than 1e-9, also where `least` is no number.
 pub fn round_up(least: f64) -> f64 {
     next_of(&ONE_TWO_FIVE, least)
 }
@@ -52,7 +52,8 @@ fn next_of(digits: &[f64], least: f64) -> f64 {
     enough.next().unwrap_or_else(|| decimal(10.0, exponent))
 }
 
-/// `digit` times a power of ten, as near as its decimal notation is: five thousandths are 0.005 to the last bit.
+/// `digit` times a power of ten, as near as its decimal notation is: five thousandths are 0.005 to
+/// the last bit.
 fn decimal(digit: f64, exponent: i32) -> f64 {
     match exponent < 0 {
         true => digit / 10f64.powi(-exponent),
@@ -63,11 +64,7 @@ fn decimal(digit: f64, exponent: i32) -> f64 {
 /// The round step that divides `span` into at most `most` parts; 1 where there is no span.
 pub fn round_step(span: f64, most: f64) -> f64 {
     let least = span / most;
-    if least > 0.0 && least.is_finite() {
-        round_up(least)
-    } else {
-        1.0
-    }
+    if least > 0.0 && least.is_finite() { round_up(least) } else { 1.0 }
 }
 
 /// The multiples of `step` from `low` to `high`, at most a thousand.
@@ -78,7 +75,8 @@ pub fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (0..count).map(move |index| (first + index as f64) * step + 0.0)
 }
 
-/// Ticks from `low` to `high`, four to eight of them, each with its label; none where there is no span.
+/// Ticks from `low` to `high`, four to eight of them, each with its label; none where there is no
+/// span.
 pub fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let step = round_down((high - low) / 4.0);
     if step <= 0.0 {
@@ -116,10 +114,7 @@ mod tests {
         assert_eq!(round_step(0.0, 4.0), 1.0);
         for span in [0.003, 0.7, 12.0, 830.0, 51_000.0] {
             let step = round_step(span, 6.0);
-            assert!(
-                (span / step) <= 6.0 + 1e-9 && (span / step) >= 2.0,
-                "{span}"
-            );
+            assert!((span / step) <= 6.0 + 1e-9 && (span / step) >= 2.0, "{span}");
         }
     }
 
@@ -139,10 +134,7 @@ mod tests {
             assert_eq!(round_up(least), round);
         }
         assert_eq!([round_up(0.0), round_up(f64::NAN)], [1e-9; 2]);
-        assert_eq!(
-            [0.0, -1.0, f64::NAN, f64::INFINITY].map(round_down),
-            [0.0; 4]
-        );
+        assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(round_down), [0.0; 4]);
         assert_eq!([round_down(73.0), round_down(0.2)], [50.0, 0.2]);
     }
 
@@ -173,14 +165,8 @@ mod tests {
         let labels = |low, high| -> Vec<String> {
             ticks(low, high).into_iter().map(|(_, text)| text).collect()
         };
-        assert_eq!(
-            labels(0.0, 1000.0),
-            ["0", "200", "400", "600", "800", "1000"]
-        );
-        assert_eq!(
-            labels(1.16, 2.4),
-            ["1.2", "1.4", "1.6", "1.8", "2.0", "2.2", "2.4"]
-        );
+        assert_eq!(labels(0.0, 1000.0), ["0", "200", "400", "600", "800", "1000"]);
+        assert_eq!(labels(1.16, 2.4), ["1.2", "1.4", "1.6", "1.8", "2.0", "2.2", "2.4"]);
         assert!(labels(2.0, 2.0).is_empty());
     }
 
@@ -190,9 +176,6 @@ mod tests {
         assert_eq!(label(20.0, 10.0), "20");
         assert_eq!(label(-1e-6, 50.0), "0");
         assert_eq!(label(0.05, 0.05), "0.05");
-        assert_eq!(
-            [0.5, 20.0, 2000.0].map(bar_label),
-            ["0.5 m", "20 m", "2 km"]
-        );
+        assert_eq!([0.5, 20.0, 2000.0].map(bar_label), ["0.5 m", "20 m", "2 km"]);
     }
 }

@@ -1,5 +1,5 @@
-//! The units that lengths, depths, areas and speeds are shown in. Results, settings and files are in metres and seconds; only what is
-//! shown is turned.
+//! The units that lengths, depths, areas and speeds are shown in. Results, settings and files are
+//! in metres and seconds; only what is shown is turned.
 
 mod sentence;
 
@@ -78,8 +78,9 @@ impl LengthUnit {
         }
     }
 
-    /// Decimals that say about as much as so many do of metres: hundredths of a metre are tenths of a foot, but whole feet are too coarse
-    /// for what is known to a tenth of a metre; a fathom is about two metres.
+    /// Decimals that say about as much as so many do of metres: hundredths of a metre are tenths of
+    /// a foot, but whole feet are too coarse for what is known to a tenth of a metre; a fathom is
+    /// about two metres.
     fn decimals(self, of_metres: usize) -> usize {
         match (self, of_metres) {
             (Self::Feet, 2..) => of_metres - 1,
@@ -130,27 +131,23 @@ impl Units {
         self.length.symbol()
     }
 
-    /// A length without its unit, with the decimals that so many of metres are worth; a dash where there is none.
+    /// A length without its unit, with the decimals that so many of metres are worth; a dash where
+    /// there is none.
     pub fn number(self, value_m: f64, decimals_of_metres: usize) -> String {
-        text::decimal(
-            self.in_unit(value_m),
-            self.length.decimals(decimals_of_metres),
-        )
+        text::decimal(self.in_unit(value_m), self.length.decimals(decimals_of_metres))
     }
 
-    /// A length with its unit, with the decimals that so many of metres are worth; a dash where there is none.
+    /// A length with its unit, with the decimals that so many of metres are worth; a dash where
+    /// there is none.
     pub fn measure(self, value_m: f64, decimals_of_metres: usize) -> String {
         match value_m.is_finite() {
-            true => format!(
-                "{} {}",
-                self.number(value_m, decimals_of_metres),
-                self.symbol()
-            ),
+            true => format!("{} {}", self.number(value_m, decimals_of_metres), self.symbol()),
             false => NONE.to_owned(),
         }
     }
 
-    /// A length and its standard deviation with one unit: `0.51 ± 0.12 m`; a dash where there is no length.
+    /// A length and its standard deviation with one unit: `0.51 ± 0.12 m`; a dash where there is no
+    /// length.
     pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
         let measure = self.measure(value_m, decimals_of_metres);
         match value_m.is_finite() && sigma_m.is_finite() {
@@ -201,8 +198,8 @@ impl Units {
         }
     }
 
-    /// A length that was measured on the ground: metres, from a kilometre on kilometres; feet or fathoms, from a nautical mile on
-    /// nautical miles.
+    /// A length that was measured on the ground: metres, from a kilometre on kilometres; feet or
+    /// fathoms, from a nautical mile on nautical miles.
     pub fn ground_length(self, value_m: f64) -> String {
         let is_long = value_m >= METRES_PER_NAUTICAL_MILE;
         match self.length {
@@ -225,7 +222,8 @@ impl Units {
         }
     }
 
-    /// An area on the ground: square metres, hectares and square kilometres, or square feet and acres.
+    /// An area on the ground: square metres, hectares and square kilometres, or square feet and
+    /// acres.
     pub fn area(self, value_m2: f64) -> String {
         let square_feet = value_m2 / (METRES_PER_FOOT * METRES_PER_FOOT);
         match self.length {
@@ -256,7 +254,8 @@ impl Units {
         format!("{sign}{}", self.difference(value_m))
     }
 
-    /// A difference too small for its own unit as a whole number of centimetres or inches, with its sign.
+    /// A difference too small for its own unit as a whole number of centimetres or inches, with its
+    /// sign.
     pub fn small_difference(self, value_m: f64) -> String {
         match self.length {
             LengthUnit::Metres => format!("{:+.0} cm", 100.0 * value_m),
@@ -270,12 +269,14 @@ impl Units {
         format!("{value} {}", self.symbol())
     }
 
-    /// The smallest round length, in metres, that is at least so many metres: round in the unit in use.
+    /// The smallest round length, in metres, that is at least so many metres: round in the unit in
+    /// use.
     pub fn round_up_m(self, least_m: f64) -> f64 {
         ticks::round_up(self.in_unit(least_m)) * self.length.metres()
     }
 
-    /// A round step, in metres, that divides a span of metres into at most so many parts: round in the unit in use.
+    /// A round step, in metres, that divides a span of metres into at most so many parts: round in
+    /// the unit in use.
     pub fn round_step_m(self, span_m: f64, most: f64) -> f64 {
         ticks::round_step(self.in_unit(span_m), most) * self.length.metres()
     }
@@ -290,7 +291,8 @@ impl Units {
         format!("{} {}", self.tick(value_m, step_m), self.symbol())
     }
 
-    /// A round length for a scale bar that is at least so long: its length in metres, and what it says.
+    /// A round length for a scale bar that is at least so long: its length in metres, and what it
+    /// says.
     pub fn scale_bar(self, least_m: f64) -> (f64, String) {
         let is_far = least_m >= METRES_PER_NAUTICAL_MILE && self.length != LengthUnit::Metres;
         if is_far {
@@ -320,14 +322,8 @@ fn metres_on_ground(value_m: f64) -> String {
 mod tests {
     use super::*;
 
-    const FEET: Units = Units {
-        length: LengthUnit::Feet,
-        speed: SpeedUnit::Knots,
-    };
-    const FATHOMS: Units = Units {
-        length: LengthUnit::Fathoms,
-        speed: SpeedUnit::Knots,
-    };
+    const FEET: Units = Units { length: LengthUnit::Feet, speed: SpeedUnit::Knots };
+    const FATHOMS: Units = Units { length: LengthUnit::Fathoms, speed: SpeedUnit::Knots };
 
     #[test]
     fn a_length_says_the_same_in_all_units() {
@@ -337,10 +333,7 @@ mod tests {
         assert_eq!(FEET.span([1.524, 3.048], 1), "5.0 to 10.0 ft");
         assert_eq!(FEET.measure(f64::NAN, 2), NONE);
         assert_eq!(FEET.signed(-0.3048, 2), "-1.00 ft");
-        assert_eq!(
-            [2, 3].map(|of_metres| FEET.spread(0.06, of_metres)),
-            ["0.20"; 2]
-        );
+        assert_eq!([2, 3].map(|of_metres| FEET.spread(0.06, of_metres)), ["0.20"; 2]);
         assert_eq!(FEET.signed_within(0.3048, 0.03048, 2), "+1.00 ±0.10 ft");
     }
 
@@ -366,20 +359,11 @@ mod tests {
         let step_m = FEET.round_step_m(30.0, 5.0);
         assert_eq!(FEET.tick_with_unit(step_m, step_m), "20 ft");
         let (length_m, label) = FEET.scale_bar(14.0);
-        assert!(
-            (length_m - 15.24).abs() < 1e-9 && label == "50 ft",
-            "{label}"
-        );
+        assert!((length_m - 15.24).abs() < 1e-9 && label == "50 ft", "{label}");
         let (length_m, label) = FEET.scale_bar(3000.0);
-        assert!(
-            (length_m - 3704.0).abs() < 1e-9 && label == "2 NM",
-            "{label}"
-        );
+        assert!((length_m - 3704.0).abs() < 1e-9 && label == "2 NM", "{label}");
         let (length_m, label) = Units::default().scale_bar(700.0);
-        assert!(
-            (length_m - 1000.0).abs() < 1e-9 && label == "1 km",
-            "{label}"
-        );
+        assert!((length_m - 1000.0).abs() < 1e-9 && label == "1 km", "{label}");
         assert_eq!(FATHOMS.tick_with_unit(9.144, 0.9144), "5.0 fm");
     }
 

@@ -1,4 +1,5 @@
-//! In which order unknowns are eliminated: what is filled in, and so the time, depends on it; the solution does not.
+//! In which order unknowns are eliminated: what is filled in, and so the time, depends on it; the
+//! solution does not.
 
 use super::{Equations, Occurrences};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -33,10 +34,7 @@ impl Neighbours {
             }
             starts.push(found.len());
         }
-        Self {
-            starts,
-            unknowns: found,
-        }
+        Self { starts, unknowns: found }
     }
 
     /// Those of an unknown, itself left out, each once.
@@ -49,8 +47,9 @@ impl Neighbours {
         self.starts.len() - 1
     }
 
-    /// The triangle of the matrix whose columns are the unknowns in an order, each with its diagonal first: where columns begin, and the
-    /// rows that `is_in` says of a row and a column belong to it.
+    /// The triangle of the matrix whose columns are the unknowns in an order, each with its
+    /// diagonal first: where columns begin, and the rows that `is_in` says of a row and a column
+    /// belong to it.
     pub(super) fn triangle(
         &self,
         order: &[u32],
@@ -69,7 +68,8 @@ impl Neighbours {
         (starts, rows)
     }
 
-    /// Of approximately least degree (Amestoy et al. 1996): good for any equations. `None` where there is no room.
+    /// Of approximately least degree (Amestoy et al. 1996): good for any equations. `None` where
+    /// there is no room.
     pub(super) fn of_least_degree(&self) -> Option<Vec<u32>> {
         let unknowns = self.unknowns();
         let given: Vec<u32> = (0..unknowns as u32).collect();

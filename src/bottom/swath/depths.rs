@@ -13,11 +13,13 @@ use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Rounds in which curves are learnt: from those that fit triangles, and from those of another learning.
+/// Rounds in which curves are learnt: from those that fit triangles, and from those of another
+/// learning.
 pub(super) const LEARNING_ROUNDS: [usize; 2] = [3, 2];
 /// Side of the squares that measured depths are merged in, metres.
 const MEASURED_M: f64 = 0.5;
-/// Bins that the first curves are fitted to: metres of range, degrees of angle, and independent samples that each needs.
+/// Bins that the first curves are fitted to: metres of range, degrees of angle, and independent
+/// samples that each needs.
 const FIT_RANGE_M: f64 = 0.25;
 const FIT_ANGLE_DEG: f64 = 2.0;
 const FIT_LEAST: f64 = 100.0;
@@ -102,14 +104,10 @@ impl<'a> SwathInput<'a> {
     pub(super) fn busiest(&self, tiling: &Tiling, most: usize) -> Vec<usize> {
         let begin = |tile: &usize| {
             let nodes = &tiling.tiles[*tile].nodes;
-            self.looks
-                .iter()
-                .filter(|look| nodes.holds(look.place_m))
-                .count()
+            self.looks.iter().filter(|look| nodes.holds(look.place_m)).count()
         };
-        let mut counted: Vec<(usize, usize)> = (0..tiling.tiles.len())
-            .map(|tile| (begin(&tile), tile))
-            .collect();
+        let mut counted: Vec<(usize, usize)> =
+            (0..tiling.tiles.len()).map(|tile| (begin(&tile), tile)).collect();
         counted.retain(|(count, _)| *count > 0);
         counted.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
         counted.truncate(most);
@@ -164,11 +162,8 @@ impl<'a> SwathInput<'a> {
         for (tile, bed, of_tile) in solved.into_iter().flatten() {
             is_any = true;
             let tile = &tiling.tiles[tile];
-            let is_seen: Vec<f64> = of_tile
-                .is_seen
-                .into_iter()
-                .map(|seen| f64::from(u8::from(seen)))
-                .collect();
+            let is_seen: Vec<f64> =
+                of_tile.is_seen.into_iter().map(|seen| f64::from(u8::from(seen))).collect();
             depth_m.add(&nodes, tile, &bed.depth_m);
             brightness.add(&nodes, tile, &bed.ln_brightness);
             sd_m.add(&nodes, tile, &bed.sd_m);
@@ -200,7 +195,8 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Of some tiles, with some curves, or those that fit the levels on triangles between the measured depths.
+    /// Of some tiles, with some curves, or those that fit the levels on triangles between the
+    /// measured depths.
     pub(super) fn new(
         input: &SwathInput<'_>,
         tiling: &Tiling,
@@ -253,9 +249,7 @@ impl Sample {
                 return Ok(false);
             };
             for (state, border) in self.states.iter_mut().zip(borders) {
-                border
-                    .iter()
-                    .for_each(|border| state.follow(border, &steps));
+                border.iter().for_each(|border| state.follow(border, &steps));
             }
             self.is_learnt = true;
         }
@@ -273,45 +267,37 @@ fn first_curves(
         vec![BTreeMap::new(); input.sets.len()];
     for bed in states.iter().map(|state| &state.bed) {
         for look in &input.looks {
-            look.read(
-                bed,
-                &bed.nodes,
-                None,
-                resolution.level_cell_m,
-                |observation| {
-                    if !input.weed.is_far_from(observation.place_m) {
-                        return;
-                    }
-                    let at = observation.at;
-                    let key = (
-                        (at.range_m / FIT_RANGE_M) as i32,
-                        (at.phi_rad.to_degrees() / FIT_ANGLE_DEG) as i32,
-                        at.side > 0.0,
-                    );
-                    let sums = bins[look.curves].entry(key).or_default();
-                    let values = [1.0, at.range_m, at.phi_rad, at.slope, observation.ln_power];
-                    for (sum, value) in sums.iter_mut().zip(values) {
-                        *sum += observation.independent * value;
-                    }
-                },
-            );
+            look.read(bed, &bed.nodes, None, resolution.level_cell_m, |observation| {
+                if !input.weed.is_far_from(observation.place_m) {
+                    return;
+                }
+                let at = observation.at;
+                let key = (
+                    (at.range_m / FIT_RANGE_M) as i32,
+                    (at.phi_rad.to_degrees() / FIT_ANGLE_DEG) as i32,
+                    at.side > 0.0,
+                );
+                let sums = bins[look.curves].entry(key).or_default();
+                let values = [1.0, at.range_m, at.phi_rad, at.slope, observation.ln_power];
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += observation.independent * value;
+                }
+            });
         }
     }
     let fit = |bins: BTreeMap<(i32, i32, bool), [f64; 5]>| {
         let bins = bins.into_iter().filter(|(_, sums)| sums[0] >= FIT_LEAST);
         let places: Vec<FitPlace> = bins
-            .map(
-                |((_, _, is_starboard), [count, range_m, phi_rad, slope, ln_power])| FitPlace {
-                    at: Incidence {
-                        range_m: range_m / count,
-                        phi_rad: phi_rad / count,
-                        slope: slope / count,
-                        side: if is_starboard { 1.0 } else { -1.0 },
-                    },
-                    ln_power: ln_power / count,
-                    sd: (1.7 / count).sqrt().hypot(0.1),
+            .map(|((_, _, is_starboard), [count, range_m, phi_rad, slope, ln_power])| FitPlace {
+                at: Incidence {
+                    range_m: range_m / count,
+                    phi_rad: phi_rad / count,
+                    slope: slope / count,
+                    side: if is_starboard { 1.0 } else { -1.0 },
                 },
-            )
+                ln_power: ln_power / count,
+                sd: (1.7 / count).sqrt().hypot(0.1),
+            })
             .collect();
         (places.len() >= LEAST_BINS).then(|| LawCurves::fit(&places))?
     };

@@ -1,10 +1,12 @@
-//! What the method reads of a log: where every ping was, the range of its samples and its first returns.
+//! What the method reads of a log: where every ping was, the range of its samples and its first
+//! returns.
 
 use bathyscope_log::survey::{Side, Survey};
 
 /// Where the samples of a log are read from, a ping at a time.
 pub trait SampleSource: Sync {
-    /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are none.
+    /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are
+    /// none.
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>);
 }
 
@@ -31,7 +33,8 @@ pub struct LogEchoes<'a> {
 pub struct PingPlace {
     /// Seconds of the log.
     pub time_s: f64,
-    /// East and north in the plane, metres; NaN where the place is unknown or the ping counts for nothing.
+    /// East and north in the plane, metres; NaN where the place is unknown or the ping counts for
+    /// nothing.
     pub place_m: [f64; 2],
     /// Unit vector to starboard, east and north; NaN without a heading.
     pub starboard: [f64; 2],
@@ -44,7 +47,8 @@ pub struct PingPlace {
 /// One side of a ping.
 #[derive(Clone, Copy, Debug)]
 pub struct SideEchoes {
-    /// Slant range of the near edge of the first sample, metres; NaN where the side was not recorded.
+    /// Slant range of the near edge of the first sample, metres; NaN where the side was not
+    /// recorded.
     pub near_m: f64,
     /// Slant range that a sample covers, metres.
     pub step_m: f64,
@@ -57,15 +61,8 @@ pub struct SideEchoes {
 impl PingPlace {
     /// Whether its echoes have a place.
     pub fn is_placed(&self) -> bool {
-        let numbers = [
-            self.place_m,
-            self.starboard,
-            [self.transducer_m, self.time_s],
-        ];
-        numbers
-            .as_flattened()
-            .iter()
-            .all(|number| number.is_finite())
+        let numbers = [self.place_m, self.starboard, [self.transducer_m, self.time_s]];
+        numbers.as_flattened().iter().all(|number| number.is_finite())
     }
 
     /// Unit vector outward on a side, east and north.
@@ -87,7 +84,8 @@ impl SideEchoes {
 }
 
 impl LogEchoes<'_> {
-    /// Replaces `out` with the samples of a side of a ping, nearest first; false where there are none.
+    /// Replaces `out` with the samples of a side of a ping, nearest first; false where there are
+    /// none.
     pub fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
         self.levels.read(ping, side, out);
         !out.is_empty()

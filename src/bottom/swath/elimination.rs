@@ -1,7 +1,8 @@
 //! The order in which the unknowns of a tile are eliminated: nested dissection (George 1973).
 //!
-//! Equations tie nodes at most two steps apart, so two rows or columns of nodes part the others into sides that share no equation. Each side is eliminated
-//! first, in the same way, and the two rows after both. What is of no node, which is tied to many, comes last.
+//! Equations tie nodes at most two steps apart, so two rows or columns of nodes part the others
+//! into sides that share no equation. Each side is eliminated first, in the same way, and the two
+//! rows after both. What is of no node, which is tied to many, comes last.
 
 use super::nodes::Nodes;
 use std::ops::Range;
@@ -11,15 +12,14 @@ const BETWEEN: usize = 2;
 /// Parts of no more rows and columns are not parted further.
 const LEAST_PARTED: usize = 5;
 
-/// An order of so many unknowns: `each` of every node come first, those of one kind before those of the next.
+/// An order of so many unknowns: `each` of every node come first, those of one kind before those of
+/// the next.
 pub(super) fn order(nodes: &Nodes, each: usize, unknowns: usize) -> Vec<u32> {
     let mut of_nodes = Vec::with_capacity(nodes.len());
     part(nodes, nodes.counts.map(|count| 0..count), &mut of_nodes);
     let of_node = |node: usize| (0..each).map(move |kind| kind * nodes.len() + node);
     let all = of_nodes.into_iter().flat_map(of_node);
-    all.chain(each * nodes.len()..unknowns)
-        .map(|unknown| unknown as u32)
-        .collect()
+    all.chain(each * nodes.len()..unknowns).map(|unknown| unknown as u32).collect()
 }
 
 /// Adds the nodes of some columns and rows.
@@ -49,12 +49,7 @@ mod tests {
     use super::*;
     use crate::sparse::{Equations, Pattern};
 
-    const NODES: Nodes = Nodes {
-        zero_m: [0.0; 2],
-        first: [0; 2],
-        step_m: 0.8,
-        counts: [64, 50],
-    };
+    const NODES: Nodes = Nodes { zero_m: [0.0; 2], first: [0; 2], step_m: 0.8, counts: [64, 50] };
 
     #[test]
     fn all_unknowns_are_eliminated_and_little_is_filled_in() {

@@ -1,4 +1,5 @@
-//! Whether levels tell depths: stretches of the soundings are left out and predicted with levels and without.
+//! Whether levels tell depths: stretches of the soundings are left out and predicted with levels
+//! and without.
 
 use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, merged};
 use super::looks::SeenOctants;
@@ -20,11 +21,8 @@ const LEAST_TWICE: f64 = 0.2;
 /// Fewer left-out soundings tell nothing.
 const LEAST_SOUNDINGS: usize = 40;
 /// How the brightness of the bed may change: what is tried.
-const TRIED: [Brightness; 3] = [
-    Brightness::Slow(0.05),
-    Brightness::Patches(0.35),
-    Brightness::Patches(0.8),
-];
+const TRIED: [Brightness; 3] =
+    [Brightness::Slow(0.05), Brightness::Patches(0.35), Brightness::Patches(0.8)];
 
 /// How left-out soundings were predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +35,8 @@ pub(super) struct LeftOut {
     pub error_sds: f64,
 }
 
-/// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope from what the bed is made of.
+/// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope
+/// from what the bed is made of.
 pub(super) fn is_seen_from_two_sides(
     input: &SwathInput<'_>,
     tiling: &Tiling,
@@ -87,10 +86,7 @@ impl Split {
             }
         }
         let nearest = Nearest::of(&places)?;
-        let mut split = Self {
-            kept: Vec::new(),
-            asked: Vec::new(),
-        };
+        let mut split = Self { kept: Vec::new(), asked: Vec::new() };
         for point in measured.iter().filter(|point| point.weight > 0.0) {
             let (ping, _) = nearest.at(point.place());
             let way_m = ways_m[ping];
@@ -105,7 +101,8 @@ impl Split {
     }
 }
 
-/// Shares of the error of triangles that the relief between lines is taken for, and its bounds, metres.
+/// Shares of the error of triangles that the relief between lines is taken for, and its bounds,
+/// metres.
 const RELIEF_SHARE: f64 = 1.1;
 const RELIEF_M: [f64; 2] = [0.15, 0.4];
 
@@ -159,10 +156,7 @@ pub(super) fn choose(
     progress.start((rounds * tiles.len()) as u64);
     let mut best: Option<PriorChoice> = None;
     for brightness in TRIED {
-        let prior = Prior {
-            brightness,
-            relief_m,
-        };
+        let prior = Prior { brightness, relief_m };
         if !sample.learn(input, prior, progress)? {
             break;
         }
@@ -170,22 +164,12 @@ pub(super) fn choose(
             let bed = &sample.states[one.state].bed;
             bed.nodes.value_at(values(bed), one.place)
         };
-        let with_m = rms(asked
-            .iter()
-            .map(|one| at(one, |bed| &bed.depth_m) - one.depth_m));
+        let with_m = rms(asked.iter().map(|one| at(one, |bed| &bed.depth_m) - one.depth_m));
         let sd_m = rms(asked.iter().map(|one| at(one, |bed| &bed.sd_m)));
-        let left_out = LeftOut {
-            without_m,
-            with_m,
-            error_sds: (with_m * without_m).sqrt() / sd_m,
-        };
+        let left_out = LeftOut { without_m, with_m, error_sds: (with_m * without_m).sqrt() / sd_m };
         let before = best.as_ref().map(|best| best.left_out.with_m);
         if before.is_none_or(|before| with_m < before) {
-            best = Some(PriorChoice {
-                prior,
-                left_out,
-                curves: sample.curves.clone(),
-            });
+            best = Some(PriorChoice { prior, left_out, curves: sample.curves.clone() });
         }
     }
     Ok(best)

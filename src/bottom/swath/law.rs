@@ -1,11 +1,14 @@
 //! What a recorder writes of an echo: its decibels, or a power of its intensity.
 //!
-//! Where many scatterers share a sample, its intensity is exponentially distributed whatever its mean (speckle). So the spread of the
-//! levels in a small window tells the law: a recorder of decibels shows the same spread everywhere, one of a power (an amplitude is the
-//! power 1/2) a spread in proportion to the level. Noise fills up the lower half of the spread, and the upper half is what is measured.
+//! Where many scatterers share a sample, its intensity is exponentially distributed whatever its
+//! mean (speckle). So the spread of the levels in a small window tells the law: a recorder of
+//! decibels shows the same spread everywhere, one of a power (an amplitude is the power 1/2) a
+//! spread in proportion to the level. Noise fills up the lower half of the spread, and the upper
+//! half is what is measured.
 //!
-//! Neighbouring samples are alike where the pulse is longer than a sample, which leaves the spread as it is, or where the recorder smooths its
-//! levels, which makes it smaller and more even: of the two, the one is taken whose spread has the shape that is found.
+//! Neighbouring samples are alike where the pulse is longer than a sample, which leaves the spread
+//! as it is, or where the recorder smooths its levels, which makes it smaller and more even: of the
+//! two, the one is taken whose spread has the shape that is found.
 
 use super::echoes::LogEchoes;
 use crate::sparse::Normal;
@@ -17,7 +20,8 @@ use serde::{Deserialize, Serialize};
 /// Pings and samples of a window.
 const PINGS: usize = 3;
 const SAMPLES: usize = 15;
-/// Windows begin and end at these multiples of the first return: on the bed, and before the echo is lost in noise.
+/// Windows begin and end at these multiples of the first return: on the bed, and before the echo is
+/// lost in noise.
 const FROM_FIRST_RETURN: [f64; 2] = [1.2, 1.7];
 /// Most groups of pings that are read.
 const MOST_GROUPS: usize = 2_000;
@@ -27,7 +31,8 @@ const MOST_CLIPPED: f64 = 0.03;
 const LEAST_WINDOWS: usize = 120;
 /// Windows are sorted by their mean and put into so many bins.
 const BINS: usize = 12;
-/// Slope of the logarithm of the spread over that of the mean below which levels count as decibels; a power has 1.
+/// Slope of the logarithm of the spread over that of the mean below which levels count as decibels;
+/// a power has 1.
 const MOST_SLOPE_OF_DECIBELS: f64 = 0.3;
 /// Echoes that the spread of smoothed levels is found from.
 const DRAWN: usize = 20_000;
@@ -49,9 +54,11 @@ const LEAST_LEVEL: f64 = 0.05;
 pub struct Law {
     /// What is written.
     pub kind: LawKind,
-    /// Samples in a row that tell as much as one independent one: those in a pulse. Smoothing takes nothing away.
+    /// Samples in a row that tell as much as one independent one: those in a pulse. Smoothing takes
+    /// nothing away.
     pub grain_samples: f64,
-    /// The highest level that occurs more often than by chance: the recorder cannot tell stronger echoes apart.
+    /// The highest level that occurs more often than by chance: the recorder cannot tell stronger
+    /// echoes apart.
     pub most_level: u8,
 }
 
@@ -66,7 +73,8 @@ pub enum LawKind {
 }
 
 impl Law {
-    /// Natural logarithm of power, but for a constant, of every level. Of a power it is the mean over the values that a level stands for.
+    /// Natural logarithm of power, but for a constant, of every level. Of a power it is the mean
+    /// over the values that a level stands for.
     pub fn table(&self) -> [f32; 256] {
         std::array::from_fn(|level| {
             let level = level as f64;
@@ -83,9 +91,7 @@ pub(super) fn recorders(laws: impl Iterator<Item = Option<Law>>) -> Vec<u32> {
     let mut found: Vec<(u32, Option<Law>)> = Vec::new();
     for (number, law) in (0..).zip(laws) {
         let is_like = |other: &Law| law.is_some_and(|law| law.kind.is_like(other.kind));
-        let before = found
-            .iter()
-            .find(|(_, law)| law.as_ref().is_some_and(is_like));
+        let before = found.iter().find(|(_, law)| law.as_ref().is_some_and(is_like));
         found.push(before.copied().unwrap_or((number, law)));
     }
     found.into_iter().map(|(first, _)| first).collect()
@@ -148,13 +154,11 @@ pub(super) fn law_of(log: &LogEchoes<'_>, progress: &Progress) -> Result<Option<
         }
     }
     let alike = lags.alike_samples();
-    Ok(LevelSpread::of(windows)
-        .and_then(|spread| spread.kind(alike))
-        .map(|(kind, smoothed)| Law {
-            kind,
-            grain_samples: alike / smoothed as f64,
-            most_level,
-        }))
+    Ok(LevelSpread::of(windows).and_then(|spread| spread.kind(alike)).map(|(kind, smoothed)| Law {
+        kind,
+        grain_samples: alike / smoothed as f64,
+        most_level,
+    }))
 }
 
 /// The highest level of a log, of some of its pings.
@@ -193,7 +197,8 @@ fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<LevelWindow> {
 struct LevelSpread {
     /// Slope of the logarithm of the spread over that of the mean.
     slope: f64,
-    /// Levels at 10, 50 and 90 % in the brighter half of the windows, less their mean, and the mean: there noise counts for less.
+    /// Levels at 10, 50 and 90 % in the brighter half of the windows, less their mean, and the
+    /// mean: there noise counts for less.
     bright: Vec<[f64; 4]>,
 }
 
@@ -207,19 +212,15 @@ impl LevelSpread {
             .chunks(windows.len().div_ceil(BINS))
             .map(|bin| {
                 let mean = bin.iter().map(|window| window.mean).sum::<f64>() / bin.len() as f64;
-                let mut about: Vec<f64> = bin
-                    .iter()
-                    .flat_map(|window| window.about.iter().copied())
-                    .collect();
+                let mut about: Vec<f64> =
+                    bin.iter().flat_map(|window| window.about.iter().copied()).collect();
                 about.sort_by(f64::total_cmp);
                 let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| quantile(&about, share));
                 [low, middle, high, mean]
             })
             .collect();
-        let slope = slope_of_logs(
-            bins.iter()
-                .map(|[_, middle, high, mean]| (*mean, high - middle)),
-        )?;
+        let slope =
+            slope_of_logs(bins.iter().map(|[_, middle, high, mean]| (*mean, high - middle)))?;
         let bright = bins[bins.len() / 2..].to_vec();
         Some(Self { slope, bright })
     }
@@ -229,7 +230,8 @@ impl LevelSpread {
         median(&mut self.bright.iter().map(of).collect::<Vec<_>>())
     }
 
-    /// What is written, and over how many samples it is smoothed; `alike` samples in a row are alike.
+    /// What is written, and over how many samples it is smoothed; `alike` samples in a row are
+    /// alike.
     fn kind(&self, alike: f64) -> Option<(LawKind, usize)> {
         let shape = self.usual(|[low, middle, high, _]| (high - middle) / (middle - low));
         let smoothed = (alike.round() as usize).clamp(1, LAGS);
@@ -244,7 +246,8 @@ impl LevelSpread {
         }
     }
 
-    /// What is written if it is smoothed over so many samples, and the shape of the spread that it then has.
+    /// What is written if it is smoothed over so many samples, and the shape of the spread that it
+    /// then has.
     fn kind_smoothed(&self, smoothed: usize) -> Option<(LawKind, f64)> {
         let shape = |[low, middle, high]: [f64; 3]| (high - middle) / (middle - low);
         if self.slope < MOST_SLOPE_OF_DECIBELS {
@@ -268,21 +271,18 @@ impl LevelSpread {
         let exponent = (least * most).sqrt();
         let is_bounded = exponent > 1.1 * EXPONENTS[0] && exponent < 0.9 * EXPONENTS[1];
         is_bounded.then(|| {
-            (
-                LawKind::Power(exponent),
-                shape(drawn(smoothed, |power| power.powf(exponent))),
-            )
+            (LawKind::Power(exponent), shape(drawn(smoothed, |power| power.powf(exponent))))
         })
     }
 }
 
-/// What 10, 50 and 90 % of the means of so many levels do not exceed; `level` is that of a power, which is exponentially distributed.
+/// What 10, 50 and 90 % of the means of so many levels do not exceed; `level` is that of a power,
+/// which is exponentially distributed.
 fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut normal = Normal::new(3);
     let mut one = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));
-    let mut means: Vec<f64> = (0..DRAWN)
-        .map(|_| (0..smoothed).map(|_| one()).sum::<f64>() / smoothed as f64)
-        .collect();
+    let mut means: Vec<f64> =
+        (0..DRAWN).map(|_| (0..smoothed).map(|_| one()).sum::<f64>() / smoothed as f64).collect();
     means.sort_by(f64::total_cmp);
     [0.1, 0.5, 0.9].map(|share| quantile(&means, share))
 }
@@ -291,13 +291,13 @@ fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
 fn slope_of_logs(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let logs: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logs.len() as f64;
-    let (x_mean, y_mean) = logs.iter().fold((0.0, 0.0), |(x, y), one| {
-        (x + one.0 / count, y + one.1 / count)
-    });
+    let (x_mean, y_mean) =
+        logs.iter().fold((0.0, 0.0), |(x, y), one| (x + one.0 / count, y + one.1 / count));
     let (xx, xy) = logs.iter().fold((0.0, 0.0), |(xx, xy), (x, y)| {
         (xx + (x - x_mean).powi(2), xy + (x - x_mean) * (y - y_mean))
     });
-    // Where all windows are equally bright nothing tells a power from decibels: most recorders write these.
+    // Where all windows are equally bright nothing tells a power from decibels: most recorders
+    // write these.
     let slope = if xx < 1e-4 * count { 0.0 } else { xy / xx };
     slope.is_finite().then_some(slope)
 }
@@ -339,9 +339,7 @@ impl Lags {
     fn alike_samples(&self) -> f64 {
         let covariance = |lag: usize| self.products[lag] / self.counts[lag];
         let correlations = (1..=LAGS).map(|lag| covariance(lag) / covariance(0));
-        let sum: f64 = correlations
-            .take_while(|one| *one > LEAST_CORRELATION)
-            .sum();
+        let sum: f64 = correlations.take_while(|one| *one > LEAST_CORRELATION).sum();
         1.0 + 2.0 * sum
     }
 }
@@ -350,7 +348,8 @@ impl Lags {
 mod tests {
     use super::*;
 
-    /// Windows of a recorder over a bed that grows brighter from one to the next; `level` is what it writes of a power.
+    /// Windows of a recorder over a bed that grows brighter from one to the next; `level` is what
+    /// it writes of a power.
     fn windows(smoothed: usize, level: impl Fn(f64) -> f64) -> Vec<LevelWindow> {
         let mut normal = Normal::new(5);
         let window = |index: usize| {
@@ -360,15 +359,11 @@ mod tests {
             let mut row = || -> Vec<f64> {
                 let sharp: Vec<f64> = (0..SAMPLES + smoothed).map(|_| one()).collect();
                 let sums = sharp.windows(smoothed).take(SAMPLES);
-                sums.map(|some| some.iter().sum::<f64>() / smoothed as f64)
-                    .collect()
+                sums.map(|some| some.iter().sum::<f64>() / smoothed as f64).collect()
             };
             let levels: Vec<f64> = (0..PINGS).flat_map(|_| row()).collect();
             let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-            LevelWindow {
-                mean,
-                about: levels.into_iter().map(|level| level - mean).collect(),
-            }
+            LevelWindow { mean, about: levels.into_iter().map(|level| level - mean).collect() }
         };
         (0..600).map(window).collect()
     }
@@ -401,13 +396,7 @@ mod tests {
 
     #[test]
     fn logs_of_about_one_law_are_one_recorder_s() {
-        let law = |kind| {
-            Some(Law {
-                kind,
-                grain_samples: 1.0,
-                most_level: 255,
-            })
-        };
+        let law = |kind| Some(Law { kind, grain_samples: 1.0, most_level: 255 });
         let laws = [
             None,
             law(LawKind::Decibels(0.06)),
@@ -430,11 +419,7 @@ mod tests {
 
     #[test]
     fn the_level_of_a_power_is_the_mean_over_what_it_stands_for() {
-        let law = Law {
-            kind: LawKind::Power(0.5),
-            grain_samples: 1.0,
-            most_level: 255,
-        };
+        let law = Law { kind: LawKind::Power(0.5), grain_samples: 1.0, most_level: 255 };
         let table = law.table();
         let steps = 10_000;
         let mean = |level: f64| {
@@ -444,10 +429,7 @@ mod tests {
         };
         for level in [0_u8, 1, 7, 100] {
             let expected = mean(f64::from(level));
-            assert!(
-                (f64::from(table[usize::from(level)]) - expected).abs() < 1e-3,
-                "{level}"
-            );
+            assert!((f64::from(table[usize::from(level)]) - expected).abs() < 1e-3, "{level}");
         }
     }
 }

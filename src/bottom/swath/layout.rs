@@ -1,4 +1,5 @@
-//! What is found of a whole log before any part of it is used: its law, the pings that can be used, in chunks, and their gain.
+//! What is found of a whole log before any part of it is used: its law, the pings that can be used,
+//! in chunks, and their gain.
 
 use super::echoes::{LogEchoes, PingPlace};
 use super::law::{Law, law_of};
@@ -17,15 +18,18 @@ const STRETCH_PINGS: usize = 30;
 const SAME_RANGE: f64 = 0.02;
 /// A longer pause parts chunks, seconds.
 const LONGEST_PAUSE_S: f64 = 0.5;
-/// Every so many samples are compared with the usual ones at their range, from this multiple of the first return on.
+/// Every so many samples are compared with the usual ones at their range, from this multiple of the
+/// first return on.
 const STRIDE: usize = 4;
 const FROM_FIRST_RETURN: f64 = 1.2;
 /// Pings that the gain is the median of.
 const GAIN_PINGS: usize = 7;
-/// A change of the gain over six pings that counts as a step, natural logarithm of power, and pings on both sides of it that are left out.
+/// A change of the gain over six pings that counts as a step, natural logarithm of power, and pings
+/// on both sides of it that are left out.
 const GAIN_STEP: f64 = 1.0;
 const BESIDE_STEP: usize = 6;
-/// A ping of which more than this share of the samples stands so far over the usual ones shows another sonar.
+/// A ping of which more than this share of the samples stands so far over the usual ones shows
+/// another sonar.
 const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 
 /// Pings in a row that are averaged.
@@ -35,9 +39,11 @@ pub struct PingChunk {
     pub number: u32,
     /// Its pings, all of which can be used.
     pub pings: Range<usize>,
-    /// Which range setting of the recorder: the length of a sample in steps of [`SAME_RANGE`], the same whatever the recorder rounds.
+    /// Which range setting of the recorder: the length of a sample in steps of [`SAME_RANGE`], the
+    /// same whatever the recorder rounds.
     pub range_setting: i32,
-    /// Which stretch of the log: its gain is taken for one. Those next to each other without a step of the gain have numbers in a row.
+    /// Which stretch of the log: its gain is taken for one. Those next to each other without a step
+    /// of the gain have numbers in a row.
     pub stretch: u32,
     /// Gain, natural logarithm of power over the usual one.
     pub gain: f64,
@@ -91,12 +97,7 @@ impl<'a> LaidOutLog<'a> {
             }
             None => Vec::new(),
         };
-        Ok(Self {
-            echoes,
-            chunks,
-            law,
-            is_weed,
-        })
+        Ok(Self { echoes, chunks, law, is_weed })
     }
 }
 
@@ -115,9 +116,7 @@ impl Gains {
         let ln_power = law.table();
         let usual = usual_levels(log, &ln_power, progress)?;
         let compare = |(ping, place): (usize, &PingPlace)| {
-            let usual = usual
-                .get(&range_setting(place))
-                .map_or(&[][..], Vec::as_slice);
+            let usual = usual.get(&range_setting(place)).map_or(&[][..], Vec::as_slice);
             compared(log, ping, &ln_power, usual)
         };
         let each: Vec<(f64, bool)> = log.pings.par_iter().enumerate().map(compare).collect();
@@ -144,23 +143,17 @@ impl Gains {
         let mut gain = Vec::with_capacity(raw.len());
         for same in segment.chunk_by(|a, b| a == b) {
             let here = gain.len()..gain.len() + same.len();
-            let mut some: Vec<f64> = smooth[here]
-                .iter()
-                .copied()
-                .filter(|gain| gain.is_finite())
-                .collect();
+            let mut some: Vec<f64> =
+                smooth[here].iter().copied().filter(|gain| gain.is_finite()).collect();
             let of_segment = median(&mut some);
             gain.extend(same.iter().map(|_| of_segment));
         }
-        Ok(Self {
-            gain,
-            segment,
-            is_usable,
-        })
+        Ok(Self { gain, segment, is_usable })
     }
 }
 
-/// The pings at which the gain steps: the steepest of each run over which it changes by more than [`GAIN_STEP`].
+/// The pings at which the gain steps: the steepest of each run over which it changes by more than
+/// [`GAIN_STEP`].
 fn steps(gain: &[f64]) -> Vec<usize> {
     let change = |ping: usize| match (ping.checked_sub(3), gain.get(ping + 3)) {
         (Some(before), Some(behind)) => (behind - gain[before]).abs(),
@@ -181,7 +174,8 @@ fn steps(gain: &[f64]) -> Vec<usize> {
     found
 }
 
-/// The median logarithm of power at every so many samples of each range setting; NaN where no bed was ever seen.
+/// The median logarithm of power at every so many samples of each range setting; NaN where no bed
+/// was ever seen.
 fn usual_levels(
     log: &LogEchoes<'_>,
     ln_power: &[f32; 256],
@@ -234,7 +228,8 @@ fn on_bed(
     (from.next_multiple_of(STRIDE)..count).step_by(STRIDE)
 }
 
-/// The median of what a ping's levels are over the usual ones, NaN without any; and whether another sonar shows in it.
+/// The median of what a ping's levels are over the usual ones, NaN without any; and whether another
+/// sonar shows in it.
 fn compared(log: &LogEchoes<'_>, ping: usize, ln_power: &[f32; 256], usual: &[f32]) -> (f64, bool) {
     let mut over: Vec<f32> = Vec::new();
     let mut levels = Vec::new();
@@ -249,10 +244,7 @@ fn compared(log: &LogEchoes<'_>, ping: usize, ln_power: &[f32; 256], usual: &[f3
     };
     let gain = *over.select_nth_unstable_by(middle, f32::total_cmp).1;
     let (share, limit) = INTERFERENCE;
-    let high = over
-        .iter()
-        .filter(|over| **over - gain.max(0.0) > limit)
-        .count();
+    let high = over.iter().filter(|over| **over - gain.max(0.0) > limit).count();
     (f64::from(gain), high as f64 > share * over.len() as f64)
 }
 
@@ -302,12 +294,7 @@ mod tests {
     use crate::swath::SideEchoes;
 
     fn ping(time_s: f64, step_m: f64) -> PingPlace {
-        let side = SideEchoes {
-            near_m: 0.0,
-            step_m,
-            first_return: f64::NAN,
-            above_bottom: false,
-        };
+        let side = SideEchoes { near_m: 0.0, step_m, first_return: f64::NAN, above_bottom: false };
         PingPlace {
             time_s,
             place_m: [0.0; 2],
@@ -339,9 +326,8 @@ mod tests {
 
     #[test]
     fn a_gain_steps_where_it_changes_fastest() {
-        let gain: Vec<f64> = (0..40)
-            .map(|ping| if (12..25).contains(&ping) { -1.9 } else { 0.1 })
-            .collect();
+        let gain: Vec<f64> =
+            (0..40).map(|ping| if (12..25).contains(&ping) { -1.9 } else { 0.1 }).collect();
         assert_eq!(steps(&gain).len(), 2);
         assert!(steps(&gain)[0].abs_diff(12) <= 3 && steps(&gain)[1].abs_diff(25) <= 3);
         assert!(steps(&[0.0; 30]).is_empty());

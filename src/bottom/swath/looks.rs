@@ -1,5 +1,5 @@
-//! The levels of a chunk of pings on one side, averaged in ranges so short that the bed under each is even: what is read of a log once, and placed
-//! on the bed again as that becomes known.
+//! The levels of a chunk of pings on one side, averaged in ranges so short that the bed under each
+//! is even: what is read of a log once, and placed on the bed again as that becomes known.
 
 use super::layout::{LaidOutLog, PingChunk};
 use bathyscope_log::survey::Side;
@@ -52,14 +52,13 @@ impl SeenOctants {
 
     /// Whether it is seen from two that face each other, more or less.
     pub(super) fn are_two(&self) -> bool {
-        [3, 4, 5]
-            .iter()
-            .any(|by| self.0 & self.0.rotate_left(*by) != 0)
+        [3, 4, 5].iter().any(|by| self.0 & self.0.rotate_left(*by) != 0)
     }
 }
 
 impl SideChunk {
-    /// Of a side of a chunk, in ranges of a length in metres, or samples where these are longer; `None` where nothing was recorded, or the boat turns.
+    /// Of a side of a chunk, in ranges of a length in metres, or samples where these are longer;
+    /// `None` where nothing was recorded, or the boat turns.
     pub(super) fn new(
         log: &LaidOutLog<'_>,
         number: usize,

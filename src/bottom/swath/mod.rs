@@ -1,16 +1,20 @@
 //! Depth between the lines: the levels of the side-scan echoes say how the bed slopes.
 //!
-//! In: a surface, and the echo levels of the logs over it. Out: the same surface with depths between the lines, where levels predict these better.
-//! It uses `survey` and `support`.
+//! In: a surface, and the echo levels of the logs over it. Out: the same surface with depths
+//! between the lines, where levels predict these better. It uses `survey` and `support`.
 //!
-//! An echo is stronger where the bed faces the boat and weaker where it turns away. From two sides, as from neighbouring lines, the effect
-//! of a slope changes its sign and that of the bed's own brightness does not, so the two can be told apart. Depths, brightness, the curves of beam,
-//! range and noise and the gain are found together, and hold to the depths that were measured. What is found is inferred, not measured.
+//! An echo is stronger where the bed faces the boat and weaker where it turns away. From two sides,
+//! as from neighbouring lines, the effect of a slope changes its sign and that of the bed's own
+//! brightness does not, so the two can be told apart. Depths, brightness, the curves of beam, range
+//! and noise and the gain are found together, and hold to the depths that were measured. What is
+//! found is inferred, not measured.
 //!
-//! `echoes` is what is read of a log and `layout` what is found of all of it: its `law` turns levels into logarithms of power, `weed` says where echoes
-//! are none of the bed. `looks` are averaged levels, `observations` those placed on the bed; `model` says what they should be. `tiling` parts a
-//! survey, or what a part of a larger map depends on, into tiles of `nodes`; `solve` solves one, in the order of `elimination`, `depths` runs the
-//! rounds, and `gate` decides by left-out soundings whether levels are used.
+//! `echoes` is what is read of a log and `layout` what is found of all of it: its `law` turns
+//! levels into logarithms of power, `weed` says where echoes are none of the bed. `looks` are
+//! averaged levels, `observations` those placed on the bed; `model` says what they should be.
+//! `tiling` parts a survey, or what a part of a larger map depends on, into tiles of `nodes`;
+//! `solve` solves one, in the order of `elimination`, `depths` runs the rounds, and `gate` decides
+//! by left-out soundings whether levels are used.
 
 mod depths;
 mod echoes;
@@ -43,27 +47,29 @@ use tiling::{Resolution, Tiling};
 
 /// Tiles that curves are learnt on, and left-out soundings predicted, at most.
 const MOST_LEARNT: usize = 2;
-/// Levels are used where the error of left-out soundings is at most so many times that of triangles. From place to place the smaller error counts more.
+/// Levels are used where the error of left-out soundings is at most so many times that of
+/// triangles. From place to place the smaller error counts more.
 const MOST_RATIO: f64 = 0.95;
-/// Sets of curves, one for each recorder and range setting, that `auto` learns at most: the time grows with their square.
+/// Sets of curves, one for each recorder and range setting, that `auto` learns at most: the time
+/// grows with their square.
 const MOST_SETS: usize = 8;
-/// Distances from a measured depth up to which the surface holds it alone, and from which on levels count in full, metres.
+/// Distances from a measured depth up to which the surface holds it alone, and from which on levels
+/// count in full, metres.
 const HELD_M: [f64; 2] = [0.5, 1.5];
 /// What is known of a bed beforehand where that was not tested.
-const UNTESTED: Prior = Prior {
-    brightness: Brightness::Patches(0.35),
-    relief_m: 0.15,
-};
-/// Standard deviations, in usual ones, from which on levels count less, and from which on for nothing: at the edge of a survey, where one line looks and no
-/// depth was measured beyond.
+const UNTESTED: Prior = Prior { brightness: Brightness::Patches(0.35), relief_m: 0.15 };
+/// Standard deviations, in usual ones, from which on levels count less, and from which on for
+/// nothing: at the edge of a survey, where one line looks and no depth was measured beyond.
 const UNSURE_SDS: [f64; 2] = [2.2, 3.2];
-/// The error that is stated of depths from levels, in geometric means of the errors of left-out soundings with levels and by triangles: on ponds of both
-/// simulators this holds. And in standard deviations of what the equations leave unknown, where it was not tested.
+/// The error that is stated of depths from levels, in geometric means of the errors of left-out
+/// soundings with levels and by triangles: on ponds of both simulators this holds. And in standard
+/// deviations of what the equations leave unknown, where it was not tested.
 const STATED: f64 = 1.15;
 const UNTESTED_SDS: f64 = 0.7;
 
-/// Corrects the depths of a surface between those measured by the levels of the echoes of its logs, in the surface's plane, and says in
-/// [`Surface::levels`] what became of it. `measured` are the depths that the surface was made of.
+/// Corrects the depths of a surface between those measured by the levels of the echoes of its logs,
+/// in the surface's plane, and says in [`Surface::levels`] what became of it. `measured` are the
+/// depths that the surface was made of.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -83,9 +89,7 @@ pub fn correct(
             let error_sds = left_out.map_or(UNTESTED_SDS, |one| STATED * one.error_sds);
             add(&found, error_sds, surface);
             surface.hardness_db = hardness_db(&found, surface);
-            FromLevels::Used {
-                left_out_m: left_out.map(|one| [one.without_m, one.with_m]),
-            }
+            FromLevels::Used { left_out_m: left_out.map(|one| [one.without_m, one.with_m]) }
         }
         Err(why) => FromLevels::Refused(why),
     };
@@ -101,10 +105,7 @@ fn found(
     progress: &Progress,
     mode: SwathDepth,
 ) -> Result<Refusable<(NodeDepths, Option<gate::LeftOut>)>, Cancelled> {
-    if !logs
-        .iter()
-        .any(|log| log.echoes.pings.iter().any(PingPlace::is_placed))
-    {
+    if !logs.iter().any(|log| log.echoes.pings.iter().any(PingPlace::is_placed)) {
         return Ok(Err(LevelsRefused::NoSideScan));
     }
     if logs.iter().all(|log| log.law.is_none()) {
@@ -149,9 +150,7 @@ fn found(
         return Ok(Err(LevelsRefused::TooFewEchoes));
     }
     let found = input.find(&tiling, &sample.curves, prior, progress)?;
-    Ok(found
-        .map(|found| (found, left_out))
-        .ok_or(LevelsRefused::NotSolved))
+    Ok(found.map(|found| (found, left_out)).ok_or(LevelsRefused::NotSolved))
 }
 
 /// What the levels of a log mean, so that a part of a map needs no more of it.
@@ -186,12 +185,7 @@ impl LearntLevels {
         }
         let of_set =
             |(set, curves): (&(u32, i32), Option<LawCurves>)| Some((set.1, curves?.0.to_vec()));
-        let curves: Vec<_> = input
-            .sets
-            .iter()
-            .zip(sample.curves)
-            .filter_map(of_set)
-            .collect();
+        let curves: Vec<_> = input.sets.iter().zip(sample.curves).filter_map(of_set).collect();
         Ok((!curves.is_empty()).then_some(Self { law, curves }))
     }
 
@@ -206,10 +200,12 @@ impl LearntLevels {
     }
 }
 
-/// As [`correct`], of a part of a larger map: `around` is its surface, `edges_m` are its edges, `logs` have the pings within [`PART_PINGS_M`] with what was
-/// learnt of each, `measured` are the depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the edges, the same to the bit as
-/// those of a neighbouring part. Places count in a plane that all parts share, and the order of logs and depths must be the same for
-/// all. Hardness is none: each part would count it from another zero.
+/// As [`correct`], of a part of a larger map: `around` is its surface, `edges_m` are its edges,
+/// `logs` have the pings within [`PART_PINGS_M`] with what was learnt of each, `measured` are the
+/// depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the edges, the same to the
+/// bit as those of a neighbouring part. Places count in a plane that all parts share, and the order
+/// of logs and depths must be the same for all. Hardness is none: each part would count it from
+/// another zero.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -236,7 +232,8 @@ pub fn correct_part(
     Ok(())
 }
 
-/// What levels count against the surface without them, at a distance from the nearest measured depth, metres.
+/// What levels count against the surface without them, at a distance from the nearest measured
+/// depth, metres.
 fn share_of_levels(distance_m: f64) -> f64 {
     rise(distance_m, HELD_M)
 }
@@ -247,8 +244,8 @@ fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
     along * along * (3.0 - 2.0 * along)
 }
 
-/// Takes the depths that were found over into a surface, whose own count the more the smaller their error is; `error_sds` is how many standard
-/// deviations the depths that were found miss by.
+/// Takes the depths that were found over into a surface, whose own count the more the smaller their
+/// error is; `error_sds` is how many standard deviations the depths that were found miss by.
 fn add(found: &NodeDepths, error_sds: f64, surface: &mut Surface) {
     let nodes = &found.nodes;
     let both = found.sd_m.iter().zip(&found.seen);
@@ -283,8 +280,8 @@ fn add(found: &NodeDepths, error_sds: f64, surface: &mut Surface) {
     }
 }
 
-/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
-/// is none.
+/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over
+/// their median; `None` where that is none.
 fn hardness_db(found: &NodeDepths, surface: &Surface) -> Option<Vec<f32>> {
     let nodes = &found.nodes;
     let of_cell = |(cell, depth_m): (usize, &f32)| {
@@ -300,12 +297,7 @@ fn hardness_db(found: &NodeDepths, surface: &Surface) -> Option<Vec<f32>> {
         return None;
     }
     let usual_db = median(&mut known);
-    Some(
-        cells_db
-            .into_iter()
-            .map(|value| (value - usual_db) as f32)
-            .collect(),
-    )
+    Some(cells_db.into_iter().map(|value| (value - usual_db) as f32).collect())
 }
 
 #[cfg(test)]
@@ -321,12 +313,8 @@ mod tests {
     fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
         let before = Surface::of_depths(grid(), vec![2.0; 100]);
         let measured = DepthPoint::of_sounding([3.0, 3.0], 2.0);
-        let side = SideEchoes {
-            near_m: 0.0,
-            step_m: 0.01,
-            first_return: 200.0,
-            above_bottom: false,
-        };
+        let side =
+            SideEchoes { near_m: 0.0, step_m: 0.01, first_return: 200.0, above_bottom: false };
         let ping = PingPlace {
             time_s: 0.0,
             place_m: [3.0, 3.0],
@@ -341,18 +329,8 @@ mod tests {
             (vec![ping; 100], LevelsRefused::NoLaw),
         ] {
             let mut surface = before.clone();
-            let logs = vec![LogEchoes {
-                levels: &survey,
-                pings,
-            }];
-            correct(
-                &mut surface,
-                logs,
-                &[measured],
-                &Progress::new(),
-                SwathDepth::Auto,
-            )
-            .unwrap();
+            let logs = vec![LogEchoes { levels: &survey, pings }];
+            correct(&mut surface, logs, &[measured], &Progress::new(), SwathDepth::Auto).unwrap();
             assert_eq!(surface.levels, FromLevels::Refused(why));
             assert_eq!(surface.depth_m, before.depth_m);
         }

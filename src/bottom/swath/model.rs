@@ -1,8 +1,11 @@
-//! What level a sample should have: the echo of a bed of given depth, slope and brightness, and the noise under the recorder's gain.
+//! What level a sample should have: the echo of a bed of given depth, slope and brightness, and the
+//! noise under the recorder's gain.
 //!
-//! `ln P = ln(echo + noise)` with `ln echo = beam(phi) + f(t) + h ln(r / r0) + brightness + gain`, where `phi` is the angle from straight
-//! down, `t = phi + atan(slope)` that from the bed's normal and `f(t) = ln(cos^2 t / sin t)`: Lambert's law over the area that a pulse covers;
-//! and `ln noise = n + m ln(r / r0) + b (r / r0 - 1)`: a floor that the gain raises with range. The beam's curve takes up what the law lacks.
+//! `ln P = ln(echo + noise)` with `ln echo = beam(phi) + f(t) + h ln(r / r0) + brightness + gain`,
+//! where `phi` is the angle from straight down, `t = phi + atan(slope)` that from the bed's normal
+//! and `f(t) = ln(cos^2 t / sin t)`: Lambert's law over the area that a pulse covers; and `ln noise
+//! = n + m ln(r / r0) + b (r / r0 - 1)`: a floor that the gain raises with range. The beam's curve
+//! takes up what the law lacks.
 
 use faer::{Mat, linalg::solvers::Solve};
 
@@ -10,8 +13,8 @@ use faer::{Mat, linalg::solvers::Solve};
 const KNOTS: usize = 16;
 const FIRST_KNOT_DEG: f64 = 15.0;
 const KNOT_DEG: f64 = 5.0;
-/// Parameters of the curves: the beam's, the slope over range, level, slope and bend of the noise, and what starboard is brighter by, all over and
-/// by angle.
+/// Parameters of the curves: the beam's, the slope over range, level, slope and bend of the noise,
+/// and what starboard is brighter by, all over and by angle.
 pub(super) const PARAMETERS: usize = KNOTS + 6;
 const RANGE: usize = KNOTS;
 const NOISE: usize = KNOTS + 1;
@@ -25,8 +28,8 @@ const REFERENCE_M: f64 = 6.0;
 const TILT_DEG: [f64; 2] = [45.0, 15.0];
 /// Angles from the bed's normal that the law is taken at, radians: beyond them it would run away.
 const LAW_RAD: [f64; 2] = [0.05, 1.52];
-/// Standard deviations of the beam's second differences, of the slope over range, and of slope and bend of the noise about those of a floor under a gain
-/// of 30 log r with a little absorption.
+/// Standard deviations of the beam's second differences, of the slope over range, and of slope and
+/// bend of the noise about those of a floor under a gain of 30 log r with a little absorption.
 const SD_BEAM_BEND: f64 = 0.12;
 const SD_RANGE: f64 = 0.3;
 const NOISE_PRIOR: [(usize, f64, f64); 2] = [(NOISE_SLOPE, 3.0, 0.5), (NOISE_BEND, 0.3, 0.15)];
@@ -124,7 +127,8 @@ impl LawCurves {
         }
     }
 
-    /// Adds to `sums` what the level of a sample changes by for each parameter; `share` is the echo's.
+    /// Adds to `sums` what the level of a sample changes by for each parameter; `share` is the
+    /// echo's.
     pub(super) fn add_derivatives(at: &Incidence, share: f64, sums: &mut [f64; PARAMETERS]) {
         let (below, right) = knot(at.phi_rad);
         let ln_range = (at.range_m / REFERENCE_M).ln();
@@ -138,7 +142,8 @@ impl LawCurves {
         sums[TILT] += share * tilt(at);
     }
 
-    /// Adds to a system of normal equations for a step of the parameters what is known of them beforehand.
+    /// Adds to a system of normal equations for a step of the parameters what is known of them
+    /// beforehand.
     pub(super) fn add_prior(
         &self,
         normal: &mut Mat<f64>,
@@ -157,11 +162,7 @@ impl LawCurves {
             }
         };
         for middle in 1..KNOTS - 1 {
-            add(
-                &[(middle - 1, 1.0), (middle, -2.0), (middle + 1, 1.0)],
-                0.0,
-                SD_BEAM_BEND,
-            );
+            add(&[(middle - 1, 1.0), (middle, -2.0), (middle + 1, 1.0)], 0.0, SD_BEAM_BEND);
         }
         add(&[(RANGE, 1.0)], 0.0, SD_RANGE);
         for (parameter, usual, sd) in NOISE_PRIOR {
@@ -171,7 +172,8 @@ impl LawCurves {
         add(&[(TILT, 1.0)], 0.0, SD_TILT);
     }
 
-    /// Adds to such a system that two sets of curves are of one transducer: the beam has one shape, and starboard is brighter by as much.
+    /// Adds to such a system that two sets of curves are of one transducer: the beam has one shape,
+    /// and starboard is brighter by as much.
     pub(super) fn add_tie(
         one: (&Self, usize),
         other: (&Self, usize),
@@ -209,15 +211,12 @@ impl LawCurves {
         Self(std::array::from_fn(|at| self.0[at] + step[at]))
     }
 
-    /// The curves that fit the mean levels of some places of many samples best, by a damped Gauss-Newton method with robust weights.
+    /// The curves that fit the mean levels of some places of many samples best, by a damped
+    /// Gauss-Newton method with robust weights.
     pub(super) fn fit(places: &[FitPlace]) -> Option<Self> {
         let mut levels: Vec<f64> = places.iter().map(|place| place.ln_power).collect();
         levels.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            Some(bathyscope_log::support::statistics::quantile(
-                &levels, share,
-            ))
-        };
+        let at = |share: f64| Some(bathyscope_log::support::statistics::quantile(&levels, share));
         let mut curves = Self(std::array::from_fn(|_| 0.0));
         curves.0[..KNOTS].fill(at(0.5).filter(|_| !levels.is_empty())?);
         curves.0[NOISE] = at(0.05)?;
@@ -305,10 +304,7 @@ pub(super) fn solve_dense(normal: &Mat<f64>, right: &[f64]) -> Option<Vec<f64>> 
     let column = Mat::from_fn(right.len(), 1, |row, _| right[row]);
     let solution = factor.solve(&column);
     let values: Vec<f64> = (0..right.len()).map(|row| solution[(row, 0)]).collect();
-    values
-        .iter()
-        .all(|value| value.is_finite())
-        .then_some(values)
+    values.iter().all(|value| value.is_finite()).then_some(values)
 }
 
 #[cfg(test)]
@@ -325,12 +321,7 @@ mod tests {
     }
 
     fn at(depth_m: f64, range_m: f64, slope: f64) -> Incidence {
-        Incidence {
-            range_m,
-            phi_rad: (depth_m / range_m).acos(),
-            slope,
-            side: 1.0,
-        }
+        Incidence { range_m, phi_rad: (depth_m / range_m).acos(), slope, side: 1.0 }
     }
 
     #[test]
@@ -345,14 +336,8 @@ mod tests {
                 (level(depth_m, slope + step) - level(depth_m, slope - step)) / (2.0 * step);
             let per_depth =
                 (level(depth_m + step, slope) - level(depth_m - step, slope)) / (2.0 * step);
-            assert!(
-                (here.per_slope - per_slope).abs() < 1e-5,
-                "{per_slope} {here:?}"
-            );
-            assert!(
-                (here.per_depth - per_depth).abs() < 1e-5,
-                "{per_depth} {here:?}"
-            );
+            assert!((here.per_slope - per_slope).abs() < 1e-5, "{per_slope} {here:?}");
+            assert!((here.per_depth - per_depth).abs() < 1e-5, "{per_depth} {here:?}");
             let mut derivatives = [0.0; PARAMETERS];
             LawCurves::add_derivatives(&at(depth_m, range_m, slope), here.share, &mut derivatives);
             for (parameter, expected) in derivatives.into_iter().enumerate() {
@@ -362,10 +347,7 @@ mod tests {
                 let found = (moved.expected(&at(depth_m, range_m, slope), 0.3).ln_power
                     - here.ln_power)
                     / step;
-                assert!(
-                    (found - expected).abs() < 1e-4,
-                    "{parameter}: {found} {expected}"
-                );
+                assert!((found - expected).abs() < 1e-4, "{parameter}: {found} {expected}");
             }
         }
     }
@@ -380,11 +362,7 @@ mod tests {
                     side: if index % 2 == 0 { 1.0 } else { -1.0 },
                     ..at(depth_m, depth_m.hypot(1.0 + 0.5 * out), 0.0)
                 };
-                FitPlace {
-                    at,
-                    ln_power: curves.expected(&at, 0.0).ln_power,
-                    sd: 0.1,
-                }
+                FitPlace { at, ln_power: curves.expected(&at, 0.0).ln_power, sd: 0.1 }
             })
             .collect();
         let found = LawCurves::fit(&places).unwrap();

@@ -8,7 +8,8 @@ const BLEND: usize = 6;
 /// Nodes in rows from south to north, each from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Nodes {
-    /// East and north that they are counted from, metres: a place is the same number of steps, to the bit, for all parts that count from there.
+    /// East and north that they are counted from, metres: a place is the same number of steps, to
+    /// the bit, for all parts that count from there.
     pub zero_m: [f64; 2],
     /// Steps from there to the first, east and north.
     pub first: [i64; 2],
@@ -28,11 +29,13 @@ pub(super) struct NodeTile {
     pub first: [usize; 2],
     /// Its nodes.
     pub nodes: Nodes,
-    /// First and beyond the last node in a row, and the same of the rows, that no other tile has in its core, counted in its own nodes.
+    /// First and beyond the last node in a row, and the same of the rows, that no other tile has in
+    /// its core, counted in its own nodes.
     pub core: [[usize; 2]; 2],
 }
 
-/// Values of several tiles brought together: where tiles overlap the mean, weighted towards the nearer core, so that no seam shows.
+/// Values of several tiles brought together: where tiles overlap the mean, weighted towards the
+/// nearer core, so that no seam shows.
 #[derive(Clone, Debug)]
 pub(super) struct Blend {
     sums: Vec<f64>,
@@ -42,10 +45,7 @@ pub(super) struct Blend {
 impl Blend {
     /// Of nothing yet, at so many nodes.
     pub(super) fn none(nodes: &Nodes) -> Self {
-        Self {
-            sums: vec![0.0; nodes.len()],
-            weights: vec![0.0; nodes.len()],
-        }
+        Self { sums: vec![0.0; nodes.len()], weights: vec![0.0; nodes.len()] }
     }
 
     /// Adds the values of a tile.
@@ -114,7 +114,8 @@ impl Nodes {
         })
     }
 
-    /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes as on them.
+    /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes
+    /// as on them.
     pub(super) fn shares(&self, place: [f64; 2]) -> Shares {
         let [(column, right), (row, up)] = [0, 1].map(|axis| {
             let steps = self.steps(place, axis);
@@ -159,8 +160,8 @@ impl Nodes {
         ]
     }
 
-    /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo` nodes around each; one part where all nodes are at
-    /// most `most`.
+    /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo`
+    /// nodes around each; one part where all nodes are at most `most`.
     pub(super) fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<NodeTile> {
         let cores = self.counts.map(|count| match self.len() <= most {
             true => count,
@@ -169,7 +170,8 @@ impl Nodes {
         self.tiles_within(0, cores, halo)
     }
 
-    /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
+    /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in
+    /// no core, and a halo of `halo` nodes around each.
     pub(super) fn tiles_within(
         &self,
         margin: usize,
@@ -186,9 +188,7 @@ impl Nodes {
             (margin..end).step_by(cores[axis]).map(of_core).collect()
         };
         let [across, along] = [0, 1].map(spans);
-        let both = along
-            .iter()
-            .flat_map(|rows| across.iter().map(move |columns| [columns, rows]));
+        let both = along.iter().flat_map(|rows| across.iter().map(move |columns| [columns, rows]));
         both.map(|spans| {
             let first = spans.map(|span| span[0]);
             let nodes = Self {
@@ -212,16 +212,14 @@ impl NodeTile {
     pub(super) fn core_nodes(&self) -> Nodes {
         let [columns, rows] = self.core;
         Nodes {
-            first: [
-                self.nodes.first[0] + columns[0] as i64,
-                self.nodes.first[1] + rows[0] as i64,
-            ],
+            first: [self.nodes.first[0] + columns[0] as i64, self.nodes.first[1] + rows[0] as i64],
             counts: [columns[1] - columns[0], rows[1] - rows[0]],
             ..self.nodes
         }
     }
 
-    /// What a node counts against those of other tiles: 1 in the core, down to 0 at [`BLEND`] nodes beside it.
+    /// What a node counts against those of other tiles: 1 in the core, down to 0 at [`BLEND`] nodes
+    /// beside it.
     fn weight(&self, node: usize) -> f64 {
         let columns = self.nodes.counts[0];
         let along = |at: usize, [from, to]: [usize; 2]| {
@@ -241,22 +239,15 @@ impl NodeTile {
 
 /// The sum of some values by their shares.
 pub(super) fn sum(values: &[f64], shares: &Shares) -> f64 {
-    shares
-        .iter()
-        .map(|&(node, share)| share * values[node])
-        .sum()
+    shares.iter().map(|&(node, share)| share * values[node]).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const NODES: Nodes = Nodes {
-        zero_m: [1.0, -3.0],
-        first: [4, 2],
-        step_m: 0.5,
-        counts: [41, 23],
-    };
+    const NODES: Nodes =
+        Nodes { zero_m: [1.0, -3.0], first: [4, 2], step_m: 0.5, counts: [41, 23] };
 
     /// The values at the nodes of a tile out of those at all nodes.
     fn cut(tile: &NodeTile, values: &[f64]) -> Vec<f64> {
@@ -268,12 +259,7 @@ mod tests {
     fn values_are_bilinear_between_nodes() {
         let value = |[east, north]: [f64; 2]| 1.0 + 0.3 * east - 0.2 * north;
         let values: Vec<f64> = (0..NODES.len())
-            .map(|node| {
-                value([
-                    3.0 + 0.5 * (node % 41) as f64,
-                    -2.0 + 0.5 * (node / 41) as f64,
-                ])
-            })
+            .map(|node| value([3.0 + 0.5 * (node % 41) as f64, -2.0 + 0.5 * (node / 41) as f64]))
             .collect();
         let place = [7.21, 3.37];
         assert!((NODES.value_at(&values, place) - value(place)).abs() < 1e-12);

@@ -1,5 +1,5 @@
-//! Levels placed on the bed as it is known so far: averaged over level cells: a chunk of pings by a length of ground each, with what each says of depth, slope,
-//! brightness and curves.
+//! Levels placed on the bed as it is known so far: averaged over level cells: a chunk of pings by a
+//! length of ground each, with what each says of depth, slope, brightness and curves.
 
 use super::looks::SideChunk;
 use super::model::{Incidence, LawCurves};
@@ -7,11 +7,13 @@ use super::nodes::Nodes;
 use crate::bathymetry::{Between, Node, Tin};
 use crate::nearest::Nearest;
 
-/// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and depths were measured.
+/// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and
+/// depths were measured.
 const NEAREST_M: f64 = 1.2;
 /// Ground range up to which level cells lie, metres.
 pub(super) const FARTHEST_M: f64 = 40.0;
-/// Steps in which a ray is followed along the ground, metres, and half the steps that its slope is taken over.
+/// Steps in which a ray is followed along the ground, metres, and half the steps that its slope is
+/// taken over.
 const RAY_STEP_M: f64 = 0.125;
 const SLOPE_STEPS: usize = 2;
 /// Greatest angle from straight down, and least from the bed's normal, degrees.
@@ -35,7 +37,8 @@ pub(super) struct Bed {
     pub depth_m: Vec<f64>,
     /// Natural logarithm of the bed's own brightness at each.
     pub ln_brightness: Vec<f64>,
-    /// Standard deviation of the depth by what the equations leave unknown of it at each, metres; 0 before they were solved.
+    /// Standard deviation of the depth by what the equations leave unknown of it at each, metres; 0
+    /// before they were solved.
     pub sd_m: Vec<f64>,
     /// Depth by triangles between the measured depths at each, metres; the nearest one beyond them.
     pub triangles_m: Vec<f64>,
@@ -44,7 +47,8 @@ pub(super) struct Bed {
 }
 
 impl Bed {
-    /// Of the triangles between some measured depths, and the nearest one beyond them; `None` without any.
+    /// Of the triangles between some measured depths, and the nearest one beyond them; `None`
+    /// without any.
     pub(super) fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
         let places: Vec<[f64; 2]> = measured.iter().map(Node::place).collect();
         let nearest = Nearest::of(&places)?;
@@ -75,8 +79,7 @@ impl Bed {
         for (depth_m, value) in self.depth_m.iter_mut().zip(depths) {
             *depth_m += (value - *depth_m).clamp(-MOST_STEP_M, MOST_STEP_M);
         }
-        self.ln_brightness
-            .copy_from_slice(&others[..self.nodes.len()]);
+        self.ln_brightness.copy_from_slice(&others[..self.nodes.len()]);
     }
 
     /// Adds so many times some values, depths at all nodes and then brightness.
@@ -164,8 +167,7 @@ impl Ray {
             ray.range_m.push(most_m2.sqrt() + 1e-9 * step as f64);
             let from = step.saturating_sub(SLOPE_STEPS);
             let over_m = (step + SLOPE_STEPS - from) as f64 * RAY_STEP_M;
-            ray.slope
-                .push((depth_m[step + SLOPE_STEPS] - depth_m[from]) / over_m);
+            ray.slope.push((depth_m[step + SLOPE_STEPS] - depth_m[from]) / over_m);
         }
         ray
     }
@@ -177,14 +179,14 @@ impl SideChunk {
         [0, 1].map(|axis| self.place_m[axis] + ground_m * self.outward[axis])
     }
 
-    /// The ground ranges between which level cells may lie within some nodes, metres; `None` where there are none.
+    /// The ground ranges between which level cells may lie within some nodes, metres; `None` where
+    /// there are none.
     pub(super) fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
         let last_m = self.first_m + self.step_m * self.ln_power.len() as f64;
         let [west_m, south_m, east_m, north_m] = nodes.bounds_m();
         let (mut from_m, mut to_m) = (NEAREST_M, last_m.min(FARTHEST_M));
-        for (axis, [low_m, high_m]) in [[west_m, east_m], [south_m, north_m]]
-            .into_iter()
-            .enumerate()
+        for (axis, [low_m, high_m]) in
+            [[west_m, east_m], [south_m, north_m]].into_iter().enumerate()
         {
             // Along the other axis both are infinite: of one sign outside, of two inside.
             let ends =
@@ -195,8 +197,8 @@ impl SideChunk {
         (from_m < to_m).then_some([from_m, to_m])
     }
 
-    /// Hands the observations of the level cells of this look that lie within some nodes to `found`; the bed's nodes may reach farther. Without curves
-    /// only what is measured is said.
+    /// Hands the observations of the level cells of this look that lie within some nodes to
+    /// `found`; the bed's nodes may reach farther. Without curves only what is measured is said.
     pub(super) fn read(
         &self,
         bed: &Bed,
@@ -215,10 +217,7 @@ impl SideChunk {
         let [flattest, steepest] = [FLATTEST_DEG, STEEPEST_DEG].map(f64::to_radians);
         let mut finish = |sums: &mut Sums| {
             let observation = self.observation(&std::mem::take(sums));
-            observation
-                .filter(|one| within.holds(one.place_m))
-                .into_iter()
-                .for_each(&mut found);
+            observation.filter(|one| within.holds(one.place_m)).into_iter().for_each(&mut found);
         };
         for (index, ln_power) in self.ln_power.iter().enumerate() {
             let range_m = self.first_m + index as f64 * self.step_m;
@@ -226,12 +225,8 @@ impl SideChunk {
                 step += 1;
             }
             let (Some(&[from, to]), Some(&[slope, next])) = (
-                ray.range_m
-                    .get(step..step + 2)
-                    .and_then(|pair| pair.first_chunk()),
-                ray.slope
-                    .get(step..step + 2)
-                    .and_then(|pair| pair.first_chunk()),
+                ray.range_m.get(step..step + 2).and_then(|pair| pair.first_chunk()),
+                ray.slope.get(step..step + 2).and_then(|pair| pair.first_chunk()),
             ) else {
                 break;
             };
@@ -250,12 +245,7 @@ impl SideChunk {
                 finish(&mut sums);
                 cell = here;
             }
-            let at = Incidence {
-                range_m,
-                phi_rad,
-                slope,
-                side: self.side,
-            };
+            let at = Incidence { range_m, phi_rad, slope, side: self.side };
             let brightness = bed.nodes.value_at(&bed.ln_brightness, self.at(ground_m));
             sums.add(&at, ground_m, f64::from(*ln_power), curves, brightness);
         }

@@ -1,9 +1,11 @@
-//! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all observations and all measured depths together, by least
-//! squares.
+//! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all
+//! observations and all measured depths together, by least squares.
 //!
-//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch of a log. An observation at `x` that looks outward
-//! along `o` says `J_s (d(x + u o) - d(x - u o)) / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the values `'` of the round before. The
-//! curves `c` occur in every observation, so they are solved for by the Schur complement.
+//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch
+//! of a log. An observation at `x` that looks outward along `o` says `J_s (d(x + u o) - d(x - u o))
+//! / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the values `'` of the round
+//! before. The curves `c` occur in every observation, so they are solved for by the Schur
+//! complement.
 
 use super::elimination;
 use super::looks::SideChunk;
@@ -17,7 +19,8 @@ use faer::Mat;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Standard deviation of what the model lacks, natural logarithm of power, and variance of the logarithm of a single echo's power.
+/// Standard deviation of what the model lacks, natural logarithm of power, and variance of the
+/// logarithm of a single echo's power.
 const SD_MODEL: f64 = 0.12;
 const SPECKLE_VARIANCE: f64 = 1.7;
 /// Least standard deviation of a measured depth, metres.
@@ -119,32 +122,22 @@ impl TileSolution {
         let bed = Bed::new(*nodes, &measured)?;
         let all = looks.iter().enumerate();
         let touching = all.filter(|(_, look)| look.within(nodes).is_some());
-        Some(Self {
-            tile,
-            looks: touching.map(|(look, _)| look).collect(),
-            measured,
-            bed,
-        })
+        Some(Self { tile, looks: touching.map(|(look, _)| look).collect(), measured, bed })
     }
 
-    /// The next round; `None` where no observation lies in the tile, or where the equations have no solution.
+    /// The next round; `None` where no observation lies in the tile, or where the equations have no
+    /// solution.
     pub(super) fn solve(&mut self, given: &TileInput<'_>, learns: bool) -> Option<Solved> {
         let nodes = self.bed.nodes;
         let mut system = System::new(&nodes);
         for look in self.looks.iter().map(|look| &given.looks[*look]) {
             if let Some(curves) = &given.curves[look.curves] {
                 system.gains.insert(look.stretch, 0);
-                look.read(
-                    &self.bed,
-                    &nodes,
-                    Some(curves),
-                    given.level_cell_m,
-                    |observation| {
-                        if (given.is_bed)(observation.place_m) {
-                            system.observations.push((look, observation));
-                        }
-                    },
-                );
+                look.read(&self.bed, &nodes, Some(curves), given.level_cell_m, |observation| {
+                    if (given.is_bed)(observation.place_m) {
+                        system.observations.push((look, observation));
+                    }
+                });
             }
         }
         if system.observations.is_empty() {
@@ -188,8 +181,9 @@ impl TileSolution {
     }
 }
 
-/// The terms of `(kappa^2 - Laplace)` at a node, whose values are independent in a Matern field (Lindgren et al. 2011, doi
-/// 10.1111/j.1467-9868.2011.00777.x), and their standard deviation for a field of standard deviation `sd`.
+/// The terms of `(kappa^2 - Laplace)` at a node, whose values are independent in a Matern field
+/// (Lindgren et al. 2011, doi 10.1111/j.1467-9868.2011.00777.x), and their standard deviation for a
+/// field of standard deviation `sd`.
 fn innovation(
     nodes: &Nodes,
     node: usize,
@@ -198,9 +192,7 @@ fn innovation(
 ) -> (impl Iterator<Item = (usize, f64)>, f64) {
     let per_m2 = 1.0 / nodes.step_m.powi(2);
     let around = nodes.neighbours(node).map(|other| (other, -per_m2));
-    let terms = around
-        .into_iter()
-        .chain([(node, 4.0 * per_m2 + kappa_per_m.powi(2))]);
+    let terms = around.into_iter().chain([(node, 4.0 * per_m2 + kappa_per_m.powi(2))]);
     (terms, sd * (4.0 * PI).sqrt() * kappa_per_m / nodes.step_m)
 }
 
@@ -231,11 +223,8 @@ impl<'a> System<'a> {
         for (index, gain) in self.gains.values_mut().enumerate() {
             *gain = 2 * count + index;
         }
-        let mut overs: Vec<f64> = self
-            .observations
-            .iter()
-            .map(|(_, observation)| observation.over)
-            .collect();
+        let mut overs: Vec<f64> =
+            self.observations.iter().map(|(_, observation)| observation.over).collect();
         let middle = median(&mut overs);
         for (look, observation) in &self.observations {
             let half_m = 0.5 * level_cell_m;
@@ -252,18 +241,14 @@ impl<'a> System<'a> {
                 + observation.per_depth * before
                 + observation.share * bed.nodes.value_at(&bed.ln_brightness, observation.place_m);
             let times = |shares: Shares, factor: f64, first: usize| {
-                shares
-                    .into_iter()
-                    .map(move |(node, share)| (first + node, factor * share))
+                shares.into_iter().map(move |(node, share)| (first + node, factor * share))
             };
             let terms = times(outer, per_m, 0)
                 .chain(times(inner, -per_m, 0))
                 .chain(times(here, observation.per_depth, 0))
                 .chain(times(here, observation.share, count))
                 .chain([(self.gains[&look.stretch], 1.0)]);
-            let mut sd = (SPECKLE_VARIANCE / observation.independent)
-                .sqrt()
-                .hypot(SD_MODEL);
+            let mut sd = (SPECKLE_VARIANCE / observation.independent).sqrt().hypot(SD_MODEL);
             let over = (observation.over - middle).abs() / sd;
             if is_robust && over > ROBUST {
                 sd *= (over / ROBUST).sqrt();
@@ -276,8 +261,7 @@ impl<'a> System<'a> {
     fn add_relief(&mut self, triangles_m: &[f64], relief_m: f64) {
         for (node, depth_m) in triangles_m.iter().enumerate() {
             let (terms, sd) = innovation(&self.nodes, node, KAPPA_PER_M, relief_m);
-            self.equations
-                .add(terms, KAPPA_PER_M * KAPPA_PER_M * depth_m, sd);
+            self.equations.add(terms, KAPPA_PER_M * KAPPA_PER_M * depth_m, sd);
         }
     }
 
@@ -290,8 +274,7 @@ impl<'a> System<'a> {
                     // Over so short a step the change is in proportion to it.
                     let sd = sd * self.nodes.step_m / SLOW_M;
                     for other in [east, north].into_iter().filter(|other| *other != node) {
-                        self.equations
-                            .add([(count + node, 1.0), (count + other, -1.0)], 0.0, sd);
+                        self.equations.add([(count + node, 1.0), (count + other, -1.0)], 0.0, sd);
                     }
                 }
                 Brightness::Patches(sd) => {
@@ -300,8 +283,7 @@ impl<'a> System<'a> {
                     self.equations.add(terms, 0.0, sd);
                 }
             }
-            self.equations
-                .add([(count + node, 1.0)], 0.0, SD_BRIGHTNESS);
+            self.equations.add([(count + node, 1.0)], 0.0, SD_BRIGHTNESS);
         }
     }
 
@@ -358,16 +340,12 @@ impl<'a> System<'a> {
         for column in &mut columns {
             column.truncate(2 * self.nodes.len());
         }
-        Border {
-            normal,
-            right,
-            columns: places.into_iter().zip(columns).collect(),
-        }
+        Border { normal, right, columns: places.into_iter().zip(columns).collect() }
     }
 }
 
-/// The step of the parameters of all sets of curves that the tiles of a sample say together; the curves a step on are put in their place.
-/// `recorders` are those of the curves.
+/// The step of the parameters of all sets of curves that the tiles of a sample say together; the
+/// curves a step on are put in their place. `recorders` are those of the curves.
 pub(super) fn learn(
     curves: &mut [Option<LawCurves>],
     recorders: &[u32],
@@ -378,10 +356,7 @@ pub(super) fn learn(
     let mut right = vec![0.0; count];
     for border in borders {
         normal += &border.normal;
-        right
-            .iter_mut()
-            .zip(&border.right)
-            .for_each(|(sum, value)| *sum += value);
+        right.iter_mut().zip(&border.right).for_each(|(sum, value)| *sum += value);
     }
     let known = (0..curves.len()).filter_map(|set| Some((set, curves[set].as_ref()?)));
     let known: Vec<(usize, &LawCurves)> = known.collect();

@@ -1,6 +1,8 @@
-//! In how fine steps a survey is solved for, and how its nodes, or those of a part of a larger map, are parted into tiles that are solved for one by one.
+//! In how fine steps a survey is solved for, and how its nodes, or those of a part of a larger map,
+//! are parted into tiles that are solved for one by one.
 //!
-//! The tiles of a part of a map are those of a lattice that all parts share: so each part finds, to the bit, what its neighbours find where they meet.
+//! The tiles of a part of a map are those of a lattice that all parts share: so each part finds, to
+//! the bit, what its neighbours find where they meet.
 
 use super::nodes::{NodeTile, Nodes};
 use super::observations::FARTHEST_M;
@@ -31,13 +33,8 @@ pub(super) struct Resolution {
 
 impl Resolution {
     /// Of a survey of at most [`MOST_FINE`] such nodes.
-    pub(super) const FINE: Self = Self {
-        node_m: 0.5,
-        level_cell_m: 0.5,
-        range_m: 0.06,
-        chunks: 1,
-        rounds: 2,
-    };
+    pub(super) const FINE: Self =
+        Self { node_m: 0.5, level_cell_m: 0.5, range_m: 0.06, chunks: 1, rounds: 2 };
     /// Of a larger one, and of the parts of a map.
     pub(super) const COARSE: Self = Self {
         node_m: 1.0,
@@ -51,10 +48,7 @@ impl Resolution {
     /// That at which curves are learnt and left-out soundings predicted.
     #[must_use]
     pub(super) fn of_learning(self) -> Self {
-        Self {
-            node_m: Self::COARSE.node_m,
-            ..self
-        }
+        Self { node_m: Self::COARSE.node_m, ..self }
     }
 }
 
@@ -92,14 +86,11 @@ impl Tiling {
     /// Of a survey at some resolution.
     pub(super) fn at(grid: &Grid, resolution: Resolution) -> Self {
         let nodes = Nodes::over(grid, resolution.node_m);
-        Self {
-            resolution,
-            tiles: nodes.tiles(MOST_TOGETHER, CORE, HALO),
-            nodes,
-        }
+        Self { resolution, tiles: nodes.tiles(MOST_TOGETHER, CORE, HALO), nodes }
     }
 
-    /// Of a part with some edges west, south, east and north, metres: multiples of [`PART_STEP_M`]. A core lies around it on all sides.
+    /// Of a part with some edges west, south, east and north, metres: multiples of [`PART_STEP_M`].
+    /// A core lies around it on all sides.
     pub(super) fn of_part([west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
         let resolution = Resolution::COARSE;
         let cores = |metres: f64| (metres / PART_STEP_M).round() as i64;
@@ -111,11 +102,7 @@ impl Tiling {
             step_m: resolution.node_m,
             counts: count.map(|cores| cores * CORE + 2 * HALO),
         };
-        Self {
-            resolution,
-            tiles: nodes.tiles_within(HALO, [CORE; 2], HALO),
-            nodes,
-        }
+        Self { resolution, tiles: nodes.tiles_within(HALO, [CORE; 2], HALO), nodes }
     }
 }
 
@@ -129,10 +116,7 @@ mod tests {
             [0.0, 512.0].map(|east_m| Tiling::of_part([east_m, 1024.0, east_m + 512.0, 1536.0]));
         assert_eq!(one.tiles.len(), 10 * 10);
         let place = |tile: &NodeTile| (tile.nodes.first, tile.nodes.counts, tile.core);
-        assert_eq!(
-            place(&one.tiles[0]),
-            ([-72, 952], [80, 80], [[8, 72], [8, 72]])
-        );
+        assert_eq!(place(&one.tiles[0]), ([-72, 952], [80, 80], [[8, 72], [8, 72]]));
         let is_shared = |tile: &&NodeTile| other.tiles.iter().any(|one| place(one) == place(tile));
         // A column of tiles on both sides of the edge.
         assert_eq!(one.tiles.iter().filter(is_shared).count(), 20);
@@ -143,10 +127,7 @@ mod tests {
         let grid = |side: usize| Grid::at([0.0, 0.0], 1.0, [side, side]);
         let small = Tiling::of_survey(&grid(60)).unwrap();
         assert_eq!((small.tiles.len(), small.resolution), (1, Resolution::FINE));
-        assert_eq!(
-            Tiling::of_survey(&grid(900)).unwrap().resolution,
-            Resolution::COARSE
-        );
+        assert_eq!(Tiling::of_survey(&grid(900)).unwrap().resolution, Resolution::COARSE);
         assert!(Tiling::of_survey(&grid(4000)).is_none());
     }
 }

@@ -1,4 +1,5 @@
-//! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of the bed's slope.
+//! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of
+//! the bed's slope.
 
 use super::echoes::{LogEchoes, PingPlace};
 use crate::nearest::Nearest;
@@ -33,16 +34,15 @@ impl WeedPlaces {
     }
 }
 
-/// Whether each ping of a log is in a stretch of weed. A slope makes the first returns of one side alone nearer than the recorded depth, so both
-/// sides are asked for.
+/// Whether each ping of a log is in a stretch of weed. A slope makes the first returns of one side
+/// alone nearer than the recorded depth, so both sides are asked for.
 pub(super) fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
     let [port, starboard] = Side::BOTH.map(|side| {
         let above = |ping: &PingPlace| ping.side(side).above_bottom;
         running_share(&log.pings.iter().map(above).collect::<Vec<bool>>())
     });
     let both = port.into_iter().zip(starboard);
-    both.map(|(port, starboard)| port.min(starboard) > SHARE)
-        .collect()
+    both.map(|(port, starboard)| port.min(starboard) > SHARE).collect()
 }
 
 /// Share of the pings around each; beyond both ends none lies above the bottom.
@@ -51,9 +51,7 @@ fn running_share(above: &[bool]) -> Vec<f64> {
     let around =
         |ping: usize| &above[ping.saturating_sub(half)..(ping + half + 1).min(above.len())];
     let count = |ping: usize| around(ping).iter().filter(|above| **above).count();
-    (0..above.len())
-        .map(|ping| count(ping) as f64 / PINGS as f64)
-        .collect()
+    (0..above.len()).map(|ping| count(ping) as f64 / PINGS as f64).collect()
 }
 
 #[cfg(test)]

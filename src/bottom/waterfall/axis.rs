@@ -4,14 +4,17 @@ use super::spacing::ping_spacing_m;
 use super::{Level, TILE};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 
-/// Ranges beyond this are a damaged header, not a sonar: no side-scan of this class reaches a tenth of it.
+/// Ranges beyond this are a damaged header, not a sonar: no side-scan of this class reaches a tenth
+/// of it.
 const FARTHEST_M: f32 = 5_000.0;
-/// Bins of the finest level at most, whatever the headers say, so that no header can ask for unbounded memory.
+/// Bins of the finest level at most, whatever the headers say, so that no header can ask for
+/// unbounded memory.
 const MAX_BINS: f64 = 65_536.0;
 /// The store of the far-out levels takes at most this part of the samples' bytes.
 const STORE_SHARE: u64 = 48;
 
-/// Ping and range extent of a survey's picture, and the metres that one bin of its finest level covers.
+/// Ping and range extent of a survey's picture, and the metres that one bin of its finest level
+/// covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeAxis {
     /// Side-scan pings.
@@ -26,12 +29,14 @@ pub struct RangeAxis {
     pub far_m: f64,
     /// Level of the store that far-out tiles are reduced from.
     pub store: Level,
-    /// What the boat usually moves from one ping to the next, metres; `None` where its track does not say.
+    /// What the boat usually moves from one ping to the next, metres; `None` where its track does
+    /// not say.
     pub ping_m: Option<f64>,
 }
 
 impl RangeAxis {
-    /// The axis of a survey; `None` when no ping has a usable span. One pass over the spans, none over the samples.
+    /// The axis of a survey; `None` when no ping has a usable span. One pass over the spans, none
+    /// over the samples.
     pub fn of(survey: &Survey) -> Option<Self> {
         let (mut finest_m, mut far_m, mut samples) = (f64::INFINITY, 0.0_f64, 0_u64);
         for ping in survey.side_scan.iter() {
@@ -62,13 +67,7 @@ impl RangeAxis {
 
     /// Whether tiles of the other axis are tiles of this one: only the number of pings differs.
     pub(crate) fn is_as_fine(&self, other: &Self) -> bool {
-        let Self {
-            bin_m,
-            bins,
-            far_m,
-            store,
-            ..
-        } = *self;
+        let Self { bin_m, bins, far_m, store, .. } = *self;
         (bin_m, bins, far_m, store) == (other.bin_m, other.bins, other.far_m, other.store)
     }
 
@@ -78,13 +77,11 @@ impl RangeAxis {
             let tiles = extent.div_ceil(TILE).max(1);
             tiles.next_power_of_two().trailing_zeros() as u8
         };
-        self.drawable(Level {
-            along: halvings(self.pings),
-            across: halvings(self.bins as usize),
-        })
+        self.drawable(Level { along: halvings(self.pings), across: halvings(self.bins as usize) })
     }
 
-    /// The level itself where its tiles are quick to make, else the nearest one that the store can give.
+    /// The level itself where its tiles are quick to make, else the nearest one that the store can
+    /// give.
     pub fn drawable(&self, level: Level) -> Level {
         if level.is_near() {
             return level;
@@ -96,13 +93,11 @@ impl RangeAxis {
     }
 }
 
-/// 16 pings x 8 bins, both sides, two bytes each: finer tiles than that come from the samples. Where a log's range changed, the far pings are finer than their samples on
-/// the common axis; the reduction across grows until the store is small all the same.
+/// 16 pings x 8 bins, both sides, two bytes each: finer tiles than that come from the samples.
+/// Where a log's range changed, the far pings are finer than their samples on the common axis; the
+/// reduction across grows until the store is small all the same.
 fn store_level(pings: usize, bins: u32, samples: u64) -> Level {
-    let mut level = Level {
-        along: 4,
-        across: 3,
-    };
+    let mut level = Level { along: 4, across: 3 };
     let rows = pings.div_ceil(level.pings()) as u64;
     let bytes = |level: Level| rows * 4 * u64::from(bins).div_ceil(level.bins() as u64);
     while bytes(level) > samples / STORE_SHARE && level.bins() < bins as usize {

@@ -20,12 +20,7 @@ struct CacheEntry<V> {
 impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     /// An empty cache of at most `budget` bytes.
     pub fn new(budget: usize) -> Self {
-        Self {
-            entries: HashMap::new(),
-            bytes: 0,
-            budget,
-            frame: 0,
-        }
+        Self { entries: HashMap::new(), bytes: 0, budget, frame: 0 }
     }
 
     /// Begins a frame: drops what was not used for longest until the budget is kept.
@@ -52,11 +47,7 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
 
     /// Adds or replaces a value that takes `bytes`.
     pub fn insert(&mut self, key: K, value: V, bytes: usize) {
-        let entry = CacheEntry {
-            value,
-            bytes,
-            used: self.frame,
-        };
+        let entry = CacheEntry { value, bytes, used: self.frame };
         if let Some(old) = self.entries.insert(key, entry) {
             self.bytes -= old.bytes;
         }
@@ -110,9 +101,7 @@ mod tests {
         cache.use_now(&key(0));
         cache.insert(key(3), 3, 10);
         cache.begin_frame();
-        let kept: Vec<u32> = (0..4)
-            .filter_map(|n| cache.peek(&key(n)).copied())
-            .collect();
+        let kept: Vec<u32> = (0..4).filter_map(|n| cache.peek(&key(n)).copied()).collect();
         assert_eq!(kept, [0, 2, 3]);
         assert_eq!(cache.byte_count(), 30);
     }

@@ -1,4 +1,5 @@
-//! The store behind the far-out levels: the whole survey at 16 pings x 8 bins a texel, or a little coarser.
+//! The store behind the far-out levels: the whole survey at 16 pings x 8 bins a texel, or a little
+//! coarser.
 
 use super::resample::resample;
 use super::{Level, RangeAxis, TILE, WaterfallTile, WaterfallTileKey};
@@ -56,7 +57,8 @@ impl Coarse {
             }));
     }
 
-    /// A tile of this level or coarser, from what is built; its completeness says how much that was.
+    /// A tile of this level or coarser, from what is built; its completeness says how much that
+    /// was.
     pub(super) fn tile(&self, axis: &RangeAxis, key: WaterfallTileKey) -> WaterfallTile {
         let (width, height) = size(axis, key);
         let step = Level {
@@ -79,13 +81,7 @@ impl Coarse {
             }
             texels.extend(sums.iter().map(Mean::texel));
         }
-        WaterfallTile {
-            key,
-            width,
-            height,
-            texels,
-            completeness: self.completeness(),
-        }
+        WaterfallTile { key, width, height, texels, completeness: self.completeness() }
     }
 
     /// A row of the store; empty beyond the survey and where it is not built.
@@ -168,12 +164,7 @@ mod tests {
     #[test]
     fn the_store_is_small() {
         let (_, coarse) = complete(&even(5_000, 400));
-        let bytes: usize = coarse
-            .chunks
-            .iter()
-            .flatten()
-            .map(|side| side.len() * 2)
-            .sum();
+        let bytes: usize = coarse.chunks.iter().flatten().map(|side| side.len() * 2).sum();
         assert!(bytes * 40 <= 5_000 * 800, "{bytes} bytes");
     }
 }

@@ -3,9 +3,11 @@
 use super::axis::is_usable;
 use bathyscope_log::survey::{Side, SideScanState, SideSpan, Survey};
 
-/// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough to read at once.
+/// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough
+/// to read at once.
 pub(crate) const MOST_SAMPLED_PINGS: usize = 256;
-/// Part of each side next to the boat that is left out: there the transmit pulse rings, which says nothing of the bottom.
+/// Part of each side next to the boat that is left out: there the transmit pulse rings, which says
+/// nothing of the bottom.
 const NEAR_SHARE: f64 = 0.1;
 /// Share of the echoes that lie at or below black.
 const BLACK_QUANTILE: f64 = 0.01;
@@ -16,7 +18,8 @@ const WHITE_REACH: f64 = 0.9;
 /// White is never below this, so that a log of next to nothing is not blown up into noise.
 const LEAST_WHITE: f64 = 32.0;
 
-/// Echoes shown as 0 and as 1, as shares of the largest byte. A property of the survey, not of what is in view.
+/// Echoes shown as 0 and as 1, as shares of the largest byte. A property of the survey, not of what
+/// is in view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
     /// Shown as 0.
@@ -27,23 +30,18 @@ pub struct Levels {
 
 impl Levels {
     /// Bytes as recorded: 0 is black, 255 white.
-    pub const RECORDED: Self = Self {
-        black: 0.0,
-        white: 1.0,
-    };
+    pub const RECORDED: Self = Self { black: 0.0, white: 1.0 };
 
-    /// Levels at which a survey's echoes fill the colours: the 1st and 99th percentile of the echoes of up to 256 pings,
-    /// away from the transmit pulse, with a little headroom. The same survey always gives the same levels. Noise
-    /// without a bottom stays as recorded: amplified, it would pass for a picture.
+    /// Levels at which a survey's echoes fill the colours: the 1st and 99th percentile of the
+    /// echoes of up to 256 pings, away from the transmit pulse, with a little headroom. The same
+    /// survey always gives the same levels. Noise without a bottom stays as recorded: amplified, it
+    /// would pass for a picture.
     pub fn of(survey: &Survey) -> Self {
         if survey.side_scan_state != SideScanState::Usable {
             return Self::RECORDED;
         }
         let Self { black, white } = Self::of_counts(&histogram(survey), 1.0);
-        Self {
-            black,
-            white: white.min(1.0),
-        }
+        Self { black, white: white.min(1.0) }
     }
 
     /// Levels at which echoes fill the colours that were counted in steps of `step`, from 0.
@@ -57,10 +55,7 @@ impl Levels {
         let white = (level(high) / WHITE_REACH).max(LEAST_WHITE);
         // At most half of white: a survey of one grey is grey, not black.
         let black = level(low).min(white / 2.0);
-        Self {
-            black: (black / 255.0) as f32,
-            white: (white / 255.0) as f32,
-        }
+        Self { black: (black / 255.0) as f32, white: (white / 255.0) as f32 }
     }
 }
 
@@ -91,7 +86,8 @@ fn histogram(survey: &Survey) -> [u64; 256] {
     counts
 }
 
-/// The smallest bin that at least this share of all counted ones does not exceed; `None` when nothing was counted.
+/// The smallest bin that at least this share of all counted ones does not exceed; `None` when
+/// nothing was counted.
 fn quantile(counts: &[u64], share: f64) -> Option<usize> {
     let total: u64 = counts.iter().sum();
     let rank = ((total as f64 * share).ceil() as u64).max(1);
@@ -122,17 +118,11 @@ mod tests {
     fn quantiles_are_those_of_the_sorted_bytes() {
         let mut bytes = noise(10_007);
         let mut counts = [0; 256];
-        bytes
-            .iter()
-            .for_each(|&byte| counts[usize::from(byte)] += 1);
+        bytes.iter().for_each(|&byte| counts[usize::from(byte)] += 1);
         bytes.sort_unstable();
         for share in [0.0, 0.01, 0.25, 0.5, 0.99, 1.0] {
             let rank = ((bytes.len() as f64 * share).ceil() as usize).max(1);
-            assert_eq!(
-                quantile(&counts, share),
-                Some(usize::from(bytes[rank - 1])),
-                "{share}"
-            );
+            assert_eq!(quantile(&counts, share), Some(usize::from(bytes[rank - 1])), "{share}");
         }
         assert_eq!(quantile(&[0; 256], 0.5), None);
     }

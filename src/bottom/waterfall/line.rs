@@ -1,5 +1,5 @@
-//! Lines over the picture: first return and recorded depth, with the extremes of every stretch of pings at hand, so that
-//! a line over a whole log costs no more to draw than one over a screenful.
+//! Lines over the picture: first return and recorded depth, with the extremes of every stretch of
+//! pings at hand, so that a line over a whole log costs no more to draw than one over a screenful.
 
 use crate::first_return::FirstReturns;
 use bathyscope_log::survey::{Side, Survey};
@@ -21,22 +21,15 @@ pub struct LineSpan {
 
 impl LineSpan {
     /// No value: a gap in the line.
-    pub const GAP: LineSpan = LineSpan {
-        min_m: f32::INFINITY,
-        max_m: f32::NEG_INFINITY,
-        doubtful: true,
-    };
+    pub const GAP: LineSpan =
+        LineSpan { min_m: f32::INFINITY, max_m: f32::NEG_INFINITY, doubtful: true };
 
     /// One value, a gap when it is not finite.
     fn value(range_m: f32, doubtful: bool) -> Self {
         if !range_m.is_finite() {
             return Self::GAP;
         }
-        Self {
-            min_m: range_m,
-            max_m: range_m,
-            doubtful,
-        }
+        Self { min_m: range_m, max_m: range_m, doubtful }
     }
 
     /// Whether there is no value.
@@ -57,11 +50,7 @@ impl LineSpan {
         if self.is_gap() {
             return *self;
         }
-        Self {
-            min_m: to(self.min_m),
-            max_m: to(self.max_m),
-            ..*self
-        }
+        Self { min_m: to(self.min_m), max_m: to(self.max_m), ..*self }
     }
 
     fn join(self, other: Self) -> Self {
@@ -73,7 +62,8 @@ impl LineSpan {
     }
 }
 
-/// Extremes of a line over every aligned stretch of 16, 32, 64 ... pings. Takes about 1.5 bytes a ping.
+/// Extremes of a line over every aligned stretch of 16, 32, 64 ... pings. Takes about 1.5 bytes a
+/// ping.
 #[derive(Debug)]
 pub struct RangeLine {
     levels: Vec<Vec<LineSpan>>,
@@ -125,19 +115,19 @@ impl PickLines {
     /// Makes the lines: one pass over the picks.
     pub fn new(survey: &Survey, returns: Arc<FirstReturns>) -> Self {
         let line = |side| {
-            RangeLine::new(survey.side_scan.len(), |ping| {
-                pick_at(survey, &returns, side, ping)
-            })
+            RangeLine::new(survey.side_scan.len(), |ping| pick_at(survey, &returns, side, ping))
         };
         let sides = Side::BOTH.map(line);
         Self { returns, sides }
     }
 }
 
-/// What a line is drawn from: the values themselves where few pings share a column, else the stored extremes.
+/// What a line is drawn from: the values themselves where few pings share a column, else the stored
+/// extremes.
 #[derive(Clone, Copy)]
 pub enum LineStep<'a> {
-    /// First returns of a side. The stored extremes may be those of older picks while the threshold is dragged.
+    /// First returns of a side. The stored extremes may be those of older picks while the threshold
+    /// is dragged.
     Picks {
         /// The picks to draw.
         returns: &'a FirstReturns,
@@ -151,7 +141,8 @@ pub enum LineStep<'a> {
 }
 
 impl LineStep<'_> {
-    /// Extremes over the aligned stretch number `index` of `2^halvings` pings. Reads 8 pings at most.
+    /// Extremes over the aligned stretch number `index` of `2^halvings` pings. Reads 8 pings at
+    /// most.
     pub fn span(&self, survey: &Survey, halvings: u8, index: usize) -> LineSpan {
         if halvings >= STORED {
             return match self {
@@ -174,18 +165,18 @@ impl LineStep<'_> {
 fn pick_at(survey: &Survey, returns: &FirstReturns, side: Side, ping: usize) -> LineSpan {
     let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
     match (pick, survey.span(ping, side)) {
-        (Some(pick), Some(span)) => LineSpan::value(
-            span.range_m(f64::from(pick.sample)) as f32,
-            pick.above_bottom,
-        ),
+        (Some(pick), Some(span)) => {
+            LineSpan::value(span.range_m(f64::from(pick.sample)) as f32, pick.above_bottom)
+        }
         _ => LineSpan::GAP,
     }
 }
 
 fn depth_at(survey: &Survey, ping: usize) -> LineSpan {
-    survey.side_scan.get(ping).map_or(LineSpan::GAP, |ping| {
-        LineSpan::value(ping.depth_m, !ping.depth_locked)
-    })
+    survey
+        .side_scan
+        .get(ping)
+        .map_or(LineSpan::GAP, |ping| LineSpan::value(ping.depth_m, !ping.depth_locked))
 }
 
 #[cfg(test)]
@@ -195,13 +186,7 @@ mod tests {
     #[test]
     fn stored_extremes_equal_those_of_the_values() {
         let values: Vec<f32> = (0..1000)
-            .map(|n| {
-                if n % 7 == 0 {
-                    f32::NAN
-                } else {
-                    ((n * 37) % 101) as f32
-                }
-            })
+            .map(|n| if n % 7 == 0 { f32::NAN } else { ((n * 37) % 101) as f32 })
             .collect();
         let line = RangeLine::new(values.len(), |n| LineSpan::value(values[n], false));
         for halvings in 4..11_u8 {
@@ -216,11 +201,7 @@ mod tests {
 
     #[test]
     fn stretches_reach_to_the_one_before_and_not_over_a_gap() {
-        let span = |min_m, max_m| LineSpan {
-            min_m,
-            max_m,
-            doubtful: false,
-        };
+        let span = |min_m, max_m| LineSpan { min_m, max_m, doubtful: false };
         assert_eq!(span(5.0, 6.0).reaching(&span(1.0, 2.0)), [2.0, 6.0]);
         assert_eq!(span(1.0, 2.0).reaching(&span(5.0, 6.0)), [1.0, 5.0]);
         assert_eq!(span(1.0, 4.0).reaching(&span(2.0, 3.0)), [1.0, 4.0]);
@@ -229,9 +210,8 @@ mod tests {
 
     #[test]
     fn a_stretch_without_a_value_is_a_gap() {
-        let line = RangeLine::new(40, |n| {
-            LineSpan::value(if n < 16 { f32::NAN } else { 1.0 }, true)
-        });
+        let line =
+            RangeLine::new(40, |n| LineSpan::value(if n < 16 { f32::NAN } else { 1.0 }, true));
         assert!(line.stored(4, 0).is_gap());
         assert!(!line.stored(4, 1).is_gap());
         assert!(line.stored(4, 99).is_gap());

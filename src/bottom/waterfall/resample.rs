@@ -1,4 +1,5 @@
-//! From samples to texels: every ping placed by its metres, then pings and bins reduced to mean and maximum.
+//! From samples to texels: every ping placed by its metres, then pings and bins reduced to mean and
+//! maximum.
 
 use super::axis::is_usable;
 use super::{Level, RangeAxis};
@@ -11,7 +12,8 @@ struct Bins {
     scale: Option<(f32, f32, u32)>,
     /// Sample range of each bin; empty where the span does not reach.
     samples: Vec<Range<u32>>,
-    /// First sample, and samples in every bin, when the bins follow each other in even steps (all but the last).
+    /// First sample, and samples in every bin, when the bins follow each other in even steps (all
+    /// but the last).
     even: Option<(usize, usize)>,
 }
 
@@ -32,7 +34,8 @@ impl Bins {
 
     /// Adds the samples of a ping to the texels that they fall into.
     fn add(&self, outward: &[u8], row: &mut [Sum]) {
-        // Steps of a known size are summed several times faster than ranges; they are what nearly every log has.
+        // Steps of a known size are summed several times faster than ranges; they are what nearly
+        // every log has.
         match self.even {
             Some((first, 1)) => add_even::<1>(outward, first, row),
             Some((first, 2)) => add_even::<2>(outward, first, row),
@@ -47,7 +50,8 @@ impl Bins {
     }
 }
 
-/// First sample and step of bins that follow each other without gap, all of one size but the last that has samples.
+/// First sample and step of bins that follow each other without gap, all of one size but the last
+/// that has samples.
 fn even_steps(bins: &[Range<u32>]) -> Option<(usize, usize)> {
     let first = bins.first()?;
     let (step, mut next) = (first.len(), first.start);
@@ -71,7 +75,8 @@ fn add_even<const STEP: usize>(outward: &[u8], first: usize, row: &mut [Sum]) {
     }
 }
 
-/// The samples whose centres lie between two ranges; the one under the middle where bins are finer than samples.
+/// The samples whose centres lie between two ranges; the one under the middle where bins are finer
+/// than samples.
 fn samples_between(span: &SideSpan, near_m: f64, far_m: f64) -> Range<u32> {
     let count = f64::from(span.count);
     let edge = |range_m: f64| (span.sample_at(range_m) + 0.5).floor().clamp(0.0, count) as u32;
@@ -110,8 +115,8 @@ impl Sum {
     }
 }
 
-/// The texels of one side over `pings` and `width` texels of range from `first_bin` outward, row by row.
-/// The last row covers fewer pings when `pings` is no multiple of the level's.
+/// The texels of one side over `pings` and `width` texels of range from `first_bin` outward, row by
+/// row. The last row covers fewer pings when `pings` is no multiple of the level's.
 pub(super) fn resample(
     survey: &Survey,
     axis: &RangeAxis,
@@ -123,11 +128,7 @@ pub(super) fn resample(
 ) -> Vec<[u8; 2]> {
     let bin_m = axis.bin_m * level.bins() as f64;
     let first_bin_m = axis.bin_m * first_bin as f64;
-    let mut bins = Bins {
-        scale: None,
-        samples: vec![0..0; width],
-        even: None,
-    };
+    let mut bins = Bins { scale: None, samples: vec![0..0; width], even: None };
     let mut outward = Vec::new();
     let mut texels = Vec::with_capacity(width * pings.len().div_ceil(level.pings()));
     let mut row = vec![Sum::default(); width];
@@ -185,11 +186,7 @@ mod tests {
                     let (row, column) = (index / width, index % width);
                     let pings = row * level.pings()..((row + 1) * level.pings()).min(37);
                     let samples = column * level.bins()..(column + 1) * level.bins();
-                    assert_eq!(
-                        *texel,
-                        block(&survey, side, pings, samples),
-                        "{row} {column}"
-                    );
+                    assert_eq!(*texel, block(&survey, side, pings, samples), "{row} {column}");
                 }
             }
         }
@@ -197,7 +194,8 @@ mod tests {
 
     #[test]
     fn a_target_stays_at_its_metres_where_range_and_sample_count_change() {
-        // A bright sample at 5 m in pings of 0-10 m by 100, 0-40 m by 100 and 0-20 m by 640 samples.
+        // A bright sample at 5 m in pings of 0-10 m by 100, 0-40 m by 100 and 0-20 m by 640
+        // samples.
         let scales = [(100_u32, 10.0_f32), (100, 40.0), (640, 20.0)];
         let (mut bytes, mut spans) = (Vec::new(), Vec::new());
         for (count, far_m) in scales {
@@ -216,26 +214,17 @@ mod tests {
             assert_eq!(row[bright], [200, 200], "target at 5.01 m of {far_m} m");
             let covered = (f64::from(far_m) / axis.bin_m).round() as usize;
             assert!(row[..covered].iter().all(|texel| texel[1] > 0), "{far_m} m");
-            assert!(
-                row[covered..].iter().all(|texel| *texel == [0, 0]),
-                "{far_m} m"
-            );
+            assert!(row[covered..].iter().all(|texel| *texel == [0, 0]), "{far_m} m");
         }
         let starboard = resample(&survey, &axis, Side::Starboard, level(0, 0), 0..3, 0, width);
-        assert!(
-            starboard.iter().all(|texel| *texel == [0, 0]),
-            "nothing was recorded there"
-        );
+        assert!(starboard.iter().all(|texel| *texel == [0, 0]), "nothing was recorded there");
     }
 
     #[test]
     fn damaged_spans_are_left_out() {
         let mut spans = vec![[Some(span(0, 50, 10.0)), None]];
         for (far_m, near_m) in [(f32::NAN, 0.0), (1e9, 0.0), (2.0, 3.0), (5.0, f32::NAN)] {
-            let damaged = SideSpan {
-                near_m,
-                ..span(0, 50, far_m)
-            };
+            let damaged = SideSpan { near_m, ..span(0, 50, far_m) };
             spans.push([Some(damaged), None]);
         }
         spans.push([Some(span(40, 50, 10.0)), None]); // beyond the bytes

@@ -4,14 +4,16 @@ use bathyscope_log::survey::{Fix, Survey};
 
 /// Stretches of the track whose lengths are compared, at most.
 const STRETCHES: usize = 400;
-/// A stretch lasts so long, seconds: fixes repeat, and their scatter adds to the way of a shorter one.
+/// A stretch lasts so long, seconds: fixes repeat, and their scatter adds to the way of a shorter
+/// one.
 const STRETCH_S: f64 = 10.0;
 /// A boat that moves less than this in a stretch lies still, metres.
 const STILL_M: f64 = 1.0;
 /// Bounds of what is believed, metres a ping.
 const BELIEVED_M: [f64; 2] = [1e-3, 50.0];
 
-/// Median over the moving stretches of a track of the metres that the boat moved for each ping; `None` where it does not say.
+/// Median over the moving stretches of a track of the metres that the boat moved for each ping;
+/// `None` where it does not say.
 pub(super) fn ping_spacing_m(survey: &Survey) -> Option<f64> {
     let (first, last) = (survey.side_scan.first()?, survey.side_scan.last()?);
     let span_s = last.time_s - first.time_s;
@@ -33,9 +35,7 @@ pub(super) fn ping_spacing_m(survey: &Survey) -> Option<f64> {
         })
         .collect();
     let metres = bathyscope_log::support::statistics::median(&mut speeds_mps) * interval_s;
-    (BELIEVED_M[0]..=BELIEVED_M[1])
-        .contains(&metres)
-        .then_some(metres)
+    (BELIEVED_M[0]..=BELIEVED_M[1]).contains(&metres).then_some(metres)
 }
 
 /// The last fix up to a time, or the first.
@@ -56,16 +56,11 @@ mod tests {
         let origin = LonLat::new(-111.5, 36.8);
         let frame = LocalFrame::new(origin);
         let fixes = (0..300).map(|second| {
-            Fix::at(
-                f64::from(second),
-                frame.to_lon_lat(2.0 * f64::from(second.min(200)), 0.0),
-            )
+            Fix::at(f64::from(second), frame.to_lon_lat(2.0 * f64::from(second.min(200)), 0.0))
         });
         let ping = |index: i32| SidePing::with_depth(f64::from(index) / 10.0, f32::NAN);
-        let survey = Survey {
-            track: Track::new(fixes.collect()),
-            ..Survey::of_pings((0..3000).map(ping))
-        };
+        let survey =
+            Survey { track: Track::new(fixes.collect()), ..Survey::of_pings((0..3000).map(ping)) };
         let metres = ping_spacing_m(&survey).expect("a spacing");
         assert!((metres - 0.2).abs() < 0.005, "{metres}");
         assert_eq!(ping_spacing_m(&Survey::default()), None);

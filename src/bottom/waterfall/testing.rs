@@ -4,14 +4,11 @@ use bathyscope_log::survey::{Bytes, SidePing, SideScanState, SideSpan, Survey};
 
 /// A survey whose pings have the given spans of port and starboard.
 pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Survey {
-    let side_scan = spans
-        .into_iter()
-        .enumerate()
-        .map(|(ping, [port, starboard])| SidePing {
-            port,
-            starboard,
-            ..SidePing::with_depth(ping as f64, f32::NAN)
-        });
+    let side_scan = spans.into_iter().enumerate().map(|(ping, [port, starboard])| SidePing {
+        port,
+        starboard,
+        ..SidePing::with_depth(ping as f64, f32::NAN)
+    });
     Survey {
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(bytes.into())],
@@ -21,10 +18,7 @@ pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Surve
 
 /// `count` samples from `offset`, near to far, over 0 to `far_m`.
 pub(super) fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
-    SideSpan {
-        offset: offset as u64,
-        ..SideSpan::of_bytes(count, [0.0, far_m])
-    }
+    SideSpan { offset: offset as u64, ..SideSpan::of_bytes(count, [0.0, far_m]) }
 }
 
 /// Bytes that look random and are the same every time (a multiplicative congruential generator).

@@ -25,7 +25,8 @@ impl Level {
         1 << self.across
     }
 
-    /// Whether a tile of this level is quick to make from the samples: 64 million of them at most, 0.1 s or so.
+    /// Whether a tile of this level is quick to make from the samples: 64 million of them at most,
+    /// 0.1 s or so.
     pub fn is_near(self) -> bool {
         self.along + self.across <= 8
     }
@@ -53,12 +54,7 @@ impl WaterfallTileKey {
     /// Of the row beside the boat, at a level along and across.
     #[cfg(test)]
     pub fn at_boat(side: Side, [along, across]: [u8; 2], column: u32) -> Self {
-        Self {
-            side,
-            level: Level { along, across },
-            column,
-            row: 0,
-        }
+        Self { side, level: Level { along, across }, column, row: 0 }
     }
 
     /// First ping of the tile.
@@ -82,14 +78,15 @@ impl WaterfallTileKey {
 pub struct Want {
     /// Which.
     pub key: WaterfallTileKey,
-    /// How complete the one is that the view has ([`WaterfallTile::completeness`]); `None` when it has none.
+    /// How complete the one is that the view has ([`WaterfallTile::completeness`]); `None` when it
+    /// has none.
     pub have: Option<u8>,
 }
 
 /// Echo strength over ping and range, two bytes a texel: mean and maximum.
 ///
-/// 0 means that nothing was recorded there; a recorded 0 is stored as 1. The rows are pings, and within a row the texels
-/// go outward from the boat.
+/// 0 means that nothing was recorded there; a recorded 0 is stored as 1. The rows are pings, and
+/// within a row the texels go outward from the boat.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WaterfallTile {
     /// Its place.

@@ -1,4 +1,5 @@
-//! The worker that makes tiles and lines in a background thread: what is requested now comes first, the far-out store next.
+//! The worker that makes tiles and lines in a background thread: what is requested now comes first,
+//! the far-out store next.
 
 use super::coarse::{Coarse, size};
 use super::resample::resample;
@@ -13,14 +14,16 @@ const UNSETTLED: usize = 256;
 
 /// Something that the worker finished.
 pub enum Made {
-    /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has a usable range.
+    /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has
+    /// a usable range.
     Axis(Option<RangeAxis>),
-    /// The levels that suit the survey; come before the first tile, so that no picture changes its tone.
+    /// The levels that suit the survey; come before the first tile, so that no picture changes its
+    /// tone.
     Levels(Levels),
     /// A tile.
     WaterfallTile(WaterfallTile),
-    /// The extent of a log that has grown; tiles that reach to its old end are to be asked for again, or all of them where the axis is
-    /// another one.
+    /// The extent of a log that has grown; tiles that reach to its old end are to be asked for
+    /// again, or all of them where the axis is another one.
     Grown {
         /// The new extent.
         axis: RangeAxis,
@@ -74,19 +77,10 @@ impl Tiler {
             if let Some(axis) = axis {
                 out.send(Made::Levels(Levels::of(&survey)));
                 out.send(Made::Depth(RangeLine::depth(&survey)));
-                Work {
-                    coarse: Coarse::new(&axis),
-                    survey,
-                    axis,
-                }
-                .run(&orders, &out);
+                Work { coarse: Coarse::new(&axis), survey, axis }.run(&orders, &out);
             }
         });
-        Self {
-            shared,
-            made,
-            thread,
-        }
+        Self { shared, made, thread }
     }
 
     /// Whether the worker makes nothing any more: there was no picture to make, or it died.
@@ -94,8 +88,8 @@ impl Tiler {
         self.thread.is_finished()
     }
 
-    /// Replaces the list of requested tiles, most requested first. Ones that were requested before and are not any more are
-    /// forgotten, so a fast scroll leaves no queue behind.
+    /// Replaces the list of requested tiles, most requested first. Ones that were requested before
+    /// and are not any more are forgotten, so a fast scroll leaves no queue behind.
     pub fn want(&self, mut tiles: Vec<Want>) {
         let mut orders = self.shared.lock();
         tiles.retain(|want| Some(want.key) != orders.making);
@@ -225,10 +219,7 @@ impl Work {
             if !self.coarse.is_complete() {
                 return Some(WorkerTask::Store);
             }
-            orders = shared
-                .changed
-                .wait(orders)
-                .unwrap_or_else(PoisonError::into_inner);
+            orders = shared.changed.wait(orders).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -255,22 +246,9 @@ impl Work {
         let (width, height) = size(&self.axis, key);
         let first = key.first_ping();
         let pings = first..(first + height * key.level.pings()).min(self.axis.pings);
-        let texels = resample(
-            &self.survey,
-            &self.axis,
-            key.side,
-            key.level,
-            pings,
-            key.first_bin(),
-            width,
-        );
-        WaterfallTile {
-            key,
-            width,
-            height,
-            texels,
-            completeness: WaterfallTile::COMPLETE,
-        }
+        let texels =
+            resample(&self.survey, &self.axis, key.side, key.level, pings, key.first_bin(), width);
+        WaterfallTile { key, width, height, texels, completeness: WaterfallTile::COMPLETE }
     }
 }
 
@@ -287,10 +265,7 @@ mod tests {
             if let Some(Made::WaterfallTile(tile)) = tiler.poll() {
                 return tile;
             }
-            assert!(
-                start.elapsed() < Duration::from_secs(20),
-                "no tile was made"
-            );
+            assert!(start.elapsed() < Duration::from_secs(20), "no tile was made");
             std::thread::sleep(Duration::from_millis(1));
         }
     }
@@ -310,10 +285,7 @@ mod tests {
             }
         };
         assert_eq!((last.width, last.height), (8, 30_000_usize.div_ceil(64)));
-        assert!(
-            last.texels.iter().all(|texel| texel[1] > 200),
-            "maxima of 512 noisy samples"
-        );
+        assert!(last.texels.iter().all(|texel| texel[1] > 200), "maxima of 512 noisy samples");
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! `bathyscope adjust`: the height offsets of the logs of an archive, and how their positions are corrected.
+//! `bathyscope adjust`: the height offsets of the logs of an archive, and how their positions are
+//! corrected.
 
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
@@ -14,10 +15,12 @@ use std::path::PathBuf;
 pub(crate) struct AdjustArgs {
     /// Folder of the archive
     archive: PathBuf,
-    /// Also find how far the positions of each log are off, where its tracks cross others over a bottom that slopes
+    /// Also find how far the positions of each log are off, where its tracks cross others over a
+    /// bottom that slopes
     #[arg(long)]
     positions: bool,
-    /// Also find how much later the positions of each log are than its depths, from crossings in different directions
+    /// Also find how much later the positions of each log are than its depths, from crossings in
+    /// different directions
     #[arg(long)]
     latency: bool,
     /// Print JSON for scripts
@@ -46,10 +49,7 @@ struct Printed<'a> {
 /// Finds the offsets, writes the table and prints it.
 pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
-    let wanted = Wanted {
-        shifts: args.positions,
-        latencies: args.latency,
-    };
+    let wanted = Wanted { shifts: args.positions, latencies: args.latency };
     let adjusted = adjusted(&archive, wanted)?;
     tell(&adjusted);
     let rows = adjusted.offsets.rows();

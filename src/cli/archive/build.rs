@@ -34,9 +34,7 @@ pub(crate) fn run(args: &ArchiveArgs) -> Result<(), Failure> {
     let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
     make_maps(&archive, &due, &logs, &adjusted.offsets)?;
     for tile in remove_left_over(&archive, &all)? {
-        output::results(format_args!(
-            "removed {tile}: no log has rows in it any more"
-        ))?;
+        output::results(format_args!("removed {tile}: no log has rows in it any more"))?;
     }
     write_index(&archive, &logs, &all)?;
     let progress = Progress::new();

@@ -17,7 +17,8 @@ use std::str::FromStr;
 pub(crate) struct CoverageArgs {
     /// Folder of the archive
     archive: PathBuf,
-    /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603 or -111.4801,36.8603,5
+    /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603
+    /// or -111.4801,36.8603,5
     #[arg(
         value_name = "LON,LAT[,RADIUS]",
         allow_hyphen_values = true,
@@ -148,16 +149,13 @@ fn of_pass(pass: &[&PingCoverage]) -> String {
         return String::new();
     };
     let samples = pass.iter().map(|one| one.seen.samples);
-    let (least, most) = samples.fold((i32::MAX, i32::MIN), |(least, most), [from, to]| {
-        (least.min(from), most.max(to))
-    });
+    let (least, most) = samples
+        .fold((i32::MAX, i32::MIN), |(least, most), [from, to]| (least.min(from), most.max(to)));
     let range = |from: i32, to: i32| match from == to {
         true => from.to_string(),
         false => format!("{from} to {to}"),
     };
-    let time = first
-        .unix_us
-        .map_or_else(|| format!("{:.1} s", first.time_s), utc);
+    let time = first.unix_us.map_or_else(|| format!("{:.1} s", first.time_s), utc);
     let excluded = match pass.iter().all(|one| one.is_excluded) {
         true => ", excluded",
         false => "",

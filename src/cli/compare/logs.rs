@@ -1,4 +1,5 @@
-//! Logs on either side of a comparison, one or those of a folder or project: processed as `bathyscope process` would.
+//! Logs on either side of a comparison, one or those of a folder or project: processed as
+//! `bathyscope process` would.
 
 use super::{CompareArgs, table};
 use crate::cli::process::all_processed;
@@ -55,9 +56,7 @@ pub(super) fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<El
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     let logs = all_processed(&opened, &status, &progress)?;
-    let points = logs
-        .iter()
-        .flat_map(|log| pipeline::positions(&log.survey, &log.products));
+    let points = logs.iter().flat_map(|log| pipeline::positions(&log.survey, &log.products));
     Ok(Elevations {
         path: argument.into(),
         points: points.collect(),

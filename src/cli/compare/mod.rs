@@ -1,4 +1,5 @@
-//! `bathyscope compare`: residual statistics of points, or of a log, against a reference; and what changed between two depth maps.
+//! `bathyscope compare`: residual statistics of points, or of a log, against a reference; and what
+//! changed between two depth maps.
 //!
 //! In: arguments of the command. Out: lines of text, and files of the differences.
 //! It uses `products`, `pipeline`, `bottom`, `formats` and `support`.
@@ -25,11 +26,14 @@ use std::path::{Path, PathBuf};
 /// `bathyscope compare MEASURED REFERENCE [--json]`.
 #[derive(Debug, clap::Args)]
 pub(super) struct CompareArgs {
-    /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a GeoJSON; FILE.csv:x,y,z names
-    /// its columns, a `-` before the third says that it is a depth, positive down; FILE.xtf:multibeam takes the depths of a multibeam sonar
-    /// in the file. Or a log, whose kept points are taken, or a folder of logs or a project, whose logs are taken together
+    /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a
+    /// GeoJSON; FILE.csv:x,y,z names its columns, a `-` before the third says that it is a depth,
+    /// positive down; FILE.xtf:multibeam takes the depths of a multibeam sonar in the file. Or a
+    /// log, whose kept points are taken, or a folder of logs or a project, whose logs are taken
+    /// together
     measured: OsString,
-    /// The reference, named likewise; it may be other columns of the same file, or logs of another mission over the same water
+    /// The reference, named likewise; it may be other columns of the same file, or logs of another
+    /// mission over the same water
     reference: OsString,
     /// Where the reference of a point is taken from
     #[arg(long, value_enum, default_value_t = By::Nearest)]
@@ -40,13 +44,9 @@ pub(super) struct CompareArgs {
     /// Widest gap that the surface spans for `--by surface`, metres to the nearest reference point
     #[arg(long, value_name = "METRES", default_value_t = 20.0, value_parser = parse_metres)]
     max_gap: f64,
-    /// Elevation of the water's surface, metres, for the depths that the S-44 orders depend on; of a measured log it is known
-    #[arg(
-        long,
-        value_name = "METRES",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    /// Elevation of the water's surface, metres, for the depths that the S-44 orders depend on; of
+    /// a measured log it is known
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_negative_numbers = true)]
     water_level: f64,
     /// Print JSON instead of a table
     #[arg(long)]
@@ -65,12 +65,8 @@ pub(super) struct CompareArgs {
 impl CompareArgs {
     fn matching(&self) -> Matching {
         match self.by {
-            By::Nearest => Matching::Nearest {
-                radius_m: self.radius,
-            },
-            By::Surface => Matching::Surface {
-                max_gap_m: self.max_gap,
-            },
+            By::Nearest => Matching::Nearest { radius_m: self.radius },
+            By::Surface => Matching::Surface { max_gap_m: self.max_gap },
         }
     }
 }
@@ -199,26 +195,14 @@ fn table(comparison: &Comparison, by: &str) -> String {
     if let Some(found) = &comparison.residuals {
         let signed = [("mean", found.mean_m), ("median", found.median_m)];
         lines.extend(signed.map(|(name, value)| format!("{name:<9} {value:+.4} m")));
-        let sizes = [
-            ("sd", found.sd_m),
-            ("RMS", found.rms_m),
-            ("MAE", found.mae_m),
-            ("95 %", found.p95_m),
-        ];
+        let sizes =
+            [("sd", found.sd_m), ("RMS", found.rms_m), ("MAE", found.mae_m), ("95 %", found.p95_m)];
         lines.extend(sizes.map(|(name, value)| format!("{name:<9}  {value:.4} m")));
     }
     lines.extend(comparison.orders.iter().map(|within| {
         let order = within.order;
-        let verdict = if within.share >= 0.95 {
-            ""
-        } else {
-            " (95 % required)"
-        };
-        format!(
-            "S-44 {:<9} {:6.2} % within{verdict}",
-            order.order,
-            100.0 * within.share
-        )
+        let verdict = if within.share >= 0.95 { "" } else { " (95 % required)" };
+        format!("S-44 {:<9} {:6.2} % within{verdict}", order.order, 100.0 * within.share)
     }));
     lines.join("\n")
 }
@@ -229,11 +213,7 @@ fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Resul
         writeln!(out, "x_m,y_m,z_m,reference_z_m,difference_m")?;
         for one in matches {
             let [x, y, z] = measured.points[one.measured];
-            let Match {
-                reference_z_m,
-                difference_m,
-                ..
-            } = one;
+            let Match { reference_z_m, difference_m, .. } = one;
             writeln!(out, "{x},{y},{z},{reference_z_m},{difference_m}")?;
         }
         out.flush()

@@ -4,8 +4,9 @@ use crate::cli::Failure;
 use bathyscope_log::formats::points::{Elevations, PointPlane};
 use bathyscope_log::support::geo::{Crs, LocalFrame, LonLat};
 
-/// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
-/// of different systems, become metres about the first reference point.
+/// Puts both files into one plane: metres that say nothing else of themselves are taken as those of
+/// the other file; degrees, and metres of different systems, become metres about the first
+/// reference point.
 pub(super) fn into_one_plane(
     measured: &mut Elevations,
     reference: &mut Elevations,
@@ -51,9 +52,6 @@ fn system(file: &Elevations) -> Result<Option<Crs>, Failure> {
 fn position(system: &Option<Crs>, [x, y]: [f64; 2]) -> LonLat {
     match system {
         Some(crs) => crs.to_lon_lat([x, y]),
-        None => LonLat {
-            lon_deg: x,
-            lat_deg: y,
-        },
+        None => LonLat { lon_deg: x, lat_deg: y },
     }
 }

@@ -1,4 +1,5 @@
-//! The files that a desktop, `man` and the shells look for in a `share` folder, a user's or that of a package.
+//! The files that a desktop, `man` and the shells look for in a `share` folder, a user's or that of
+//! a package.
 
 use bathyscope_log::formats::FORMATS;
 use clap_complete::{Shell, generate};
@@ -7,9 +8,11 @@ use clap_mangen::Man;
 const ENTRY: &str = include_str!("../../../assets/desktop/bathyscope.desktop");
 const TYPES: &str = include_str!("../../../assets/desktop/bathyscope.xml");
 const ICON: &str = include_str!("../../../assets/desktop/bathyscope.svg");
-/// The line of the entry that names the program, which lies anywhere when it was not installed by a package.
+/// The line of the entry that names the program, which lies anywhere when it was not installed by a
+/// package.
 const PROGRAM: &str = "Exec=bathyscope ";
-/// The lines of the entry that end with what the formats of logs add to them: words to search for, and file types.
+/// The lines of the entry that end with what the formats of logs add to them: words to search for,
+/// and file types.
 const KEYWORDS: &str = "Keywords=sonar;side-scan;bathymetry;";
 const OPENED: &str = "MimeType=application/x-bathyscope;";
 /// What the file types of the formats of logs come before.
@@ -42,7 +45,8 @@ impl ShareFile {
     }
 }
 
-/// Desktop entry, file types, icon, manual pages and completions of a command; the entry starts the program at a path, or by its name.
+/// Desktop entry, file types, icon, manual pages and completions of a command; the entry starts the
+/// program at a path, or by its name.
 pub(super) fn files(program: Option<&str>, command: clap::Command) -> Vec<ShareFile> {
     let entry = match program {
         Some(path) => entry().replace(PROGRAM, &format!("Exec={} ", quoted(path))),
@@ -110,7 +114,8 @@ fn manual_pages(command: clap::Command) -> Vec<ShareFile> {
     all.map(page).collect()
 }
 
-/// A path as an argument of an `Exec` line: quoted, and escaped once for the quotes and once for the file.
+/// A path as an argument of an `Exec` line: quoted, and escaped once for the quotes and once for
+/// the file.
 fn quoted(path: &str) -> String {
     let mut text = String::from("\"");
     for letter in path.chars() {
@@ -131,10 +136,7 @@ mod tests {
 
     #[test]
     fn any_path_is_one_argument() {
-        assert_eq!(
-            quoted("/opt/sonar tools/bathyscope"),
-            "\"/opt/sonar tools/bathyscope\""
-        );
+        assert_eq!(quoted("/opt/sonar tools/bathyscope"), "\"/opt/sonar tools/bathyscope\"");
         assert_eq!(quoted("/a$b`c\"d"), "\"/a\\\\$b\\\\`c\\\\\"d\"");
         assert_eq!(quoted("/50%\\x"), "\"/50%%\\\\\\\\x\"");
         assert!(ENTRY.contains(PROGRAM));
@@ -145,22 +147,10 @@ mod tests {
         let (entry, types) = (entry(), types());
         let line = |start: &str| {
             let mut lines = entry.lines();
-            lines
-                .find(|line| line.starts_with(start))
-                .unwrap()
-                .to_owned()
+            lines.find(|line| line.starts_with(start)).unwrap().to_owned()
         };
         let keywords = line(KEYWORDS);
-        for word in [
-            "sl2",
-            "sl3",
-            "xtf",
-            "rsd",
-            "jsf",
-            "svlog",
-            "lowrance",
-            "humminbird",
-        ] {
+        for word in ["sl2", "sl3", "xtf", "rsd", "jsf", "svlog", "lowrance", "humminbird"] {
             assert!(keywords.contains(&format!(";{word};")), "{keywords}");
         }
         let opened = line(OPENED);
@@ -173,10 +163,7 @@ mod tests {
     <glob pattern=\"*.xtf\"/>
   </mime-type>
 ";
-        assert!(
-            types.contains(xtf) && types.ends_with("</mime-info>\n"),
-            "{types}"
-        );
+        assert!(types.contains(xtf) && types.ends_with("</mime-info>\n"), "{types}");
         assert!(types.contains("<glob pattern=\"*.sl2\"/>\n    <glob pattern=\"*.sl3\"/>"));
         // Files of other programs have these endings.
         assert!(!types.to_lowercase().contains("*.dat"));

@@ -32,9 +32,7 @@ fn curves(outcome: &Outcome) -> String {
     let at_score = format!("confidence {}", outcome.score);
     let precision_recall = |name: String, points: &[CurvePoint]| PlotCurve {
         name,
-        points: (points.iter())
-            .map(|point| [point.recall, point.precision])
-            .collect(),
+        points: (points.iter()).map(|point| [point.recall, point.precision]).collect(),
     };
     let of_class = (outcome.paired.classes.iter().zip(&all.classes))
         .map(|(name, class)| precision_recall(name.clone(), &class.curve));
@@ -44,10 +42,7 @@ fn curves(outcome: &Outcome) -> String {
         across: Axis::new("recall", [0.0, 1.0]),
         up: Axis::new("precision", [0.0, 1.0]),
         curves: [first].into_iter().chain(of_class).collect(),
-        mark: Some((
-            [all.counts.recall(), all.counts.precision()],
-            at_score.clone(),
-        )),
+        mark: Some(([all.counts.recall(), all.counts.precision()], at_score.clone())),
         limit: None,
     };
     let page = format!(
@@ -172,9 +167,7 @@ fn mistakes(outcome: &Outcome) -> String {
     page += "<table><tr><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">what</th><th>confidence</th><th>left, top, right, bottom, pixels</th></tr>\n";
     let paired = &outcome.paired;
     for one in all.iter().take(MOST_ROWS) {
-        let score = one
-            .score
-            .map_or(String::new(), |score| format!("{score:.3}"));
+        let score = one.score.map_or(String::new(), |score| format!("{score:.3}"));
         let Rect { x0, y0, x1, y1 } = one.rect;
         page += &format!(
             "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{score}</td><td>{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}</td></tr>\n",

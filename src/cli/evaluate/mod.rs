@@ -15,13 +15,16 @@ use bathyscope_objects::metrics::{ApMethod, Evaluation, Image, MetricSettings, e
 use bathyscope_products::export::write_bytes;
 use std::path::{Path, PathBuf};
 
-/// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
+/// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR
+/// [-o PAGE.html]`.
 #[derive(Debug, clap::Args)]
 pub(super) struct EvaluateArgs {
-    /// Logs to search, each compared with the objects that are known to lie in it: those of LOG.objects.csv beside it
+    /// Logs to search, each compared with the objects that are known to lie in it: those of
+    /// LOG.objects.csv beside it
     #[arg(conflicts_with = "predicted", value_name = "SURVEY")]
     surveys: Vec<PathBuf>,
-    /// True boxes: a folder of YOLO labels (class cx cy w h), or a COCO file; of one log its table of objects, or a review
+    /// True boxes: a folder of YOLO labels (class cx cy w h), or a COCO file; of one log its table
+    /// of objects, or a review
     #[arg(long, value_name = "DIR|FILE", required_unless_present = "surveys")]
     truth: Option<PathBuf>,
     /// Predicted boxes: a folder of YOLO labels (class cx cy w h score), or COCO results
@@ -39,7 +42,8 @@ pub(super) struct EvaluateArgs {
     /// Intersection over union that makes a match
     #[arg(long, default_value_t = 0.5, value_parser = parse_share)]
     iou: f64,
-    /// Confidence from which boxes are counted (average precision counts all); without it the model's own, of labels 0.25
+    /// Confidence from which boxes are counted (average precision counts all); without it the
+    /// model's own, of labels 0.25
     #[arg(long, value_parser = parse_share)]
     score: Option<f64>,
 }
@@ -49,9 +53,7 @@ const LABEL_SCORE: f64 = 0.25;
 
 fn parse_share(text: &str) -> Result<f64, &'static str> {
     let share = text.parse().ok();
-    share
-        .filter(|share| (0.0..=1.0).contains(share))
-        .ok_or("it is a number from 0 to 1")
+    share.filter(|share| (0.0..=1.0).contains(share)).ok_or("it is a number from 0 to 1")
 }
 
 /// Where one of the two sets of boxes comes from.
@@ -79,7 +81,8 @@ struct Boxes {
     truth: BoxSource,
     predicted: BoxSource,
     paired: Paired,
-    /// The same pictures with the boxes that average precision and curves are made of, where these are others.
+    /// The same pictures with the boxes that average precision and curves are made of, where these
+    /// are others.
     ranked: Option<Vec<Image>>,
     score: f64,
 }
@@ -100,15 +103,12 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// Counts, confusion and mistakes are of the boxes that are shown; average precision and curves of the ranked ones.
+    /// Counts, confusion and mistakes are of the boxes that are shown; average precision and curves
+    /// of the ranked ones.
     fn of(boxes: Boxes, iou: f64) -> Self {
         let classes = boxes.paired.classes.len();
         let measure = |settings: MetricSettings| {
-            let settings = MetricSettings {
-                iou,
-                score: boxes.score as f32,
-                ..settings
-            };
+            let settings = MetricSettings { iou, score: boxes.score as f32, ..settings };
             let shown = evaluate(&boxes.paired.images, classes, &settings);
             match &boxes.ranked {
                 Some(ranked) => evaluate(ranked, classes, &settings).counted_as(shown),
@@ -117,10 +117,7 @@ impl Outcome {
         };
         let darknet = MetricSettings::darknet();
         Self {
-            eleven: measure(MetricSettings {
-                ap: ApMethod::Voc11,
-                ..darknet.clone()
-            }),
+            eleven: measure(MetricSettings { ap: ApMethod::Voc11, ..darknet.clone() }),
             darknet: measure(darknet),
             coco: measure(MetricSettings::coco()),
             truth: boxes.truth,
@@ -139,12 +136,9 @@ pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     }
     let boxes = match (&args.truth, &args.predicted) {
         (Some(truth), Some(predicted)) => of_labels(truth, predicted, args.score)?,
-        (truth, _) => surveys::search(
-            &args.surveys,
-            truth.as_deref(),
-            args.model.as_deref(),
-            args.score,
-        )?,
+        (truth, _) => {
+            surveys::search(&args.surveys, truth.as_deref(), args.model.as_deref(), args.score)?
+        }
     };
     let outcome = Outcome::of(boxes, args.iou);
     if let Some(page) = &args.output {
@@ -174,10 +168,7 @@ fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes
 /// Refuses a name that is no page's before any work: labels of that name would be replaced.
 fn check_page(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
-    if ["html", "htm"]
-        .iter()
-        .any(|known| suffix.eq_ignore_ascii_case(known))
-    {
+    if ["html", "htm"].iter().any(|known| suffix.eq_ignore_ascii_case(known)) {
         return Ok(());
     }
     Err(format!("a page's name ends in .html: {}", path.display()).into())

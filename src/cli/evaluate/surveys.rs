@@ -18,8 +18,9 @@ use std::sync::Arc;
 /// Confidence from which boxes take part in average precision, as in `training/evaluate.py`.
 const LEAST_SCORE: f32 = 0.01;
 
-/// Searches every log twice: at the score, by the model's own rule of which boxes hide which, for what an analyst is shown; and
-/// for average precision down to [`LEAST_SCORE`], where a box hides only others of its class, as Darknet and COCO have it.
+/// Searches every log twice: at the score, by the model's own rule of which boxes hide which, for
+/// what an analyst is shown; and for average precision down to [`LEAST_SCORE`], where a box hides
+/// only others of its class, as Darknet and COCO have it.
 pub(super) fn search(
     logs: &[PathBuf],
     truth: Option<&Path>,
@@ -28,20 +29,14 @@ pub(super) fn search(
 ) -> Result<Boxes, Failure> {
     if let (Some(_), [_, _, ..]) = (truth, logs) {
         return Err(
-            "--truth is about one log; of several each has its LOG.objects.csv beside it".into(),
+            "--truth is about one log; of several each has its LOG.objects.csv beside it".into()
         );
     }
     let shown = load(model)?;
-    let nms = Nms {
-        across_classes: false,
-        ..shown.nms()
-    };
+    let nms = Nms { across_classes: false, ..shown.nms() };
     let score = score.unwrap_or(f64::from(shown.score()));
     let mut found = Found::new(&shown);
-    let searches = [
-        (load(model)?.with_nms(nms), LEAST_SCORE),
-        (shown, score as f32),
-    ];
+    let searches = [(load(model)?.with_nms(nms), LEAST_SCORE), (shown, score as f32)];
     let status = StatusLine::new(&Progress::new());
     for (number, log) in (1..).zip(logs) {
         status.step(&format!("log {number} of {}", logs.len()));
@@ -79,12 +74,7 @@ impl Known {
         let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)?;
         let raster = Raster::new(&survey, &navigation, pixel_m);
         let on_raster = RasterTruth::new(&raster, Arc::new(truth));
-        Ok(Self {
-            survey,
-            navigation,
-            raster,
-            on_raster,
-        })
+        Ok(Self { survey, navigation, raster, on_raster })
     }
 
     /// The boxes of a search, by side.
@@ -96,14 +86,7 @@ impl Known {
             ..DetectorSettings::default()
         };
         let progress = Progress::new();
-        let found = find(
-            &self.survey,
-            &self.navigation,
-            model,
-            &settings,
-            &progress,
-            |_| (),
-        )?;
+        let found = find(&self.survey, &self.navigation, model, &settings, &progress, |_| ())?;
         Ok(Side::BOTH.map(|side| {
             let of_side = found.iter().filter(|one| one.mark.side == side);
             let scored = of_side.map(|one| Scored {
@@ -140,10 +123,10 @@ impl Found {
         let images = known.on_raster.images(&mut self.classes);
         for ((model, score), into) in searches.iter().zip([&mut self.ranked, &mut self.shown]) {
             let boxes = known.search(model, *score)?;
-            let pictures = images.iter().zip(boxes).map(|(image, predicted)| Image {
-                truth: image.truth.clone(),
-                predicted,
-            });
+            let pictures = images
+                .iter()
+                .zip(boxes)
+                .map(|(image, predicted)| Image { truth: image.truth.clone(), predicted });
             into.extend(pictures);
         }
         let sides = Side::BOTH.map(|side| format!("{name}, {}", side.name()));

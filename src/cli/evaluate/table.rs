@@ -15,32 +15,19 @@ pub(super) fn of(outcome: &Outcome) -> String {
 
 /// `0.812`, or a dash where there is nothing to divide by.
 fn share(value: f64) -> String {
-    if value.is_nan() {
-        "-".into()
-    } else {
-        format!("{value:.3}")
-    }
+    if value.is_nan() { "-".into() } else { format!("{value:.3}") }
 }
 
 /// Characters of the widest class name.
 fn width(outcome: &Outcome) -> usize {
     let names = outcome.paired.classes.iter();
-    names
-        .map(|name| name.chars().count())
-        .max()
-        .unwrap_or(0)
-        .max("background".len())
+    names.map(|name| name.chars().count()).max().unwrap_or(0).max("background".len())
 }
 
 fn read(outcome: &Outcome) -> String {
     let mut text = String::new();
     for (what, source) in [("truth", &outcome.truth), ("predicted", &outcome.predicted)] {
-        let BoxSource {
-            format,
-            pictures,
-            boxes,
-            path,
-        } = source;
+        let BoxSource { format, pictures, boxes, path } = source;
         text += &format!("{what:<10} {format}, {pictures} pictures, {boxes} boxes: {path}\n");
     }
     text
@@ -81,10 +68,8 @@ fn precisions(outcome: &Outcome) -> String {
     let width = width(outcome);
     let evaluations = [&outcome.darknet, &outcome.eleven, &outcome.coco];
     let mut text = format!("Average precision at IoU {}\n", outcome.iou);
-    text += &format!(
-        "{:<width$}  all points  11 points  COCO, 101  COCO, IoU 0.50 to 0.95\n",
-        "class"
-    );
+    text +=
+        &format!("{:<width$}  all points  11 points  COCO, 101  COCO, IoU 0.50 to 0.95\n", "class");
     let mut line = |name: &str, at: [f64; 3], range: f64| {
         let [all, eleven, coco] = at.map(share);
         let range = share(range);
@@ -104,11 +89,8 @@ fn sizes(outcome: &Outcome) -> String {
     text += "pixels        truths   found   false  missed    mAP  mAP 0.50 to 0.95\n";
     for size in &outcome.coco.sizes {
         let [from, to] = size.side_px;
-        let name = if to.is_finite() {
-            format!("{from} to {to}")
-        } else {
-            format!("{from} and more")
-        };
+        let name =
+            if to.is_finite() { format!("{from} to {to}") } else { format!("{from} and more") };
         let counts = &size.counts;
         text += &format!(
             "{name:<12}  {:>6}  {:>6}  {:>6}  {:>6}  {:>5}  {:>16}\n",
@@ -149,12 +131,7 @@ fn confusion(outcome: &Outcome) -> String {
 fn mistakes(outcome: &Outcome) -> String {
     let false_alarms = &outcome.darknet.false_alarms;
     let mut text = format!("False alarms: {}", false_alarms.len());
-    let causes = [
-        Cause::Background,
-        Cause::Duplicate,
-        Cause::OtherClass,
-        Cause::Loose,
-    ];
+    let causes = [Cause::Background, Cause::Duplicate, Cause::OtherClass, Cause::Loose];
     for (index, cause) in causes.into_iter().enumerate() {
         let count = false_alarms.iter().filter(|one| one.cause == cause).count();
         let separator = if index == 0 { " (" } else { ", " };

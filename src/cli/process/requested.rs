@@ -4,7 +4,8 @@ use bathyscope_products::outputs::Product;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-/// A group of files of a run, or the rows of an archive, which are no files of a run: many logs share their folder.
+/// A group of files of a run, or the rows of an archive, which are no files of a run: many logs
+/// share their folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Requested {
     /// Files of a run.

@@ -32,8 +32,8 @@ pub(crate) struct How<'a> {
 }
 
 impl How<'_> {
-    /// Runs the pipeline on the logs of a survey, which lie in one frame, searches them with the model if one is given, writes their
-    /// products and reports in a few lines what came out.
+    /// Runs the pipeline on the logs of a survey, which lie in one frame, searches them with the
+    /// model if one is given, writes their products and reports in a few lines what came out.
     ///
     /// # Errors
     /// When something cannot be done.
@@ -54,10 +54,7 @@ impl How<'_> {
                 corrections = RequestedCorrection::of_one_log(&log.survey.name(), wanted);
             }
             // A shift of one log alone shows nowhere.
-            let wanted = Wanted {
-                shifts: wanted.shifts && logs.len() > 1,
-                ..wanted
-            };
+            let wanted = Wanted { shifts: wanted.shifts && logs.len() > 1, ..wanted };
             if wanted.is_anything() {
                 status.step("positions");
                 logs = placed(&logs, wanted, &mut corrections, &status, &progress)?;
@@ -121,7 +118,8 @@ pub(crate) fn all_processed(
     logs
 }
 
-/// Runs the pipeline on a log; what does not depend on the settings that changed is taken from `previous`.
+/// Runs the pipeline on a log; what does not depend on the settings that changed is taken from
+/// `previous`.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -136,10 +134,7 @@ fn processed(
     let products = pipeline::run(survey, settings, previous, progress, |stage| {
         status.step(stage.name());
     });
-    Ok(ProcessedLog {
-        survey: survey.clone(),
-        products: products?,
-    })
+    Ok(ProcessedLog { survey: survey.clone(), products: products? })
 }
 
 /// The logs with what their crossings tell of their positions; what that is goes to `corrections`.

@@ -9,11 +9,12 @@ use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::archive::{Added, Archive, LogRecord, add};
 
-/// Logs of which each worker has one in memory: more of them at once than this only take memory, since the work on a log is parallel
-/// too.
+/// Logs of which each worker has one in memory: more of them at once than this only take memory,
+/// since the work on a log is parallel too.
 const MOST_AT_ONCE: usize = 4;
 
-/// Adds every log to the archive of the folder. One that cannot be used does not keep the others out.
+/// Adds every log to the archive of the folder. One that cannot be used does not keep the others
+/// out.
 pub(super) fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
     let folder = args.output.as_deref().ok_or(
         "tiles go into the folder of an archive, which many runs share; name it with -o DIR",

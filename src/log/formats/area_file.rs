@@ -53,7 +53,8 @@ pub enum AreaFault {
     TooManyCorners(usize),
 }
 
-/// Reads the polygons of a GeoJSON or KML, or the tracks and routes of a GPX, each of which is taken as a ring.
+/// Reads the polygons of a GeoJSON or KML, or the tracks and routes of a GPX, each of which is
+/// taken as a ring.
 ///
 /// # Errors
 /// When the file cannot be read, or holds no polygon.
@@ -82,10 +83,7 @@ fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, AreaFault> {
     let mut made = Vec::new();
     for ring in rings {
         let mut corners: Vec<LonLat> = (ring.iter())
-            .map(|[lon_deg, lat_deg]| LonLat {
-                lon_deg: *lon_deg,
-                lat_deg: *lat_deg,
-            })
+            .map(|[lon_deg, lat_deg]| LonLat { lon_deg: *lon_deg, lat_deg: *lat_deg })
             .collect();
         if let Some(bad) = corners.iter().find(|corner| !corner.is_on_earth()) {
             return Err(AreaFault::NotOnEarth(*bad));
@@ -149,10 +147,9 @@ fn of_xml(text: &str) -> Result<Rings, AreaFault> {
     let (mut in_ring, mut in_coordinates) = (false, false);
     let mut coordinates = String::new();
     loop {
-        let event = reader.read_event().map_err(|source| AreaFault::NotXml {
-            at: reader.error_position(),
-            source,
-        })?;
+        let event = reader
+            .read_event()
+            .map_err(|source| AreaFault::NotXml { at: reader.error_position(), source })?;
         match &event {
             Event::Eof => return Ok(rings),
             Event::Start(element) if is(element, "LinearRing") => in_ring = true,
@@ -185,9 +182,7 @@ fn gpx_place(element: &BytesStart<'_>) -> Option<[f64; 2]> {
 /// `lon,lat[,height]`, separated by blanks.
 fn kml_places(text: &str) -> Vec<[f64; 2]> {
     let place = |tuple: &str| {
-        let mut numbers = tuple
-            .split(',')
-            .map(|number| number.trim().parse::<f64>().ok());
+        let mut numbers = tuple.split(',').map(|number| number.trim().parse::<f64>().ok());
         Some([numbers.next()??, numbers.next()??])
     };
     text.split_whitespace().filter_map(place).collect()
@@ -231,16 +226,10 @@ mod tests {
                 r#"{"type":"Polygon","coordinates":[[[500000,5200000],[1,2],[3,4]]]}"#,
                 "degrees of WGS84",
             ),
-            (
-                r#"{"type":"LineString","coordinates":[[1,2],[3,4]]}"#,
-                "no polygon",
-            ),
+            (r#"{"type":"LineString","coordinates":[[1,2],[3,4]]}"#, "no polygon"),
         ] {
             let error = read(text).unwrap_err().to_string();
-            assert!(
-                error.contains(words) && error.ends_with("area"),
-                "{text}: {error}"
-            );
+            assert!(error.contains(words) && error.ends_with("area"), "{text}: {error}");
         }
     }
 }

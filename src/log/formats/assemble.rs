@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 /// The warning about positions in metres of a system that nobody named.
 pub(super) const UNNAMED_SYSTEM: &str = "positions are metres of a coordinate system that the log does not name, and are shown around longitude 0, latitude 0; set source.crs to its EPSG number, EPSG:32633 for UTM zone 33 north";
-/// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
+/// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so
+/// short a range in use.
 const STUCK_RANGE_M: f32 = 1.6;
 /// Share of stuck pings from which the side-scan is noise.
 const STUCK_SHARE: f64 = 0.95;
@@ -33,21 +34,15 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let fixes = clean_track(&mut log);
     let side_scan_state = judge(&side_scan, &mut log);
     if soundings.is_empty() && swath.is_empty() {
-        log.report
-            .log("the log holds no depth; heights can only come from the side-scan itself");
+        log.report.log("the log holds no depth; heights can only come from the side-scan itself");
     }
     if log.projected.is_some() && !fixes.is_empty() {
         log.report.log(UNNAMED_SYSTEM);
     }
     if fixes.is_empty() {
-        log.report
-            .log("the log holds no position; nothing in it can be placed on a map");
+        log.report.log("the log holds no position; nothing in it can be placed on a map");
     }
-    let mut channels: Vec<Channel> = log
-        .channels
-        .into_iter()
-        .map(|(_, channel)| channel)
-        .collect();
+    let mut channels: Vec<Channel> = log.channels.into_iter().map(|(_, channel)| channel).collect();
     channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
     let mut survey = Survey {
         source: log.source,
@@ -63,10 +58,7 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
         soundings: Arc::new(soundings),
         sounding_channel,
         swath: Arc::new(swath),
-        track: Track {
-            projected: log.projected,
-            ..Track::new(fixes)
-        },
+        track: Track { projected: log.projected, ..Track::new(fixes) },
         warnings: Vec::new(),
         bytes: log.bytes,
     };
@@ -101,17 +93,13 @@ fn side_pairs(pairs: Vec<CollectedPair>, survey: &Survey) -> Vec<SidePair> {
                 Arc::new(pings)
             }
         };
-        SidePair {
-            name: pair.name,
-            frequency_khz: pair.frequency_khz,
-            side_scan,
-        }
+        SidePair { name: pair.name, frequency_khz: pair.frequency_khz, side_scan }
     };
     pairs.into_iter().enumerate().map(pair).collect()
 }
 
-/// Side-scan pings in time order. A unit that records both layouts says everything twice: the fuller one is kept, and of the tail of a
-/// log that which is kept of the log.
+/// Side-scan pings in time order. A unit that records both layouts says everything twice: the
+/// fuller one is kept, and of the tail of a log that which is kept of the log.
 fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
     let composite = std::mem::take(&mut log.composite);
     let port = std::mem::take(&mut log.port);
@@ -189,10 +177,7 @@ fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
             .map(|span| span.far_m)
             .fold(0.0_f32, f32::max)
     };
-    let stuck = pings
-        .iter()
-        .filter(|ping| far_m(ping) <= STUCK_RANGE_M)
-        .count();
+    let stuck = pings.iter().filter(|ping| far_m(ping) <= STUCK_RANGE_M).count();
     if (stuck as f64) < STUCK_SHARE * pings.len() as f64 {
         return SideScanState::Usable;
     }

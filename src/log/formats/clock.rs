@@ -1,15 +1,18 @@
-//! Times that can be believed: records are written in time order, give or take the delays inside a recorder.
+//! Times that can be believed: records are written in time order, give or take the delays inside a
+//! recorder.
 
 use std::collections::VecDeque;
 
-/// Frames of different channels are written up to this much out of order, seconds. Real logs show 0.5.
+/// Frames of different channels are written up to this much out of order, seconds. Real logs show
+/// 0.5.
 const SLACK_S: f64 = 2.0;
-/// The first and the last frame have one neighbour only; a pause next to them may be this long, seconds.
+/// The first and the last frame have one neighbour only; a pause next to them may be this long,
+/// seconds.
 const END_SLACK_S: f64 = 60.0;
 
-/// Looks two records ahead. A record whose time fits neither neighbour, while they fit each other, is damaged. Where the
-/// time is set back for good (the unit was restarted while it recorded), it goes on from where it was, so that the pings
-/// of both parts do not end up between each other.
+/// Looks two records ahead. A record whose time fits neither neighbour, while they fit each other,
+/// is damaged. Where the time is set back for good (the unit was restarted while it recorded), it
+/// goes on from where it was, so that the pings of both parts do not end up between each other.
 #[derive(Debug)]
 pub(super) struct Clock<T> {
     before_s: Option<f64>,
@@ -33,11 +36,7 @@ pub(super) enum ClockVerdict<T> {
 
 impl<T> Default for Clock<T> {
     fn default() -> Self {
-        Self {
-            before_s: None,
-            set_back_s: 0.0,
-            waiting: VecDeque::with_capacity(3),
-        }
+        Self { before_s: None, set_back_s: 0.0, waiting: VecDeque::with_capacity(3) }
     }
 }
 
@@ -61,10 +60,7 @@ impl<T> Clock<T> {
             self.set_back_s += before_s - time_s;
         }
         self.before_s = Some(time_s);
-        Some(ClockVerdict::Sound {
-            record,
-            time_s: time_s + self.set_back_s,
-        })
+        Some(ClockVerdict::Sound { record, time_s: time_s + self.set_back_s })
     }
 
     /// By how much the time was set back in all, seconds.
@@ -85,7 +81,8 @@ fn follows(earlier_s: f64, later_s: f64, longest_pause_s: f64) -> bool {
 fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option<f64>) -> bool {
     match (before_s, next_s) {
         (Some(before_s), Some(next_s)) if is_set_back(before_s, next_s) => {
-            // For good, if the one after agrees: then this may belong to either side. Else the next is damaged.
+            // For good, if the one after agrees: then this may belong to either side. Else the next
+            // is damaged.
             after_s.is_none_or(|after_s| is_set_back(before_s, after_s))
                 || follows(before_s, time_s, END_SLACK_S)
         }

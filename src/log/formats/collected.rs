@@ -1,4 +1,5 @@
-//! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart, in file order.
+//! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart,
+//! in file order.
 
 use super::reading::Reading;
 use super::report::{WarningKind, WarningReport};
@@ -79,7 +80,8 @@ pub(super) struct Collected {
     pub(super) swath: Vec<SwathPing>,
     /// Positions.
     pub(super) fixes: Vec<Fix>,
-    /// Whose metres the positions are, where they are metres of a system that the log does not name.
+    /// Whose metres the positions are, where they are metres of a system that the log does not
+    /// name.
     pub(super) projected: Option<ProjectedTrack>,
     /// Where the slant ranges come from.
     pub(super) range_source: RangeSource,
@@ -112,14 +114,11 @@ impl Collected {
         }
     }
 
-    /// Counts a ping of the channel that the recorder (or the order of the files) gives this number.
+    /// Counts a ping of the channel that the recorder (or the order of the files) gives this
+    /// number.
     pub(super) fn count(&mut self, number: u16, ping: Counted) {
         let (file, end) = ping.record;
-        if self
-            .counted_to
-            .get(file)
-            .is_some_and(|known| end as u64 <= *known)
-        {
+        if self.counted_to.get(file).is_some_and(|known| end as u64 <= *known) {
             return;
         }
         let Some((_, channel)) = self.channels.iter_mut().find(|(known, _)| *known == number)
@@ -129,10 +128,8 @@ impl Collected {
         let time_s = (ping.time_s, ping.time_s);
         let samples = (ping.samples, ping.samples);
         channel.time_span_s = Some(widen(channel.time_span_s, time_s));
-        channel.sample_count = widen(
-            Some(channel.sample_count).filter(|_| channel.ping_count > 0),
-            samples,
-        );
+        channel.sample_count =
+            widen(Some(channel.sample_count).filter(|_| channel.ping_count > 0), samples);
         channel.ping_count += 1;
         if let Some(range_m) = ping.range_m {
             channel.range_m = Some(widen(channel.range_m, range_m));
@@ -169,23 +166,18 @@ impl Collected {
         if !(depth_m > 0.0 && depth_m < DEEPEST_M) {
             return;
         }
-        let sounding = Sounding {
-            time_s,
-            depth_m,
-            locked: true,
-        };
+        let sounding = Sounding { time_s, depth_m, locked: true };
         match self.depths.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, soundings)) => soundings.push(sounding),
             None => self.depths.push((kind, vec![sounding])),
         }
     }
 
-    /// Keeps a ping of a channel that looks down, if it can hold a picture; says so where it cannot.
+    /// Keeps a ping of a channel that looks down, if it can hold a picture; says so where it
+    /// cannot.
     pub(super) fn add_echogram(&mut self, kind: ChannelKind, time_s: f64, span: SideSpan) {
-        let looks_down = matches!(
-            kind,
-            ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan
-        );
+        let looks_down =
+            matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
         if !looks_down {
             return;
         }
@@ -196,10 +188,7 @@ impl Collected {
         let ping = EchogramPing { time_s, span };
         match self.echograms.iter_mut().find(|one| one.kind == kind) {
             Some(echogram) => Arc::make_mut(&mut echogram.pings).push(ping),
-            None => self.echograms.push(Echogram {
-                kind,
-                pings: Arc::new(vec![ping]),
-            }),
+            None => self.echograms.push(Echogram { kind, pings: Arc::new(vec![ping]) }),
         }
     }
 
@@ -242,9 +231,6 @@ pub(super) fn is_range(near_m: f32, far_m: f32) -> bool {
 
 fn widen<T: PartialOrd + Copy>(span: Option<(T, T)>, by: (T, T)) -> (T, T) {
     span.map_or(by, |(low, high)| {
-        (
-            if by.0 < low { by.0 } else { low },
-            if by.1 > high { by.1 } else { high },
-        )
+        (if by.0 < low { by.0 } else { low }, if by.1 > high { by.1 } else { high })
     })
 }

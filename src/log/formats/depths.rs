@@ -3,8 +3,9 @@
 use super::report::WarningReport;
 use crate::survey::{ChannelKind, Sounding, mark_bottom_lock};
 
-/// The depths of one channel, in time order: the traditional sonar's, unless another knows four times as many; of the tail of a log those
-/// of the channel that was chosen for the log. All channels repeat the same bottom lock, so that two of them would only say it twice.
+/// The depths of one channel, in time order: the traditional sonar's, unless another knows four
+/// times as many; of the tail of a log those of the channel that was chosen for the log. All
+/// channels repeat the same bottom lock, so that two of them would only say it twice.
 pub(super) fn choose(
     mut depths: Vec<(ChannelKind, Vec<Sounding>)>,
     chosen: Option<ChannelKind>,
@@ -13,17 +14,12 @@ pub(super) fn choose(
         depths.retain(|(kind, _)| *kind == chosen);
     }
     depths.sort_by_key(|(kind, _)| *kind);
-    let most = depths
-        .iter()
-        .map(|(_, soundings)| soundings.len())
-        .max()
-        .unwrap_or(0);
+    let most = depths.iter().map(|(_, soundings)| soundings.len()).max().unwrap_or(0);
     let best = depths.into_iter().find(|(kind, soundings)| {
-        let is_down = matches!(
-            kind,
-            ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan
-        );
-        // Side-scan channels ping faster than the lock: their count says nothing against a slower channel.
+        let is_down =
+            matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
+        // Side-scan channels ping faster than the lock: their count says nothing against a slower
+        // channel.
         soundings.len() * if is_down { 4 } else { 1 } >= most
     });
     let (kind, mut soundings) =

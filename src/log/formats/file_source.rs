@@ -50,9 +50,9 @@ impl FileSource {
     pub(super) fn is_folder(&self, path: &Path) -> bool {
         match self {
             FileSource::Disk => path.is_dir(),
-            FileSource::Held(files) => files
-                .iter()
-                .any(|(name, _)| name != path && name.starts_with(path)),
+            FileSource::Held(files) => {
+                files.iter().any(|(name, _)| name != path && name.starts_with(path))
+            }
         }
     }
 
@@ -78,9 +78,5 @@ impl FileSource {
 
 /// The parent of a bare file name is the empty path, which no system lists.
 fn folder_or_here(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    }
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }

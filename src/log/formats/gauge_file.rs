@@ -56,8 +56,8 @@ pub enum GaugeFault {
     Empty,
 }
 
-/// Reads a table with the columns `time` (ISO 8601, UTC unless it says otherwise, or Unix seconds) and `level_m`, separated
-/// by commas or semicolons; other columns are left alone.
+/// Reads a table with the columns `time` (ISO 8601, UTC unless it says otherwise, or Unix seconds)
+/// and `level_m`, separated by commas or semicolons; other columns are left alone.
 ///
 /// # Errors
 /// When the file cannot be read, or holds anything else.
@@ -86,11 +86,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
         .from_reader(bytes);
     let header = table.headers()?.clone();
     let column = |name: &'static str| {
-        let is = |field: &str| {
-            field
-                .trim_start_matches('\u{feff}')
-                .eq_ignore_ascii_case(name)
-        };
+        let is = |field: &str| field.trim_start_matches('\u{feff}').eq_ignore_ascii_case(name);
         let found = header.iter().position(is);
         found.ok_or(GaugeFault::NoColumn(name))
     };
@@ -100,17 +96,12 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
         let row = row?;
         let line = row.position().map_or(index as u64 + 2, |at| at.line());
         let field = |column| row.get(column).unwrap_or_default();
-        let time_s = unix_from_text(field(time)).ok_or_else(|| GaugeFault::NoTime {
-            line,
-            text: field(time).to_owned(),
-        })?;
+        let time_s = unix_from_text(field(time))
+            .ok_or_else(|| GaugeFault::NoTime { line, text: field(time).to_owned() })?;
         let level_m: Option<f64> = field(level).parse().ok();
         let level_m = level_m
             .filter(|level_m| WATER_LEVELS_M.contains(level_m))
-            .ok_or_else(|| GaugeFault::NoLevel {
-                line,
-                text: field(level).to_owned(),
-            })?;
+            .ok_or_else(|| GaugeFault::NoLevel { line, text: field(level).to_owned() })?;
         if readings.last().is_some_and(|(last_s, _)| *last_s >= time_s) {
             return Err(GaugeFault::Unsorted(line));
         }

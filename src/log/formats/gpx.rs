@@ -23,8 +23,8 @@ pub struct GpxError {
     pub source: quick_xml::Error,
 }
 
-/// Reads the track points of a text one after the other, whatever prefix the elements have. A file that ends before its root does,
-/// because the receiver went off, has those that are whole.
+/// Reads the track points of a text one after the other, whatever prefix the elements have. A file
+/// that ends before its root does, because the receiver went off, has those that are whole.
 ///
 /// # Errors
 /// When the text is no XML.
@@ -35,10 +35,9 @@ pub(super) fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
     let mut points = Vec::new();
     let mut open: Option<Open> = None;
     loop {
-        let event = reader.read_event().map_err(|source| GpxError {
-            at: reader.error_position(),
-            source,
-        })?;
+        let event = reader
+            .read_event()
+            .map_err(|source| GpxError { at: reader.error_position(), source })?;
         match (&event, &mut open) {
             (Event::Eof, _) => return Ok(points),
             (Event::Start(element), None) if is(element, "trkpt") => {
@@ -76,10 +75,7 @@ impl Open {
         let number = |name| attribute(element, name)?.trim().parse().ok();
         let lon_lat = || Some([number("lon")?, number("lat")?]);
         Self {
-            point: GpxPoint {
-                lon_lat: lon_lat(),
-                time: String::new(),
-            },
+            point: GpxPoint { lon_lat: lon_lat(), time: String::new() },
             depth: 0,
             in_time: false,
         }
@@ -126,10 +122,7 @@ mod tests {
     #[test]
     fn an_early_end_leaves_what_is_whole_and_damage_is_said_with_its_place() {
         let whole = "<gpx><trkpt lat='1' lon='2'><time>2021</time></trkpt>";
-        assert_eq!(
-            read(&format!("{whole}<trkpt lat='1' lon='2'><time>20")).len(),
-            1
-        );
+        assert_eq!(read(&format!("{whole}<trkpt lat='1' lon='2'><time>20")).len(), 1);
         for damaged in ["<trkpt lat='1' lon='2", "<a></b>"] {
             let error = gpx_points(&format!("{whole}{damaged}")).unwrap_err();
             let error = error.to_string();

@@ -1,8 +1,10 @@
-//! A log that is being written, read without trusting the file to stay: its bytes are copied as they come.
+//! A log that is being written, read without trusting the file to stay: its bytes are copied as
+//! they come.
 //!
-//! A map of a file that its writer cuts short loses its bytes ([`MappedFile`]). A log that is being recorded may be cut short, replaced, or
-//! be gone with its card at any time, so what is read of it is a private copy in the folder for temporary files, which nothing shortens.
-//! The log itself is only ever read.
+//! A map of a file that its writer cuts short loses its bytes ([`MappedFile`]). A log that is being
+//! recorded may be cut short, replaced, or be gone with its card at any time, so what is read of it
+//! is a private copy in the folder for temporary files, which nothing shortens. The log itself is
+//! only ever read.
 
 use super::table::{FileRole, role_by_name};
 use crate::support::mapped_file::MappedFile;
@@ -123,8 +125,8 @@ impl GrowingLog {
         Ok(added)
     }
 
-    /// Copies a log anew of which `known` was read: a recorder may have written its header once more at the end. Side files that came since
-    /// are taken along.
+    /// Copies a log anew of which `known` was read: a recorder may have written its header once
+    /// more at the end. Side files that came since are taken along.
     ///
     /// # Errors
     /// As [`GrowingLog::look`].
@@ -157,24 +159,24 @@ impl GrowingLog {
         self.files.iter().map(GrowingFile::length).sum()
     }
 
-    /// The bytes of what was known of the log when it was begun with, `lengths` of each file: no map of the log itself.
+    /// The bytes of what was known of the log when it was begun with, `lengths` of each file: no
+    /// map of the log itself.
     ///
     /// # Errors
     /// What the system says of the copy.
     pub fn beginning(&self, lengths: &[usize]) -> Result<Vec<Bytes>, GrowingError> {
         let each = self.files.iter().zip(lengths);
-        each.map(|(file, known)| file.bytes(*known as u64))
-            .collect()
+        each.map(|(file, known)| file.bytes(*known as u64)).collect()
     }
 
-    /// The files with their bytes, the one to open first. The bytes stay as they are, whatever becomes of the log.
+    /// The files with their bytes, the one to open first. The bytes stay as they are, whatever
+    /// becomes of the log.
     ///
     /// # Errors
     /// What the system says of the copy.
     pub fn bytes(&self) -> Result<Vec<(PathBuf, Bytes)>, GrowingError> {
         let each = self.files.iter();
-        each.map(|file| Ok((file.path.clone(), file.bytes(u64::MAX)?)))
-            .collect()
+        each.map(|file| Ok((file.path.clone(), file.bytes(u64::MAX)?))).collect()
     }
 }
 
@@ -187,11 +189,7 @@ impl GrowingFile {
                 length: 0,
             },
         };
-        Ok(Self {
-            path: path.to_owned(),
-            copied,
-            seen: None,
-        })
+        Ok(Self { path: path.to_owned(), copied, seen: None })
     }
 
     /// So many bytes of the copy, at most; all of a description.
@@ -214,10 +212,7 @@ impl GrowingFile {
     fn look(&mut self, progress: &Progress) -> Result<u64, GrowingError> {
         progress.check()?;
         let path = self.path.clone();
-        let gone = |source| GrowingError::Gone {
-            path: path.clone(),
-            source,
-        };
+        let gone = |source| GrowingError::Gone { path: path.clone(), source };
         let mut file = regular_file::open(&path).map_err(gone)?;
         let found = file.metadata().map_err(gone)?;
         let seen = Some((found.len(), found.modified().ok()));
@@ -276,10 +271,7 @@ impl GrowingFile {
     /// Copies what lies behind the known bytes.
     fn take(&mut self, mut file: File, progress: &Progress) -> Result<u64, GrowingError> {
         let path = self.path.clone();
-        let gone = |source| GrowingError::Gone {
-            path: path.clone(),
-            source,
-        };
+        let gone = |source| GrowingError::Gone { path: path.clone(), source };
         let no_room = |source| GrowingError::NoRoom { source };
         let Copied::Log { copy, length } = &mut self.copied else {
             return Ok(0);
@@ -291,10 +283,7 @@ impl GrowingFile {
         loop {
             progress.check()?;
             chunk.clear();
-            (&mut file)
-                .take(CHUNK)
-                .read_to_end(&mut chunk)
-                .map_err(gone)?;
+            (&mut file).take(CHUNK).read_to_end(&mut chunk).map_err(gone)?;
             if chunk.is_empty() {
                 break;
             }
@@ -336,10 +325,7 @@ mod tests {
     }
 
     fn add(path: &Path, bytes: &[u8]) {
-        let mut file = fs::OpenOptions::new()
-            .append(true)
-            .open(path)
-            .expect("a log");
+        let mut file = fs::OpenOptions::new().append(true).open(path).expect("a log");
         file.write_all(bytes).expect("a log");
     }
 

@@ -7,11 +7,11 @@ use crate::survey::SidePing;
 /// Two halves without any other measure of the ping rate belong together within this time, seconds.
 const HALVES_TOGETHER_S: f64 = 0.1;
 
-/// Joins port and starboard halves that were recorded at the same time (within half a ping); the others stay alone.
+/// Joins port and starboard halves that were recorded at the same time (within half a ping); the
+/// others stay alone.
 pub(super) fn join_halves(port: &[HalfPing], starboard: &[HalfPing]) -> Vec<SidePing> {
-    let within_s = interval_s(port)
-        .or(interval_s(starboard))
-        .map_or(HALVES_TOGETHER_S, |s| s / 2.0);
+    let within_s =
+        interval_s(port).or(interval_s(starboard)).map_or(HALVES_TOGETHER_S, |s| s / 2.0);
     let mut pings = Vec::with_capacity(port.len().max(starboard.len()));
     let (mut p, mut s) = (0, 0);
     while let (Some(left), Some(right)) = (port.get(p), starboard.get(s)) {
@@ -57,10 +57,8 @@ fn ping(port: Option<&HalfPing>, starboard: Option<&HalfPing>) -> SidePing {
 
 /// The median time between pings; `None` below three pings.
 fn interval_s(halves: &[HalfPing]) -> Option<f64> {
-    let mut steps: Vec<f64> = halves
-        .windows(2)
-        .map(|pair| pair[1].time_s - pair[0].time_s)
-        .collect();
+    let mut steps: Vec<f64> =
+        halves.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
     if steps.len() < 2 {
         return None;
     }
@@ -82,10 +80,7 @@ mod tests {
             near_m: 0.0,
             far_m: 1.0,
         };
-        times_s
-            .iter()
-            .map(|&time_s| HalfPing { time_s, span })
-            .collect()
+        times_s.iter().map(|&time_s| HalfPing { time_s, span }).collect()
     }
 
     /// `b` for both sides, `p` and `s` for one.
@@ -95,10 +90,7 @@ mod tests {
             (Some(_), None) => 'p',
             _ => 's',
         };
-        join_halves(&halves(port_s), &halves(starboard_s))
-            .iter()
-            .map(letter)
-            .collect()
+        join_halves(&halves(port_s), &halves(starboard_s)).iter().map(letter).collect()
     }
 
     #[test]

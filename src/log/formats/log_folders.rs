@@ -1,4 +1,5 @@
-//! The folders of a card or drive that hold logs, found by the names of files only: nothing is opened, so that a slow card is not read.
+//! The folders of a card or drive that hold logs, found by the names of files only: nothing is
+//! opened, so that a slow card is not read.
 
 use super::table::{FileRole, role_by_name};
 use crate::support::progress::Progress;
@@ -7,7 +8,8 @@ use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Folders between the top of the drive and a log. Recorders write three deep at most: `Garmin/Sonar/2026`.
+/// Folders between the top of the drive and a log. Recorders write three deep at most:
+/// `Garmin/Sonar/2026`.
 const DEPTH: usize = 4;
 /// Folders looked into, so that a backup of a whole computer comes to an end.
 const FOLDERS: usize = 2_000;
@@ -34,7 +36,8 @@ pub struct FoundLog {
     pub written: Option<SystemTime>,
 }
 
-/// The folders below `top` that hold logs, that with the newest log first. What cannot be read is passed over, links too.
+/// The folders below `top` that hold logs, that with the newest log first. What cannot be read is
+/// passed over, links too.
 pub fn log_folders(top: &Path, progress: &Progress) -> Vec<LogFolder> {
     let mut found = Vec::new();
     let mut ahead = VecDeque::from([(top.to_owned(), 0)]);
@@ -63,18 +66,15 @@ pub fn log_folders(top: &Path, progress: &Progress) -> Vec<LogFolder> {
         if !logs.is_empty() {
             let above = top.parent().unwrap_or(Path::new(""));
             let on_card = path.strip_prefix(above).unwrap_or(&path).to_owned();
-            found.push(LogFolder {
-                path,
-                on_card,
-                logs,
-            });
+            found.push(LogFolder { path, on_card, logs });
         }
     }
     found.sort_by_key(|folder| std::cmp::Reverse(folder.logs[0].written));
     found
 }
 
-/// Files of other programs have the endings of descriptions, but no folder of the same name beside them.
+/// Files of other programs have the endings of descriptions, but no folder of the same name beside
+/// them.
 fn is_log(path: &Path) -> bool {
     match role_by_name(path) {
         Some(FileRole::Log) => true,
@@ -86,10 +86,7 @@ fn is_log(path: &Path) -> bool {
 impl FoundLog {
     fn new(entry: &DirEntry) -> Self {
         let written = entry.metadata().and_then(|known| known.modified());
-        Self {
-            path: entry.path(),
-            written: written.ok(),
-        }
+        Self { path: entry.path(), written: written.ok() }
     }
 }
 
@@ -109,9 +106,7 @@ mod tests {
 
     fn names(folder: &LogFolder) -> Vec<String> {
         let names = folder.logs.iter().filter_map(|log| log.path.file_name());
-        names
-            .map(|name| name.to_string_lossy().into_owned())
-            .collect()
+        names.map(|name| name.to_string_lossy().into_owned()).collect()
     }
 
     #[test]
@@ -134,10 +129,7 @@ mod tests {
         }
         let found = log_folders(card.path(), &Progress::new());
         let folders: Vec<&Path> = found.iter().map(|folder| &*folder.path).collect();
-        assert_eq!(
-            folders,
-            [at("Garmin/Sonar/2026"), card.path().into(), at("RECORD")]
-        );
+        assert_eq!(folders, [at("Garmin/Sonar/2026"), card.path().into(), at("RECORD")]);
         let name = card.path().file_name().map(PathBuf::from).expect("a name");
         assert_eq!(found[0].on_card, name.join("Garmin/Sonar/2026"));
         assert_eq!(names(&found[0]), ["trip.RSD"]);

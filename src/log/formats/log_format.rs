@@ -13,22 +13,25 @@ pub(super) type ReadRecording =
 
 /// A format of recorders' logs. Its row in [`super::table::FORMATS`] names it.
 pub(super) trait LogFormat: Sync {
-    /// Recognises a file by its content, never by its name alone. A format of several files looks for the others beside it in `files`.
-    /// `None` when the file is of another format: this says nothing of damage.
+    /// Recognises a file by its content, never by its name alone. A format of several files looks
+    /// for the others beside it in `files`. `None` when the file is of another format: this says
+    /// nothing of damage.
     fn recognise(&self, files: &FileSource, opened: &Opened) -> Option<ReadRecording>;
 
-    /// Recognises the recording in a folder, or the first of several; of use only to formats of several files.
+    /// Recognises the recording in a folder, or the first of several; of use only to formats of
+    /// several files.
     fn recognise_folder(&self, _files: &FileSource, _folder: &Path) -> Option<ReadRecording> {
         None
     }
 
-    /// Whether all files in a folder are parts of one recording, so that the folder is opened in their place.
+    /// Whether all files in a folder are parts of one recording, so that the folder is opened in
+    /// their place.
     fn is_recording(&self, _files: &FileSource, _folder: &Path) -> bool {
         false
     }
 
-    /// Whether a file is only read where it is named, and not where it lies in a folder of logs: tables of other kinds look the same, or
-    /// another file of the recording stands for it.
+    /// Whether a file is only read where it is named, and not where it lies in a folder of logs:
+    /// tables of other kinds look the same, or another file of the recording stands for it.
     fn is_read_by_name_only(&self, _path: &Path) -> bool {
         false
     }

@@ -1,4 +1,5 @@
-//! What the writer of each format offers, and what all writers ask of a log: its records in the order of time, and the fix of each.
+//! What the writer of each format offers, and what all writers ask of a log: its records in the
+//! order of time, and the fix of each.
 
 use crate::support::progress::Progress;
 use crate::survey::{
@@ -6,7 +7,8 @@ use crate::survey::{
 };
 use std::io::{self, Write};
 
-/// A fix counts for this long after it, seconds. Recorders repeat the last one until the next comes; a longer pause is a loss.
+/// A fix counts for this long after it, seconds. Recorders repeat the last one until the next
+/// comes; a longer pause is a loss.
 const LONGEST_VALID_S: f64 = 10.0;
 
 /// A format of recorders' logs that is written too. Its row in [`super::table::FORMATS`] names it.
@@ -63,7 +65,8 @@ impl Recorded<'_> {
 }
 
 impl<'a> LogToWrite<'a> {
-    /// All records in the order of time; of one moment depths come first, then channels that look down, as recorders write them.
+    /// All records in the order of time; of one moment depths come first, then channels that look
+    /// down, as recorders write them.
     pub fn records(&self) -> Vec<Recorded<'a>> {
         let survey = self.survey;
         let soundings = survey.soundings.iter().enumerate();
@@ -92,7 +95,8 @@ impl<'a> LogToWrite<'a> {
         (time_s - last.time_s <= LONGEST_VALID_S).then_some(last)
     }
 
-    /// Where the boat was by the fitted track at the record nearest to a time; `None` without a record.
+    /// Where the boat was by the fitted track at the record nearest to a time; `None` without a
+    /// record.
     pub fn place(&self, time_s: f64) -> Option<&'a PingNav> {
         let (survey, navigation) = (self.survey, self.navigation);
         let sides = &survey.side_scan;
@@ -104,7 +108,8 @@ impl<'a> LogToWrite<'a> {
         }
     }
 
-    /// The recorded depth nearest to a time, metres below the transducer; NaN where there is none within two seconds.
+    /// The recorded depth nearest to a time, metres below the transducer; NaN where there is none
+    /// within two seconds.
     pub fn depth_m(&self, time_s: f64) -> f32 {
         const LONGEST_APART_S: f64 = 2.0;
         let soundings = &self.survey.soundings;

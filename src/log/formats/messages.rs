@@ -1,4 +1,5 @@
-//! From message to message through a log that is nothing else: each begins with a marker and says how long it is.
+//! From message to message through a log that is nothing else: each begins with a marker and says
+//! how long it is.
 
 use super::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
@@ -14,7 +15,8 @@ pub(super) struct MessageFormat {
     pub(super) noun: &'static str,
     /// The two bytes that each begins with.
     pub(super) marker: [u8; 2],
-    /// Bytes of the whole message at an offset, at least 2; `None` where no message can begin. The message may end past the bytes.
+    /// Bytes of the whole message at an offset, at least 2; `None` where no message can begin. The
+    /// message may end past the bytes.
     pub(super) length: fn(&[u8], usize) -> Option<usize>,
 }
 
@@ -30,8 +32,8 @@ impl MessageFormat {
         at == bytes.len() || self.message(bytes, at).is_some()
     }
 
-    /// The first message that begins in `from..to` and is followed by another or by the end of the bytes: a marker alone would be found
-    /// by chance.
+    /// The first message that begins in `from..to` and is followed by another or by the end of the
+    /// bytes: a marker alone would be found by chance.
     pub(super) fn next(self, bytes: &[u8], from: usize, to: usize) -> Option<usize> {
         let searched = bytes.get(from..to.min(bytes.len()))?;
         let marked = searched.windows(2).enumerate();
@@ -79,12 +81,12 @@ impl MessageWalk<'_> {
                 None => self.over_gap(at),
             };
         }
-        self.progress
-            .advance(self.bytes.len().saturating_sub(reported) as u64);
+        self.progress.advance(self.bytes.len().saturating_sub(reported) as u64);
         Ok(())
     }
 
-    /// Takes a message, unless it is damaged or cut; returns where to go on. `longest` is the length of the longest before it.
+    /// Takes a message, unless it is damaged or cut; returns where to go on. `longest` is the
+    /// length of the longest before it.
     fn step(
         &self,
         message: Range<usize>,
@@ -93,14 +95,16 @@ impl MessageWalk<'_> {
     ) -> usize {
         let (len, noun) = (self.bytes.len(), self.format.noun);
         let Range { start, end } = message;
-        // A damaged length may end where another message does. Only one that is longer than all before is looked through for that.
+        // A damaged length may end where another message does. Only one that is longer than all
+        // before is looked through for that.
         let is_usual = end - start <= *longest || self.inside(&message).is_none();
         if is_usual && self.format.is_border(self.bytes, end) {
             *longest = (*longest).max(end - start);
             take(start..end);
             return end;
         }
-        // Something is damaged: the length of this message if another begins inside it, else what follows.
+        // Something is damaged: the length of this message if another begins inside it, else what
+        // follows.
         if let Some(found) = self.format.next(self.bytes, start + 2, end) {
             let text = format!(
                 "a {noun} says that it is {} bytes long, but the next begins after {}; it was dropped",
@@ -125,11 +129,10 @@ impl MessageWalk<'_> {
         end
     }
 
-    /// Where messages begin inside of one that all end where it does; `None` where there are none, as in one that is whole.
+    /// Where messages begin inside of one that all end where it does; `None` where there are none,
+    /// as in one that is whole.
     fn inside(&self, message: &Range<usize>) -> Option<usize> {
-        let first = self
-            .format
-            .next(self.bytes, message.start + 2, message.end)?;
+        let first = self.format.next(self.bytes, message.start + 2, message.end)?;
         let mut at = first;
         while at < message.end {
             at = self.format.message(self.bytes, at)?.end;
@@ -176,20 +179,14 @@ mod tests {
             progress: &progress,
         };
         let mut lengths = Vec::new();
-        walk.run(0, |message| lengths.push(message.len()))
-            .expect("no cancel");
+        walk.run(0, |message| lengths.push(message.len())).expect("no cancel");
         (lengths, report.finish().len())
     }
 
     #[test]
     fn a_length_that_ends_where_another_message_does_costs_one_message() {
-        let message = |length: u8| {
-            [
-                &[0xAB, 0xCD, length][..],
-                &[0; 250][..usize::from(length) - 3],
-            ]
-            .concat()
-        };
+        let message =
+            |length: u8| [&[0xAB, 0xCD, length][..], &[0; 250][..usize::from(length) - 3]].concat();
         let whole = [message(20), message(10), message(20), message(30)].concat();
         assert_eq!(walked(&whole), (vec![20, 10, 20, 30], 0));
         let mut harmed = whole.clone();

@@ -1,21 +1,36 @@
-//! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other instruments and programs.
+//! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other
+//! instruments and programs.
 //!
-//! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels, areas, points and rasters; and the bytes of the formats that are also written.
-//! It uses `survey` and `support`.
+//! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels,
+//! areas, points and rasters; and the bytes of the formats that are also written. It uses `survey`
+//! and `support`.
 //!
 //! To add a format of recorders' logs:
-//! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from; add its `mod` line below.
-//! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a `Collected`; the folder of `xtf` is an example.
-//! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else names a format.
-//!    A format that is written too implements [`log_writer::LogWriter`]; the row names its ending.
-//! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
-//! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
+//! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from;
+//!    add its `mod` line below.
+//! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a
+//!    `Collected`; the folder of `xtf` is an example.
+//! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else
+//!    names a format. A format that is written too implements [`log_writer::LogWriter`]; the row
+//!    names its ending.
+//! 4. Write its test in `tests/suite/formats` with a small writer of the format in
+//!    `tests/suite/handmade.rs`: whole, cut, damaged.
+//! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take
+//!    its row out of `unsupported`, if it has one.
 //!
-//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`, `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged and give it
-//! meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
-//! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` brings
-//! the bytes, `log_folders` finds the folders of a card that hold logs, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
-//! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
+//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`,
+//! `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged
+//! and give it meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged
+//! times and `report` to say what was wrong. `reading` says which part of a log is read: the tail
+//! of one that is being written is read as a log of its own. `assemble` turns what was read into
+//! the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions
+//! that cannot be. `file_source` brings the bytes, `log_folders` finds the folders of a card that
+//! hold logs, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences
+//! in other logs, `growing_log` copies one that is being written as it comes, `unsupported`
+//! recognises formats that are not read, `table` lists those that are. `track_file` reads the track
+//! of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water,
+//! `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say
+//! of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
 
 mod area_file;
 mod assemble;
@@ -150,8 +165,8 @@ impl Opened {
     }
 }
 
-/// Opens a log of any format that is read, a file or the folder of a recording of several files: README.md lists them. The files are only
-/// ever read.
+/// Opens a log of any format that is read, a file or the folder of a recording of several files:
+/// README.md lists them. The files are only ever read.
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
@@ -168,7 +183,8 @@ pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Sur
     open_files(vec![(PathBuf::from(name), bytes)], progress)
 }
 
-/// Reads a log of several files in memory, as a Humminbird recording is; the first is the one to open.
+/// Reads a log of several files in memory, as a Humminbird recording is; the first is the one to
+/// open.
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
@@ -181,7 +197,8 @@ pub fn open_files(
     open_on(&files, &path, &Reading::default(), progress)
 }
 
-/// Reads files in memory as the format with an ending, without looking at the others, for the fuzzer; `None` where they are of another.
+/// Reads files in memory as the format with an ending, without looking at the others, for the
+/// fuzzer; `None` where they are of another.
 pub fn open_as_format(
     ending: &str,
     files: Vec<(PathBuf, Vec<u8>)>,
@@ -198,13 +215,11 @@ pub fn open_as_format(
 
 /// The path of the first file, which is the one to open; empty where there is none.
 fn first_path<T>(files: &[(PathBuf, T)]) -> PathBuf {
-    files
-        .first()
-        .map_or_else(PathBuf::new, |(path, _)| path.clone())
+    files.first().map_or_else(PathBuf::new, |(path, _)| path.clone())
 }
 
-/// Reads a log that is being written; the first file is the one to open. What is cut at the end of a file is no damage: the rest of it
-/// comes later.
+/// Reads a log that is being written; the first file is the one to open. What is cut at the end of
+/// a file is no damage: the rest of it comes later.
 ///
 /// # Errors
 /// When the files are no log; the error names the file.
@@ -212,10 +227,7 @@ pub fn open_growing(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let reading = Reading {
-        is_growing: true,
-        tail: None,
-    };
+    let reading = Reading { is_growing: true, tail: None };
     open_as(files, &reading, progress)
 }
 
@@ -230,8 +242,9 @@ pub fn open_at_hand(
     open_as(files, &Reading::default(), progress)
 }
 
-/// Reads what was added to the files of a log since it was read, and a little before that, as a log of its own: [`Survey::extended`] adds
-/// it. `files` are those of [`crate::survey::Source::files`], longer than they were.
+/// Reads what was added to the files of a log since it was read, and a little before that, as a log
+/// of its own: [`Survey::extended`] adds it. `files` are those of [`crate::survey::Source::files`],
+/// longer than they were.
 ///
 /// # Errors
 /// When the files are no log any more; the error names the file.
@@ -241,10 +254,7 @@ pub fn open_tail(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let reading = Reading {
-        is_growing: true,
-        tail: Some((known, seam)),
-    };
+    let reading = Reading { is_growing: true, tail: Some((known, seam)) };
     open_as(files, &reading, progress)
 }
 
@@ -267,14 +277,9 @@ fn open_on(
     if files.is_folder(path) {
         return open_folder(files, path, reading, progress);
     }
-    let bytes = files.read(path).map_err(|source| OpenError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    let opened = Opened {
-        path: path.to_owned(),
-        bytes: bytes.clone(),
-    };
+    let bytes =
+        files.read(path).map_err(|source| OpenError::Io { path: path.to_owned(), source })?;
+    let opened = Opened { path: path.to_owned(), bytes: bytes.clone() };
     let read = read_by_content(files, opened, reading, progress);
     // What was cut while it was read looks like a damaged log, or one of no format.
     if let (Err(_), Some(fault)) = (&read, bytes.fault(path)) {
@@ -311,8 +316,8 @@ fn open_folder(
     }
 }
 
-/// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is one recording; nothing for what is
-/// no folder.
+/// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is
+/// one recording; nothing for what is no folder.
 pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
     match folder.is_dir() {
         true => logs_on(&FileSource::Disk, folder),
@@ -320,8 +325,8 @@ pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// The files in a folder of logs that are named as no other file is, and are no log that can be opened: a card that broke, a recording
-/// that never began.
+/// The files in a folder of logs that are named as no other file is, and are no log that can be
+/// opened: a card that broke, a recording that never began.
 pub fn unusable_in(folder: &Path) -> Vec<PathBuf> {
     let logs = logs_in(folder);
     if !folder.is_dir() || logs == [folder] {
@@ -342,17 +347,15 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
         // A pipe may never begin: it is not opened.
         let is_file = matches!(files, FileSource::Held(_)) || path.is_file();
         let bytes = is_file.then(|| files.look_at(path).ok()).flatten();
-        bytes
-            .filter(|bytes| !bytes.is_empty())
-            .is_some_and(|bytes| {
-                let path = path.clone();
-                let opened = Opened { path, bytes };
-                let mut formats = FORMATS.iter().map(|format| format.reader);
-                formats.any(|reader| {
-                    !reader.is_read_by_name_only(&opened.path)
-                        && reader.recognise(files, &opened).is_some()
-                })
+        bytes.filter(|bytes| !bytes.is_empty()).is_some_and(|bytes| {
+            let path = path.clone();
+            let opened = Opened { path, bytes };
+            let mut formats = FORMATS.iter().map(|format| format.reader);
+            formats.any(|reader| {
+                !reader.is_read_by_name_only(&opened.path)
+                    && reader.recognise(files, &opened).is_some()
             })
+        })
     };
     let mut logs = files.children(folder);
     logs.retain(|path| !files.is_folder(path) && is_log(path));
@@ -383,17 +386,11 @@ fn read_by_content(
         return Err(not_recognised(&opened.path, "the file is empty"));
     }
     if let Some(advice) = unsupported::advice(&opened.bytes) {
-        return Err(OpenError::Unsupported {
-            path: opened.path,
-            what: advice.to_owned(),
-        });
+        return Err(OpenError::Unsupported { path: opened.path, what: advice.to_owned() });
     }
     Err(not_recognised(&opened.path, table::looked_for()))
 }
 
 fn not_recognised(path: &Path, looked_for: &'static str) -> OpenError {
-    OpenError::NotRecognised {
-        path: path.to_owned(),
-        looked_for,
-    }
+    OpenError::NotRecognised { path: path.to_owned(), looked_for }
 }

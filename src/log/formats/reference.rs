@@ -31,7 +31,8 @@ pub enum ReferenceError {
 /// What stands behind the name of an XTF file whose multibeam depths are meant.
 const MULTIBEAM: &str = ":multibeam";
 
-/// Whether an argument names points: a file of them, or the multibeam depths of a log, `FILE.xtf:multibeam`.
+/// Whether an argument names points: a file of them, or the multibeam depths of a log,
+/// `FILE.xtf:multibeam`.
 pub fn is_named_as_points(argument: &OsStr) -> bool {
     multibeam_of(argument).is_some() || is_named_as_elevations(argument)
 }
@@ -53,7 +54,8 @@ pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, 
     })
 }
 
-/// Opens `FILE` or `FILE.csv:x,y,z` of points, `FILE.xtf:multibeam`, or a log. Which of them it is its name says.
+/// Opens `FILE` or `FILE.csv:x,y,z` of points, `FILE.xtf:multibeam`, or a log. Which of them it is
+/// its name says.
 ///
 /// # Errors
 /// When it cannot be read as what its name says that it is.

@@ -4,7 +4,8 @@ use crate::survey::Warning;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// So many warnings of a kind are kept; a log with ten thousand broken frames needs one sentence more, not as many.
+/// So many warnings of a kind are kept; a log with ten thousand broken frames needs one sentence
+/// more, not as many.
 const KEPT_OF_A_KIND: usize = 20;
 
 /// Kinds of warnings: what is counted together once there are many.
@@ -31,8 +32,8 @@ impl WarningKind {
     }
 }
 
-/// The warnings of one log. Clones write into the same report, so that the walk over the bytes and the decoding of what
-/// it finds can both complain.
+/// The warnings of one log. Clones write into the same report, so that the walk over the bytes and
+/// the decoding of what it finds can both complain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WarningReport {
     shared: Rc<RefCell<Collection>>,
@@ -87,21 +88,22 @@ impl WarningReport {
         }
     }
 
-    /// What concerns the whole log, then what was kept in the order of the bytes, then how much more there was.
+    /// What concerns the whole log, then what was kept in the order of the bytes, then how much
+    /// more there was.
     pub(super) fn finish(&self) -> Vec<Warning> {
         let Collection { warnings, counts } = self.shared.take();
         let mut sorted = warnings;
         sorted.sort_by_key(|warning| warning.place);
-        let more = counts
-            .into_iter()
-            .filter(|(_, seen)| *seen > KEPT_OF_A_KIND)
-            .map(|(kind, seen)| Warning {
-                place: None,
-                text: format!(
-                    "{} more {} are not listed",
-                    seen - KEPT_OF_A_KIND,
-                    kind.plural()
-                ),
+        let more =
+            counts.into_iter().filter(|(_, seen)| *seen > KEPT_OF_A_KIND).map(|(kind, seen)| {
+                Warning {
+                    place: None,
+                    text: format!(
+                        "{} more {} are not listed",
+                        seen - KEPT_OF_A_KIND,
+                        kind.plural()
+                    ),
+                }
             });
         sorted.extend(more);
         sorted
@@ -121,10 +123,6 @@ mod tests {
         report.log("once");
         let warnings = report.finish();
         assert_eq!(warnings.len(), KEPT_OF_A_KIND + 2);
-        assert!(
-            warnings
-                .last()
-                .is_some_and(|last| last.text.starts_with("980 more gaps"))
-        );
+        assert!(warnings.last().is_some_and(|last| last.text.starts_with("980 more gaps")));
     }
 }

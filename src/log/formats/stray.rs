@@ -6,7 +6,8 @@ use crate::survey::Fix;
 /// A fix this far from the track's median position is damage, degrees (some 200 km).
 const STRAY_FIX_DEG: f64 = 2.0;
 
-/// Leaves out the fixes that a damaged record threw far away, and says so in a sentence if there are any.
+/// Leaves out the fixes that a damaged record threw far away, and says so in a sentence if there
+/// are any.
 pub(super) fn drop_stray(fixes: &mut Vec<Fix>) -> Option<String> {
     let median = |pick: fn(&Fix) -> f64| {
         let mut values: Vec<f64> = fixes.iter().map(pick).collect();
@@ -60,12 +61,8 @@ mod tests {
         let warning = drop_stray(&mut some).unwrap();
         assert!(warning.starts_with("the position at 2.0 s"), "{warning}");
         assert_eq!(some.len(), 3);
-        let mut pacific = fixes(&[
-            [179.9, -18.0],
-            [-179.9, -18.0],
-            [179.95, -18.0],
-            [-179.95, -18.0],
-        ]);
+        let mut pacific =
+            fixes(&[[179.9, -18.0], [-179.9, -18.0], [179.95, -18.0], [-179.95, -18.0]]);
         assert_eq!(drop_stray(&mut pacific), None);
         assert_eq!(pacific.len(), 4);
         assert_eq!(drop_stray(&mut Vec::new()), None);

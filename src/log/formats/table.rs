@@ -1,7 +1,7 @@
 //! The table of the formats of recorders' logs, and what other modules derive from it.
 //!
-//! The messages, the dialogs for files, the desktop entry with its file types, `bathyscope info --formats` and the table in README.md are
-//! all made from [`FORMATS`].
+//! The messages, the dialogs for files, the desktop entry with its file types, `bathyscope
+//! info --formats` and the table in README.md are all made from [`FORMATS`].
 
 use super::cerulean::Cerulean;
 use super::edgetech::EdgeTech;
@@ -24,14 +24,16 @@ use std::sync::LazyLock;
 pub enum FileRole {
     /// The whole recording. Files of other programs have other endings.
     Log,
-    /// The description of a recording of several files. It is small, and the recorder writes it anew. Files of other programs may have
-    /// the same ending.
+    /// The description of a recording of several files. It is small, and the recorder writes it
+    /// anew. Files of other programs may have the same ending.
     Description,
     /// One of the files that hold the pings of a recording. The recorder adds to it.
     Part,
-    /// The whole recording, in a file whose ending files of many other programs have: only its content says what it is.
+    /// The whole recording, in a file whose ending files of many other programs have: only its
+    /// content says what it is.
     Shared,
-    /// One of two files that make a recording together, and have the same name. Files of many other programs have the same ending.
+    /// One of two files that make a recording together, and have the same name. Files of many other
+    /// programs have the same ending.
     Paired,
 }
 
@@ -90,40 +92,42 @@ pub struct FileType {
 
 /// One format.
 pub struct FormatEntry {
-    /// The name in lists, with `and` between the last two of several kinds: `Lowrance SLG, SL2 and SL3`.
+    /// The name in lists, with `and` between the last two of several kinds: `Lowrance SLG, SL2 and
+    /// SL3`.
     pub name: &'static str,
     /// The recorders that write it, in words.
     pub recorders: &'static str,
-    /// The endings of its files as recorders write them, without the dot, and what each file is. Letters of either case are the same.
+    /// The endings of its files as recorders write them, without the dot, and what each file is.
+    /// Letters of either case are the same.
     pub endings: &'static [(&'static str, FileRole)],
     /// The bytes that it is recognised by, in words.
     pub magic: &'static str,
     /// What is read of it.
     pub carries: &'static [Carried],
-    /// The real recordings that it was tried on, in words; `None` where it is written from the specification and was tried on none.
+    /// The real recordings that it was tried on, in words; `None` where it is written from the
+    /// specification and was tried on none.
     pub tried_on: Option<&'static str>,
     /// What users have to know of it.
     pub notes: &'static str,
     /// The desktop's file type; `None` where files of other programs have the same endings.
     pub file_type: Option<FileType>,
-    /// Words that the desktop's search finds the program by, beside the endings of the role [`FileRole::Log`].
+    /// Words that the desktop's search finds the program by, beside the endings of the role
+    /// [`FileRole::Log`].
     pub keywords: &'static [&'static str],
     /// What recognises and reads it.
     pub(super) reader: &'static dyn LogFormat,
-    /// The ending of the files that are written in it, without the dot, and what writes them; `None` where it is only read.
+    /// The ending of the files that are written in it, without the dot, and what writes them;
+    /// `None` where it is only read.
     pub(super) writer: Option<(&'static str, &'static dyn LogWriter)>,
 }
 
-/// Every format that is read, in the order of recognition: first those that are sure by their first bytes, last those that list folders.
+/// Every format that is read, in the order of recognition: first those that are sure by their first
+/// bytes, last those that list folders.
 pub const FORMATS: &[FormatEntry] = &[
     FormatEntry {
         name: "Lowrance SLG, SL2 and SL3",
         recorders: "Lowrance, Simrad",
-        endings: &[
-            ("sl2", FileRole::Log),
-            ("sl3", FileRole::Log),
-            ("slg", FileRole::Log),
-        ],
+        endings: &[("sl2", FileRole::Log), ("sl3", FileRole::Log), ("slg", FileRole::Log)],
         magic: "number 2 or 3 at byte 0 and a first frame that holds its own offset, 8; else two such frames in a row; number 1 at byte 0 and blocks of the size at byte 4",
         carries: &[
             Carried::SideScan,
@@ -150,18 +154,10 @@ pub const FORMATS: &[FormatEntry] = &[
         recorders: "Garmin",
         endings: &[("RSD", FileRole::Log)],
         magic: "7C 4B 26 D9 at byte 2; else records with 86 DA E9 B7 at their byte 2",
-        carries: &[
-            Carried::SideScan,
-            Carried::DownScan,
-            Carried::Soundings,
-            Carried::Positions,
-        ],
+        carries: &[Carried::SideScan, Carried::DownScan, Carried::Soundings, Carried::Positions],
         tried_on: None,
         notes: "ECHOMAP, STRIKER and GPSMAP series; side-scan, down-scan and traditional channels, 8 and 16 bit; of channels of one kind that were recorded at once one is shown",
-        file_type: Some(FileType {
-            mime: "application/x-garmin-rsd",
-            comment: "Garmin sonar log",
-        }),
+        file_type: Some(FileType { mime: "application/x-garmin-rsd", comment: "Garmin sonar log" }),
         keywords: &["garmin"],
         reader: &Garmin,
         writer: None,
@@ -171,18 +167,10 @@ pub const FORMATS: &[FormatEntry] = &[
         recorders: "any that exports XTF",
         endings: &[("xtf", FileRole::Log)],
         magic: "7B at byte 0 and a header of channels; else packets that begin with CE FA",
-        carries: &[
-            Carried::SideScan,
-            Carried::Soundings,
-            Carried::Positions,
-            Carried::Heading,
-        ],
+        carries: &[Carried::SideScan, Carried::Soundings, Carried::Positions, Carried::Heading],
         tried_on: Some("recordings of side-scan surveys"),
         notes: "8, 16 and 32 bit and floating point, several frequencies, towed sonars; Raymarine recordings have to be exported first",
-        file_type: Some(FileType {
-            mime: "application/x-xtf",
-            comment: "XTF sonar log",
-        }),
+        file_type: Some(FileType { mime: "application/x-xtf", comment: "XTF sonar log" }),
         keywords: &[],
         reader: &Xtf,
         writer: Some(("xtf", &Xtf)),
@@ -192,12 +180,7 @@ pub const FORMATS: &[FormatEntry] = &[
         recorders: "EdgeTech side-scan sonars",
         endings: &[("jsf", FileRole::Log)],
         magic: "messages that begin with 01 16",
-        carries: &[
-            Carried::SideScan,
-            Carried::Soundings,
-            Carried::Positions,
-            Carried::Heading,
-        ],
+        carries: &[Carried::SideScan, Carried::Soundings, Carried::Positions, Carried::Heading],
         tried_on: None,
         notes: "envelope and analytic samples; of several subsystems one is shown",
         file_type: Some(FileType {
@@ -229,18 +212,10 @@ pub const FORMATS: &[FormatEntry] = &[
         recorders: "Klein side-scan sonars",
         endings: &[("sdf", FileRole::Log)],
         magic: "pages that begin with FF FF FF FF, their length and a version from 3000 on",
-        carries: &[
-            Carried::SideScan,
-            Carried::Soundings,
-            Carried::Positions,
-            Carried::Heading,
-        ],
+        carries: &[Carried::SideScan, Carried::Soundings, Carried::Positions, Carried::Heading],
         tried_on: None,
         notes: "System 3000 and 3500 series; System 5000 and 7000 have to be exported as XTF first; of two frequencies the high one is shown",
-        file_type: Some(FileType {
-            mime: "application/x-klein-sdf",
-            comment: "Klein sonar log",
-        }),
+        file_type: Some(FileType { mime: "application/x-klein-sdf", comment: "Klein sonar log" }),
         keywords: &["klein"],
         reader: &Klein,
         writer: None,
@@ -248,19 +223,12 @@ pub const FORMATS: &[FormatEntry] = &[
     FormatEntry {
         name: "NMEA 0183",
         recorders: "loggers of NMEA 0183",
-        endings: &[
-            ("nmea", FileRole::Log),
-            ("log", FileRole::Shared),
-            ("txt", FileRole::Shared),
-        ],
+        endings: &[("nmea", FileRole::Log), ("log", FileRole::Shared), ("txt", FileRole::Shared)],
         magic: "text with three sentences that are read and whose sums are right",
         carries: &[Carried::Soundings, Carried::Positions, Carried::Heading],
         tried_on: None,
         notes: "depths of DPT and DBT with a track; the logger's times before the sentences are used",
-        file_type: Some(FileType {
-            mime: "application/x-nmea-log",
-            comment: "NMEA 0183 log",
-        }),
+        file_type: Some(FileType { mime: "application/x-nmea-log", comment: "NMEA 0183 log" }),
         keywords: &["nmea"],
         reader: &Nmea,
         writer: None,
@@ -274,12 +242,7 @@ pub const FORMATS: &[FormatEntry] = &[
             ("jpeg", FileRole::Paired),
         ],
         magic: "a PNG or JPEG, and a CSV of the same name beside it whose first line names a column of ranges",
-        carries: &[
-            Carried::SideScan,
-            Carried::Soundings,
-            Carried::Positions,
-            Carried::Heading,
-        ],
+        carries: &[Carried::SideScan, Carried::Soundings, Carried::Positions, Carried::Heading],
         tried_on: None,
         notes: "`NAME.png` beside `NAME.csv` with a row a ping: lon and lat, `range_m`, perhaps depth, time and heading; port on the left, the water column in the middle: not corrected to ground range; grey of 8 or 16 bits, or colours by their luminance; `bathyscope manual files`",
         file_type: None,
@@ -305,12 +268,7 @@ pub const FORMATS: &[FormatEntry] = &[
         recorders: "Humminbird",
         endings: &[("DAT", FileRole::Description), ("SON", FileRole::Part)],
         magic: "pings that begin with C0 DE AB 21 in a SON; in a DAT the name of a SON at byte 32, or the text of an Onix",
-        carries: &[
-            Carried::SideScan,
-            Carried::DownScan,
-            Carried::Soundings,
-            Carried::Positions,
-        ],
+        carries: &[Carried::SideScan, Carried::DownScan, Carried::Soundings, Carried::Positions],
         tried_on: Some("recordings of a 998; others from the specification"),
         notes: "900, 1100 and Helix series, Solix, and newer units whose pings have the same tags; keep the folder of `.SON` files beside the `.DAT`",
         file_type: None,
@@ -321,7 +279,8 @@ pub const FORMATS: &[FormatEntry] = &[
 ];
 
 impl FormatEntry {
-    /// What to open, each name as `mark` writes it: `.sl2, .sl3`; `the .DAT, the folder or one .SON`.
+    /// What to open, each name as `mark` writes it: `.sl2, .sl3`; `the .DAT, the folder or one
+    /// .SON`.
     pub fn opened_as(&self, mark: impl Fn(&str) -> String) -> String {
         let of = |role: FileRole, before: &str| {
             let endings = self.endings.iter().filter(|(_, its)| *its == role);
@@ -396,7 +355,8 @@ pub fn formats_to_open() -> &'static str {
     &TEXT
 }
 
-/// The endings of all files that a dialog shows, in small and in capital letters: a dialog may tell them apart.
+/// The endings of all files that a dialog shows, in small and in capital letters: a dialog may tell
+/// them apart.
 pub fn endings_to_show() -> Vec<String> {
     let endings = FORMATS.iter().flat_map(|format| format.endings);
     let both =
@@ -425,10 +385,7 @@ mod tests {
             let said = [format.name, format.recorders, format.magic, format.notes];
             assert!(said.iter().all(|text| !text.is_empty()), "{}", format.name);
             // A table of Markdown has its bars between the columns.
-            let bars = said
-                .iter()
-                .chain(&format.tried_on)
-                .any(|text| text.contains('|'));
+            let bars = said.iter().chain(&format.tried_on).any(|text| text.contains('|'));
             assert!(!bars, "{}", format.name);
             assert!(!format.carries.is_empty(), "{}", format.name);
             for (ending, _) in format.endings {
@@ -458,9 +415,7 @@ mod tests {
         let marked = |name: &str| format!("`{name}`");
         let opened = |at: usize| FORMATS[at].opened_as(marked);
         assert_eq!(opened(0), "`.sl2`, `.sl3`, `.slg`");
-        let folder = FORMATS
-            .iter()
-            .find(|format| format.name.starts_with("Humminbird"));
+        let folder = FORMATS.iter().find(|format| format.name.starts_with("Humminbird"));
         let folder = folder.map(|format| format.opened_as(str::to_owned));
         assert_eq!(folder.as_deref(), Some("the .DAT, the folder or one .SON"));
         assert!(looked_for().starts_with("looked for Lowrance SLG, SL2 and SL3, "));

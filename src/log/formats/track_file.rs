@@ -21,7 +21,8 @@ pub struct TrackFile {
     fixes: Vec<(f64, LonLat, f32)>,
 }
 
-/// Times below this, seconds, count from the beginning of the log: no receiver has recorded in 1973.
+/// Times below this, seconds, count from the beginning of the log: no receiver has recorded
+/// in 1973.
 const LEAST_UNIX_S: f64 = 1e8;
 /// Longer than any track: ten fixes a second of a month take as much.
 const LONGEST: u64 = 1 << 31;
@@ -32,8 +33,8 @@ pub(super) const LAT: &[&str] = &["lat", "latitude", "lat_deg"];
 pub(super) const HEADING: &[&str] = &["heading_deg", "yaw_deg", "heading"];
 
 impl TrackFile {
-    /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log), `lon` and `lat`, degrees, and
-    /// perhaps `heading_deg`; GPX its track points.
+    /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log),
+    /// `lon` and `lat`, degrees, and perhaps `heading_deg`; GPX its track points.
     ///
     /// # Errors
     /// When the file cannot be read, or holds no track.
@@ -41,21 +42,14 @@ impl TrackFile {
         let fail = TrackError::at(path);
         let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
         let text = std::str::from_utf8(&bytes).map_err(|error| fail(error.into()))?;
-        let gpx = text
-            .trim_start_matches('\u{feff}')
-            .trim_start()
-            .starts_with('<');
+        let gpx = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
         let mut fixes = if gpx { from_gpx(text) } else { from_csv(text) }.map_err(fail)?;
         if fixes.len() < 2 {
             return Err(fail(TrackFault::TooShort));
         }
         fixes.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(Self {
-            external: ExternalTrack {
-                path: path.to_owned(),
-                offset_s: 0.0,
-                span_s: [0.0; 2],
-            },
+            external: ExternalTrack { path: path.to_owned(), offset_s: 0.0, span_s: [0.0; 2] },
             bytes: Bytes::Held(Arc::from(bytes)),
             fixes,
         })
@@ -66,8 +60,9 @@ impl TrackFile {
         &self.external.path
     }
 
-    /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than the file says. The file joins the
-    /// survey's sources. What the track does not cover has no place from then on, and a warning says so.
+    /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than
+    /// the file says. The file joins the survey's sources. What the track does not cover has no
+    /// place from then on, and a warning says so.
     ///
     /// # Errors
     /// When nothing of the log is covered, or nobody knows when it was recorded.
@@ -113,11 +108,7 @@ impl TrackFile {
             });
         }
         survey.track = Track {
-            external: Some(ExternalTrack {
-                offset_s,
-                span_s,
-                ..self.external.clone()
-            }),
+            external: Some(ExternalTrack { offset_s, span_s, ..self.external.clone() }),
             ..Track::new(fixes)
         };
         survey.source.files.push(self.external.path.clone());
@@ -183,11 +174,8 @@ fn from_csv(text: &str) -> Fixes {
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let header = table.headers()?.clone();
     let find = |names: &[&str]| {
-        let position = |name: &&str| {
-            header
-                .iter()
-                .position(|field| field.eq_ignore_ascii_case(name))
-        };
+        let position =
+            |name: &&str| header.iter().position(|field| field.eq_ignore_ascii_case(name));
         names.iter().find_map(position)
     };
     let [Some(time), Some(lon), Some(lat)] = [TIME, LON, LAT].map(find) else {
@@ -236,11 +224,7 @@ mod tests {
     use crate::survey::Sounding;
 
     fn survey() -> Survey {
-        let sounding = |time_s| Sounding {
-            time_s,
-            depth_m: 2.0,
-            locked: true,
-        };
+        let sounding = |time_s| Sounding { time_s, depth_m: 2.0, locked: true };
         Survey {
             start_unix_s: Some(1_634_000_000.0),
             soundings: Arc::new((0..10).map(f64::from).map(sounding).collect()),
@@ -262,11 +246,7 @@ mod tests {
                    <trkpt lat=\"1\" lon=\"1\"/><trkpt lat=\"29.4101\" lon=\"-82.1101\"><time>2021-10-12T00:53:30Z</time></trkpt></trkseg></trk></gpx>";
         let [csv, gpx] = [read("a.csv", csv), read("a.gpx", gpx)].map(Result::unwrap);
         let places = |track: &TrackFile| -> Vec<(f64, LonLat)> {
-            track
-                .fixes
-                .iter()
-                .map(|(time_s, place, _)| (*time_s, *place))
-                .collect()
+            track.fixes.iter().map(|(time_s, place, _)| (*time_s, *place)).collect()
         };
         assert_eq!(places(&csv), places(&gpx));
         assert_eq!(places(&csv).len(), 2);
@@ -276,19 +256,12 @@ mod tests {
         assert_eq!(survey.track.fixes[1].time_s, 8.0);
         assert_eq!(survey.source.files.len(), survey.bytes.len());
         // The last sounding comes a second after the last fix.
-        assert!(
-            survey.warnings[0].text.contains("1 of 10"),
-            "{:?}",
-            survey.warnings
-        );
+        assert!(survey.warnings[0].text.contains("1 of 10"), "{:?}", survey.warnings);
     }
 
     #[test]
     fn times_of_the_log_need_no_clock_and_others_are_refused() {
-        let mut unknown = Survey {
-            start_unix_s: None,
-            ..survey()
-        };
+        let mut unknown = Survey { start_unix_s: None, ..survey() };
         let own = read("a.csv", "time_s,lon,lat\n0,1,2\n9,1,2.1\n").unwrap();
         own.apply(&mut unknown, 0.0).unwrap();
         assert!(unknown.warnings.is_empty());

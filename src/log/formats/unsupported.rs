@@ -2,18 +2,9 @@
 
 /// The first bytes of a format, its name, and what to do with it.
 const KNOWN: &[(&[u8], &str)] = &[
-    (
-        b"PK\x03\x04",
-        "a zip archive; unpack it and open the log in it",
-    ),
-    (
-        b"\x1f\x8b",
-        "a gzip archive; unpack it and open the log in it",
-    ),
-    (
-        b"7z\xbc\xaf",
-        "a 7z archive; unpack it and open the log in it",
-    ),
+    (b"PK\x03\x04", "a zip archive; unpack it and open the log in it"),
+    (b"\x1f\x8b", "a gzip archive; unpack it and open the log in it"),
+    (b"7z\xbc\xaf", "a 7z archive; unpack it and open the log in it"),
     (
         b"SQLite format 3",
         "an SQLite database, not a sonar log; open the sl2 or sl3 file that the unit recorded",
@@ -26,7 +17,8 @@ const KNOWN: &[(&[u8], &str)] = &[
     ),
 ];
 
-/// What becomes of a picture without a table of its pings, or with one that does not say how far it reaches.
+/// What becomes of a picture without a table of its pings, or with one that does not say how far it
+/// reaches.
 const PICTURE: &str = "a picture alone is no sonar log; where it is a side-scan waterfall, put a CSV of the same name beside it, with a row a ping and the columns lon, lat and range_m";
 
 /// What to do with a file of a format that is known by sight.

@@ -15,7 +15,8 @@ pub(super) fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> 
     Some(value.into_owned())
 }
 
-/// What an event adds to the text of the element around it: a CDATA section as much as plain letters, a comment nothing.
+/// What an event adds to the text of the element around it: a CDATA section as much as plain
+/// letters, a comment nothing.
 pub(super) fn text_of(event: &Event<'_>) -> Option<String> {
     let text = match event {
         Event::Text(text) => text.decode(),

@@ -1,4 +1,5 @@
-//! Unix seconds, as logs count them, and the dates that people write, in UTC. It depends on no other module; any may use it.
+//! Unix seconds, as logs count them, and the dates that people write, in UTC. It depends on no
+//! other module; any may use it.
 
 use chrono::{DateTime, NaiveDateTime, SecondsFormat, Utc};
 
@@ -30,8 +31,8 @@ pub fn timestamp(unix_s: f64) -> String {
     moment.to_rfc3339_opts(SecondsFormat::Millis, true)
 }
 
-/// Unix seconds of `2021-10-12T00:53:20.5Z`: a date, `T` or a space, hours and minutes, perhaps seconds, and perhaps `Z` or an
-/// offset as `+01:00`; UTC without one. `None` for anything else.
+/// Unix seconds of `2021-10-12T00:53:20.5Z`: a date, `T` or a space, hours and minutes, perhaps
+/// seconds, and perhaps `Z` or an offset as `+01:00`; UTC without one. `None` for anything else.
 pub fn unix_from_iso(text: &str) -> Option<f64> {
     const FORMS: [(&str, &str); 2] = [
         ("%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%dT%H:%M:%S%.f%:z"),
@@ -50,10 +51,7 @@ pub fn unix_from_iso(text: &str) -> Option<f64> {
 
 /// Unix seconds of a number, or of a text that [`unix_from_iso`] knows.
 pub(crate) fn unix_from_text(text: &str) -> Option<f64> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|seconds: &f64| seconds.is_finite());
+    let number = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
     number.or_else(|| unix_from_iso(text))
 }
 

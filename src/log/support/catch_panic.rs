@@ -1,7 +1,7 @@
 //! Panics turned into errors. It depends on no other module; any may use it.
 //!
-//! A library sets no hook for the whole process: what a panic prints is the program's business, which asks [`is_to_be_printed`] from the hook
-//! that it sets.
+//! A library sets no hook for the whole process: what a panic prints is the program's business,
+//! which asks [`is_to_be_printed`] from the hook that it sets.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -24,8 +24,8 @@ enum Reporting {
 
 static REPORTING: Mutex<Reporting> = Mutex::new(Reporting::Not);
 
-/// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half way: what it borrowed mutably may be
-/// half changed.
+/// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half
+/// way: what it borrowed mutably may be half changed.
 pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CATCHING.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
@@ -38,8 +38,8 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
 #[error("{0}")]
 pub struct Panicked(pub String);
 
-/// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
-/// asked [`is_to_be_printed`].
+/// Runs all of a program's work. A panic becomes an error that names its cause, and its place in
+/// the source where the program's hook asked [`is_to_be_printed`].
 ///
 /// # Errors
 /// When it panicked.
@@ -53,8 +53,9 @@ pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     outcome.map_err(|payload| Panicked(first.unwrap_or_else(|| cause(payload.as_ref()).to_owned())))
 }
 
-/// Whether a panic is to be printed, asked by the hook of a program: not where other people's code panicked on damaged bytes, which is an
-/// error like any other, and not where it becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
+/// Whether a panic is to be printed, asked by the hook of a program: not where other people's code
+/// panicked on damaged bytes, which is an error like any other, and not where it becomes the error
+/// of the whole work, unless `RUST_BACKTRACE` asks for it.
 pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
     if is_caught() {
         return false;
@@ -63,9 +64,7 @@ pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
         return true;
     };
     let place = fault.location();
-    let place = place.map_or(String::new(), |at| {
-        format!(" at {}:{}", at.file(), at.line())
-    });
+    let place = place.map_or(String::new(), |at| format!(" at {}:{}", at.file(), at.line()));
     first.get_or_insert_with(|| format!("{}{place}", cause(fault.payload())));
     std::env::var_os("RUST_BACKTRACE").is_some()
 }
@@ -82,8 +81,7 @@ fn reporting() -> std::sync::MutexGuard<'static, Reporting> {
 /// What a panic says.
 pub fn cause(payload: &(dyn Any + Send)) -> &str {
     let text = payload.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| payload.downcast_ref::<&str>().copied())
-        .unwrap_or("no reason given")
+    text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no reason given")
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! What every other module may use: positions and planes, colours and numbers, progress, statistics, files and texts.
+//! What every other module may use: positions and planes, colours and numbers, progress,
+//! statistics, files and texts.
 //!
 //! In: plain values. Out: plain values. It names no other module of the program.
 

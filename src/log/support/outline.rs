@@ -1,6 +1,7 @@
 //! Outlines and boxes on a plane.
 
-/// Whether a closed outline, whose first corner is its last one too, goes around a place: a ray to the east crosses it an odd number of times.
+/// Whether a closed outline, whose first corner is its last one too, goes around a place: a ray to
+/// the east crosses it an odd number of times.
 pub fn goes_around(outline: &[[f64; 2]], place: [f64; 2]) -> bool {
     let steps = outline.windows(2);
     let crossed = steps.filter(|step| is_crossed([step[0], step[1]], place));
@@ -34,12 +35,7 @@ pub fn bounds(places: impl IntoIterator<Item = [f64; 2]>) -> [f64; 4] {
 
 /// The smallest box around two (west, south, east, north).
 pub fn box_around(one: [f64; 4], other: [f64; 4]) -> [f64; 4] {
-    [
-        one[0].min(other[0]),
-        one[1].min(other[1]),
-        one[2].max(other[2]),
-        one[3].max(other[3]),
-    ]
+    [one[0].min(other[0]), one[1].min(other[1]), one[2].max(other[2]), one[3].max(other[3])]
 }
 
 /// Whether two boxes (west, south, east, north) share a place.
@@ -53,14 +49,7 @@ mod tests {
 
     #[test]
     fn an_outline_goes_around_what_is_inside_of_it() {
-        let notched = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [4.0, 4.0],
-            [2.0, 1.0],
-            [0.0, 4.0],
-            [0.0, 0.0],
-        ];
+        let notched = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0], [0.0, 0.0]];
         let inside = [[1.0, 1.0], [3.0, 2.0], [2.0, 2.0], [5.0, 1.0], [-1.0, 1.0]];
         let found = inside.map(|place| goes_around(&notched, place));
         assert_eq!(found, [true, true, false, false, false]);

@@ -1,5 +1,5 @@
-//! Pictures of other programs, PNG and JPEG, unpacked within a bound of memory, whatever they state of themselves. It depends on no other
-//! module; any may use it.
+//! Pictures of other programs, PNG and JPEG, unpacked within a bound of memory, whatever they state
+//! of themselves. It depends on no other module; any may use it.
 
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::{self, BufRead, Seek};
@@ -30,8 +30,8 @@ pub enum PictureFault {
     },
 }
 
-/// The decoder of a picture that takes so many bytes at most while it is unpacked. `copied` says how many bytes a pixel takes in copies that
-/// are made beside the picture, by its colours.
+/// The decoder of a picture that takes so many bytes at most while it is unpacked. `copied` says
+/// how many bytes a pixel takes in copies that are made beside the picture, by its colours.
 ///
 /// # Errors
 /// When its header cannot be read, or it is too large.
@@ -55,11 +55,7 @@ pub fn bounded_decoder<'a>(
         bytes = bytes.saturating_add(decoder.total_bytes().saturating_mul(2));
     }
     match bytes > most_bytes {
-        true => Err(PictureFault::TooLarge {
-            width,
-            height,
-            most_bytes,
-        }),
+        true => Err(PictureFault::TooLarge { width, height, most_bytes }),
         false => Ok(decoder),
     }
 }

@@ -1,5 +1,6 @@
-//! Text from anywhere as text that is shown and does nothing: a name in a file may hold the escape sequences that move a
-//! terminal's cursor, recolour it or type for its owner, and a library may explain itself over a thousand lines.
+//! Text from anywhere as text that is shown and does nothing: a name in a file may hold the escape
+//! sequences that move a terminal's cursor, recolour it or type for its owner, and a library may
+//! explain itself over a thousand lines.
 
 use std::fmt::Write as _;
 
@@ -8,8 +9,8 @@ const LONGEST: usize = 1000;
 /// Of these, letters of the end: that is where a sentence names its file.
 const END: usize = 300;
 
-/// One line of at most a thousand letters: line ends become spaces, what cannot be seen is written as its number (`\u{1b}`), and of
-/// what is longer the middle is left out.
+/// One line of at most a thousand letters: line ends become spaces, what cannot be seen is written
+/// as its number (`\u{1b}`), and of what is longer the middle is left out.
 pub fn one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len().min(4 * LONGEST));
     let mut words = text.split(is_line_end).map(str::trim);
@@ -21,8 +22,8 @@ pub fn one_line(text: &str) -> String {
     shortened(line.trim())
 }
 
-/// A name in a sentence: between “ and ” where it holds a space, so that it is seen where it ends, and that no `5 m` of it is taken for
-/// a figure.
+/// A name in a sentence: between “ and ” where it holds a space, so that it is seen where it ends,
+/// and that no `5 m` of it is taken for a figure.
 pub fn quoted(name: &str) -> String {
     match name.contains(char::is_whitespace) {
         true => format!("“{name}”"),
@@ -30,14 +31,16 @@ pub fn quoted(name: &str) -> String {
     }
 }
 
-/// As [`one_line`], for a text of several lines, each of which stays one. A table's columns stay where they are.
+/// As [`one_line`], for a text of several lines, each of which stays one. A table's columns stay
+/// where they are.
 pub fn lines(text: &str) -> String {
     let lines = text.split('\n');
     let lines = lines.map(|line| shortened(&shown(line.trim_end_matches('\r'))));
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// JSON that says the same and holds nothing that a terminal obeys: what the standard lets stand within strings is escaped.
+/// JSON that says the same and holds nothing that a terminal obeys: what the standard lets stand
+/// within strings is escaped.
 pub fn json(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -53,7 +56,8 @@ pub fn json(text: &str) -> String {
     escaped
 }
 
-/// Text between the tags of an XML or HTML file: markup escaped, characters that XML 1.0 forbids left out.
+/// Text between the tags of an XML or HTML file: markup escaped, characters that XML 1.0 forbids
+/// left out.
 pub fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -72,14 +76,11 @@ pub fn xml(text: &str) -> String {
 }
 
 fn is_line_end(letter: char) -> bool {
-    matches!(
-        letter,
-        '\n' | '\r' | '\t' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}'
-    )
+    matches!(letter, '\n' | '\r' | '\t' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}')
 }
 
-/// Whether a letter is seen as itself: neither a control character nor one that turns the direction of the text around it, joins,
-/// or has no width.
+/// Whether a letter is seen as itself: neither a control character nor one that turns the direction
+/// of the text around it, joins, or has no width.
 fn is_shown(letter: char) -> bool {
     let hidden = matches!(
         letter,
@@ -142,11 +143,7 @@ mod tests {
         let name = "a\u{1b}\u{7f}\u{9b}\u{202e}\u{e0041}\"\\é";
         let text = serde_json::to_string_pretty(&serde_json::json!({ "name": name })).unwrap();
         let safe = json(&text);
-        assert!(
-            safe.chars()
-                .all(|letter| is_shown(letter) || letter == '\n'),
-            "{safe}"
-        );
+        assert!(safe.chars().all(|letter| is_shown(letter) || letter == '\n'), "{safe}");
         let read: serde_json::Value = serde_json::from_str(&safe).unwrap();
         assert_eq!(read["name"], name);
     }

@@ -8,14 +8,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// Shared between the thread that works (sets, checks) and the one that shows and cancels. Clones are the same progress.
+/// Shared between the thread that works (sets, checks) and the one that shows and cancels. Clones
+/// are the same progress.
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
     shared: Arc<Shared>,
     cancellation: Arc<Cancellation>,
 }
 
-/// Apart from what is shared of the work, so that a part does not keep the whole, which keeps its parts.
+/// Apart from what is shared of the work, so that a part does not keep the whole, which keeps its
+/// parts.
 #[derive(Debug, Default)]
 struct Cancellation {
     is_asked_for: AtomicBool,
@@ -62,18 +64,14 @@ impl Progress {
         self.shared.done.fetch_add(steps, Ordering::Relaxed);
     }
 
-    /// Starts a stage of parts that are done beside each other, one for each weight: the share of it that is done is the mean of theirs. To
-    /// cancel the whole cancels them; each can be cancelled alone.
+    /// Starts a stage of parts that are done beside each other, one for each weight: the share of
+    /// it that is done is the mean of theirs. To cancel the whole cancels them; each can be
+    /// cancelled alone.
     pub fn start_parts(&self, weights: impl IntoIterator<Item = f32>) -> Vec<Self> {
         let part = |weight| {
-            let cancellation = Cancellation {
-                whole: Some(self.cancellation.clone()),
-                ..Cancellation::default()
-            };
-            let part = Self {
-                shared: Arc::default(),
-                cancellation: Arc::new(cancellation),
-            };
+            let cancellation =
+                Cancellation { whole: Some(self.cancellation.clone()), ..Cancellation::default() };
+            let part = Self { shared: Arc::default(), cancellation: Arc::new(cancellation) };
             (weight, part)
         };
         let parts: Vec<(f32, Self)> = weights.into_iter().map(part).collect();
@@ -118,11 +116,7 @@ impl Progress {
     /// # Errors
     /// When the work was cancelled.
     pub fn check(&self) -> Result<(), Cancelled> {
-        if self.is_cancelled() {
-            Err(Cancelled)
-        } else {
-            Ok(())
-        }
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 }
 

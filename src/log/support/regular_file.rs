@@ -1,5 +1,5 @@
-//! Files that a user names: opened only where they are files, and read no further than they can sensibly reach. It depends on no other module;
-//! any may use it.
+//! Files that a user names: opened only where they are files, and read no further than they can
+//! sensibly reach. It depends on no other module; any may use it.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
@@ -8,8 +8,8 @@ use std::path::Path;
 /// Opens a file for reading.
 ///
 /// # Errors
-/// What the system says; a folder, a pipe and a device are refused before they are opened, for a pipe may never begin and a device
-/// never end.
+/// What the system says; a folder, a pipe and a device are refused before they are opened, for a
+/// pipe may never begin and a device never end.
 pub fn open(path: &Path) -> io::Result<File> {
     let found = fs::metadata(path)?;
     if found.is_dir() {
@@ -32,7 +32,8 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata()?.len();
     let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too long from one that just fits, also while somebody adds to it.
+    // One byte more than allowed tells a file that is too long from one that just fits, also while
+    // somebody adds to it.
     if length <= most {
         bytes.try_reserve_exact(usize::try_from(length).map_err(io::Error::other)?)?;
         file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -53,7 +54,8 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
 }
 
-/// One file in memory that [`read`] takes for one on disk, for the fuzzer, which reads millions of them.
+/// One file in memory that [`read`] takes for one on disk, for the fuzzer, which reads millions of
+/// them.
 pub mod held {
     use std::cell::RefCell;
     use std::path::{Path, PathBuf};
@@ -101,10 +103,7 @@ mod tests {
         let error = read(&path, 4).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::FileTooLarge);
         assert_eq!(error.to_string(), "it is longer than 4 bytes");
-        assert_eq!(
-            [3 << 20, 2 << 30].map(in_words),
-            ["3 MiB".to_owned(), "2 GiB".to_owned()]
-        );
+        assert_eq!([3 << 20, 2 << 30].map(in_words), ["3 MiB".to_owned(), "2 GiB".to_owned()]);
         fs::write(&path, b"\xff\xfe").unwrap();
         let error = read_text(&path, 5).unwrap_err();
         assert!(error.to_string().contains("UTF-8"), "{error}");
@@ -115,10 +114,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = open(folder.path()).unwrap_err();
         assert!(error.to_string().contains("a folder"), "{error}");
-        assert_eq!(
-            open(&folder.path().join("none")).unwrap_err().kind(),
-            ErrorKind::NotFound
-        );
+        assert_eq!(open(&folder.path().join("none")).unwrap_err().kind(), ErrorKind::NotFound);
         if cfg!(target_os = "linux") {
             let error = read(Path::new("/dev/zero"), 1).unwrap_err();
             assert!(error.to_string().contains("a device"), "{error}");

@@ -1,12 +1,13 @@
-//! Middles and spreads that a few bad values cannot move. It depends on no other module; any may use it.
+//! Middles and spreads that a few bad values cannot move. It depends on no other module; any may
+//! use it.
 
 use std::cmp::Ordering;
 
 /// Ratio of the standard deviation of normal noise to its median absolute deviation.
 pub const SIGMA_PER_MAD: f64 = 1.4826;
 
-/// The 2nd and the 98th percentile of some values, which a few odd ones do not move: the ends of a scale of colours. `None` without any
-/// finite value.
+/// The 2nd and the 98th percentile of some values, which a few odd ones do not move: the ends of a
+/// scale of colours. `None` without any finite value.
 pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let mut values: Vec<f32> = finite.collect();
@@ -21,9 +22,7 @@ pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
 /// The least and the greatest of some values; the first above the second without any.
 pub fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let values = values.into_iter();
-    values.fold([f64::MAX, f64::MIN], |[least, most], value| {
-        [least.min(value), most.max(value)]
-    })
+    values.fold([f64::MAX, f64::MIN], |[least, most], value| [least.min(value), most.max(value)])
 }
 
 /// From the least to the greatest of two ranges, where there are any.
@@ -48,8 +47,9 @@ pub fn median(values: &mut [f64]) -> f64 {
     (lower + upper) / 2.0
 }
 
-/// The value at which half of the weight lies on either side: the mean of two neighbours where it falls between them, so that
-/// equal weights give the [`median`]; NaN for an empty slice. Each entry is a value and its weight, above 0. Sorts `values`.
+/// The value at which half of the weight lies on either side: the mean of two neighbours where it
+/// falls between them, so that equal weights give the [`median`]; NaN for an empty slice. Each
+/// entry is a value and its weight, above 0. Sorts `values`.
 pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
     values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
@@ -68,8 +68,8 @@ pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
     f64::NAN
 }
 
-/// The middle one in the order of `compare`, the upper of the middle two of an even count: always one of the values.
-/// `None` for an empty slice. Reorders `values`.
+/// The middle one in the order of `compare`, the upper of the middle two of an even count: always
+/// one of the values. `None` for an empty slice. Reorders `values`.
 pub fn upper_median<T: Copy>(
     values: &mut [T],
     compare: impl FnMut(&T, &T) -> Ordering,
@@ -78,7 +78,8 @@ pub fn upper_median<T: Copy>(
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, compare).1)
 }
 
-/// Robust standard deviation about `centre`: 1.4826 times the median absolute deviation. Overwrites `values`.
+/// Robust standard deviation about `centre`: 1.4826 times the median absolute deviation. Overwrites
+/// `values`.
 pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     for value in values.iter_mut() {
         *value = (*value - centre).abs();
@@ -86,8 +87,8 @@ pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     SIGMA_PER_MAD * median(values)
 }
 
-/// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default is; NaN for an empty
-/// slice. `sorted` ascends.
+/// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default
+/// is; NaN for an empty slice. `sorted` ascends.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
@@ -107,10 +108,7 @@ mod tests {
         assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
         assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), 2.5);
         assert!(median(&mut []).is_nan());
-        assert_eq!(
-            upper_median(&mut [4.0, 1.0, 3.0, 2.0], f64::total_cmp),
-            Some(3.0)
-        );
+        assert_eq!(upper_median(&mut [4.0, 1.0, 3.0, 2.0], f64::total_cmp), Some(3.0));
         assert_eq!(upper_median(&mut [], f64::total_cmp), None);
     }
 
@@ -118,10 +116,7 @@ mod tests {
     fn weights_move_the_median() {
         let mut even = [4.0, 1.0, 3.0, 2.0].map(|value| (value, 0.3));
         assert_eq!(weighted_median(&mut even), 2.5);
-        assert_eq!(
-            weighted_median(&mut [(1.0, 1.0), (2.0, 1.0), (9.0, 5.0)]),
-            9.0
-        );
+        assert_eq!(weighted_median(&mut [(1.0, 1.0), (2.0, 1.0), (9.0, 5.0)]), 9.0);
         assert_eq!(weighted_median(&mut [(7.0, 0.1)]), 7.0);
         assert!(weighted_median(&mut []).is_nan());
     }
@@ -131,10 +126,7 @@ mod tests {
         // numpy.quantile([1, 2, 4, 8], [0.0, 0.4, 0.95, 1.0])
         let sorted = [1.0, 2.0, 4.0, 8.0];
         for (share, expected) in [(0.0, 1.0), (0.4, 2.4), (0.95, 7.4), (1.0, 8.0)] {
-            assert!(
-                (quantile(&sorted, share) - expected).abs() < 1e-12,
-                "{share}"
-            );
+            assert!((quantile(&sorted, share) - expected).abs() < 1e-12, "{share}");
         }
         assert!(quantile(&[], 0.5).is_nan());
     }

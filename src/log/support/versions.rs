@@ -1,11 +1,13 @@
-//! Lists that grow in versions: each has the entries of the one before up to some place, and new ones behind it.
+//! Lists that grow in versions: each has the entries of the one before up to some place, and new
+//! ones behind it.
 
 use std::sync::Arc;
 
-/// What is remembered of a list that grows, so that a new version takes time for what is new and not for the whole.
+/// What is remembered of a list that grows, so that a new version takes time for what is new and
+/// not for the whole.
 ///
-/// A new version is written over the one before the last, which has all of it but what the last two steps added. Where that one is read
-/// still, the known entries are copied.
+/// A new version is written over the one before the last, which has all of it but what the last two
+/// steps added. Where that one is read still, the known entries are copied.
 #[derive(Debug)]
 pub struct Versions<T> {
     /// The version made last, and how many of its first entries the one before has as well.
@@ -15,10 +17,7 @@ pub struct Versions<T> {
 
 impl<T> Default for Versions<T> {
     fn default() -> Self {
-        Self {
-            last: None,
-            before: None,
-        }
+        Self { last: None, before: None }
     }
 }
 
@@ -28,7 +27,8 @@ impl<T: Copy> Versions<T> {
         self.next_changed(known, kept, added, |all| all.len())
     }
 
-    /// As [`Versions::next`], with entries changed by `change`, which returns the first that it touched.
+    /// As [`Versions::next`], with entries changed by `change`, which returns the first that it
+    /// touched.
     pub fn next_changed(
         &mut self,
         known: &Arc<Vec<T>>,
@@ -47,7 +47,8 @@ impl<T: Copy> Versions<T> {
         all
     }
 
-    /// The first entries of `known`, at most `kept`: as many as there are in a list that nobody reads any more.
+    /// The first entries of `known`, at most `kept`: as many as there are in a list that nobody
+    /// reads any more.
     fn start(&mut self, known: &Arc<Vec<T>>, kept: usize) -> Vec<T> {
         let last = self.last.take();
         let same = last.and_then(|(last, same)| Arc::ptr_eq(&last, known).then_some(same));

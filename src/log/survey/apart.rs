@@ -1,4 +1,5 @@
-//! Which logs make no survey with the others: they lie too far away, or are too short to say anything.
+//! Which logs make no survey with the others: they lie too far away, or are too short to say
+//! anything.
 
 use super::Survey;
 use crate::support::geo::{LonLat, distance_m};
@@ -35,17 +36,16 @@ impl std::fmt::Display for Apart {
     }
 }
 
-/// For each of some logs, why it makes no survey with the others. The survey is the logs near those of `known`, or, where none of these has
-/// a place, the near ones with most pings. One log is a survey, and so are logs that are all too short.
+/// For each of some logs, why it makes no survey with the others. The survey is the logs near those
+/// of `known`, or, where none of these has a place, the near ones with most pings. One log is a
+/// survey, and so are logs that are all too short.
 pub fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
     let is_short = |log: &&Survey| {
         let counts = [log.side_scan.len(), log.soundings.len(), log.swath.len()];
         counts.iter().all(|count| *count < FEWEST)
     };
     let pings = |log: usize| logs[log].side_scan.len();
-    let long: Vec<usize> = (0..logs.len())
-        .filter(|&log| !is_short(&logs[log]))
-        .collect();
+    let long: Vec<usize> = (0..logs.len()).filter(|&log| !is_short(&logs[log])).collect();
     let mut why = vec![None; logs.len()];
     if long.is_empty() {
         return why;
@@ -53,9 +53,7 @@ pub fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
     for log in (0..logs.len()).filter(|log| !long.contains(log)) {
         why[log] = Some(Apart::Short { pings: pings(log) });
     }
-    let placed = long
-        .iter()
-        .filter_map(|&log| Some((log, place(logs[log])?)));
+    let placed = long.iter().filter_map(|&log| Some((log, place(logs[log])?)));
     let groups = groups(placed.collect());
     let weight = |group: &Vec<(usize, LonLat)>| {
         let is_known = group.iter().any(|(log, _)| known.get(*log) == Some(&true));

@@ -4,7 +4,8 @@ use crate::support::geo::LonLat;
 use crate::support::outline::is_crossed;
 use std::path::PathBuf;
 
-/// The rings of an area: a place is in it where an odd number of them go around it, so that islands are rings too.
+/// The rings of an area: a place is in it where an odd number of them go around it, so that islands
+/// are rings too.
 #[derive(Clone, Debug, Default)]
 pub struct WaterArea {
     /// The file that it was read from.
@@ -23,10 +24,7 @@ impl WaterArea {
         let corner = |at: &LonLat| [at.lon_deg, at.lat_deg];
         let crossed = self.rings.iter().map(|ring| {
             let next = ring.iter().cycle().skip(1);
-            let edges = ring
-                .iter()
-                .zip(next)
-                .map(|(from, to)| [corner(from), corner(to)]);
+            let edges = ring.iter().zip(next).map(|(from, to)| [corner(from), corner(to)]);
             edges.filter(|edge| is_crossed(*edge, corner(&at))).count()
         });
         crossed.sum::<usize>() % 2 == 1

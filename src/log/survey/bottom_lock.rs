@@ -1,13 +1,14 @@
 //! Where the recorder's own depth can be believed.
 //!
-//! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the last quarter of the log
-//! jumps between one and four times the depth within a second. Nothing may lean on such depths, but they stay visible.
+//! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the
+//! last quarter of the log jumps between one and four times the depth within a second. Nothing may
+//! lean on such depths, but they stay visible.
 
 use super::{SidePing, Sounding, nearest_in_time};
 use crate::support::statistics::upper_median;
 
-/// A step between soundings is a jump beyond this many metres and this share of the depth: at any boat's speed a bed that
-/// rises so from one sounding to the next stands upright.
+/// A step between soundings is a jump beyond this many metres and this share of the depth: at any
+/// boat's speed a bed that rises so from one sounding to the next stands upright.
 const JUMP_M: f32 = 0.5;
 const JUMP_SHARE: f32 = 0.15;
 /// Soundings further apart in time are not compared, seconds.
@@ -19,9 +20,11 @@ const JUMPS: usize = 4;
 /// Soundings to both sides of one that a glitch is judged against.
 const REACH: usize = 4;
 
-/// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time, seconds.
+/// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time,
+/// seconds.
 pub(super) const NEAREST_SOUNDING_S: f64 = 5.0;
-/// How far back the lock is looked at anew where soundings are added: unless the bottom is lost for longer, it is quiet somewhere there.
+/// How far back the lock is looked at anew where soundings are added: unless the bottom is lost for
+/// longer, it is quiet somewhere there.
 const LONGEST_LOSS: usize = 4096;
 
 /// Gives every ping the depth of the sounding nearest in time. Both are in time order.
@@ -35,12 +38,13 @@ pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     }
 }
 
-/// As [`mark_bottom_lock`], where all before `from` was marked already and what follows is new. Returns the first sounding that was
-/// marked anew.
+/// As [`mark_bottom_lock`], where all before `from` was marked already and what follows is new.
+/// Returns the first sounding that was marked anew.
 pub(super) fn mark_bottom_lock_from(soundings: &mut [Sounding], from: usize) -> usize {
     let from = from.min(soundings.len());
     let mut quiet = from;
-    // Back to where no jump belongs to one that comes after: to the last jump that is followed by a pause.
+    // Back to where no jump belongs to one that comes after: to the last jump that is followed by a
+    // pause.
     for index in (from.saturating_sub(LONGEST_LOSS)..from).rev() {
         let after = soundings.get(quiet).unwrap_or(&soundings[index]);
         if after.time_s - soundings[index].time_s > 2.0 * TOGETHER_S {
@@ -59,18 +63,16 @@ pub(super) fn mark_bottom_lock_from(soundings: &mut [Sounding], from: usize) -> 
     first
 }
 
-/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the end of a log that ends
-/// in one, and on single glitches.
+/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the
+/// end of a log that ends in one, and on single glitches.
 pub fn mark_bottom_lock(soundings: &mut [Sounding]) {
     for sounding in &mut *soundings {
         sounding.locked = true;
     }
-    let glitches: Vec<usize> = (0..soundings.len())
-        .filter(|&index| is_glitch(soundings, index))
-        .collect();
-    let jumps: Vec<usize> = (1..soundings.len())
-        .filter(|&index| is_jump(soundings, index))
-        .collect();
+    let glitches: Vec<usize> =
+        (0..soundings.len()).filter(|&index| is_glitch(soundings, index)).collect();
+    let jumps: Vec<usize> =
+        (1..soundings.len()).filter(|&index| is_jump(soundings, index)).collect();
     let together = |a: &usize, b: &usize| soundings[*b].time_s - soundings[*a].time_s < TOGETHER_S;
     let end = soundings.len().saturating_sub(1);
     let until = |last: usize| if together(&last, &end) { end } else { last };
@@ -94,7 +96,8 @@ fn is_jump(soundings: &[Sounding], index: usize) -> bool {
     here.time_s - before.time_s < NEIGHBOURS_S && differ(before, here)
 }
 
-/// Whether a sounding departs from the median of those around it, which was taken soon before or after.
+/// Whether a sounding departs from the median of those around it, which was taken soon before or
+/// after.
 fn is_glitch(soundings: &[Sounding], index: usize) -> bool {
     let around = index.saturating_sub(REACH)..(index + REACH + 1).min(soundings.len());
     if around.len() <= REACH {
@@ -114,11 +117,7 @@ mod tests {
     fn locked(depths: impl Iterator<Item = f32>) -> Vec<bool> {
         let mut soundings: Vec<Sounding> = depths
             .enumerate()
-            .map(|(index, depth_m)| Sounding {
-                time_s: 0.1 * index as f64,
-                depth_m,
-                locked: false,
-            })
+            .map(|(index, depth_m)| Sounding { time_s: 0.1 * index as f64, depth_m, locked: false })
             .collect();
         mark_bottom_lock(&mut soundings);
         soundings.iter().map(|sounding| sounding.locked).collect()

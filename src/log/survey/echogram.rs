@@ -30,9 +30,10 @@ impl Survey {
         self.echograms.iter().any(|echogram| echogram.kind == kind)
     }
 
-    /// The same log with the echoes of a channel that looks down in the place of those to starboard, and none to port: ping by ping the
-    /// nearest in time, so that its pings are those of the side-scan. In a log without side-scan they are the channel's own. `None`
-    /// where there is no such channel.
+    /// The same log with the echoes of a channel that looks down in the place of those to
+    /// starboard, and none to port: ping by ping the nearest in time, so that its pings are those
+    /// of the side-scan. In a log without side-scan they are the channel's own. `None` where there
+    /// is no such channel.
     pub fn looking_down(&self, kind: ChannelKind) -> Option<Self> {
         let echogram = self.echograms.iter().find(|one| one.kind == kind)?;
         let recorded = &echogram.pings;
@@ -44,11 +45,7 @@ impl Survey {
                     let nearest = nearest
                         .map(|index| recorded[index])
                         .filter(|other| (other.time_s - ping.time_s).abs() <= LONGEST_APART_S);
-                    SidePing {
-                        port: None,
-                        starboard: nearest.map(|other| other.span),
-                        ..*ping
-                    }
+                    SidePing { port: None, starboard: nearest.map(|other| other.span), ..*ping }
                 };
                 self.side_scan.iter().map(beside).collect()
             }
@@ -82,10 +79,7 @@ mod tests {
     use crate::survey::{Side, Sounding};
 
     fn span(offset: u64) -> SideSpan {
-        SideSpan {
-            offset,
-            ..SideSpan::of_bytes(10, [0.0, 5.0])
-        }
+        SideSpan { offset, ..SideSpan::of_bytes(10, [0.0, 5.0]) }
     }
 
     fn log(side_scan: usize) -> Survey {
@@ -99,11 +93,7 @@ mod tests {
         };
         Survey {
             side_scan: Arc::new((0..side_scan).map(ping).collect()),
-            soundings: Arc::new(vec![Sounding {
-                time_s: 0.0,
-                depth_m: 4.0,
-                locked: true,
-            }]),
+            soundings: Arc::new(vec![Sounding { time_s: 0.0, depth_m: 4.0, locked: true }]),
             echograms: vec![Echogram {
                 kind: ChannelKind::DownScan,
                 pings: Arc::new((0..8).map(below).collect()),
@@ -127,9 +117,7 @@ mod tests {
 
     #[test]
     fn without_side_scan_the_pings_are_the_channels_own() {
-        let down = log(0)
-            .looking_down(ChannelKind::DownScan)
-            .expect("a channel");
+        let down = log(0).looking_down(ChannelKind::DownScan).expect("a channel");
         assert_eq!(down.side_scan.len(), 8);
         assert_eq!(down.side_scan[1].depth_m, 4.0);
         assert!(down.side_scan[7].depth_m.is_nan());

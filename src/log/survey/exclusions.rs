@@ -1,5 +1,6 @@
-//! Stretches of a log that are excluded from every result: turns, stops, and what an analyst takes for bad. `edit` changes what an analyst
-//! says of them, `verdict` is how a stretch of the settings says whether it counts.
+//! Stretches of a log that are excluded from every result: turns, stops, and what an analyst takes
+//! for bad. `edit` changes what an analyst says of them, `verdict` is how a stretch of the settings
+//! says whether it counts.
 
 mod edit;
 mod verdict;
@@ -47,7 +48,8 @@ pub struct Stretch {
     /// First and last time, seconds of the log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<[f64; 2]>,
-    /// Why it is excluded; `None`, written `kept`, where it counts although a turn or a stop is found there.
+    /// Why it is excluded; `None`, written `kept`, where it counts although a turn or a stop is
+    /// found there.
     #[serde(with = "verdict")]
     pub reason: Option<ExclusionReason>,
 }
@@ -56,15 +58,19 @@ pub struct Stretch {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExclusionSettings {
-    /// Stretches in which the boat turns faster than this are excluded, degrees a second; none are when not given.
+    /// Stretches in which the boat turns faster than this are excluded, degrees a second; none are
+    /// when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_turn_deg_s: Option<f64>,
-    /// Stretches in which the boat is slower than this are excluded, metres a second; none are when not given.
+    /// Stretches in which the boat is slower than this are excluded, metres a second; none are when
+    /// not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_speed_mps: Option<f64>,
-    /// Shorter turns and stops stay in, seconds; and the way between two of them that is shorter goes with them.
+    /// Shorter turns and stops stay in, seconds; and the way between two of them that is shorter
+    /// goes with them.
     pub min_duration_s: f64,
-    /// The log that `stretches` were named for; over another they are not applied. Over any when not given.
+    /// The log that `stretches` were named for; over another they are not applied. Over any when
+    /// not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log: Option<Identity>,
     /// Stretches of one log. Where they meet a turn or a stop, theirs is the reason.
@@ -107,10 +113,7 @@ impl ExclusionSettings {
                 "excluded.stretches need either pings, the first and the last, or time_s, from and to",
             ),
         ];
-        rules
-            .iter()
-            .find(|(holds, _)| !holds)
-            .map_or(Ok(()), |(_, rule)| Err(*rule))
+        rules.iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, rule)| Err(*rule))
     }
 
     /// Whether nothing can be excluded.
@@ -133,8 +136,7 @@ pub struct ExcludedStretch {
 impl ExcludedStretch {
     /// Where it lies.
     pub fn part(&self) -> LogPart {
-        self.pings
-            .map_or(LogPart::Time(self.time_s), LogPart::Pings)
+        self.pings.map_or(LogPart::Time(self.time_s), LogPart::Pings)
     }
 
     /// Its length along the track, metres.
@@ -143,7 +145,8 @@ impl ExcludedStretch {
     }
 }
 
-/// What is excluded from a log: a reason for every ping, every sounding and every ping of a swath that is.
+/// What is excluded from a log: a reason for every ping, every sounding and every ping of a swath
+/// that is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exclusions {
     /// One entry a side-scan ping; none at all where nothing is excluded.
@@ -214,7 +217,8 @@ impl Exclusions {
         self.pings.iter().flatten().count()
     }
 
-    /// The stretch that a side-scan ping lies in, by its place in [`Exclusions::stretches`]; `None` where the ping counts.
+    /// The stretch that a side-scan ping lies in, by its place in [`Exclusions::stretches`]; `None`
+    /// where the ping counts.
     pub fn stretch_at(&self, ping: usize) -> Option<usize> {
         self.ping(ping)?;
         let begun =
@@ -242,11 +246,8 @@ fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) 
     let mut spans = Vec::new();
     if let Some(max_deg_s) = settings.max_turn_deg_s {
         let turns = turn_rates_deg_s(times_s, places);
-        let is_out = |index: usize| {
-            turns
-                .get(index)
-                .is_some_and(|turn| f64::from(*turn) > max_deg_s)
-        };
+        let is_out =
+            |index: usize| turns.get(index).is_some_and(|turn| f64::from(*turn) > max_deg_s);
         spans.extend(runs(times_s, is_out, ExclusionReason::Turn, min_s));
     }
     if let Some(min_mps) = settings.min_speed_mps {
@@ -257,7 +258,8 @@ fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) 
     spans
 }
 
-/// Runs of records that are out; those that are nearer to each other than `min_s` are one, and shorter ones stay in.
+/// Runs of records that are out; those that are nearer to each other than `min_s` are one, and
+/// shorter ones stay in.
 fn runs(
     times_s: &[f64],
     is_out: impl Fn(usize) -> bool,
@@ -274,9 +276,7 @@ fn runs(
             _ => joined.push([time_s, time_s]),
         }
     }
-    let long = joined
-        .into_iter()
-        .filter(|[from_s, to_s]| to_s - from_s >= min_s);
+    let long = joined.into_iter().filter(|[from_s, to_s]| to_s - from_s >= min_s);
     long.map(|span| (span, Some(reason))).collect()
 }
 
@@ -358,7 +358,8 @@ mod tests {
     use crate::survey::{SidePing, Sounding};
     use std::sync::Arc;
 
-    /// A minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a second for 15 s, 15 s straight, 10 s at rest.
+    /// A minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a second for 15 s,
+    /// 15 s straight, 10 s at rest.
     pub(super) fn sailed(with_pings: bool) -> (Survey, Navigation) {
         let times_s: Vec<f64> = (0..600).map(|index| 0.1 * f64::from(index)).collect();
         let (mut at, mut heading_rad) = ([0.0, 0.0], 0.0_f64);
@@ -372,19 +373,10 @@ mod tests {
                 at[0] + 0.1 * speed_mps * heading_rad.sin(),
                 at[1] + 0.1 * speed_mps * heading_rad.cos(),
             ];
-            places.push(PingNav {
-                east_m: at[0],
-                north_m: at[1],
-                heading_rad,
-                speed_mps,
-            });
+            places.push(PingNav { east_m: at[0], north_m: at[1], heading_rad, speed_mps });
         }
         let ping = |&time_s: &f64| SidePing::with_depth(time_s, 3.0);
-        let sounding = |&time_s: &f64| Sounding {
-            time_s,
-            depth_m: 3.0,
-            locked: true,
-        };
+        let sounding = |&time_s: &f64| Sounding { time_s, depth_m: 3.0, locked: true };
         let pings: Vec<SidePing> = match with_pings {
             true => times_s.iter().map(ping).collect(),
             false => Vec::new(),
@@ -414,9 +406,7 @@ mod tests {
         for with_pings in [true, false] {
             let (survey, navigation) = sailed(with_pings);
             let out = Exclusions::new(&survey, &navigation, &turns_and_stops());
-            let [turn, stop] = out.stretches[..] else {
-                panic!("{:?}", out.stretches)
-            };
+            let [turn, stop] = out.stretches[..] else { panic!("{:?}", out.stretches) };
             assert_eq!(turn.reason, ExclusionReason::Turn);
             assert_eq!(stop.reason, ExclusionReason::Stop);
             // The rate is a mean over two seconds to both sides.
@@ -436,11 +426,7 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let mut settings = turns_and_stops();
         settings.stretches = vec![
-            Stretch {
-                pings: Some([250, 299]),
-                time_s: None,
-                reason: Some(ExclusionReason::Bad),
-            },
+            Stretch { pings: Some([250, 299]), time_s: None, reason: Some(ExclusionReason::Bad) },
             Stretch {
                 pings: None,
                 time_s: Some([5.0, 5.95]),
@@ -465,11 +451,7 @@ mod tests {
         });
         let other = Exclusions::new(&survey, &navigation, &settings);
         assert_eq!(other.stretches.len(), 2);
-        assert!(
-            other.warnings[0].contains("other.sl2"),
-            "{:?}",
-            other.warnings
-        );
+        assert!(other.warnings[0].contains("other.sl2"), "{:?}", other.warnings);
         settings.stretches[0].time_s = Some([1.0, 2.0]);
         assert!(settings.check().is_err());
     }

@@ -1,15 +1,18 @@
 //! A smooth track through coarse fixes.
 //!
-//! Recorders round positions to about a metre and repeat them for most pings, so a difference of two recorded positions
-//! points to one of eight directions, or nowhere. A line fitted over a few seconds is good to about a degree.
+//! Recorders round positions to about a metre and repeat them for most pings, so a difference of
+//! two recorded positions points to one of eight directions, or nowhere. A line fitted over a few
+//! seconds is good to about a degree.
 
 use super::Track;
 use super::local_fit::{LocalFit, TimedPosition};
 use std::ops::Range;
 
-/// Fixes farther apart than this are not joined by a fit, seconds (or three fix intervals, where those are longer).
+/// Fixes farther apart than this are not joined by a fit, seconds (or three fix intervals, where
+/// those are longer).
 const MAX_GAP_S: f64 = 5.0;
-/// A position that stays for longer than this counts as several measurements: the boat is slow or at rest.
+/// A position that stays for longer than this counts as several measurements: the boat is slow or
+/// at rest.
 const LONG_STAY_S: f64 = 2.0;
 /// A stay counts as no more measurements than this: a damaged clock makes one that lasts for weeks.
 const MOST_PARTS: f64 = 10_000.0;
@@ -21,10 +24,12 @@ const REACH_S: f64 = 2.0;
 const REST_SPEED_MPS: f64 = 0.2;
 /// Shares of the window that are tried one after the other where the track bends.
 const NARROWING: [f64; 2] = [1.0, 0.5];
-/// A curve that the places miss by more than this share of their resolution does not follow the boat.
+/// A curve that the places miss by more than this share of their resolution does not follow the
+/// boat.
 const MISFIT: f64 = 0.5;
-/// A boat at rest whose rounded position toggles between neighbours seems to travel up to twice their distance in a
-/// window: only more than this many times the resolution of the fixes is motion.
+/// A boat at rest whose rounded position toggles between neighbours seems to travel up to twice
+/// their distance in a window: only more than this many times the resolution of the fixes is
+/// motion.
 const MOVED: f64 = 2.6;
 /// Fix intervals that receivers are known to use, seconds, longest first.
 const KNOWN_INTERVALS_S: [f64; 6] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
@@ -41,12 +46,8 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    const UNKNOWN: Self = Self {
-        east_m: f64::NAN,
-        north_m: f64::NAN,
-        velocity: [f64::NAN; 2],
-        moving: false,
-    };
+    const UNKNOWN: Self =
+        Self { east_m: f64::NAN, north_m: f64::NAN, velocity: [f64::NAN; 2], moving: false };
 
     pub(super) fn speed_mps(&self) -> f64 {
         self.velocity[0].hypot(self.velocity[1])
@@ -61,7 +62,8 @@ pub(super) struct FittedTrack {
     segments: Vec<Range<usize>>,
     half_window_s: f64,
     reach_s: f64,
-    /// Smallest step between two recorded positions, metres: what the recorder's rounding lets through.
+    /// Smallest step between two recorded positions, metres: what the recorder's rounding lets
+    /// through.
     resolution_m: f64,
 }
 
@@ -80,7 +82,8 @@ impl FittedTrack {
         }
     }
 
-    /// Position and velocity at a time. In gaps of the fixes the position is interpolated and there is no velocity.
+    /// Position and velocity at a time. In gaps of the fixes the position is interpolated and there
+    /// is no velocity.
     pub(super) fn at(&self, time_s: f64) -> Motion {
         match self.fit(time_s) {
             Some((fit, half_window_s)) => {
@@ -97,7 +100,8 @@ impl FittedTrack {
         }
     }
 
-    /// The fit over the whole window, or over a narrower one where the boat turns, and half the width of its window.
+    /// The fit over the whole window, or over a narrower one where the boat turns, and half the
+    /// width of its window.
     fn fit(&self, time_s: f64) -> Option<(LocalFit, f64)> {
         let mut best = None;
         for half_window_s in NARROWING.map(|share| share * self.half_window_s) {
@@ -140,11 +144,8 @@ impl FittedTrack {
         };
         let before = &self.places[next.saturating_sub(1).min(self.places.len() - 1)];
         let span_s = after.time_s - before.time_s;
-        let share = if span_s > 0.0 {
-            ((time_s - before.time_s) / span_s).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let share =
+            if span_s > 0.0 { ((time_s - before.time_s) / span_s).clamp(0.0, 1.0) } else { 0.0 };
         Motion {
             east_m: before.east_m + share * (after.east_m - before.east_m),
             north_m: before.north_m + share * (after.north_m - before.north_m),
@@ -173,12 +174,7 @@ fn stays(track: &Track) -> Vec<Stay> {
             Some(stay) if shown == Some(fix.position) => stay.last_s = fix.time_s,
             _ => {
                 let [east_m, north_m] = track.frame.to_enu(fix.position);
-                stays.push(Stay {
-                    first_s: fix.time_s,
-                    last_s: fix.time_s,
-                    east_m,
-                    north_m,
-                });
+                stays.push(Stay { first_s: fix.time_s, last_s: fix.time_s, east_m, north_m });
                 shown = Some(fix.position);
             }
         }
@@ -187,7 +183,8 @@ fn stays(track: &Track) -> Vec<Stay> {
     stays
 }
 
-/// A position shown for long that ends in a jump was not true all that time: the receiver had lost its satellites.
+/// A position shown for long that ends in a jump was not true all that time: the receiver had lost
+/// its satellites.
 fn drop_stale_repeats(stays: &mut [Stay]) {
     for index in 1..stays.len() {
         let [before, after] = [stays[index - 1], stays[index]];
@@ -198,10 +195,11 @@ fn drop_stale_repeats(stays: &mut [Stay]) {
     }
 }
 
-/// Seconds between two fixes of the receiver: the longest known interval whose beat the changes of position keep.
+/// Seconds between two fixes of the receiver: the longest known interval whose beat the changes of
+/// position keep.
 ///
-/// The time between changes does not show it: at 2 m/s and 10 fixes a second a position rounded to a metre changes only
-/// every third or fourth fix.
+/// The time between changes does not show it: at 2 m/s and 10 fixes a second a position rounded to
+/// a metre changes only every third or fourth fix.
 fn fix_interval_s(stays: &[Stay]) -> f64 {
     let beat = |interval_s: f64| {
         let sampled = &stays[1..stays.len().min(400)];
@@ -214,21 +212,17 @@ fn fix_interval_s(stays: &[Stay]) -> f64 {
     if stays.len() < 8 {
         return 0.0;
     }
-    let known = KNOWN_INTERVALS_S
-        .into_iter()
-        .find(|&interval_s| beat(interval_s) > 0.8);
+    let known = KNOWN_INTERVALS_S.into_iter().find(|&interval_s| beat(interval_s) > 0.8);
     known.unwrap_or_else(|| {
-        let mut between: Vec<f64> = stays
-            .windows(2)
-            .map(|pair| pair[1].first_s - pair[0].first_s)
-            .collect();
+        let mut between: Vec<f64> =
+            stays.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
         between.sort_unstable_by(f64::total_cmp);
         between[between.len() / 20].clamp(0.0, 0.1)
     })
 }
 
-/// Each stay becomes a measurement at its middle: there the rounding error is as likely ahead as behind. The recorder
-/// shows the latest fix, which is half a fix interval old on average.
+/// Each stay becomes a measurement at its middle: there the rounding error is as likely ahead as
+/// behind. The recorder shows the latest fix, which is half a fix interval old on average.
 fn places(stays: &[Stay], interval_s: f64) -> Vec<TimedPosition> {
     let mut places = Vec::with_capacity(stays.len());
     for stay in stays {
@@ -261,8 +255,9 @@ fn segments(places: &[TimedPosition], max_gap_s: f64) -> Vec<Range<usize>> {
     segments
 }
 
-/// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the lines that positions are rounded to is off by
-/// the same all along, however many fixes are averaged.
+/// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the
+/// lines that positions are rounded to is off by the same all along, however many fixes are
+/// averaged.
 pub fn position_resolution_m(track: &Track) -> f64 {
     resolution_m(&stays(track))
 }

@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest lake 6400.
+/// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest
+/// lake 6400.
 pub const WATER_LEVELS_M: RangeInclusive<f64> = -1000.0..=10_000.0;
 
 /// Heights of the water's surface over the gauge's zero, at rising times.
@@ -26,11 +27,10 @@ impl Gauge {
         [time_s(self.readings.first()), time_s(self.readings.last())]
     }
 
-    /// The level at a time, Unix seconds, straight between the readings; that of the nearest end beyond them.
+    /// The level at a time, Unix seconds, straight between the readings; that of the nearest end
+    /// beyond them.
     pub fn level_m(&self, unix_s: f64) -> f64 {
-        let after = self
-            .readings
-            .partition_point(|(time_s, _)| *time_s <= unix_s);
+        let after = self.readings.partition_point(|(time_s, _)| *time_s <= unix_s);
         let before = self.readings.get(after.saturating_sub(1));
         let (Some(&(from_s, from_m)), next) = (before, self.readings.get(after)) else {
             return f64::NAN;
@@ -55,13 +55,9 @@ mod tests {
             ..Gauge::default()
         };
         assert_eq!(made.span_s(), [1_634_000_000.0, 1_634_003_600.0]);
-        for (after_s, expected_m) in [
-            (-9.0, 1.5),
-            (0.0, 1.5),
-            (900.0, 1.75),
-            (3600.0, 2.5),
-            (4000.0, 2.5),
-        ] {
+        for (after_s, expected_m) in
+            [(-9.0, 1.5), (0.0, 1.5), (900.0, 1.75), (3600.0, 2.5), (4000.0, 2.5)]
+        {
             let found_m = made.level_m(1_634_000_000.0 + after_s);
             assert!((found_m - expected_m).abs() < 1e-12, "{after_s}: {found_m}");
         }

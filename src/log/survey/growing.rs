@@ -1,4 +1,5 @@
-//! A log that is still being written: where its tail begins, the log with what was added to it, and a stretch of it as a log of its own.
+//! A log that is still being written: where its tail begins, the log with what was added to it, and
+//! a stretch of it as a log of its own.
 
 use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
 use super::{
@@ -10,10 +11,11 @@ use std::collections::BTreeMap;
 use std::mem::discriminant;
 use std::sync::Arc;
 
-/// Recorders write records this much out of order at most, seconds: the slack that the readers allow.
+/// Recorders write records this much out of order at most, seconds: the slack that the readers
+/// allow.
 const DISORDER_S: f64 = 2.0;
-/// The last seconds of a log are read again with what follows: the second half of a ping, or what speaks for or against a time, may have
-/// come since.
+/// The last seconds of a log are read again with what follows: the second half of a ping, or what
+/// speaks for or against a time, may have come since.
 const UNSETTLED_S: f64 = 3.0;
 /// A channel whose last ping is older than this has ended, seconds.
 const ENDED_S: f64 = 30.0;
@@ -30,7 +32,8 @@ const MOST_OF_A_PING: u64 = 1 << 17;
 pub struct Seam {
     /// What is of this time or later is taken from the tail, seconds after the log's time zero.
     pub time_s: f64,
-    /// For each file of the log a place, in bytes, that nothing of that time or later was written before.
+    /// For each file of the log a place, in bytes, that nothing of that time or later was written
+    /// before.
     pub from: Vec<u64>,
 }
 
@@ -46,19 +49,11 @@ struct RecordPlace {
 
 impl RecordPlace {
     fn of(time_s: f64, span: &SideSpan) -> Self {
-        Self {
-            time_s,
-            file: usize::from(span.file),
-            offset: span.offset,
-        }
+        Self { time_s, file: usize::from(span.file), offset: span.offset }
     }
 
     fn of_swath(ping: &SwathPing) -> Self {
-        Self {
-            time_s: ping.time_s,
-            file: usize::from(ping.file),
-            offset: ping.offset,
-        }
+        Self { time_s: ping.time_s, file: usize::from(ping.file), offset: ping.offset }
     }
 }
 
@@ -71,7 +66,8 @@ pub struct StretchStart {
     pub swath: usize,
 }
 
-/// The lists of a log that is extended again and again ([`Survey::extended`]), so that each time takes as long as what is new.
+/// The lists of a log that is extended again and again ([`Survey::extended`]), so that each time
+/// takes as long as what is new.
 #[derive(Debug, Default)]
 pub struct SurveyVersions {
     side_scan: Versions<SidePing>,
@@ -82,8 +78,8 @@ pub struct SurveyVersions {
 }
 
 impl Survey {
-    /// Where its tail begins, if more is written; `None` where all of it has to be read again: it has no pings yet, its samples are packed, or
-    /// its track is another receiver's.
+    /// Where its tail begins, if more is written; `None` where all of it has to be read again: it
+    /// has no pings yet, its samples are packed, or its track is another receiver's.
     pub fn seam(&self) -> Option<Seam> {
         let is_packed = self.bytes.iter().any(Bytes::is_packed);
         let has_others = self.bytes.len() != self.source.files.len();
@@ -95,7 +91,8 @@ impl Survey {
         let is_live = |last: &&RecordPlace| newest_s - last.time_s < ENDED_S;
         let live = lasts.iter().filter(is_live);
         let slowest_s = live.fold(newest_s, |least_s, last| least_s.min(last.time_s));
-        // Recorders count milliseconds: between two of them there is no ping that could be taken for one of either part.
+        // Recorders count milliseconds: between two of them there is no ping that could be taken
+        // for one of either part.
         let time_s = (slowest_s * 1e3).floor() / 1e3 - UNSETTLED_S - 0.0005;
         let settled_s = time_s - 2.0 * DISORDER_S;
         let settled: Vec<RecordPlace> = self.lasts_before(settled_s).collect();
@@ -106,17 +103,15 @@ impl Survey {
                 let those = those.filter(|last| (settled_s - last.time_s > ENDED_S) == has_ended);
                 those.map(|last| last.offset).reduce(u64::min)
             };
-            // A file of which nothing is settled yet, or that holds no pings at all, is read from its beginning.
+            // A file of which nothing is settled yet, or that holds no pings at all, is read from
+            // its beginning.
             let ended = || {
                 offsets(&settled, true)
                     .filter(|_| !lasts.iter().filter(here).any(|last| is_live(&last)))
             };
             offsets(&settled, false).or_else(ended).unwrap_or(0)
         });
-        Some(Seam {
-            time_s,
-            from: from.collect(),
-        })
+        Some(Seam { time_s, from: from.collect() })
     }
 
     /// The last record of each channel before a time.
@@ -137,8 +132,9 @@ impl Survey {
         sides.chain(down).chain(swath.map(RecordPlace::of_swath))
     }
 
-    /// The log with what was added to it: `tail` is what was read from `seam` on, with the bytes of the longer files. The frame, the time
-    /// zero and the scale of 16-bit samples stay. `None` where the tail does not continue the log: all of it has to be read again.
+    /// The log with what was added to it: `tail` is what was read from `seam` on, with the bytes of
+    /// the longer files. The frame, the time zero and the scale of 16-bit samples stay. `None`
+    /// where the tail does not continue the log: all of it has to be read again.
     pub fn extended(
         &self,
         mut tail: Survey,
@@ -215,8 +211,9 @@ impl Survey {
         }
     }
 
-    /// Whether the log had so many side-scan pings when so many bytes of it were written: what was decided about it then holds still. Of a
-    /// recording in several files this is known to two seconds.
+    /// Whether the log had so many side-scan pings when so many bytes of it were written: what was
+    /// decided about it then holds still. Of a recording in several files this is known to two
+    /// seconds.
     pub fn was(&self, byte_count: u64, pings: usize) -> bool {
         let is_packed = self.bytes.iter().any(Bytes::is_packed);
         if byte_count > self.source.byte_count || pings > self.side_scan.len() || is_packed {
@@ -233,8 +230,7 @@ impl Survey {
                 ends.iter().sum()
             };
             let time_s = |ping: Option<usize>| {
-                ping.and_then(|ping| self.side_scan.get(ping))
-                    .map(|ping| ping.time_s)
+                ping.and_then(|ping| self.side_scan.get(ping)).map(|ping| ping.time_s)
             };
             let first_s = time_s(pings.checked_sub(1)).unwrap_or(f64::NEG_INFINITY);
             let next_s = time_s(Some(pings)).unwrap_or(f64::INFINITY);
@@ -252,36 +248,30 @@ impl Survey {
             })
         };
         let is_in = |end: Option<u64>| end.is_none_or(|end| end <= byte_count);
-        let begun = near().filter(|ping| {
-            ends(ping)
-                .into_iter()
-                .flatten()
-                .any(|end| end <= byte_count)
-        });
+        let begun =
+            near().filter(|ping| ends(ping).into_iter().flatten().any(|end| end <= byte_count));
         let whole = near().filter(|ping| ends(ping).into_iter().all(is_in));
-        // A side that comes in a record of its own makes a ping; of one record with both, all has to be there, and what follows them in it.
+        // A side that comes in a record of its own makes a ping; of one record with both, all has
+        // to be there, and what follows them in it.
         let least = (from + whole.count()).saturating_sub(1);
         (least..=from + begun.count()).contains(&pings)
     }
 
-    /// Whether something that was made on a recording was made on this log, now or when less of it was written. A shorter one has to bear
-    /// its name.
+    /// Whether something that was made on a recording was made on this log, now or when less of it
+    /// was written. A shorter one has to bear its name.
     pub fn is_or_was(&self, log: &Identity) -> bool {
         let own = Identity::of(self);
         own.is_same_log(log) || (own.file == log.file && self.was(log.byte_count, log.pings))
     }
 
-    /// By how much the times of a tail are too early: the recorder's clock was set back before it. `None` where the tail does not hold the
-    /// log's last settled ping.
+    /// By how much the times of a tail are too early: the recorder's clock was set back before it.
+    /// `None` where the tail does not hold the log's last settled ping.
     fn clock_shift_s(&self, tail: &Survey, seam: &Seam) -> Option<f64> {
         let sides = tail.side_scan.iter().flat_map(|ping| {
             let place = |span: &SideSpan| RecordPlace::of(ping.time_s, span);
             Side::BOTH.map(|side| ping.side(side).map(place))
         });
-        let down = tail
-            .echograms
-            .iter()
-            .flat_map(|echogram| echogram.pings.iter());
+        let down = tail.echograms.iter().flat_map(|echogram| echogram.pings.iter());
         let down = down.map(|ping| Some(RecordPlace::of(ping.time_s, &ping.span)));
         let swath = tail.swath.iter().map(RecordPlace::of_swath).map(Some);
         let all: Vec<RecordPlace> = sides.chain(down).chain(swath).flatten().collect();
@@ -308,19 +298,13 @@ impl Survey {
             let pings = Arc::make_mut(&mut echogram.pings);
             pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
         }
-        Arc::make_mut(&mut self.soundings)
-            .iter_mut()
-            .for_each(|one| later(&mut one.time_s));
-        Arc::make_mut(&mut self.swath)
-            .iter_mut()
-            .for_each(|ping| later(&mut ping.time_s));
-        Arc::make_mut(&mut self.track.fixes)
-            .iter_mut()
-            .for_each(|fix| later(&mut fix.time_s));
+        Arc::make_mut(&mut self.soundings).iter_mut().for_each(|one| later(&mut one.time_s));
+        Arc::make_mut(&mut self.swath).iter_mut().for_each(|ping| later(&mut ping.time_s));
+        Arc::make_mut(&mut self.track.fixes).iter_mut().for_each(|fix| later(&mut fix.time_s));
     }
 
-    /// Shows the same bits of 16-bit samples as the log so far. Samples with a scale for each ping have the log's scale already: their
-    /// readers look it up.
+    /// Shows the same bits of 16-bit samples as the log so far. Samples with a scale for each ping
+    /// have the log's scale already: their readers look it up.
     fn scale_like(&mut self, log: &Survey) {
         let spans = log.side_scan.iter().rev().take(ENDED_PINGS);
         let mut spans = spans.flat_map(|ping| [ping.port, ping.starboard]).flatten();
@@ -337,8 +321,9 @@ impl Survey {
         }
     }
 
-    /// Its last pings from `first` on as a log of its own, in the same frame and over the same bytes, and where it begins in the
-    /// other records: what stages are run over where only the end of a log is new.
+    /// Its last pings from `first` on as a log of its own, in the same frame and over the same
+    /// bytes, and where it begins in the other records: what stages are run over where only the end
+    /// of a log is new.
     pub fn stretch_from(&self, first: usize) -> (Survey, StretchStart) {
         let from_s = self.stretch_from_s(first);
         let start = self.stretch_start(first);
@@ -364,14 +349,12 @@ impl Survey {
         }
     }
 
-    /// The time of a ping that a stretch begins with; the first of all stretches has no beginning, in a log without pings either.
+    /// The time of a ping that a stretch begins with; the first of all stretches has no beginning,
+    /// in a log without pings either.
     fn stretch_from_s(&self, first: usize) -> f64 {
         match first {
             0 => f64::NEG_INFINITY,
-            _ => self
-                .side_scan
-                .get(first)
-                .map_or(f64::INFINITY, |ping| ping.time_s),
+            _ => self.side_scan.get(first).map_or(f64::INFINITY, |ping| ping.time_s),
         }
     }
 }
@@ -396,21 +379,14 @@ fn joined_echograms(
         let found = echograms.iter().find(|echogram| echogram.kind == kind);
         found.map_or_else(Arc::default, |echogram: &Echogram| echogram.pings.clone())
     };
-    let mut kinds: Vec<_> = log
-        .iter()
-        .chain(tail)
-        .map(|echogram| echogram.kind)
-        .collect();
+    let mut kinds: Vec<_> = log.iter().chain(tail).map(|echogram| echogram.kind).collect();
     kinds.sort_by_key(|kind| std::cmp::Reverse(*kind));
     kinds.dedup();
     let each = kinds.into_iter().map(|kind| {
         let (known, tail) = (of(log, kind), of(tail, kind));
         let [kept, added] = join.of(&known, &tail, |ping| ping.time_s);
         let versions = versions.entry(kind).or_default();
-        Echogram {
-            kind,
-            pings: versions.next(&known, kept, &tail[added..]),
-        }
+        Echogram { kind, pings: versions.next(&known, kept, &tail[added..]) }
     });
     each.collect()
 }
@@ -421,25 +397,16 @@ fn joined_channels(log: &[Channel], tail: &[Channel], later_s: f64) -> Vec<Chann
     for added in tail.iter().filter(|channel| channel.ping_count > 0) {
         let is_it =
             |one: &&mut Channel| one.kind == added.kind && one.recorder_name == added.recorder_name;
-        let time_span_s = added
-            .time_span_s
-            .map(|(from, to)| (from + later_s, to + later_s));
+        let time_span_s = added.time_span_s.map(|(from, to)| (from + later_s, to + later_s));
         let Some(known) = channels.iter_mut().find(is_it) else {
-            channels.push(Channel {
-                time_span_s,
-                ..added.clone()
-            });
+            channels.push(Channel { time_span_s, ..added.clone() });
             continue;
         };
         known.ping_count += added.ping_count;
         known.time_span_s = wider(known.time_span_s, time_span_s, f64::min, f64::max);
         known.range_m = wider(known.range_m, added.range_m, f32::min, f32::max);
-        let counts = wider(
-            Some(known.sample_count),
-            Some(added.sample_count),
-            usize::min,
-            usize::max,
-        );
+        let counts =
+            wider(Some(known.sample_count), Some(added.sample_count), usize::min, usize::max);
         known.sample_count = counts.unwrap_or_default();
     }
     channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
@@ -464,12 +431,10 @@ mod tests {
     use crate::survey::{Bytes, SidePing};
     use std::path::PathBuf;
 
-    /// A log of one record a ping: 100 bytes of header and two sides of 200 samples, the port one first.
+    /// A log of one record a ping: 100 bytes of header and two sides of 200 samples, the port one
+    /// first.
     fn log(pings: u64) -> Survey {
-        let span = |offset| SideSpan {
-            offset,
-            ..SideSpan::of_bytes(200, [0.0, 10.0])
-        };
+        let span = |offset| SideSpan { offset, ..SideSpan::of_bytes(200, [0.0, 10.0]) };
         let ping = |index: u64| SidePing {
             port: Some(span(500 * index + 100)),
             starboard: Some(span(500 * index + 300)),
@@ -490,10 +455,7 @@ mod tests {
         for pings in [1_u64, 20, 399] {
             for torn in [0, 1, 250, 350, 499] {
                 let bytes = 500 * pings + torn;
-                assert!(
-                    log.was(bytes, pings as usize),
-                    "{pings} pings and {torn} bytes"
-                );
+                assert!(log.was(bytes, pings as usize), "{pings} pings and {torn} bytes");
                 assert!(!log.was(bytes, pings as usize + 3));
                 assert!(pings < 5 || !log.was(bytes, pings as usize - 3));
             }
@@ -514,9 +476,7 @@ mod tests {
         let log = log(400);
         let seam = log.seam().expect("a seam");
         assert!(seam.time_s < 19.95 - UNSETTLED_S && seam.time_s > 19.95 - UNSETTLED_S - 0.01);
-        let first = log
-            .side_scan
-            .partition_point(|ping| ping.time_s < seam.time_s);
+        let first = log.side_scan.partition_point(|ping| ping.time_s < seam.time_s);
         assert!(seam.from[0] < log.side_scan[first].port.map_or(0, |span| span.offset));
         let (stretch, start) = log.stretch_from(first);
         assert_eq!((stretch.side_scan.len(), start.sounding), (400 - first, 0));

@@ -3,8 +3,9 @@
 use super::Survey;
 use serde::{Deserialize, Serialize};
 
-/// Identifies one log in its sidecar files: decisions about boxes, bottom edits. It depends on the log's own
-/// bytes only, whatever is applied to the log. A log that was renamed or moved is still the same.
+/// Identifies one log in its sidecar files: decisions about boxes, bottom edits. It depends on the
+/// log's own bytes only, whatever is applied to the log. A log that was renamed or moved is still
+/// the same.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// File name of the log, without its folder.
@@ -13,7 +14,8 @@ pub struct Identity {
     pub byte_count: u64,
     /// Side-scan pings.
     pub pings: usize,
-    /// Whether port and starboard are exchanged against the recording: sides that are named with it are those.
+    /// Whether port and starboard are exchanged against the recording: sides that are named with it
+    /// are those.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub swapped_sides: bool,
 }

@@ -10,8 +10,8 @@ pub(super) struct TimedPosition {
     pub(super) weight: f64,
 }
 
-/// Weighted least squares around a time: a line for the velocity, a parabola for the position (in a turn a line lies
-/// inside the curve by up to a metre).
+/// Weighted least squares around a time: a line for the velocity, a parabola for the position (in a
+/// turn a line lies inside the curve by up to a metre).
 pub(super) struct LocalFit {
     /// Metres east and north at the time.
     pub(super) position: [f64; 2],
@@ -53,13 +53,8 @@ impl Moments {
     fn line(&self, axis: usize) -> Option<[f64; 3]> {
         let ([s0, s1, s2, ..], [m0, m1, _]) = (self.time, self.place[axis]);
         let determinant = s0 * s2 - s1 * s1;
-        (determinant > 1e-6 * s0 * s0).then(|| {
-            [
-                (s2 * m0 - s1 * m1) / determinant,
-                (s0 * m1 - s1 * m0) / determinant,
-                0.0,
-            ]
-        })
+        (determinant > 1e-6 * s0 * s0)
+            .then(|| [(s2 * m0 - s1 * m1) / determinant, (s0 * m1 - s1 * m0) / determinant, 0.0])
     }
 
     /// Coefficients of the least-squares parabola; `None` when the places lie at too few times.

@@ -1,11 +1,17 @@
-//! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
+//! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever
+//! the file format.
 //!
-//! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its pings.
-//! It uses `support`.
+//! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its
+//! pings. It uses `support`.
 //!
-//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
-//! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `pairs` holds the side-scan of several frequencies, `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `swath` the depths across the track, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says
+//! which recorded depths can be believed, `mounting` says how the recorder is mounted on its boat,
+//! `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart,
+//! `turn_rate` how fast it turns, `pairs` holds the side-scan of several frequencies, `exclusions`
+//! which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what
+//! becomes of a log that is still being written, `echogram` holds the channels that look down,
+//! `swath` the depths across the track, `part` cuts a log. [`navigate`] places every ping on the
+//! ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod apart;
 mod area;
@@ -168,7 +174,8 @@ pub struct Channel {
 pub struct SidePing {
     /// Seconds after the log's time zero; may be negative.
     pub time_s: f64,
-    /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when there is none.
+    /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when
+    /// there is none.
     pub depth_m: f32,
     /// Whether the recorder had the bottom then ([`mark_bottom_lock`]).
     pub depth_locked: bool,
@@ -181,22 +188,13 @@ pub struct SidePing {
 impl SidePing {
     /// A ping without echoes; the recorder had the bottom where there is a depth.
     pub fn with_depth(time_s: f64, depth_m: f32) -> Self {
-        Self {
-            time_s,
-            depth_m,
-            depth_locked: !depth_m.is_nan(),
-            port: None,
-            starboard: None,
-        }
+        Self { time_s, depth_m, depth_locked: !depth_m.is_nan(), port: None, starboard: None }
     }
 
-    /// The recorded depth where it can be leaned on, metres; NaN without one, or where the recorder had lost the bottom.
+    /// The recorded depth where it can be leaned on, metres; NaN without one, or where the recorder
+    /// had lost the bottom.
     pub fn locked_depth_m(&self) -> f32 {
-        if self.depth_locked && self.depth_m > 0.0 {
-            self.depth_m
-        } else {
-            f32::NAN
-        }
+        if self.depth_locked && self.depth_m > 0.0 { self.depth_m } else { f32::NAN }
     }
 
     /// The samples of one side.
@@ -208,8 +206,9 @@ impl SidePing {
     }
 }
 
-/// One depth that the recorder's own bottom lock gave, per ping of the channel that it runs on (the traditional sonar
-/// where there is one). The copies that other channels carry are left out by the reader.
+/// One depth that the recorder's own bottom lock gave, per ping of the channel that it runs on (the
+/// traditional sonar where there is one). The copies that other channels carry are left out by the
+/// reader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sounding {
     /// Seconds after the log's time zero.
@@ -228,7 +227,8 @@ pub enum SideScanState {
     /// The log holds no side-scan frames.
     #[default]
     Absent,
-    /// There are frames but no picture: no transducer was connected, the range is stuck (metres given).
+    /// There are frames but no picture: no transducer was connected, the range is stuck (metres
+    /// given).
     Noise {
         /// The stuck range, metres.
         range_m: f32,
@@ -238,10 +238,12 @@ pub enum SideScanState {
 /// Where the slant ranges of a log's headers come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RangeSource {
-    /// The range that a fish-finder shows. Where in it the first sample begins is not stated, nor what its filters delay.
+    /// The range that a fish-finder shows. Where in it the first sample begins is not stated, nor
+    /// what its filters delay.
     #[default]
     FishFinder,
-    /// The range that a survey recorder states, from the time since the transmission and the speed of sound (XTF).
+    /// The range that a survey recorder states, from the time since the transmission and the speed
+    /// of sound (XTF).
     SurveyRecorder,
 }
 
@@ -252,15 +254,16 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Format in words, for example `Lowrance SL2 (version 1)`.
     pub format: String,
-    /// What the log tells of the unit that recorded it, for example `EdgeTech 4200`; empty where it tells nothing.
+    /// What the log tells of the unit that recorded it, for example `EdgeTech 4200`; empty where it
+    /// tells nothing.
     pub device: String,
     /// Bytes of the log's own files together, without those of a track that was applied to it.
     pub byte_count: u64,
 }
 
 impl Source {
-    /// Which recorder it was, as far as the log tells: its format, and the device where it names one. Logs of one recorder have the
-    /// same words.
+    /// Which recorder it was, as far as the log tells: its format, and the device where it names
+    /// one. Logs of one recorder have the same words.
     pub fn recorder(&self) -> String {
         match self.device.is_empty() {
             true => self.format.clone(),
@@ -278,23 +281,27 @@ pub struct Warning {
     pub text: String,
 }
 
-/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is built by filling it. A clone
-/// shares the bytes.
+/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is
+/// built by filling it. A clone shares the bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// Where it was read from.
     pub source: Source,
-    /// Unix seconds of the log's time zero, when the recorder knew the time; with the clock offset that is in force.
+    /// Unix seconds of the log's time zero, when the recorder knew the time; with the clock offset
+    /// that is in force.
     pub start_unix_s: Option<f64>,
     /// What was added to the recorder's clock, seconds ([`MountingSettings::clock_offset_s`]).
     pub clock_offset_s: f64,
-    /// Whether port and starboard are exchanged against the recording ([`MountingSettings::swap_sides`]).
+    /// Whether port and starboard are exchanged against the recording
+    /// ([`MountingSettings::swap_sides`]).
     pub swapped_sides: bool,
     /// What each channel holds.
     pub channels: Vec<Channel>,
-    /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change of the track makes one.
+    /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change
+    /// of the track makes one.
     pub side_scan: Arc<Vec<SidePing>>,
-    /// All pairs of side-scan channels where the sonar has several frequencies, that which is shown first; none where there is one pair.
+    /// All pairs of side-scan channels where the sonar has several frequencies, that which is shown
+    /// first; none where there is one pair.
     pub pairs: Vec<SidePair>,
     /// Whether the side-scan is worth drawing.
     pub side_scan_state: SideScanState,
@@ -319,18 +326,17 @@ pub struct Survey {
 impl Survey {
     /// Of side-scan pings and nothing else.
     pub fn of_pings(pings: impl IntoIterator<Item = SidePing>) -> Self {
-        Self {
-            side_scan: Arc::new(pings.into_iter().collect()),
-            ..Self::default()
-        }
+        Self { side_scan: Arc::new(pings.into_iter().collect()), ..Self::default() }
     }
 
-    /// Where the samples of one side of one ping lie; `None` when the ping or the side was not recorded.
+    /// Where the samples of one side of one ping lie; `None` when the ping or the side was not
+    /// recorded.
     pub fn span(&self, ping: usize, side: Side) -> Option<&SideSpan> {
         self.side_scan.get(ping)?.side(side)
     }
 
-    /// The samples of one side of one ping; `None` when the ping or the side was not recorded, or lies outside the bytes.
+    /// The samples of one side of one ping; `None` when the ping or the side was not recorded, or
+    /// lies outside the bytes.
     pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
         self.samples_of(self.span(ping, side)?)
     }
@@ -340,10 +346,12 @@ impl Survey {
         Samples::new(self.bytes.get(usize::from(span.file))?.samples(), span)
     }
 
-    /// Whether the files still hold what was read of them. Asks their disks, so it may wait for one that does not answer.
+    /// Whether the files still hold what was read of them. Asks their disks, so it may wait for one
+    /// that does not answer.
     ///
     /// # Errors
-    /// Names the first that was cut or overwritten since the log was opened, or that could not be read to its end.
+    /// Names the first that was cut or overwritten since the log was opened, or that could not be
+    /// read to its end.
     pub fn check_files(&self) -> Result<(), FileError<FileFault>> {
         let mut files = self.source.files.iter().zip(&self.bytes);
         let fault = files.find_map(|(path, bytes)| Some(FileError::new(bytes.fault(path)?, path)));
@@ -352,35 +360,30 @@ impl Survey {
 
     /// [`SidePing::locked_depth_m`] of a ping; NaN beyond the last.
     pub fn locked_depth_m(&self, ping: usize) -> f32 {
-        self.side_scan
-            .get(ping)
-            .map_or(f32::NAN, SidePing::locked_depth_m)
+        self.side_scan.get(ping).map_or(f32::NAN, SidePing::locked_depth_m)
     }
 
     /// The survey's name for people: the opened file's stem.
     pub fn name(&self) -> String {
         let stem = self.source.files.first().and_then(|file| file.file_stem());
-        stem.map_or_else(
-            || "survey".into(),
-            |stem| stem.to_string_lossy().into_owned(),
-        )
+        stem.map_or_else(|| "survey".into(), |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// The same log in a frame that it shares with others: all logs of one survey lie in the frame of the first one's track, so
-    /// that places of one are places of all. The samples are shared, not copied.
+    /// The same log in a frame that it shares with others: all logs of one survey lie in the frame
+    /// of the first one's track, so that places of one are places of all. The samples are shared,
+    /// not copied.
     #[must_use]
     pub fn in_frame(self, frame: &LocalFrame) -> Self {
-        Self {
-            track: self.track.in_frame(frame),
-            ..self
-        }
+        Self { track: self.track.in_frame(frame), ..self }
     }
 
-    /// As [`Survey::in_frame`], for the frame that a project keeps: where its logs were exchanged for those of other waters, so far away
-    /// that its plane would bend their tracks, the log stays in its own.
+    /// As [`Survey::in_frame`], for the frame that a project keeps: where its logs were exchanged
+    /// for those of other waters, so far away that its plane would bend their tracks, the log stays
+    /// in its own.
     #[must_use]
     pub fn in_frame_if_near(self, frame: &LocalFrame) -> Self {
-        // Lengths are short by 0.05 % there, `d^2 / 2 R^2`; a quarter of the Earth away all places lie on one line.
+        // Lengths are short by 0.05 % there, `d^2 / 2 R^2`; a quarter of the Earth away all places
+        // lie on one line.
         const FARTHEST_M: f64 = 200_000.0;
         let first = self.track.fixes.first();
         match first.is_some_and(|fix| distance_m(fix.position, frame.origin()) > FARTHEST_M) {
@@ -391,10 +394,7 @@ impl Survey {
 
     /// First and last time over all channels, seconds after the log's time zero.
     pub fn time_span_s(&self) -> Option<(f64, f64)> {
-        let spans = self
-            .channels
-            .iter()
-            .filter_map(|channel| channel.time_span_s);
+        let spans = self.channels.iter().filter_map(|channel| channel.time_span_s);
         spans.reduce(|(from, to), (other_from, other_to)| (from.min(other_from), to.max(other_to)))
     }
 

@@ -1,11 +1,12 @@
-//! How a recorder is mounted on its boat: where the transducer hangs under the antenna, which cable is port, how compass and clock are
-//! off.
+//! How a recorder is mounted on its boat: where the transducer hangs under the antenna, which cable
+//! is port, how compass and clock are off.
 
 use super::{Channel, ChannelKind, SidePing, Survey};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// `mounting.*` settings: of one log each. All zero is a recorder whose antenna is right above its transducer.
+/// `mounting.*` settings: of one log each. All zero is a recorder whose antenna is right above its
+/// transducer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MountingSettings {
@@ -15,7 +16,8 @@ pub struct MountingSettings {
     pub forward_m: f64,
     /// From the antenna to the transducer across the boat, metres; positive to starboard.
     pub right_m: f64,
-    /// Added to the recorded compass heading, degrees: how the compass is turned on the boat, and the magnetic variation.
+    /// Added to the recorded compass heading, degrees: how the compass is turned on the boat, and
+    /// the magnetic variation.
     pub heading_offset_deg: f64,
     /// Added to the log's clock, seconds: how far it is behind UTC.
     pub clock_offset_s: f64,
@@ -29,13 +31,15 @@ impl MountingSettings {
         *self == Self::default()
     }
 
-    /// From antenna to transducer, metres forward and to starboard; `None` where they are at one place.
+    /// From antenna to transducer, metres forward and to starboard; `None` where they are at one
+    /// place.
     pub fn lever_arm_m(&self) -> Option<[f64; 2]> {
         let arm = [self.forward_m, self.right_m];
         (arm != [0.0; 2]).then_some(arm)
     }
 
-    /// What is put right, in sentences; empty where nothing is. `compass` says whether headings come from the compass.
+    /// What is put right, in sentences; empty where nothing is. `compass` says whether headings
+    /// come from the compass.
     pub fn statement(&self, compass: bool) -> String {
         let mut said = Vec::new();
         if self.swap_sides {
@@ -54,16 +58,8 @@ impl MountingSettings {
             said.push(format!(
                 "Positions are those of {} s {}: so much {} they are recorded than echoes.",
                 self.latency_s.abs(),
-                if self.latency_s > 0.0 {
-                    "later"
-                } else {
-                    "before"
-                },
-                if self.latency_s > 0.0 {
-                    "later"
-                } else {
-                    "earlier"
-                },
+                if self.latency_s > 0.0 { "later" } else { "before" },
+                if self.latency_s > 0.0 { "later" } else { "earlier" },
             ));
         }
         if self.heading_offset_deg != 0.0 {
@@ -79,10 +75,7 @@ impl MountingSettings {
             });
         }
         if self.clock_offset_s != 0.0 {
-            said.push(format!(
-                "{:+} s are added to the log's clock.",
-                self.clock_offset_s
-            ));
+            said.push(format!("{:+} s are added to the log's clock.", self.clock_offset_s));
         }
         said.join(" ")
     }
@@ -94,7 +87,8 @@ pub fn arm_in_words([forward_m, right_m]: [f64; 2], length: impl Fn(f64) -> Stri
     ways_in_words([forward_m, right_m], ways, length)
 }
 
-/// Two distances in words, each with the name of the way that it goes: `1.2 m east and 0.3 m south`; empty where both are 0.
+/// Two distances in words, each with the name of the way that it goes: `1.2 m east and 0.3 m
+/// south`; empty where both are 0.
 pub(super) fn ways_in_words(
     distances_m: [f64; 2],
     ways: [[&str; 2]; 2],
@@ -110,23 +104,18 @@ pub(super) fn ways_in_words(
 }
 
 impl Survey {
-    /// The log that was read, with its sides and its clock as it is mounted. Lever arm and heading act where pings are placed
-    /// ([`super::navigate`]).
+    /// The log that was read, with its sides and its clock as it is mounted. Lever arm and heading
+    /// act where pings are placed ([`super::navigate`]).
     #[must_use]
     pub fn mounted(mut self, mounting: &MountingSettings) -> Self {
         if mounting.swap_sides {
-            let exchanged = |ping: &SidePing| SidePing {
-                port: ping.starboard,
-                starboard: ping.port,
-                ..*ping
-            };
+            let exchanged =
+                |ping: &SidePing| SidePing { port: ping.starboard, starboard: ping.port, ..*ping };
             self.side_scan = Arc::new(self.side_scan.iter().map(exchanged).collect());
             self.channels.iter_mut().for_each(exchange_channel);
             self.swapped_sides = !self.swapped_sides;
         }
-        self.start_unix_s = self
-            .start_unix_s
-            .map(|start_s| start_s + mounting.clock_offset_s);
+        self.start_unix_s = self.start_unix_s.map(|start_s| start_s + mounting.clock_offset_s);
         self.clock_offset_s += mounting.clock_offset_s;
         self
     }
@@ -164,10 +153,7 @@ mod tests {
 
     #[test]
     fn exchanged_twice_a_log_is_as_it_was() {
-        let span = |offset| SideSpan {
-            offset,
-            ..SideSpan::of_bytes(10, [0.0, 5.0])
-        };
+        let span = |offset| SideSpan { offset, ..SideSpan::of_bytes(10, [0.0, 5.0]) };
         let survey = Survey {
             start_unix_s: Some(100.0),
             side_scan: Arc::new(vec![SidePing {

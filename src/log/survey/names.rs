@@ -3,8 +3,9 @@
 use super::Survey;
 use std::path::Path;
 
-/// A name for each log: the stem of its file; where others have that too, the file name; where others have that too, with its folder; where
-/// others have even that, with a number. Recorders begin each card with `Rec00001`.
+/// A name for each log: the stem of its file; where others have that too, the file name; where
+/// others have that too, with its folder; where others have even that, with a number. Recorders
+/// begin each card with `Rec00001`.
 pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String> {
     let logs: Vec<&Survey> = logs.collect();
     let mut names: Vec<String> = logs.iter().map(|log| log.name()).collect();
@@ -19,12 +20,7 @@ pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String>
         }
     }
     let same: Vec<usize> = (0..names.len())
-        .map(|log| {
-            names[..log]
-                .iter()
-                .filter(|name| **name == names[log])
-                .count()
-        })
+        .map(|log| names[..log].iter().filter(|name| **name == names[log]).count())
         .collect();
     for (name, before) in names.iter_mut().zip(same) {
         if before > 0 {
@@ -48,11 +44,7 @@ fn file_name(file: &Path) -> Option<String> {
 /// `Rec00001.DAT (card 2)`.
 fn with_folder(file: &Path) -> Option<String> {
     let folder = file.parent()?.file_name()?;
-    Some(format!(
-        "{} ({})",
-        file_name(file)?,
-        folder.to_string_lossy()
-    ))
+    Some(format!("{} ({})", file_name(file)?, folder.to_string_lossy()))
 }
 
 #[cfg(test)]
@@ -80,9 +72,6 @@ mod tests {
             names(&["a/pond.sl2", "b/pond.sl2", "b/pond.sl3"]),
             ["pond.sl2 (a)", "pond.sl2 (b)", "pond.sl3"]
         );
-        assert_eq!(
-            names(&["1/a/pond.sl2", "2/a/pond.sl2"]),
-            ["pond.sl2 (a)", "pond.sl2 (a) (2)"]
-        );
+        assert_eq!(names(&["1/a/pond.sl2", "2/a/pond.sl2"]), ["pond.sl2 (a)", "pond.sl2 (a) (2)"]);
     }
 }

@@ -12,7 +12,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeadingSource {
-    /// `h_i = p_(i+1) - p_i` of the paper: consecutive recorded positions; zero steps give no heading.
+    /// `h_i = p_(i+1) - p_i` of the paper: consecutive recorded positions; zero steps give no
+    /// heading.
     Steps,
     /// A straight line fitted to the fixes in a time window around the ping.
     TrackFit,
@@ -34,10 +35,7 @@ pub struct HeadingSettings {
 
 impl Default for HeadingSettings {
     fn default() -> Self {
-        Self {
-            source: HeadingSource::TrackFit,
-            window_s: 6.0,
-        }
+        Self { source: HeadingSource::TrackFit, window_s: 6.0 }
     }
 }
 
@@ -48,7 +46,8 @@ pub enum Projection {
     /// Metres on the ground in the survey's local east-north frame.
     #[default]
     Enu,
-    /// Spherical pseudo-Mercator metres relative to the first fix, as published: stretched by 1 / cos(latitude).
+    /// Spherical pseudo-Mercator metres relative to the first fix, as published: stretched by 1 /
+    /// cos(latitude).
     Mercator,
 }
 
@@ -68,8 +67,9 @@ pub struct PingNav {
     pub speed_mps: f64,
 }
 
-/// Position and heading of every side-scan ping ([`Survey::side_scan`]), every sounding ([`Survey::soundings`]) and every ping of a swath
-/// ([`Survey::swath`]); the lists are shared by all copies.
+/// Position and heading of every side-scan ping ([`Survey::side_scan`]), every sounding
+/// ([`Survey::soundings`]) and every ping of a swath ([`Survey::swath`]); the lists are shared by
+/// all copies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Navigation {
     /// One entry per side-scan ping.
@@ -78,14 +78,16 @@ pub struct Navigation {
     pub soundings: Arc<Vec<PingNav>>,
     /// One entry per ping of a swath.
     pub swath: Arc<Vec<PingNav>>,
-    /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right above the transducer.
+    /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right
+    /// above the transducer.
     pub antenna: Arc<Vec<[f64; 2]>>,
     /// The plane that the metres are in.
     pub projection: Projection,
     /// Pings without a heading.
     pub zero_heading: usize,
-    /// Pings at which the boat moves: faster than 0.2 m/s by the fitted track, and by more than its rounded fixes can
-    /// resolve (0.4 m/s over the default window of a recorder that rounds to a metre).
+    /// Pings at which the boat moves: faster than 0.2 m/s by the fitted track, and by more than its
+    /// rounded fixes can resolve (0.4 m/s over the default window of a recorder that rounds to a
+    /// metre).
     pub moving: usize,
 }
 
@@ -108,20 +110,11 @@ impl Navigation {
 impl PingNav {
     /// At a place east and north, metres, heading north.
     pub fn northbound([east_m, north_m]: [f64; 2], speed_mps: f64) -> Self {
-        Self {
-            east_m,
-            north_m,
-            heading_rad: 0.0,
-            speed_mps,
-        }
+        Self { east_m, north_m, heading_rad: 0.0, speed_mps }
     }
 
-    const UNKNOWN: Self = Self {
-        east_m: f64::NAN,
-        north_m: f64::NAN,
-        heading_rad: f64::NAN,
-        speed_mps: f64::NAN,
-    };
+    const UNKNOWN: Self =
+        Self { east_m: f64::NAN, north_m: f64::NAN, heading_rad: f64::NAN, speed_mps: f64::NAN };
 
     /// East and north, metres; NaN where unknown.
     pub fn place(&self) -> [f64; 2] {
@@ -161,7 +154,8 @@ impl Projection {
 }
 
 impl Navigation {
-    /// Metres east and north of a WGS84 position in this navigation's plane; inverse of [`Navigation::to_lon_lat`].
+    /// Metres east and north of a WGS84 position in this navigation's plane; inverse of
+    /// [`Navigation::to_lon_lat`].
     pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
         self.projection.place(track, position)
     }
@@ -178,7 +172,8 @@ impl Navigation {
     }
 }
 
-/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_with`] with no mounting and no shift.
+/// Places every ping and sounding of a survey whose antenna is right above its transducer:
+/// [`navigate_with`] with no mounting and no shift.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -212,16 +207,18 @@ pub struct PositionSettings<'a> {
 
 /// Places every ping and sounding of the survey on the ground, and every ping of a swath.
 ///
-/// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
-/// position from the fitted track. A boat at rest has neither course nor fitted heading.
+/// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the
+/// other sources take the position from the fitted track. A boat at rest has neither course nor
+/// fitted heading.
 ///
-/// Fixes are those of the antenna. The transducer is `forward_m` along the heading `h` and `right_m` to starboard of it:
-/// `east += forward sin h + right cos h`, `north += forward cos h - right sin h`. The heading is that of the source, but for
-/// [`HeadingSource::Steps`], whose headings are multiples of 45 degrees: there it is that of the fitted track. Where the boat rests and has
-/// none, the last one before holds, so that the track does not jump by the length of the arm at every stop.
-/// Places, courses and fitted headings are those of `latency_s` later, the compass heading is not.
-/// `heading_offset_deg` is added to the compass heading alone: a course is that of the boat's motion, and no instrument is turned on it.
-/// The shift moves everything.
+/// Fixes are those of the antenna. The transducer is `forward_m` along the heading `h` and
+/// `right_m` to starboard of it: `east += forward sin h + right cos h`, `north += forward cos h -
+/// right sin h`. The heading is that of the source, but for [`HeadingSource::Steps`], whose
+/// headings are multiples of 45 degrees: there it is that of the fitted track. Where the boat rests
+/// and has none, the last one before holds, so that the track does not jump by the length of the
+/// arm at every stop. Places, courses and fitted headings are those of `latency_s` later, the
+/// compass heading is not. `heading_offset_deg` is added to the compass heading alone: a course is
+/// that of the boat's motion, and no instrument is turned on it. The shift moves everything.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -230,12 +227,7 @@ pub fn navigate_with(
     positions: PositionSettings<'_>,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
-    let PositionSettings {
-        heading: settings,
-        mounting,
-        shift,
-        projection,
-    } = positions;
+    let PositionSettings { heading: settings, mounting, shift, projection } = positions;
     let navigator = Navigator {
         compass_offset_rad: mounting.heading_offset_deg.to_radians(),
         latency_s: mounting.latency_s,
@@ -266,10 +258,7 @@ pub fn navigate_with(
     }
     Ok(Navigation {
         antenna: Arc::new(antenna),
-        zero_heading: pings
-            .iter()
-            .filter(|ping| ping.heading_rad.is_nan())
-            .count(),
+        zero_heading: pings.iter().filter(|ping| ping.heading_rad.is_nan()).count(),
         moving,
         pings: Arc::new(pings),
         soundings: Arc::new(soundings),
@@ -278,7 +267,8 @@ pub fn navigate_with(
     })
 }
 
-/// `h_i = p_(i+1) - p_i`; the last ping has no next one, and a repeated position gives no direction.
+/// `h_i = p_(i+1) - p_i`; the last ping has no next one, and a repeated position gives no
+/// direction.
 fn head_along_steps(places: &mut [PingNav]) {
     for index in 0..places.len().saturating_sub(1) {
         let east = places[index + 1].east_m - places[index].east_m;
@@ -331,10 +321,7 @@ impl Navigator<'_> {
             let Some((sin, cos)) = heading_rad.map(f64::sin_cos) else {
                 return;
             };
-            let by_m = [
-                forward_m * sin + right_m * cos,
-                forward_m * cos - right_m * sin,
-            ];
+            let by_m = [forward_m * sin + right_m * cos, forward_m * cos - right_m * sin];
             [place.east_m, place.north_m] = self.moved(place.place(), by_m);
         }
     }
@@ -391,9 +378,7 @@ impl Navigator<'_> {
         let recorded = self.recorded_at(time_s);
         let [east_m, north_m] = match self.source {
             HeadingSource::Steps => match recorded {
-                Some(index) => self
-                    .projection
-                    .place(self.track, self.track.fixes[index].position),
+                Some(index) => self.projection.place(self.track, self.track.fixes[index].position),
                 None => return (PingNav::UNKNOWN, false),
             },
             _ => self.project(&motion),
@@ -422,13 +407,13 @@ impl Navigator<'_> {
             Projection::Enu => [motion.east_m, motion.north_m],
             Projection::Mercator => {
                 let frame = &self.track.frame;
-                self.projection
-                    .place(self.track, frame.to_lon_lat(motion.east_m, motion.north_m))
+                self.projection.place(self.track, frame.to_lon_lat(motion.east_m, motion.north_m))
             }
         }
     }
 
-    /// Of a compass the fix that was recorded with the echo: it is an instrument of its own, and not late.
+    /// Of a compass the fix that was recorded with the echo: it is an instrument of its own, and
+    /// not late.
     fn heading_rad(&self, motion: &Motion, recorded: Option<usize>, compass: Option<usize>) -> f64 {
         let index = match self.source {
             HeadingSource::Compass => compass,
@@ -450,7 +435,8 @@ impl Navigator<'_> {
         }
     }
 
-    /// Recorded headings count from true north, which is not the north of a plane whose origin lies kilometres east or west.
+    /// Recorded headings count from true north, which is not the north of a plane whose origin lies
+    /// kilometres east or west.
     fn true_north_rad(&self, position: LonLat) -> f64 {
         match self.projection {
             Projection::Enu => self.track.frame.true_north_rad(position),

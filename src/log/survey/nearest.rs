@@ -1,7 +1,7 @@
 //! What was recorded nearest to a time.
 
-/// Index of the item nearest to `time_s`, the earlier of two equally near; `None` without items. `items` are in the order
-/// of `time_of`, seconds.
+/// Index of the item nearest to `time_s`, the earlier of two equally near; `None` without items.
+/// `items` are in the order of `time_of`, seconds.
 pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64) -> Option<usize> {
     let after = items.partition_point(|item| time_of(item) < time_s);
     let before = after.saturating_sub(1);

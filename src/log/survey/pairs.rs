@@ -1,4 +1,5 @@
-//! Pairs of side-scan channels: a sonar of several frequencies records one for each, of which one is shown.
+//! Pairs of side-scan channels: a sonar of several frequencies records one for each, of which one
+//! is shown.
 
 use super::{SidePing, SideScanState, SideSpan, Survey, give_depths};
 use std::sync::Arc;
@@ -32,9 +33,7 @@ impl Survey {
             let mut pings = pings.iter().rev();
             pings.find_map(|ping| ping.port.or(ping.starboard))
         };
-        std::iter::once(&self.side_scan)
-            .chain(others)
-            .filter_map(last)
+        std::iter::once(&self.side_scan).chain(others).filter_map(last)
     }
 
     /// What is to be known of the pairs, in a sentence; `None` where there is one at most.
@@ -46,10 +45,7 @@ impl Survey {
         let others: Vec<String> = others.iter().map(SidePair::summary).collect();
         let others = match has_choice {
             true => format!("set source.frequency_khz to show {}", others.join(" or ")),
-            false => format!(
-                "no frequencies are stated to choose {} by",
-                others.join(" or ")
-            ),
+            false => format!("no frequencies are stated to choose {} by", others.join(" or ")),
         };
         Some(format!(
             "the log holds {} pairs of side-scan channels: {} is shown; {others}",
@@ -58,7 +54,8 @@ impl Survey {
         ))
     }
 
-    /// The same log, showing the pair of channels whose frequency is nearest to one in kHz; unchanged where no pair states one.
+    /// The same log, showing the pair of channels whose frequency is nearest to one in kHz;
+    /// unchanged where no pair states one.
     #[must_use]
     pub fn with_frequency(mut self, frequency_khz: f64) -> Self {
         let off_khz = |pair: &SidePair| {
@@ -75,11 +72,7 @@ impl Survey {
         let before = self.pairs_summary().unwrap_or_default();
         self.pairs[..=chosen].rotate_right(1);
         let after = self.pairs_summary().unwrap_or_default();
-        for warning in self
-            .warnings
-            .iter_mut()
-            .filter(|warning| warning.text == before)
-        {
+        for warning in self.warnings.iter_mut().filter(|warning| warning.text == before) {
             warning.text.clone_from(&after);
         }
         self.side_scan = self.pairs[0].side_scan.clone();
@@ -95,8 +88,8 @@ impl Survey {
         !tail.pairs.iter().all(is_known)
     }
 
-    /// The pairs of the log with what `tail` added to them from a time on. `longer` has the pings of the pair that is shown, and all
-    /// soundings.
+    /// The pairs of the log with what `tail` added to them from a time on. `longer` has the pings
+    /// of the pair that is shown, and all soundings.
     pub(super) fn extended_pairs(
         &self,
         tail: &Survey,
@@ -105,10 +98,7 @@ impl Survey {
     ) -> Vec<SidePair> {
         let extended = |(index, pair): (usize, &SidePair)| {
             if index == 0 {
-                return SidePair {
-                    side_scan: longer.side_scan.clone(),
-                    ..pair.clone()
-                };
+                return SidePair { side_scan: longer.side_scan.clone(), ..pair.clone() };
             }
             let older = |pings: &[SidePing]| pings.partition_point(|ping| ping.time_s < from_s);
             let mut pings = pair.side_scan[..older(&pair.side_scan)].to_vec();
@@ -116,10 +106,7 @@ impl Survey {
             let added = same.map_or(&[][..], |one| &one.side_scan[..]);
             pings.extend_from_slice(&added[older(added)..]);
             give_depths(&mut pings, &longer.soundings);
-            SidePair {
-                side_scan: Arc::new(pings),
-                ..pair.clone()
-            }
+            SidePair { side_scan: Arc::new(pings), ..pair.clone() }
         };
         self.pairs.iter().enumerate().map(extended).collect()
     }

@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 impl Survey {
-    /// Times of the records that a part is chosen by: the side-scan pings, or the soundings of a log without them.
+    /// Times of the records that a part is chosen by: the side-scan pings, or the soundings of a
+    /// log without them.
     pub fn record_times_s(&self) -> Vec<f64> {
         match self.side_scan.is_empty() {
             false => self.side_scan.iter().map(|ping| ping.time_s).collect(),
@@ -13,13 +14,13 @@ impl Survey {
         }
     }
 
-    /// The stretches `records` of [`Survey::record_times_s`], in order and apart, with all that was recorded from the first record of each
-    /// to the one after its last; and their navigation. The samples are shared, not copied.
+    /// The stretches `records` of [`Survey::record_times_s`], in order and apart, with all that was
+    /// recorded from the first record of each to the one after its last; and their navigation. The
+    /// samples are shared, not copied.
     pub fn part(&self, navigation: &Navigation, records: &[Range<usize>]) -> (Survey, Navigation) {
         let times_s = self.record_times_s();
-        let spans: Vec<Range<f64>> = (records.iter())
-            .map(|stretch| span_s(&times_s, stretch))
-            .collect();
+        let spans: Vec<Range<f64>> =
+            (records.iter()).map(|stretch| span_s(&times_s, stretch)).collect();
         let by_sides = !self.side_scan.is_empty();
         let echogram = |echogram: &Echogram| Echogram {
             kind: echogram.kind,
@@ -79,9 +80,7 @@ fn span_s(times_s: &[f64], stretch: &Range<usize>) -> Range<f64> {
 /// The stretches of items, which are in the order of time, that lie in some spans.
 fn indices<T>(items: &[T], spans: &[Range<f64>], time_s: impl Fn(&T) -> f64) -> Vec<Range<usize>> {
     let before = |at_s: f64| items.partition_point(|item| time_s(item) < at_s);
-    let stretches = spans
-        .iter()
-        .map(|span| before(span.start)..before(span.end));
+    let stretches = spans.iter().map(|span| before(span.start)..before(span.end));
     stretches.collect()
 }
 
@@ -107,14 +106,11 @@ mod tests {
     };
     use std::sync::Arc;
 
-    /// Ten side-scan pings a second apart, soundings and down-scan half a second after each, a fix every three seconds.
+    /// Ten side-scan pings a second apart, soundings and down-scan half a second after each, a fix
+    /// every three seconds.
     fn log(has_sides: bool) -> (Survey, Navigation) {
         let times = (0..10).map(f64::from);
-        let sounding = |time_s: f64| Sounding {
-            time_s: time_s + 0.5,
-            depth_m: 3.0,
-            locked: true,
-        };
+        let sounding = |time_s: f64| Sounding { time_s: time_s + 0.5, depth_m: 3.0, locked: true };
         let down = |time_s: f64| EchogramPing {
             time_s: time_s + 0.5,
             span: SideSpan::of_bytes(1, [0.0, 1.0]),
@@ -124,10 +120,7 @@ mod tests {
         let sides: Vec<f64> = times.clone().filter(|_| has_sides).collect();
         let survey = Survey {
             side_scan: Arc::new(
-                sides
-                    .iter()
-                    .map(|time_s| SidePing::with_depth(*time_s, 3.0))
-                    .collect(),
+                sides.iter().map(|time_s| SidePing::with_depth(*time_s, 3.0)).collect(),
             ),
             soundings: Arc::new(times.clone().map(sounding).collect()),
             echograms: vec![Echogram {

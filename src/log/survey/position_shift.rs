@@ -3,8 +3,8 @@
 use super::mounting::ways_in_words;
 use serde::{Deserialize, Serialize};
 
-/// `position_shift.*` settings: of one log each. A receiver without corrections is off by a metre or two, which changes little in an hour: what
-/// crossings with other logs show of it.
+/// `position_shift.*` settings: of one log each. A receiver without corrections is off by a metre
+/// or two, which changes little in an hour: what crossings with other logs show of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PositionShift {
@@ -42,9 +42,6 @@ mod tests {
         assert_eq!(shift(0.0, 0.0).statement(), "");
         let said = shift(1.25, -0.5).statement();
         assert_eq!(said, "Positions are moved by 1.25 m east and 0.5 m south.");
-        assert_eq!(
-            shift(-2.0, 0.0).statement(),
-            "Positions are moved by 2 m west."
-        );
+        assert_eq!(shift(-2.0, 0.0).statement(), "Positions are moved by 2 m west.");
     }
 }

@@ -1,17 +1,19 @@
 //! How the bottom lies across the track: what echoes and objects are placed on.
 //!
-//! At a distance `g` across the track the bottom lies `v(g) = H + deeper(g)` below the transducer, with `H` its altitude under the boat. Its echo
-//! has the slant range `r(g) = sqrt(g^2 + v(g)^2)`: on a level bottom `g = sqrt(r^2 - H^2)`.
+//! At a distance `g` across the track the bottom lies `v(g) = H + deeper(g)` below the transducer,
+//! with `H` its altitude under the boat. Its echo has the slant range `r(g) = sqrt(g^2 + v(g)^2)`:
+//! on a level bottom `g = sqrt(r^2 - H^2)`.
 
 use super::Side;
 use rayon::prelude::*;
 
-/// Distances across the track at which the bottom is known, the closer the nearer they are to the boat: the n-th is `(n / 16)^1.5` of the
-/// farthest.
+/// Distances across the track at which the bottom is known, the closer the nearer they are to the
+/// boat: the n-th is `(n / 16)^1.5` of the farthest.
 const NODES: usize = 16;
 /// Pings that have one bottom across the track.
 const PINGS: usize = 4;
-/// Steps in which the altitude is found: each leaves less than a tenth of what is missing on slopes up to 25 degrees.
+/// Steps in which the altitude is found: each leaves less than a tenth of what is missing on slopes
+/// up to 25 degrees.
 const STEPS: usize = 5;
 
 /// How much deeper than under the boat the bottom lies to one side of it.
@@ -23,10 +25,7 @@ pub struct AcrossTrack {
 
 impl AcrossTrack {
     /// A level bottom.
-    pub const LEVEL: Self = Self {
-        farthest_m: 1.0,
-        deeper_m: [0.0; NODES],
-    };
+    pub const LEVEL: Self = Self { farthest_m: 1.0, deeper_m: [0.0; NODES] };
 
     /// Distance of a node, metres; that of the first is under the boat.
     fn ground_of(&self, node: usize) -> f64 {
@@ -42,7 +41,8 @@ impl AcrossTrack {
         }
     }
 
-    /// How much deeper than under the boat the bottom is at a distance, metres; beyond the farthest that is known as there.
+    /// How much deeper than under the boat the bottom is at a distance, metres; beyond the farthest
+    /// that is known as there.
     pub fn deeper_m(&self, ground_m: f64) -> f64 {
         let share = (ground_m / f64::from(self.farthest_m)).clamp(0.0, 1.0);
         let before = ((NODES as f64 * (share * share).cbrt()) as usize).min(NODES - 1);
@@ -51,7 +51,8 @@ impl AcrossTrack {
         from + (to - from) * ((ground_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0)
     }
 
-    /// Slant range of the bottom at a distance, metres, from a transducer so high above the bottom under it.
+    /// Slant range of the bottom at a distance, metres, from a transducer so high above the bottom
+    /// under it.
     pub fn range_m(&self, altitude_m: f64, ground_m: f64) -> f64 {
         let deeper_m = match self.is_level() {
             true => 0.0,
@@ -60,7 +61,8 @@ impl AcrossTrack {
         length(ground_m, altitude_m + deeper_m)
     }
 
-    /// Replaces growing distances by the slant ranges of the bottom there, metres, from a transducer so high above the bottom under it.
+    /// Replaces growing distances by the slant ranges of the bottom there, metres, from a
+    /// transducer so high above the bottom under it.
     #[inline(always)]
     pub fn replace_by_ranges_m(&self, altitude_m: f64, grounds_m: &mut [f64]) {
         if self.is_level() {
@@ -72,10 +74,8 @@ impl AcrossTrack {
         let mut rest = grounds_m;
         for node in 0..NODES {
             let (from_m, to_m) = (self.ground_of(node), self.ground_of(node + 1));
-            let (deeper_m, more_m) = (
-                self.deeper_at(node),
-                self.deeper_at(node + 1) - self.deeper_at(node),
-            );
+            let (deeper_m, more_m) =
+                (self.deeper_at(node), self.deeper_at(node + 1) - self.deeper_at(node));
             let end = match node + 1 < NODES {
                 true => rest.partition_point(|ground_m| *ground_m < to_m),
                 // Beyond the last node the bottom goes on level.
@@ -114,7 +114,8 @@ impl AcrossTrack {
         foots.reduce(nearer).unwrap_or([0.0, altitude_m])
     }
 
-    /// Altitude over the bottom under the boat, metres, of a transducer whose first return comes from so far.
+    /// Altitude over the bottom under the boat, metres, of a transducer whose first return comes
+    /// from so far.
     pub fn altitude_m(&self, first_return_m: f64) -> f64 {
         if self.is_level() {
             return first_return_m.max(0.0);
@@ -123,13 +124,11 @@ impl AcrossTrack {
         (0..STEPS).fold(first_return_m, step).max(0.0)
     }
 
-    /// Distance across the track at which the bottom has a slant range, metres: the first one beyond what is nearest to the transducer; that
-    /// place itself where the range is shorter.
+    /// Distance across the track at which the bottom has a slant range, metres: the first one
+    /// beyond what is nearest to the transducer; that place itself where the range is shorter.
     pub fn ground_m(&self, altitude_m: f64, range_m: f64) -> f64 {
         if self.is_level() {
-            return (range_m * range_m - altitude_m * altitude_m)
-                .max(0.0)
-                .sqrt();
+            return (range_m * range_m - altitude_m * altitude_m).max(0.0).sqrt();
         }
         let [nearest_m, least_m] = self.nearest(altitude_m);
         if range_m <= least_m {
@@ -149,13 +148,12 @@ impl AcrossTrack {
             }
             last = to;
         }
-        (range_m * range_m - last[1] * last[1])
-            .max(last[0] * last[0])
-            .sqrt()
+        (range_m * range_m - last[1] * last[1]).max(last[0] * last[0]).sqrt()
     }
 }
 
-/// Length of a way with these two sides. `f64::hypot` minds numbers that no survey has, and took a sixth of a run.
+/// Length of a way with these two sides. `f64::hypot` minds numbers that no survey has, and took a
+/// sixth of a run.
 #[inline(always)]
 fn length(across_m: f64, down_m: f64) -> f64 {
     (across_m * across_m + down_m * down_m).sqrt()
@@ -170,17 +168,15 @@ pub struct Relief {
 }
 
 impl Relief {
-    /// Along some pings, up to a distance across the track. `deeper_m` is asked for the ping in the middle of a few; where it tells nothing, the
-    /// bottom goes on as it last was, outward from the boat.
+    /// Along some pings, up to a distance across the track. `deeper_m` is asked for the ping in the
+    /// middle of a few; where it tells nothing, the bottom goes on as it last was, outward from the
+    /// boat.
     pub fn new(
         pings: usize,
         farthest_m: f64,
         deeper_m: impl Fn(Side, usize, f64) -> Option<f64> + Sync,
     ) -> Self {
-        let across = AcrossTrack {
-            farthest_m: farthest_m as f32,
-            ..AcrossTrack::LEVEL
-        };
+        let across = AcrossTrack { farthest_m: farthest_m as f32, ..AcrossTrack::LEVEL };
         let of_side = |side: Side| {
             let profile = |index: usize| {
                 let ping = (index * PINGS + PINGS / 2).min(pings - 1);
@@ -193,10 +189,7 @@ impl Relief {
             let profiles = (0..pings.div_ceil(PINGS)).into_par_iter();
             profiles.map(profile).collect()
         };
-        Self {
-            farthest_m: farthest_m as f32,
-            sides: Side::BOTH.map(of_side),
-        }
+        Self { farthest_m: farthest_m as f32, sides: Side::BOTH.map(of_side) }
     }
 
     /// Whether it is level everywhere.
@@ -229,10 +222,7 @@ mod tests {
         let level = AcrossTrack::LEVEL;
         assert!((level.ground_m(3.0, 5.0) - 4.0).abs() < 1e-12);
         assert!((level.range_m(3.0, 4.0) - 5.0).abs() < 1e-12);
-        assert_eq!(
-            (level.ground_m(3.0, 2.0), level.altitude_m(3.0)),
-            (0.0, 3.0)
-        );
+        assert_eq!((level.ground_m(3.0, 2.0), level.altitude_m(3.0)), (0.0, 3.0));
         assert_eq!(Relief::default().across(Side::Starboard, 7), level);
     }
 
@@ -251,17 +241,15 @@ mod tests {
                 let ground_m = across.ground_m(5.0, range_m);
                 assert!(ground_m >= nearest_m);
                 let again_m = across.range_m(5.0, ground_m);
-                assert!(
-                    (again_m - range_m).abs() < 1e-3,
-                    "{range_m} {ground_m} {again_m}"
-                );
+                assert!((again_m - range_m).abs() < 1e-3, "{range_m} {ground_m} {again_m}");
             }
         }
     }
 
     #[test]
     fn the_first_return_of_a_slope_comes_from_its_foot() {
-        // The foot of the perpendicular lies H cos(slope) away on the rising side; on the falling side the nearest is below the boat.
+        // The foot of the perpendicular lies H cos(slope) away on the rising side; on the falling
+        // side the nearest is below the boat.
         let cos = 1.0 / f64::hypot(1.0, 0.25);
         assert!((slope(-0.25).altitude_m(4.0 * cos) - 4.0).abs() < 1e-3);
         assert!((slope(0.25).altitude_m(4.0) - 4.0).abs() < 1e-9);

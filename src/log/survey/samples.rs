@@ -1,11 +1,13 @@
-//! Echo samples of one side of a ping, borrowed from the mapped file, or from what was unpacked of it.
+//! Echo samples of one side of a ping, borrowed from the mapped file, or from what was unpacked of
+//! it.
 
 use crate::support::mapped_file::{FileFault, MappedFile};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The bytes of one file: mapped, or held in memory (a simulated survey, a test). They are those of the file, whatever its samples lie in.
+/// The bytes of one file: mapped, or held in memory (a simulated survey, a test). They are those of
+/// the file, whatever its samples lie in.
 #[derive(Clone, Debug)]
 pub enum Bytes {
     /// A read-only memory map. What of it cannot be read any more is zero.
@@ -22,7 +24,8 @@ pub enum Bytes {
 }
 
 impl Bytes {
-    /// What makes them wrong since the file at `path` was opened, and with them what was read of it; see [`MappedFile::fault`].
+    /// What makes them wrong since the file at `path` was opened, and with them what was read of
+    /// it; see [`MappedFile::fault`].
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
         match self {
             Bytes::Mapped(map) => map.fault(path),
@@ -100,15 +103,16 @@ pub enum Encoding {
         /// Bits to drop.
         shift: u8,
     },
-    /// Two bytes, little-endian, on the scale of their own ping: `base + step * value` is the level in units of 2^-[`LEVEL_BITS`].
+    /// Two bytes, little-endian, on the scale of their own ping: `base + step * value` is the level
+    /// in units of 2^-[`LEVEL_BITS`].
     ScaledU16 {
         /// Level of the value 0.
         base: i32,
         /// Levels from one value to the next.
         step: u32,
     },
-    /// Four bytes: real and imaginary part, little-endian i16. The level is their magnitude times `step`, in units of
-    /// 2^-[`LEVEL_BITS`].
+    /// Four bytes: real and imaginary part, little-endian i16. The level is their magnitude times
+    /// `step`, in units of 2^-[`LEVEL_BITS`].
     ScaledComplex {
         /// Levels from one magnitude to the next.
         step: u32,
@@ -139,7 +143,8 @@ pub enum NumberKind {
     I32,
     /// Four bytes, IEEE 754.
     F32,
-    /// Four bytes, the floating point of IBM's System/360: a sign, seven bits of an exponent of 16, 24 bits of a fraction.
+    /// Four bytes, the floating point of IBM's System/360: a sign, seven bits of an exponent of 16,
+    /// 24 bits of a fraction.
     IbmF32,
 }
 
@@ -219,7 +224,8 @@ pub struct SideSpan {
 }
 
 impl SideSpan {
-    /// Bytes from the near to the far one, at the start of the first file: what tests of ranges need.
+    /// Bytes from the near to the far one, at the start of the first file: what tests of ranges
+    /// need.
     pub fn of_bytes(count: u32, [near_m, far_m]: [f32; 2]) -> Self {
         Self {
             file: 0,
@@ -237,7 +243,8 @@ impl SideSpan {
         f64::from(self.far_m - self.near_m) / f64::from(self.count.max(1))
     }
 
-    /// Slant range at a distance of `sample` samples outward from the nearest edge, metres, by the recorder's scale.
+    /// Slant range at a distance of `sample` samples outward from the nearest edge, metres, by the
+    /// recorder's scale.
     pub fn range_m(&self, sample: f64) -> f64 {
         f64::from(self.near_m) + sample * self.metres_per_sample()
     }
@@ -263,11 +270,7 @@ impl<'a> Samples<'a> {
         let start = usize::try_from(span.offset).ok()?;
         let end = start.checked_add((span.count as usize).checked_mul(width)?)?;
         let stored = bytes.get(start..end)?;
-        Some(Self {
-            stored,
-            encoding: span.encoding,
-            order: span.order,
-        })
+        Some(Self { stored, encoding: span.encoding, order: span.order })
     }
 
     /// Number of samples.
@@ -297,8 +300,9 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The sample `index` steps outward from the boat in as many bits as it was stored in, up to 16; of one on a scale of its ping the
-    /// level times 256. Panics beyond the last, as a slice does.
+    /// The sample `index` steps outward from the boat in as many bits as it was stored in, up to
+    /// 16; of one on a scale of its ping the level times 256. Panics beyond the last, as a slice
+    /// does.
     pub fn wide(&self, index: usize) -> u16 {
         let stored = self.stored_index(index);
         match self.encoding {
@@ -346,7 +350,8 @@ impl<'a> Samples<'a> {
         u16::from_le_bytes([self.stored[at], self.stored[at + 1]])
     }
 
-    /// The stored bytes when they are one byte a sample, with their order; the fast way for whole-survey passes.
+    /// The stored bytes when they are one byte a sample, with their order; the fast way for
+    /// whole-survey passes.
     pub fn stored_u8(&self) -> Option<(&'a [u8], SampleOrder)> {
         (self.encoding == Encoding::U8).then_some((self.stored, self.order))
     }
@@ -397,14 +402,8 @@ mod tests {
         assert_eq!(levels(NumberKind::I32, -24, &words), [3, 0, 0, 0]);
         let floats = [0.5_f32, -0.25, f32::NAN, f32::INFINITY, -1e30, 0.0];
         let floats = floats.map(f32::to_le_bytes).concat();
-        assert_eq!(
-            levels(NumberKind::F32, 8, &floats),
-            [128, 64, 0, 255, 255, 0]
-        );
-        assert_eq!(
-            levels(NumberKind::F32, i16::MIN, &floats),
-            [0, 0, 0, 255, 0, 0]
-        );
+        assert_eq!(levels(NumberKind::F32, 8, &floats), [128, 64, 0, 255, 255, 0]);
+        assert_eq!(levels(NumberKind::F32, i16::MIN, &floats), [0, 0, 0, 255, 0, 0]);
         assert_eq!(levels(NumberKind::F32, i16::MAX, &floats)[..2], [255, 255]);
         // 118.625 is 0x76A000 * 16^2 / 2^24, as IBM's own example of the format has it.
         let floats = [0xC276_A000_u32, 0x4276_A000, 0x7FFF_FFFF, 0];

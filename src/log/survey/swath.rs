@@ -1,7 +1,7 @@
 //! Depths across the track of a sonar that measures them itself (interferometry): a swath.
 //!
-//! They stay where they lie in the file, as samples do: pairs of little-endian f32, distance outward from the boat and depth below the
-//! transducer, both in feet, as Lowrance writes them.
+//! They stay where they lie in the file, as samples do: pairs of little-endian f32, distance
+//! outward from the boat and depth below the transducer, both in feet, as Lowrance writes them.
 
 use super::{Side, Survey};
 use crate::support::geo::METRES_PER_FOOT;
@@ -14,7 +14,8 @@ const OUT_FT: RangeInclusive<f32> = 0.001..=1000.0;
 /// Depths that can be, feet.
 const DEPTH_FT: RangeInclusive<f32> = 1.0..=250.0;
 
-/// The depths of one ping. Those of port come first, then those of starboard, then those that the recorder marks as unreliable.
+/// The depths of one ping. Those of port come first, then those of starboard, then those that the
+/// recorder marks as unreliable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SwathPing {
     /// Seconds after the log's time zero.
@@ -44,9 +45,7 @@ impl SwathPing {
 
     /// Bytes of a pair; `None` beyond what a file can have.
     fn bytes_of(&self, number: usize) -> Option<Range<usize>> {
-        let start = usize::try_from(self.offset)
-            .ok()?
-            .checked_add(SWATH_PAIR * number)?;
+        let start = usize::try_from(self.offset).ok()?.checked_add(SWATH_PAIR * number)?;
         Some(start..start.checked_add(SWATH_PAIR)?)
     }
 }
@@ -74,7 +73,8 @@ pub(crate) fn swath_pair_m(pair: [u8; SWATH_PAIR]) -> Option<[f64; 2]> {
 }
 
 impl Survey {
-    /// A depth of a swath ping by its number; `None` where it cannot be a depth, is one of the unreliable ones, or lies outside the bytes.
+    /// A depth of a swath ping by its number; `None` where it cannot be a depth, is one of the
+    /// unreliable ones, or lies outside the bytes.
     pub fn swath_sounding(&self, ping: &SwathPing, number: usize) -> Option<SwathSounding> {
         let bytes = self.bytes.get(usize::from(ping.file))?;
         let pair = bytes.get(ping.bytes_of(number)?)?;
@@ -115,25 +115,11 @@ mod tests {
 
     #[test]
     fn pairs_are_read_where_they_lie_and_change_sides_with_the_cables() {
-        let pairs = [
-            pair(10.0, 20.0),
-            pair(f32::NAN, 20.0),
-            pair(30.0, 40.0),
-            pair(1.0, 2.0),
-        ];
+        let pairs = [pair(10.0, 20.0), pair(f32::NAN, 20.0), pair(30.0, 40.0), pair(1.0, 2.0)];
         let bytes = [vec![0; 5], pairs.concat()].concat();
-        let ping = SwathPing {
-            time_s: 0.0,
-            offset: 5,
-            file: 0,
-            port: 2,
-            starboard: 1,
-            unreliable: 1,
-        };
-        let mut survey = Survey {
-            bytes: vec![Bytes::Held(Arc::new(bytes))],
-            ..Survey::default()
-        };
+        let ping =
+            SwathPing { time_s: 0.0, offset: 5, file: 0, port: 2, starboard: 1, unreliable: 1 };
+        let mut survey = Survey { bytes: vec![Bytes::Held(Arc::new(bytes))], ..Survey::default() };
         let read = |survey: &Survey| -> Vec<(usize, Side, f64)> {
             let all = survey.swath_soundings(&ping);
             all.map(|one| (one.number, one.side, one.out_m)).collect()

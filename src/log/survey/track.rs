@@ -23,32 +23,28 @@ pub struct Fix {
 impl Fix {
     /// A position with nothing else.
     pub fn at(time_s: f64, position: LonLat) -> Self {
-        Self {
-            time_s,
-            position,
-            cog_rad: f32::NAN,
-            compass_rad: f32::NAN,
-            speed_mps: f32::NAN,
-        }
+        Self { time_s, position, cog_rad: f32::NAN, compass_rad: f32::NAN, speed_mps: f32::NAN }
     }
 }
 
 /// The boat's track. Position between fixes, and heading, come from [`super::navigate`].
 #[derive(Clone, Debug)]
 pub struct Track {
-    /// One entry per record that carries a position, repeats included, in time order; shared by all copies.
+    /// One entry per record that carries a position, repeats included, in time order; shared by all
+    /// copies.
     pub fixes: Arc<Vec<Fix>>,
-    /// Local frame that all `east_m`, `north_m` of the log are in: its origin is the first fix, unless the log was put into the
-    /// frame of another ([`Track::in_frame`]).
+    /// Local frame that all `east_m`, `north_m` of the log are in: its origin is the first fix,
+    /// unless the log was put into the frame of another ([`Track::in_frame`]).
     pub frame: LocalFrame,
     /// Whose track it is, when it is not the recorder's.
     pub external: Option<ExternalTrack>,
-    /// Whose metres the recorder's positions are, where it wrote metres of a system that the log does not name.
+    /// Whose metres the recorder's positions are, where it wrote metres of a system that the log
+    /// does not name.
     pub projected: Option<ProjectedTrack>,
 }
 
-/// Positions that the recorder wrote in metres of a system that the log does not name. Until somebody names it they lie around longitude
-/// 0, latitude 0, so that their distances are right.
+/// Positions that the recorder wrote in metres of a system that the log does not name. Until
+/// somebody names it they lie around longitude 0, latitude 0, so that their distances are right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectedTrack {
     /// Easting and northing of what stands at longitude 0, latitude 0, metres.
@@ -60,10 +56,7 @@ pub struct ProjectedTrack {
 impl ProjectedTrack {
     /// Of a system that is not known.
     pub fn new(origin_m: [f64; 2]) -> Self {
-        Self {
-            origin_m,
-            system: None,
-        }
+        Self { origin_m, system: None }
     }
 
     /// The frame around longitude 0, latitude 0 that the metres are kept in.
@@ -79,7 +72,8 @@ pub struct ExternalTrack {
     pub path: PathBuf,
     /// What was added to its times, seconds.
     pub offset_s: f64,
-    /// Times of its first and last fix, seconds of the log: beyond them the boat's place is not known.
+    /// Times of its first and last fix, seconds of the log: beyond them the boat's place is not
+    /// known.
     pub span_s: [f64; 2],
 }
 
@@ -90,7 +84,8 @@ pub struct TrackSettings {
     /// The track that lies over the recorder's, CSV or GPX.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Added to the times of an external track, seconds: how far its clock is behind that of the recorder.
+    /// Added to the times of an external track, seconds: how far its clock is behind that of the
+    /// recorder.
     pub offset_s: f64,
 }
 
@@ -114,9 +109,7 @@ impl Track {
 
     /// The recorder's track through `fixes`, which the caller has put in time order.
     pub fn new(fixes: Vec<Fix>) -> Self {
-        let origin = fixes
-            .first()
-            .map_or(LonLat::new(0.0, 0.0), |fix| fix.position);
+        let origin = fixes.first().map_or(LonLat::new(0.0, 0.0), |fix| fix.position);
         Self {
             fixes: Arc::new(fixes),
             frame: LocalFrame::new(origin),
@@ -125,7 +118,8 @@ impl Track {
         }
     }
 
-    /// The same track on the Earth, where its metres are those of `system`; unchanged where its positions are no metres.
+    /// The same track on the Earth, where its metres are those of `system`; unchanged where its
+    /// positions are no metres.
     ///
     /// # Errors
     /// A sentence after `source.crs: ` when the metres lie nowhere that the system is meant for.
@@ -140,32 +134,27 @@ impl Track {
             let [x, y] = local.to_enu(fix.position);
             let metres = [x0 + x, y0 + y];
             fix.position = system.to_lon_lat(metres);
-            // One of them tells: a survey is small against a zone. Damage far away was left out before.
+            // One of them tells: a survey is small against a zone. Damage far away was left out
+            // before.
             if index == 0 || !fix.position.is_on_earth() {
                 system.check_source(metres)?;
             }
         }
         Ok(Self {
-            projected: Some(ProjectedTrack {
-                system: Some(system.clone()),
-                ..projected
-            }),
+            projected: Some(ProjectedTrack { system: Some(system.clone()), ..projected }),
             external: self.external,
             ..Self::new(fixes)
         })
     }
 
-    /// The same track in a frame that it shares with other logs, so that all of them lie in one plane. Fixes are kept as longitude
-    /// and latitude, so nothing is lost.
+    /// The same track in a frame that it shares with other logs, so that all of them lie in one
+    /// plane. Fixes are kept as longitude and latitude, so nothing is lost.
     ///
-    /// The plane touches the ellipsoid at its origin: lengths at a distance `d` from there are short by `d^2 / 2 R^2` radially, which
-    /// is 5 mm a kilometre at 20 km.
+    /// The plane touches the ellipsoid at its origin: lengths at a distance `d` from there are
+    /// short by `d^2 / 2 R^2` radially, which is 5 mm a kilometre at 20 km.
     #[must_use]
     pub fn in_frame(self, frame: &LocalFrame) -> Self {
-        Self {
-            frame: frame.clone(),
-            ..self
-        }
+        Self { frame: frame.clone(), ..self }
     }
 }
 
@@ -181,13 +170,9 @@ mod tests {
         for lat_deg in [0.0, 29.41, 61.0] {
             let frame = LocalFrame::new(at(-82.11, lat_deg));
             // About 20 km away in eight directions, a line of 1 km in each of two.
-            for [east_km, north_km] in [
-                [20.0, 0.0],
-                [-20.0, 0.0],
-                [0.0, 20.0],
-                [0.0, -20.0],
-                [14.0, 14.0],
-            ] {
+            for [east_km, north_km] in
+                [[20.0, 0.0], [-20.0, 0.0], [0.0, 20.0], [0.0, -20.0], [14.0, 14.0]]
+            {
                 let there = frame.to_lon_lat(1e3 * east_km, 1e3 * north_km);
                 let own = Track::new(vec![fix(there)]);
                 assert_eq!(own.frame.to_enu(there), [0.0, 0.0]);
@@ -197,10 +182,7 @@ mod tests {
                     let [a, b] = [there, end].map(|place| shared.to_enu(place));
                     let length_m = (b[0] - a[0]).hypot(b[1] - a[1]);
                     let off_m = length_m - distance_m(there, end);
-                    assert!(
-                        off_m.abs() < 0.006,
-                        "{lat_deg} {east_km} {north_km}: {off_m}"
-                    );
+                    assert!(off_m.abs() < 0.006, "{lat_deg} {east_km} {north_km}: {off_m}");
                 }
             }
         }

@@ -1,4 +1,5 @@
-//! How far the tracks that two receivers recorded of one boat lie apart at the same times: least where their clocks agree.
+//! How far the tracks that two receivers recorded of one boat lie apart at the same times: least
+//! where their clocks agree.
 
 use super::Track;
 use crate::support::geo::{LonLat, distance_m};
@@ -19,7 +20,8 @@ pub struct TracksApart {
 }
 
 impl TracksApart {
-    /// Compares two tracks at some of `times_s`, evenly chosen, `most` of them; at times that only one covers there is no pair.
+    /// Compares two tracks at some of `times_s`, evenly chosen, `most` of them; at times that only
+    /// one covers there is no pair.
     pub fn new(one: &Track, other: &Track, times_s: &[f64], most: usize) -> Self {
         let step = times_s.len().div_ceil(most.max(1)).max(1);
         let (one, other) = (moves(one), moves(other));
@@ -56,10 +58,7 @@ fn at(moves: &[(f64, LonLat)], time_s: f64) -> Option<LonLat> {
     let (to_s, to) = *moves.get(after)?;
     let share = (time_s - from_s) / (to_s - from_s);
     let between = |a: f64, b: f64| a + share * (b - a);
-    Some(LonLat::new(
-        between(from.lon_deg, to.lon_deg),
-        between(from.lat_deg, to.lat_deg),
-    ))
+    Some(LonLat::new(between(from.lon_deg, to.lon_deg), between(from.lat_deg, to.lat_deg)))
 }
 
 #[cfg(test)]
@@ -75,11 +74,7 @@ mod tests {
                 LonLat::new(-82.0 + east_deg, 29.0 + 1.5 * f64::from(second) / 110_855.0),
             )
         };
-        Track::new(
-            (0..200)
-                .flat_map(|second| [fix(second), fix(second)])
-                .collect(),
-        )
+        Track::new((0..200).flat_map(|second| [fix(second), fix(second)]).collect())
     }
 
     #[test]
@@ -89,19 +84,11 @@ mod tests {
             let apart = TracksApart::new(&track(0.0, 0.0), &track(late_s, 0.0), &times_s, 400);
             assert!(apart.pairs.len() > 300 && apart.pairs.len() <= 400);
             let way_m = 1.5 * f64::abs(late_s);
-            assert!(
-                (apart.median_m - way_m).abs() < 0.01,
-                "{late_s}: {}",
-                apart.median_m
-            );
+            assert!((apart.median_m - way_m).abs() < 0.01, "{late_s}: {}", apart.median_m);
         }
         let aside = TracksApart::new(&track(0.0, 0.0), &track(0.0, 1e-5), &times_s, 50);
         let aside_m = 1e-5 * 111_320.0 * f64::to_radians(29.0).cos();
-        assert!(
-            (aside.median_m - aside_m).abs() < 0.01,
-            "{}",
-            aside.median_m
-        );
+        assert!((aside.median_m - aside_m).abs() < 0.01, "{}", aside.median_m);
     }
 
     #[test]

@@ -7,7 +7,8 @@ const LOOK_S: f64 = 2.0;
 /// Shortest way that has a direction, metres.
 const LEAST_WAY_M: f64 = 0.3;
 
-/// Turn rate at every place, degrees a second; 0 where the boat hardly moves. Times rise, one for each place.
+/// Turn rate at every place, degrees a second; 0 where the boat hardly moves. Times rise, one for
+/// each place.
 pub fn turn_rates_deg_s(times_s: &[f64], places: &[PingNav]) -> Vec<f32> {
     let (mut before, mut after) = (0, 0);
     (0..times_s.len().min(places.len()))

@@ -4,8 +4,8 @@ use super::PictureBoxes;
 use crate::{Labelled, TILE_PX};
 use serde::Serialize;
 
-/// A COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored boxes are written with
-/// `iscrowd` 1, which COCO's rule neither rewards nor punishes.
+/// A COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored
+/// boxes are written with `iscrowd` 1, which COCO's rule neither rewards nor punishes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Coco {
     images: Vec<CocoImage>,
@@ -49,10 +49,7 @@ impl Coco {
             images: Vec::new(),
             annotations: Vec::new(),
             categories: categories
-                .map(|(index, name)| Category {
-                    id: index + 1,
-                    name: name.to_owned(),
-                })
+                .map(|(index, name)| Category { id: index + 1, name: name.to_owned() })
                 .collect(),
         }
     }
@@ -60,12 +57,7 @@ impl Coco {
     /// Adds a picture (its name relative to the folder of pictures) and its boxes.
     pub fn add(&mut self, file_name: String, boxes: &PictureBoxes) {
         let id = self.images.len() + 1;
-        self.images.push(CocoImage {
-            id,
-            file_name,
-            width: TILE_PX,
-            height: TILE_PX,
-        });
+        self.images.push(CocoImage { id, file_name, width: TILE_PX, height: TILE_PX });
         for (group, iscrowd) in [(&boxes.labels, 0), (&boxes.ignored, 1)] {
             for (index, Labelled { class, rect }) in group.iter().enumerate() {
                 let outline = boxes.outlines.get(index).filter(|_| iscrowd == 0);

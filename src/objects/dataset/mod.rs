@@ -1,10 +1,12 @@
-//! Pictures with known boxes, as detectors are trained and judged on: chips, and the label files that tools read.
+//! Pictures with known boxes, as detectors are trained and judged on: chips, and the label files
+//! that tools read.
 //!
 //! In: tiles of a survey, and the objects known in them. Out: pictures, and texts of labels.
 //! It uses `survey`.
 //!
-//! `chip` cuts a tile and decides which boxes it may be asked for, `part` what of an object lies in a tile; `yolo`, `coco` and
-//! `voc` write the labels. The same code serves simulated surveys and reviewed ones.
+//! `chip` cuts a tile and decides which boxes it may be asked for, `part` what of an object lies in
+//! a tile; `yolo`, `coco` and `voc` write the labels. The same code serves simulated surveys and
+//! reviewed ones.
 
 mod chip;
 mod coco;

@@ -1,7 +1,7 @@
 //! What of a known object lies in a tile.
 //!
-//! A tile's edge may cut an object. Where it is known what each ping shows, the box is that of the part in the tile: of a
-//! slanting pipe whose upper half is cut away only the lower half has a box.
+//! A tile's edge may cut an object. Where it is known what each ping shows, the box is that of the
+//! part in the tile: of a slanting pipe whose upper half is cut away only the lower half has a box.
 
 use crate::{Mark, Raster, RasterTile, Rect, TILE_PX};
 use bathyscope_log::survey::Side;
@@ -28,7 +28,8 @@ pub struct Slice {
     pub near_m: f64,
     /// Farthest slant range that shows it, metres.
     pub far_m: f64,
-    /// How much it adds to the object's visibility: an observer tells it from chance where that adds up to 1.
+    /// How much it adds to the object's visibility: an observer tells it from chance where that
+    /// adds up to 1.
     pub visibility: f32,
 }
 
@@ -57,8 +58,9 @@ const LEAST_SHARE: f32 = 0.4;
 const LEAST_PX: f32 = 6.0;
 
 impl ObjectPart {
-    /// Whether a detector may be asked for it: something of it is shown, it is at least 6 pixels wide and high, and at least
-    /// 40 % of the object; of an object known ping by ping, what lies in the tile must be visible by itself.
+    /// Whether a detector may be asked for it: something of it is shown, it is at least 6 pixels
+    /// wide and high, and at least 40 % of the object; of an object known ping by ping, what lies
+    /// in the tile must be visible by itself.
     pub(crate) fn is_plain(&self) -> bool {
         let large = (self.rect.x1 - self.rect.x0).min(self.rect.y1 - self.rect.y0) >= LEAST_PX;
         self.shown && large && self.share >= LEAST_SHARE
@@ -94,7 +96,8 @@ impl KnownObject {
         self.part_of_rows(&rows.collect::<Vec<_>>())
     }
 
-    /// The part that some rows, and what remains of their visibility, are; `None` where there are none, as in a gap.
+    /// The part that some rows, and what remains of their visibility, are; `None` where there are
+    /// none, as in a gap.
     fn part_of_rows(&self, rows: &[(Rect, f32)]) -> Option<ObjectPart> {
         let (first, others) = rows.split_first()?;
         let around = others.iter().fold(first.0, |sum, (row, _)| sum.hull(row));
@@ -108,20 +111,13 @@ impl KnownObject {
     }
 
     fn part(&self, rect: Rect, share: f32) -> ObjectPart {
-        ObjectPart {
-            rect,
-            outline: Vec::new(),
-            share,
-            shown: self.shown,
-        }
+        ObjectPart { rect, outline: Vec::new(), share, shown: self.shown }
     }
 }
 
 /// Down the near edges of the rows, and up the far ones.
 fn outline(rows: &[(Rect, f32)]) -> Vec<[f32; 2]> {
-    let near = rows
-        .iter()
-        .flat_map(|(row, _)| [[row.x0, row.y0], [row.x0, row.y1]]);
+    let near = rows.iter().flat_map(|(row, _)| [[row.x0, row.y0], [row.x0, row.y1]]);
     let far = rows.iter().rev();
     let far = far.flat_map(|(row, _)| [[row.x1, row.y1], [row.x1, row.y0]]);
     near.chain(far).collect()

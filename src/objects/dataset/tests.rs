@@ -8,7 +8,8 @@ fn rect(x0: f32, y0: f32, x1: f32, y1: f32) -> Rect {
     Rect { x0, y0, x1, y1 }
 }
 
-/// A pipe that leaves the boat: 20 pings from 100 on show it, each 0.2 m farther out and 0.4 m wide, each with 0.16 of the visibility.
+/// A pipe that leaves the boat: 20 pings from 100 on show it, each 0.2 m farther out and 0.4 m
+/// wide, each with 0.16 of the visibility.
 fn pipe(shown: bool, slices: bool) -> KnownObject {
     let near_m = |ping: usize| 1.0 + 0.2 * (ping - 100) as f64;
     KnownObject {
@@ -27,7 +28,8 @@ fn pipe(shown: bool, slices: bool) -> KnownObject {
     }
 }
 
-/// The part of an object in the tile that starts `pings` before the first ping that shows it, or so many after.
+/// The part of an object in the tile that starts `pings` before the first ping that shows it, or so
+/// many after.
 fn part(known: &KnownObject, pings: isize) -> Option<ObjectPart> {
     let (survey, navigation) = survey(300, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
@@ -46,7 +48,8 @@ fn a_cut_object_has_the_box_of_what_is_left() {
     close(whole.rect, rect(25.0, 100.0, 130.0, 200.0));
     assert_eq!(whole.outline.len(), 4 * 20);
     assert!(whole.is_plain());
-    // The upper half is gone, and with it the near half of the box; a sliver of the ping before is left.
+    // The upper half is gone, and with it the near half of the box; a sliver of the ping before is
+    // left.
     let lower = part(&pipe(true, true), -10).expect("in the tile");
     close(lower.rect, rect(70.0, 0.0, 130.0, 50.0));
     assert!(lower.is_plain());
@@ -65,10 +68,7 @@ fn what_is_too_little_or_drowns_in_the_speckle_is_not_asked_for() {
     assert!(!part(&pipe(false, true), 20).expect("a part").is_plain());
     // All of it is seen, half of it is not.
     let mut faint = pipe(true, true);
-    faint
-        .slices
-        .iter_mut()
-        .for_each(|slice| slice.visibility = 0.08);
+    faint.slices.iter_mut().for_each(|slice| slice.visibility = 0.08);
     assert!(part(&faint, 20).expect("a part").is_plain());
     assert!(!part(&faint, -10).expect("a part").is_plain());
 }
@@ -85,10 +85,7 @@ fn yolo_and_coco_tell_the_same_boxes() {
         ignored: vec![label(1, rect(1.0, 2.0, 3.0, 5.0))],
     };
     let yolo = yolo_lines(&boxes.labels);
-    assert!(
-        yolo.starts_with("2 0.500000 0.250000 0.500000 0.500000\n"),
-        "{yolo}"
-    );
+    assert!(yolo.starts_with("2 0.500000 0.250000 0.500000 0.500000\n"), "{yolo}");
     let mut coco = Coco::new(["rock", "block", "tyre"]);
     coco.add("000000.png".into(), &PictureBoxes::default());
     coco.add("000001.png".into(), &boxes);
@@ -96,12 +93,8 @@ fn yolo_and_coco_tell_the_same_boxes() {
     let annotations = json["annotations"].as_array().unwrap();
     for (line, annotation) in yolo.lines().zip(annotations) {
         let numbers: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
-        let bbox: Vec<f64> = annotation["bbox"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|v| v.as_f64().unwrap())
-            .collect();
+        let bbox: Vec<f64> =
+            annotation["bbox"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
         assert_eq!(annotation["category_id"].as_f64(), Some(numbers[0] + 1.0));
         assert_eq!(annotation["image_id"], 2);
         for axis in 0..2 {
@@ -115,10 +108,6 @@ fn yolo_and_coco_tell_the_same_boxes() {
     assert_eq!(annotations[2]["area"], 6.0);
     let outline = serde_json::json!([[104.0, 0.0, 104.0, 208.0, 312.0, 99.5]]);
     assert_eq!(annotations[0]["segmentation"], outline);
-    assert!(
-        annotations[1..]
-            .iter()
-            .all(|one| one.get("segmentation").is_none())
-    );
+    assert!(annotations[1..].iter().all(|one| one.get("segmentation").is_none()));
     assert_eq!(json["categories"][2]["name"], "tyre");
 }

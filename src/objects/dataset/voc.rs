@@ -4,7 +4,8 @@ use super::PictureBoxes;
 use crate::{Labelled, TILE_PX};
 use std::fmt::Write as _;
 
-/// The labels of a picture: pixels counted from 1, edges included, as in VOC; ignored boxes are `difficult`.
+/// The labels of a picture: pixels counted from 1, edges included, as in VOC; ignored boxes are
+/// `difficult`.
 pub fn voc_xml(file_name: &str, class_names: &[String], boxes: &PictureBoxes) -> String {
     let mut text = format!(
         "<annotation>\n<filename>{}</filename>\n<size><width>{TILE_PX}</width><height>{TILE_PX}</height><depth>1</depth></size>\n<segmented>0</segmented>\n",
@@ -35,9 +36,7 @@ pub fn voc_xml(file_name: &str, class_names: &[String], boxes: &PictureBoxes) ->
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -47,10 +46,7 @@ mod tests {
 
     #[test]
     fn edges_count_from_one_and_ignored_boxes_are_difficult() {
-        let label = |x0, x1| Labelled {
-            class: 0,
-            rect: Rect::new([x0, 10.0], [x1, 30.0]),
-        };
+        let label = |x0, x1| Labelled { class: 0, rect: Rect::new([x0, 10.0], [x1, 30.0]) };
         let boxes = PictureBoxes {
             labels: vec![label(20.0, 50.0)],
             outlines: Vec::new(),

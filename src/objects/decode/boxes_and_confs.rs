@@ -3,8 +3,9 @@
 use super::Found;
 use crate::{Rect, Scored};
 
-/// `boxes` holds x1, y1, x2, y2 of each candidate, `confs` its `classes` scores (objectness times class). `scale` is what a
-/// box's unit is in pixels, across and down: the input's size where boxes are fractions of it, 1 where they are pixels.
+/// `boxes` holds x1, y1, x2, y2 of each candidate, `confs` its `classes` scores (objectness times
+/// class). `scale` is what a box's unit is in pixels, across and down: the input's size where boxes
+/// are fractions of it, 1 where they are pixels.
 pub(crate) fn boxes_and_confs(
     boxes: &[f32],
     confs: &[f32],
@@ -13,10 +14,7 @@ pub(crate) fn boxes_and_confs(
     least: f32,
 ) -> Vec<Scored> {
     let mut found = Found::new(least);
-    for (edges, scores) in boxes
-        .chunks_exact(4)
-        .zip(confs.chunks_exact(classes.max(1)))
-    {
+    for (edges, scores) in boxes.chunks_exact(4).zip(confs.chunks_exact(classes.max(1))) {
         found.add(1.0, scores.iter().copied(), || {
             Rect::new(
                 [edges[0] * scale[0], edges[1] * scale[1]],

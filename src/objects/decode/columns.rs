@@ -3,8 +3,8 @@
 use super::{Found, centred};
 use crate::Scored;
 
-/// `values` holds 4 + `classes` rows of as many columns as there are candidates: centre x, centre y, width, height in
-/// pixels, then a score a class; there is no objectness.
+/// `values` holds 4 + `classes` rows of as many columns as there are candidates: centre x, centre
+/// y, width, height in pixels, then a score a class; there is no objectness.
 pub fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     let count = values.len() / (4 + classes);
     let mut found = Found::new(least);

@@ -1,10 +1,12 @@
-//! From a network's numbers to boxes, in pixels of the network's input. One file a family of detectors.
+//! From a network's numbers to boxes, in pixels of the network's input. One file a family of
+//! detectors.
 //!
 //! In: the outputs of a network, and their shapes. Out: boxes with classes and scores.
 //! It uses nothing outside `detection`.
 //!
-//! Every decoder takes the numbers as they come, the least score that counts, and gives one box a candidate, of its surest
-//! class. What is not finite is no box: the numbers come from a file that somebody else made.
+//! Every decoder takes the numbers as they come, the least score that counts, and gives one box a
+//! candidate, of its surest class. What is not finite is no box: the numbers come from a file that
+//! somebody else made.
 
 mod boxes_and_confs;
 mod columns;
@@ -30,10 +32,7 @@ struct Found {
 
 impl Found {
     fn new(least: f32) -> Self {
-        Self {
-            least,
-            boxes: Vec::new(),
-        }
+        Self { least, boxes: Vec::new() }
     }
 
     /// Keeps a box of the surest class when `trust` times its score counts.
@@ -53,9 +52,7 @@ impl Found {
         // Written so that a NaN does not count.
         if score >= self.least {
             let rect = rect();
-            let finite = [rect.x0, rect.y0, rect.x1, rect.y1]
-                .iter()
-                .all(|edge| edge.is_finite());
+            let finite = [rect.x0, rect.y0, rect.x1, rect.y1].iter().all(|edge| edge.is_finite());
             if finite && rect.area() > 0.0 {
                 self.boxes.push(Scored::new(class, score.min(1.0), rect));
             }
@@ -65,10 +62,7 @@ impl Found {
 
 /// A box by its centre and size.
 fn centred([x, y, width, height]: [f32; 4]) -> Rect {
-    Rect::new(
-        [x - 0.5 * width, y - 0.5 * height],
-        [x + 0.5 * width, y + 0.5 * height],
-    )
+    Rect::new([x - 0.5 * width, y - 0.5 * height], [x + 0.5 * width, y + 0.5 * height])
 }
 
 /// `1 / (1 + e^-x)`.

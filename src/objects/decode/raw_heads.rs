@@ -46,11 +46,11 @@ impl HeadLayout {
     }
 }
 
-/// `values` holds, for each anchor and grid cell, tx, ty, tw, th, objectness and a value a class. `grid` is columns and rows,
-/// `input` the network's width and height.
+/// `values` holds, for each anchor and grid cell, tx, ty, tw, th, objectness and a value a class.
+/// `grid` is columns and rows, `input` the network's width and height.
 ///
-/// `x = (column + s sigma(tx) - (s - 1) / 2) stride`, `w = e^tw anchor`, score = sigma(objectness) sigma(class) (Darknet's
-/// `yolo_layer.c`, `s` its `scale_x_y`).
+/// `x = (column + s sigma(tx) - (s - 1) / 2) stride`, `w = e^tw anchor`, score = sigma(objectness)
+/// sigma(class) (Darknet's `yolo_layer.c`, `s` its `scale_x_y`).
 pub(crate) fn raw_head(
     values: &[f32],
     layout: HeadLayout,
@@ -65,11 +65,7 @@ pub(crate) fn raw_head(
     let stride = [0, 1].map(|axis| input[axis] as f32 / grid[axis] as f32);
     let active = |x: f32| if head.activated { x } else { logistic(x) };
     let size = |t: f32, anchor: f32| {
-        if head.new_coords {
-            (2.0 * active(t)).powi(2) * anchor
-        } else {
-            t.exp() * anchor
-        }
+        if head.new_coords { (2.0 * active(t)).powi(2) * anchor } else { t.exp() * anchor }
     };
     let centre = |t: f32, cell: usize| {
         cell as f32 + head.scale_x_y * active(t) - 0.5 * (head.scale_x_y - 1.0)

@@ -3,8 +3,9 @@
 use super::{Found, centred};
 use crate::Scored;
 
-/// `values` holds 5 + `classes` numbers a grid cell, the grids of `strides` one after the other, row by row: the centre's
-/// offset in cells, the logarithm of the size in cells, objectness, a score a class. `input` is the network's width and height.
+/// `values` holds 5 + `classes` numbers a grid cell, the grids of `strides` one after the other,
+/// row by row: the centre's offset in cells, the logarithm of the size in cells, objectness, a
+/// score a class. `input` is the network's width and height.
 ///
 /// `x = (tx + column) stride`, `w = e^tw stride` (Megvii's `demo_postprocess`).
 pub(crate) fn yolox(

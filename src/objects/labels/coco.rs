@@ -75,7 +75,8 @@ pub(super) fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
     Ok(set)
 }
 
-/// Reads predictions: a list of results by the truth's numbers, or a data set whose annotations have scores.
+/// Reads predictions: a list of results by the truth's numbers, or a data set whose annotations
+/// have scores.
 ///
 /// # Errors
 /// When a file cannot be read or is not of this format; the error names it.
@@ -99,16 +100,9 @@ fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &Path) -> Result<T, LabelE
 
 /// Pictures and categories of a data set, and its annotations.
 fn data_set(text: &str, file: &Path) -> Result<(LabelSet, Vec<Annotation>), LabelError> {
-    let DataSet {
-        images,
-        annotations,
-        mut categories,
-    } = parse(text, file)?;
+    let DataSet { images, annotations, mut categories } = parse(text, file)?;
     if categories.len() > MOST_CLASSES {
-        let what = LabelFault::TooManyClasses {
-            count: categories.len(),
-            named: "categories",
-        };
+        let what = LabelFault::TooManyClasses { count: categories.len(), named: "categories" };
         return Err(LabelError::new(what, file));
     }
     let mut set = LabelSet::empty(LabelFormat::Coco, file);
@@ -151,10 +145,7 @@ fn add(
     for (index, annotation) in annotations.into_iter().enumerate() {
         let refuse = |what: AnnotationFault| {
             let number = index + 1;
-            Err(LabelError::new(
-                LabelFault::Annotation { number, what },
-                &file,
-            ))
+            Err(LabelError::new(LabelFault::Annotation { number, what }, &file))
         };
         let number = annotation.image_id.to_string();
         // Without numbers (the truth is in YOLO labels) the number is the name.
@@ -164,18 +155,14 @@ fn add(
             None => return refuse(AnnotationFault::UnknownPicture(number)),
         };
         let class = if set.categories.is_empty() {
-            usize::try_from(annotation.category_id)
-                .ok()
-                .filter(|&class| class < MOST_CLASSES)
+            usize::try_from(annotation.category_id).ok().filter(|&class| class < MOST_CLASSES)
         } else {
             set.categories.get(&annotation.category_id).copied()
         };
         let Some(class) = class else {
             return refuse(AnnotationFault::UnknownCategory(annotation.category_id));
         };
-        let score = annotation
-            .score
-            .filter(|score| predicted && (0.0..=1.0).contains(score));
+        let score = annotation.score.filter(|score| predicted && (0.0..=1.0).contains(score));
         if predicted && score.is_none() {
             return refuse(AnnotationFault::NoScore);
         }
@@ -187,10 +174,7 @@ fn add(
             class,
             score: score.map(|score| score as f32),
             ignored: annotation.iscrowd == 1 && !predicted,
-            rect: Rect::new(
-                [x as f32, y as f32],
-                [(x + width) as f32, (y + height) as f32],
-            ),
+            rect: Rect::new([x as f32, y as f32], [(x + width) as f32, (y + height) as f32]),
         };
         set.pictures.entry(name).or_default().labels.push(label);
     }

@@ -3,7 +3,8 @@
 //! In: files of labels. Out: boxes by picture.
 //! It uses `support`.
 //!
-//! `yolo` and `coco` read one of the two, `pairing` brings true and predicted boxes of one picture together.
+//! `yolo` and `coco` read one of the two, `pairing` brings true and predicted boxes of one picture
+//! together.
 
 mod coco;
 mod error;
@@ -25,8 +26,8 @@ use std::path::{Path, PathBuf};
 /// How labels are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabelFormat {
-    /// A text file a picture, a line a box: `class cx cy w h`, with `score` behind it for predictions; shares of the
-    /// picture's width and height.
+    /// A text file a picture, a line a box: `class cx cy w h`, with `score` behind it for
+    /// predictions; shares of the picture's width and height.
     Yolo,
     /// One JSON file: `images`, `annotations`, `categories`, or a list of results; pixels.
     Coco,
@@ -95,10 +96,7 @@ impl LabelSet {
 
     /// Boxes in all pictures.
     pub fn boxes(&self) -> usize {
-        self.pictures
-            .values()
-            .map(|picture| picture.labels.len())
-            .sum()
+        self.pictures.values().map(|picture| picture.labels.len()).sum()
     }
 }
 
@@ -132,7 +130,8 @@ enum Found {
     Json(PathBuf),
 }
 
-/// The labels at a path: the file itself, a folder's label texts, its one JSON file, or the texts in its `labels` folder.
+/// The labels at a path: the file itself, a folder's label texts, its one JSON file, or the texts
+/// in its `labels` folder.
 fn find(path: &Path) -> Result<Found, LabelError> {
     if !path.is_dir() {
         return Ok(Found::Json(path.to_owned()));

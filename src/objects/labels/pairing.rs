@@ -17,7 +17,8 @@ pub struct Paired {
     pub notes: Vec<String>,
 }
 
-/// Brings the pictures of both together. A picture that only one of them has, has no boxes in the other.
+/// Brings the pictures of both together. A picture that only one of them has, has no boxes in the
+/// other.
 ///
 /// # Errors
 /// When no picture has both.
@@ -27,11 +28,7 @@ pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError
         return Err(LabelError::new(LabelFault::OtherPictures, &predicted.path));
     }
     let mut notes = Vec::new();
-    let alone: Vec<&String> = predicted
-        .pictures
-        .keys()
-        .filter(|name| !shared(name))
-        .collect();
+    let alone: Vec<&String> = predicted.pictures.keys().filter(|name| !shared(name)).collect();
     if let [first, ..] = &alone[..] {
         notes.push(format!(
             "{} predicted pictures have no truth and count as empty, the first of them {first}",
@@ -43,10 +40,7 @@ pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError
     let (mut images, mut unsized_pictures) = (Vec::with_capacity(names.len()), 0);
     for name in &names {
         let pictures = [truth.pictures.get(name), predicted.pictures.get(name)];
-        let size_px = pictures
-            .iter()
-            .flatten()
-            .find_map(|picture| picture.size_px);
+        let size_px = pictures.iter().flatten().find_map(|picture| picture.size_px);
         unsized_pictures += usize::from(size_px.is_none());
         images.push(image(truth, predicted, pictures, size_px));
     }
@@ -55,12 +49,7 @@ pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError
             "{unsized_pictures} pictures lie beside no labels; sizes count in pictures of {TILE_PX} x {TILE_PX} pixels"
         ));
     }
-    Ok(Paired {
-        classes: classes(truth, predicted),
-        names,
-        images,
-        notes,
-    })
+    Ok(Paired { classes: classes(truth, predicted), names, images, notes })
 }
 
 fn image(
@@ -98,19 +87,12 @@ fn pixels(rect: Rect, format: LabelFormat, [width, height]: [u32; 2]) -> Rect {
         LabelFormat::Yolo => (width as f32, height as f32),
         LabelFormat::Coco => (1.0, 1.0),
     };
-    Rect::new(
-        [rect.x0 * width, rect.y0 * height],
-        [rect.x1 * width, rect.y1 * height],
-    )
+    Rect::new([rect.x0 * width, rect.y0 * height], [rect.x1 * width, rect.y1 * height])
 }
 
 /// Names for every class that is named or used.
 fn classes(truth: &LabelSet, predicted: &LabelSet) -> Vec<String> {
-    let names = if truth.names.is_empty() {
-        &predicted.names
-    } else {
-        &truth.names
-    };
+    let names = if truth.names.is_empty() { &predicted.names } else { &truth.names };
     let used = [truth, predicted]
         .into_iter()
         .flat_map(|set| set.pictures.values())
@@ -118,12 +100,5 @@ fn classes(truth: &LabelSet, predicted: &LabelSet) -> Vec<String> {
         .map(|label| label.class + 1)
         .max();
     let count = names.len().max(used.unwrap_or(0));
-    (0..count)
-        .map(|class| {
-            names
-                .get(class)
-                .cloned()
-                .unwrap_or_else(|| class.to_string())
-        })
-        .collect()
+    (0..count).map(|class| names.get(class).cloned().unwrap_or_else(|| class.to_string())).collect()
 }

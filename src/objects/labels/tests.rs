@@ -60,9 +60,7 @@ fn both_formats_give_the_same_boxes() {
         assert_eq!(paired.names, ["a", "b"]);
         assert_eq!(paired.classes, ["rock", "tyre"]);
         assert_eq!(paired.notes, [""; 0]);
-        let [a, b] = &paired.images[..] else {
-            panic!("{paired:?}")
-        };
+        let [a, b] = &paired.images[..] else { panic!("{paired:?}") };
         assert_eq!((a.truth[0].class, a.truth[0].rect), (1, expected));
         assert!(b.truth[0].ignored && b.predicted.is_empty());
         let [x0, x1] = [a.predicted[0].rect.x0, a.predicted[0].rect.x1];

@@ -14,8 +14,7 @@ const LONGEST: u64 = 16 << 20;
 
 /// Whether a file holds class names rather than boxes.
 pub(super) fn is_names(file: &Path) -> bool {
-    file.file_name()
-        .is_some_and(|name| NAMES.iter().any(|names| name == *names))
+    file.file_name().is_some_and(|name| NAMES.iter().any(|names| name == *names))
 }
 
 /// Reads the label files of a folder; class names from a file in it or in the folder above.
@@ -46,38 +45,30 @@ pub(super) fn read(
             .collect::<Result<Vec<Label>, LabelError>>()?;
         let size_px = (!predicted).then(|| picture_size(folder, file)).flatten();
         let picture = PictureLabels { size_px, labels };
-        set.pictures
-            .insert(stem.to_string_lossy().into_owned(), picture);
+        set.pictures.insert(stem.to_string_lossy().into_owned(), picture);
     }
     Ok(set)
 }
 
 fn names(folder: &Path) -> Result<Vec<String>, LabelError> {
     let folders = [Some(folder), folder.parent()];
-    let mut files = folders
-        .into_iter()
-        .flatten()
-        .flat_map(|folder| NAMES.map(|name| folder.join(name)));
+    let mut files =
+        folders.into_iter().flatten().flat_map(|folder| NAMES.map(|name| folder.join(name)));
     let Some(file) = files.find(|file| file.is_file()) else {
         return Ok(Vec::new());
     };
     let text = text(&file, LONGEST)?;
-    let names: Vec<String> = text
-        .lines()
-        .map(|line| line.trim().to_owned())
-        .filter(|line| !line.is_empty())
-        .collect();
+    let names: Vec<String> =
+        text.lines().map(|line| line.trim().to_owned()).filter(|line| !line.is_empty()).collect();
     if names.len() > MOST_CLASSES {
-        let what = LabelFault::TooManyClasses {
-            count: names.len(),
-            named: "class names",
-        };
+        let what = LabelFault::TooManyClasses { count: names.len(), named: "class names" };
         return Err(LabelError::new(what, &file));
     }
     Ok(names)
 }
 
-/// Width and height of the picture beside a label file, or at its place in `images` where the labels are in `labels`.
+/// Width and height of the picture beside a label file, or at its place in `images` where the
+/// labels are in `labels`.
 fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
     let stem = file.file_stem()?;
     let beside = folder.join(stem).with_added_extension("png");
@@ -103,11 +94,7 @@ fn parse(line: &str, predicted: bool) -> Result<Label, YoloLineFault> {
         (5, true) => return Err(YoloLineFault::NoScore),
         (6, false) => return Err(YoloLineFault::ExtraNumber),
         (count, _) => {
-            let shape = if predicted {
-                "class cx cy w h score"
-            } else {
-                "class cx cy w h"
-            };
+            let shape = if predicted { "class cx cy w h score" } else { "class cx cy w h" };
             return Err(YoloLineFault::Numbers { count, shape });
         }
     }
@@ -120,19 +107,10 @@ fn parse(line: &str, predicted: bool) -> Result<Label, YoloLineFault> {
         let value = field.parse().ok().filter(|value: &f64| value.is_finite());
         value.ok_or_else(|| YoloLineFault::NotANumber(field.to_owned()))
     };
-    let [cx, cy, w, h] = [
-        number(fields[1])?,
-        number(fields[2])?,
-        number(fields[3])?,
-        number(fields[4])?,
-    ];
+    let [cx, cy, w, h] =
+        [number(fields[1])?, number(fields[2])?, number(fields[3])?, number(fields[4])?];
     // Some writers round a box at the edge a little beyond it; pixels are beyond it by far.
-    if [cx, cy, w, h]
-        .iter()
-        .any(|share| !(-0.5..=1.5).contains(share))
-        || w < 0.0
-        || h < 0.0
-    {
+    if [cx, cy, w, h].iter().any(|share| !(-0.5..=1.5).contains(share)) || w < 0.0 || h < 0.0 {
         return Err(YoloLineFault::Beyond);
     }
     let score = match fields.get(5) {

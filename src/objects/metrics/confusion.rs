@@ -4,9 +4,9 @@ use super::mistakes::ShownImages;
 use super::{Image, MetricSettings, TrueBox, iou};
 use crate::Scored;
 
-/// Boxes by their true class (rows) and the class that was proposed (columns), at the score and IoU of the settings. The
-/// last row holds predictions that lie on nothing (or on a truth that another prediction has found), the last column truths
-/// that nothing lies on: the background.
+/// Boxes by their true class (rows) and the class that was proposed (columns), at the score and IoU
+/// of the settings. The last row holds predictions that lie on nothing (or on a truth that another
+/// prediction has found), the last column truths that nothing lies on: the background.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Confusion {
     classes: usize,
@@ -15,10 +15,7 @@ pub struct Confusion {
 
 impl Confusion {
     fn new(classes: usize) -> Self {
-        Self {
-            classes,
-            cells: vec![0; (classes + 1) * (classes + 1)],
-        }
+        Self { classes, cells: vec![0; (classes + 1) * (classes + 1)] }
     }
 
     /// Number of classes; this number as an index is the background.
@@ -26,7 +23,8 @@ impl Confusion {
         self.classes
     }
 
-    /// Boxes that are `truth` and were taken for `predicted`. Panics beyond the background, as a slice does.
+    /// Boxes that are `truth` and were taken for `predicted`. Panics beyond the background, as a
+    /// slice does.
     pub fn at(&self, truth: usize, predicted: usize) -> usize {
         self.cells[truth * (self.classes + 1) + predicted]
     }
@@ -41,8 +39,9 @@ impl Confusion {
     }
 }
 
-/// Counts what is shown. What the classes' own matching has paired lies on the diagonal; of the rest, each prediction, by
-/// falling score, is paired with the truth of another class that it overlaps most, if by enough.
+/// Counts what is shown. What the classes' own matching has paired lies on the diagonal; of the
+/// rest, each prediction, by falling score, is paired with the truth of another class that it
+/// overlaps most, if by enough.
 pub(super) fn confusion(
     images: &[Image],
     shown: &ShownImages,
@@ -74,10 +73,7 @@ pub(super) fn confusion(
 
 /// The truth of another class that a prediction overlaps most, if by enough.
 fn mistaken(predicted: &Scored, free: &[&TrueBox], settings: &MetricSettings) -> Option<usize> {
-    let others = free
-        .iter()
-        .enumerate()
-        .filter(|(_, truth)| truth.class != predicted.class);
+    let others = free.iter().enumerate().filter(|(_, truth)| truth.class != predicted.class);
     others
         .map(|(index, truth)| (index, iou(&predicted.rect, &truth.rect, false)))
         .filter(|&(_, iou)| settings.matching.passes(iou, settings.iou))

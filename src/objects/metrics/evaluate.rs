@@ -20,7 +20,8 @@ pub struct ClassReport {
     pub curve: Vec<CurvePoint>,
 }
 
-/// Boxes of one size, all classes. A truth whose area is a limit counts on both sides of it, as in COCO.
+/// Boxes of one size, all classes. A truth whose area is a limit counts on both sides of it, as in
+/// COCO.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizeReport {
     /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
@@ -57,23 +58,17 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The same average precisions and curves with the counts, confusion and mistakes of others: of the boxes of the same
-    /// pictures that an analyst is shown.
+    /// The same average precisions and curves with the counts, confusion and mistakes of others: of
+    /// the boxes of the same pictures that an analyst is shown.
     pub fn counted_as(self, shown: Evaluation) -> Self {
         let classes = self.classes.into_iter().zip(shown.classes);
         let sizes = self.sizes.into_iter().zip(shown.sizes);
         Self {
             classes: classes
-                .map(|(ranked, shown)| ClassReport {
-                    counts: shown.counts,
-                    ..ranked
-                })
+                .map(|(ranked, shown)| ClassReport { counts: shown.counts, ..ranked })
                 .collect(),
             sizes: sizes
-                .map(|(ranked, shown)| SizeReport {
-                    counts: shown.counts,
-                    ..ranked
-                })
+                .map(|(ranked, shown)| SizeReport { counts: shown.counts, ..ranked })
                 .collect(),
             map: self.map,
             map_50_95: self.map_50_95,
@@ -83,17 +78,13 @@ impl Evaluation {
     }
 }
 
-/// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left out.
+/// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left
+/// out.
 pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
     let matched = Matched::new(images, classes, settings);
     let images = matched.images();
-    let AtScore {
-        classes: at_score,
-        counts,
-        confusion,
-        false_alarms,
-        misses,
-    } = matched.at(settings.score);
+    let AtScore { classes: at_score, counts, confusion, false_alarms, misses } =
+        matched.at(settings.score);
     let reports: Vec<ClassReport> = matched
         .rankings()
         .iter()
@@ -119,7 +110,8 @@ pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> 
     }
 }
 
-/// IoU 0.5, 0.55 .. 0.95, spaced as numpy does it, so that an IoU of 3/5 falls on the same side as there.
+/// IoU 0.5, 0.55 .. 0.95, spaced as numpy does it, so that an IoU of 3/5 falls on the same side as
+/// there.
 fn thresholds() -> [f64; 10] {
     let step = (0.95 - 0.5) / 9.0;
     [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|index| match index {
@@ -146,7 +138,8 @@ fn ap_50_95(
     sums.into_iter().map(|sum| sum / count).collect()
 }
 
-/// Mean over the classes; what a class without truths counts is a matter of the rule. NaN where no class has truths.
+/// Mean over the classes; what a class without truths counts is a matter of the rule. NaN where no
+/// class has truths.
 fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64 {
     let all: Vec<f64> = precisions.collect();
     let known = all.iter().filter(|ap| !ap.is_nan());
@@ -161,11 +154,7 @@ fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64
 
 fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<SizeReport> {
     let edges = settings.size_edges_px.iter().copied();
-    let edges: Vec<f64> = [0.0]
-        .into_iter()
-        .chain(edges)
-        .chain([f64::INFINITY])
-        .collect();
+    let edges: Vec<f64> = [0.0].into_iter().chain(edges).chain([f64::INFINITY]).collect();
     let report = |edges: &[f64]| {
         let areas = edges[0] * edges[0]..=edges[1] * edges[1];
         let rankings = rank(images, classes, settings, settings.iou, &areas);
@@ -179,10 +168,7 @@ fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<Siz
             side_px: [edges[0], edges[1]],
             counts: total(counts),
             map: mean(ap, settings),
-            map_50_95: mean(
-                ap_50_95(images, classes, settings, &areas).into_iter(),
-                settings,
-            ),
+            map_50_95: mean(ap_50_95(images, classes, settings, &areas).into_iter(), settings),
         }
     };
     edges.windows(2).map(report).collect()

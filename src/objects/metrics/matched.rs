@@ -7,8 +7,9 @@ use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
 use super::{Image, MetricSettings};
 use rayon::prelude::*;
 
-/// Pictures whose boxes are paired. The pairs of a score are those of the whole set down to that score, because predictions
-/// choose by falling score: a confidence slider costs a count, not a pairing.
+/// Pictures whose boxes are paired. The pairs of a score are those of the whole set down to that
+/// score, because predictions choose by falling score: a confidence slider costs a count, not a
+/// pairing.
 #[derive(Clone, Debug)]
 pub struct Matched {
     images: Vec<Image>,
@@ -32,8 +33,8 @@ pub struct AtScore {
 }
 
 impl Matched {
-    /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes of classes beyond that are left
-    /// out.
+    /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes of
+    /// classes beyond that are left out.
     pub fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
         let images: Vec<Image> = images.iter().map(|boxes| within(boxes, classes)).collect();
         Self {
@@ -56,10 +57,7 @@ impl Matched {
     pub fn at(&self, score: f32) -> AtScore {
         let of_class = |ranking: &Ranking| MatchCounts::of(ranking.shown(score), ranking.truths);
         let classes: Vec<MatchCounts> = self.rankings.iter().map(of_class).collect();
-        let shown = self
-            .rankings
-            .iter()
-            .flat_map(|ranking| ranking.shown(score));
+        let shown = self.rankings.iter().flat_map(|ranking| ranking.shown(score));
         let shown = ShownImages::new(&self.images, shown);
         AtScore {
             counts: total(classes.iter().copied()),
@@ -80,7 +78,8 @@ impl Matched {
     }
 }
 
-/// The boxes whose class is known. Indices must stay, so that a box of no class becomes one that nothing looks at.
+/// The boxes whose class is known. Indices must stay, so that a box of no class becomes one that
+/// nothing looks at.
 fn within(boxes: &Image, classes: usize) -> Image {
     let mut boxes = boxes.clone();
     for truth in &mut boxes.truth {

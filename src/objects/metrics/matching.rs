@@ -26,7 +26,8 @@ pub enum MatchOutcome {
     Ignored,
 }
 
-/// Pairs predictions, which come by falling score, with the candidates of their class; one outcome a prediction.
+/// Pairs predictions, which come by falling score, with the candidates of their class; one outcome
+/// a prediction.
 pub(super) fn pair(
     predicted: &[Rect],
     candidates: &[TruthCandidate],
@@ -53,10 +54,7 @@ pub(super) fn pair(
             MatchOutcome::FalseAlarm
         } else {
             taken[index] = true;
-            MatchOutcome::Hit {
-                truth: candidate.truth,
-                iou,
-            }
+            MatchOutcome::Hit { truth: candidate.truth, iou }
         }
     };
     predicted.iter().map(outcome).collect()
@@ -68,17 +66,15 @@ fn most_overlapped(
     candidates: &[TruthCandidate],
     threshold: f64,
 ) -> Option<(usize, f64)> {
-    let overlaps = candidates
-        .iter()
-        .map(|candidate| iou(predicted, &candidate.rect, false));
+    let overlaps = candidates.iter().map(|candidate| iou(predicted, &candidate.rect, false));
     overlaps
         .enumerate()
         .filter(|&(_, overlap)| BoxMatching::DarknetVoc.passes(overlap, threshold))
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// The best candidate that is free; one that does not count only where none that counts passes. Of equals the last, as in
-/// `pycocotools`.
+/// The best candidate that is free; one that does not count only where none that counts passes. Of
+/// equals the last, as in `pycocotools`.
 fn best_free(
     predicted: &Rect,
     candidates: &[TruthCandidate],

@@ -82,9 +82,7 @@ impl ShownImages {
         }
         for (image, boxes) in sorted.iter_mut().zip(images) {
             let score = |index: &usize| boxes.predicted[*index].score;
-            image
-                .false_alarms
-                .sort_by(|a, b| score(b).total_cmp(&score(a)));
+            image.false_alarms.sort_by(|a, b| score(b).total_cmp(&score(a)));
         }
         Self { images: sorted }
     }

@@ -1,14 +1,16 @@
 //! How well predicted boxes agree with true ones.
 //!
-//! In: true and predicted boxes by picture. Out: precision, recall, average precision, confusion and mistakes.
-//! It uses nothing outside `detection`.
+//! In: true and predicted boxes by picture. Out: precision, recall, average precision, confusion
+//! and mistakes. It uses nothing outside `detection`.
 //!
-//! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score, `precision` makes curves and
-//! average precision of them, `confusion` says what was taken for what, `mistakes` lists what to look at, `matched` keeps the
-//! pairs to be counted at any score, and [`evaluate`] lays everything side by side.
+//! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score,
+//! `precision` makes curves and average precision of them, `confusion` says what was taken for
+//! what, `mistakes` lists what to look at, `matched` keeps the pairs to be counted at any score,
+//! and [`evaluate`] lays everything side by side.
 //!
-//! Two rules are in use and give different numbers from the same boxes: Darknet's (the published figures') and COCO's.
-//! [`MetricSettings::darknet`] equals `mean_average_precision` and [`MetricSettings::coco`] equals `pycocotools` (tests).
+//! Two rules are in use and give different numbers from the same boxes: Darknet's (the published
+//! figures') and COCO's. [`MetricSettings::darknet`] equals `mean_average_precision` and
+//! [`MetricSettings::coco`] equals `pycocotools` (tests).
 
 mod confusion;
 mod evaluate;
@@ -33,8 +35,8 @@ pub struct TrueBox {
     pub class: usize,
     /// Where, pixels.
     pub rect: Rect,
-    /// Neither to be found nor to be missed: a crowd, or an object that nobody could name. Any number of boxes may lie in
-    /// it (COCO's `iscrowd`, VOC's `difficult`).
+    /// Neither to be found nor to be missed: a crowd, or an object that nobody could name. Any
+    /// number of boxes may lie in it (COCO's `iscrowd`, VOC's `difficult`).
     pub ignored: bool,
 }
 
@@ -48,8 +50,9 @@ pub struct Image {
 }
 
 impl Image {
-    /// Gives each prediction of the class of boxes without a name that of the true box that it overlaps most: it cannot be wrong in what it
-    /// does not say. One that overlaps none stays as it is.
+    /// Gives each prediction of the class of boxes without a name that of the true box that it
+    /// overlaps most: it cannot be wrong in what it does not say. One that overlaps none stays as
+    /// it is.
     pub(crate) fn name_by_truth(&mut self, nameless: usize) {
         let without = |one: &&mut Scored| one.class == nameless;
         for one in self.predicted.iter_mut().filter(without) {
@@ -65,11 +68,12 @@ impl Image {
 /// Which prediction belongs to which true box of its class. Predictions choose by falling score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoxMatching {
-    /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the threshold; when that one is
-    /// taken it is a false alarm, even where another would do. A class without truths counts as 0 in the mean.
+    /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the
+    /// threshold; when that one is taken it is a false alarm, even where another would do. A class
+    /// without truths counts as 0 in the mean.
     DarknetVoc,
-    /// COCO: a prediction takes the best truth that is still free, at the threshold or above. A class without truths does
-    /// not count in the mean.
+    /// COCO: a prediction takes the best truth that is still free, at the threshold or above. A
+    /// class without truths does not count in the mean.
     Coco,
 }
 
@@ -93,7 +97,8 @@ pub struct MetricSettings {
     pub ap: ApMethod,
     /// Intersection over union that makes a match, 0 to 1.
     pub iou: f64,
-    /// Confidence from which a box is shown: counts, confusion and mistakes are at it; curves and AP are not.
+    /// Confidence from which a box is shown: counts, confusion and mistakes are at it; curves and
+    /// AP are not.
     pub score: f32,
     /// The surest boxes of a class in a picture that count; all when `None`.
     pub max_detections: Option<usize>,
@@ -131,13 +136,10 @@ fn area(rect: &Rect) -> f64 {
     side(rect.x0, rect.x1) * side(rect.y0, rect.y1)
 }
 
-/// Intersection over union in double precision, so that 0.5 is 0.5; over the first box alone when the second is a crowd.
+/// Intersection over union in double precision, so that 0.5 is 0.5; over the first box alone when
+/// the second is a crowd.
 fn iou(predicted: &Rect, truth: &Rect, crowd: bool) -> f64 {
     let shared = area(&predicted.intersection(truth));
-    let joint = if crowd {
-        area(predicted)
-    } else {
-        area(predicted) + area(truth) - shared
-    };
+    let joint = if crowd { area(predicted) } else { area(predicted) + area(truth) - shared };
     if joint > 0.0 { shared / joint } else { 0.0 }
 }

@@ -6,7 +6,8 @@ use super::ranking::Ranked;
 /// How a precision-recall curve becomes one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ApMethod {
-    /// Area under the curve, where precision is the best at that recall or beyond (VOC since 2010, Darknet's `-points 0`).
+    /// Area under the curve, where precision is the best at that recall or beyond (VOC since 2010,
+    /// Darknet's `-points 0`).
     AllPoint,
     /// Mean of that precision at recall 0, 0.1 .. 1 (VOC 2007, Darknet's `-points 11`).
     Voc11,
@@ -30,10 +31,7 @@ pub struct MatchCounts {
 impl MatchCounts {
     /// Counts predictions among `truths`.
     pub fn of(shown: &[Ranked], truths: usize) -> Self {
-        let mut counts = MatchCounts {
-            truths,
-            ..Self::default()
-        };
+        let mut counts = MatchCounts { truths, ..Self::default() };
         for one in shown {
             match one.outcome {
                 MatchOutcome::Hit { iou, .. } => {
@@ -82,7 +80,8 @@ impl MatchCounts {
         self.iou_sum / self.found as f64
     }
 
-    /// Darknet's "average IoU": a false alarm counts as 0. It cannot exceed the precision. NaN without predictions.
+    /// Darknet's "average IoU": a false alarm counts as 0. It cannot exceed the precision. NaN
+    /// without predictions.
     pub fn darknet_iou(&self) -> f64 {
         self.iou_sum / (self.found + self.false_alarms) as f64
     }
@@ -107,10 +106,7 @@ pub struct CurvePoint {
 
 /// Precision, recall and F1 for every score that occurs, falling; `ranked` falls by score.
 pub(super) fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
-    let mut counts = MatchCounts {
-        truths,
-        ..MatchCounts::default()
-    };
+    let mut counts = MatchCounts { truths, ..MatchCounts::default() };
     let same_score = |a: &Ranked, b: &Ranked| a.score == b.score;
     ranked
         .chunk_by(same_score)
@@ -146,7 +142,8 @@ pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMeth
             mean_at(&levels)
         }
         ApMethod::Coco101 => {
-            // Spaced as numpy does it: 57 * 0.01 is a rounding above 0.57, and a recall of 57/100 does not reach it.
+            // Spaced as numpy does it: 57 * 0.01 is a rounding above 0.57, and a recall of 57/100
+            // does not reach it.
             let levels: Vec<f64> = (0..=100).map(|point| f64::from(point) * 0.01).collect();
             mean_at(&levels)
         }
@@ -164,10 +161,7 @@ fn area_under(recall: &[f64], precision: &[f64]) -> f64 {
 
 /// Recall after each prediction, and the best precision there or later.
 fn envelope(ranked: &[Ranked], truths: usize) -> (Vec<f64>, Vec<f64>) {
-    let mut counts = MatchCounts {
-        truths,
-        ..MatchCounts::default()
-    };
+    let mut counts = MatchCounts { truths, ..MatchCounts::default() };
     let (recall, mut precision): (Vec<f64>, Vec<f64>) = ranked
         .iter()
         .map(|one| {

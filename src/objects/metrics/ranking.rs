@@ -18,7 +18,8 @@ pub struct Ranked {
 /// One class over all pictures.
 #[derive(Clone, Debug)]
 pub(super) struct Ranking {
-    /// By falling score; of equal scores in the order of the pictures. Ignored predictions are left out.
+    /// By falling score; of equal scores in the order of the pictures. Ignored predictions are left
+    /// out.
     pub ranked: Vec<Ranked>,
     /// Truths that count.
     pub truths: usize,
@@ -31,8 +32,8 @@ pub(super) type Sizes = RangeInclusive<f64>;
 pub(super) const ANY_SIZE: Sizes = 0.0..=f64::INFINITY;
 
 impl Ranking {
-    /// Pairs the class's boxes in every picture at an IoU, and lines them up. Truths of other sizes neither count nor miss;
-    /// nor do predictions of other sizes that find nothing.
+    /// Pairs the class's boxes in every picture at an IoU, and lines them up. Truths of other sizes
+    /// neither count nor miss; nor do predictions of other sizes that find nothing.
     pub(super) fn new(
         images: &[Image],
         class: usize,
@@ -40,18 +41,12 @@ impl Ranking {
         threshold: f64,
         sizes: &Sizes,
     ) -> Self {
-        let mut ranking = Ranking {
-            ranked: Vec::new(),
-            truths: 0,
-        };
+        let mut ranking = Ranking { ranked: Vec::new(), truths: 0 };
         for (image, boxes) in images.iter().enumerate() {
             let candidates = candidates(boxes, class, sizes);
             ranking.truths += candidates.iter().filter(|one| !one.ignored).count();
             let order = by_score(boxes, class, settings.max_detections);
-            let rects: Vec<Rect> = order
-                .iter()
-                .map(|&index| boxes.predicted[index].rect)
-                .collect();
+            let rects: Vec<Rect> = order.iter().map(|&index| boxes.predicted[index].rect).collect();
             let outcomes = pair(&rects, &candidates, settings.matching, threshold);
             for (predicted, outcome) in order.into_iter().zip(outcomes) {
                 let one = &boxes.predicted[predicted];
@@ -61,12 +56,7 @@ impl Ranking {
                     MatchOutcome::Ignored => false,
                 };
                 if counts {
-                    ranking.ranked.push(Ranked {
-                        image,
-                        predicted,
-                        score: one.score,
-                        outcome,
-                    });
+                    ranking.ranked.push(Ranked { image, predicted, score: one.score, outcome });
                 }
             }
         }

@@ -13,8 +13,8 @@ pub struct Output {
     pub values: Vec<f32>,
 }
 
-/// A compiled network of fixed input size. It is run from several threads at once, one picture a run: for small networks
-/// that is faster than batches and than threads within a run.
+/// A compiled network of fixed input size. It is run from several threads at once, one picture a
+/// run: for small networks that is faster than batches and than threads within a run.
 pub trait Inference: Send + Sync {
     /// Runs one picture through; `input` holds as many numbers as the input has.
     fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable>;

@@ -1,7 +1,8 @@
 //! From the confidence that a network gives to the share of such boxes that lie on an object.
 //!
-//! A network's confidence ranks its boxes; how many of those at 0.8 are right depends on what it was trained on. A sidecar may
-//! hold points that map it to the share that was right on chips which training never saw, straight between neighbours.
+//! A network's confidence ranks its boxes; how many of those at 0.8 are right depends on what it
+//! was trained on. A sidecar may hold points that map it to the share that was right on chips which
+//! training never saw, straight between neighbours.
 
 /// A rising map of confidences, 0 to 1 on both sides. Without points it leaves them as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,14 +12,12 @@ pub(super) struct ConfidenceCalibration {
 }
 
 impl ConfidenceCalibration {
-    /// `None` unless both numbers rise from point to point between 0 and 1, the first being 1 at the end: only then has each
-    /// confidence one counterpart.
+    /// `None` unless both numbers rise from point to point between 0 and 1, the first being 1 at
+    /// the end: only then has each confidence one counterpart.
     pub(super) fn new(points: &[[f32; 2]]) -> Option<Self> {
         let mut all = vec![[0.0, 0.0]];
         all.extend(points.iter().filter(|&&point| point != [0.0, 0.0]));
-        let rises = all
-            .windows(2)
-            .all(|pair| pair[0][0] < pair[1][0] && pair[0][1] < pair[1][1]);
+        let rises = all.windows(2).all(|pair| pair[0][0] < pair[1][0] && pair[0][1] < pair[1][1]);
         let [last, highest] = all[all.len() - 1];
         (rises && last == 1.0 && highest <= 1.0).then_some(Self { points: all })
     }
@@ -63,14 +62,9 @@ mod tests {
     #[test]
     fn confidences_are_mapped_straight_between_points_and_back() {
         let map = bent();
-        for (confidence, calibrated) in [
-            (0.0, 0.0),
-            (0.1, 0.05),
-            (0.2, 0.1),
-            (0.4, 0.45),
-            (0.8, 0.875),
-            (1.0, 0.95),
-        ] {
+        for (confidence, calibrated) in
+            [(0.0, 0.0), (0.1, 0.05), (0.2, 0.1), (0.4, 0.45), (0.8, 0.875), (1.0, 0.95)]
+        {
             assert!((map.calibrated(confidence) - calibrated).abs() < 1e-6);
             assert!((map.confidence(calibrated) - confidence).abs() < 1e-6);
         }

@@ -1,23 +1,26 @@
 //! What a graph makes of its own constants, looked at before it is made.
 //!
-//! tract works out while it compiles whatever follows from constants alone, and a file of a few hundred bytes can ask for
-//! terabytes there: one column times one row is enough. The graph is walked in its order, and each layer is asked for the
-//! size of its outputs first, and only then for their numbers.
+//! tract works out while it compiles whatever follows from constants alone, and a file of a few
+//! hundred bytes can ask for terabytes there: one column times one row is enough. The graph is
+//! walked in its order, and each layer is asked for the size of its outputs first, and only then
+//! for their numbers.
 
 use super::Unusable;
 use super::screen::check_axes;
 use tract_onnx::prelude::{InferenceFact, InferenceModel, OutletId, TractResult};
 use tract_onnx::tract_hir::infer::{Factoid, InferenceOp};
 
-/// Elements of one tensor that follows from constants; the largest grid of a detector has some hundred thousand.
+/// Elements of one tensor that follows from constants; the largest grid of a detector has some
+/// hundred thousand.
 const MOST_ELEMENTS: u64 = 1 << 24;
 /// Elements of all of them.
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 26;
-/// Layers that do not state their output's size beforehand: at most the input's, times its number of axes.
+/// Layers that do not state their output's size beforehand: at most the input's, times its number
+/// of axes.
 const UNSIZED: [&str; 2] = ["Compress", "NonZero"];
 
-/// Refuses a graph whose constants grow beyond measure. The facts that come to light are kept in it; what stays open here is
-/// for the compilation, and so is what is wrong.
+/// Refuses a graph whose constants grow beyond measure. The facts that come to light are kept in
+/// it; what stays open here is for the compilation, and so is what is wrong.
 ///
 /// # Errors
 /// Why the model cannot be used.
@@ -50,13 +53,7 @@ pub(super) fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable
         }
         for (slot, fact) in outputs.into_iter().enumerate() {
             // A chain of layers may add one axis each.
-            check_axes(
-                &name,
-                fact.shape
-                    .rank()
-                    .concretize()
-                    .map_or(0, |axes| axes as usize),
-            )?;
+            check_axes(&name, fact.shape.rank().concretize().map_or(0, |axes| axes as usize))?;
             // A slot that is not there is reported by the compilation.
             model.set_outlet_fact(OutletId::new(node, slot), fact).ok();
         }
@@ -64,7 +61,8 @@ pub(super) fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable
     Ok(())
 }
 
-/// Elements of what a layer makes of constants, where one tensor is not too large, or cannot be known.
+/// Elements of what a layer makes of constants, where one tensor is not too large, or cannot be
+/// known.
 fn elements_of(
     name: &str,
     outputs: &[InferenceFact],
@@ -76,9 +74,7 @@ fn elements_of(
             let sizes = sizes.iter().map(|size| size.to_i64().ok()?.try_into().ok());
             sizes
                 .into_iter()
-                .try_fold(1_u64, |product, size: Option<u64>| {
-                    product.checked_mul(size?)
-                })
+                .try_fold(1_u64, |product, size: Option<u64>| product.checked_mul(size?))
         });
         match elements {
             Some(Some(elements)) if elements <= MOST_ELEMENTS => sum += elements,

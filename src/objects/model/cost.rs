@@ -1,15 +1,18 @@
-//! What one picture costs a compiled network, estimated from the sizes of its layers before it is run.
+//! What one picture costs a compiled network, estimated from the sizes of its layers before it is
+//! run.
 
 use super::Unusable;
 use tract_onnx::prelude::{OutletId, TypedModel, TypedNode};
 use tract_onnx::tract_core::ops::Cost;
 use tract_onnx::tract_core::ops::cnn::{Conv, Deconv};
 
-/// Multiplications that one picture may cost: three times what YOLOv4 takes at 608 pixels, some ten seconds of one core.
+/// Multiplications that one picture may cost: three times what YOLOv4 takes at 608 pixels, some ten
+/// seconds of one core.
 const MOST_MULTIPLICATIONS: u64 = 200_000_000_000;
 /// Elements of one tensor: 512 MiB of f32.
 const MOST_ELEMENTS: u64 = 1 << 27;
-/// Elements of the tensors that are held at one time: 1 GiB of f32. YOLOv4 at 608 pixels holds a twentieth of it.
+/// Elements of the tensors that are held at one time: 1 GiB of f32. YOLOv4 at 608 pixels holds a
+/// twentieth of it.
 const MOST_ELEMENTS_AT_ONCE: u64 = 1 << 28;
 /// Elements of all tensors together, most of which live only for a moment.
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
@@ -68,8 +71,8 @@ pub(super) fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
     counts.fold(0, u64::saturating_add)
 }
 
-/// A convolution lays the pixels under its kernel side by side, a transposed one what becomes of them: as many numbers as
-/// multiplications for one channel on the other side.
+/// A convolution lays the pixels under its kernel side by side, a transposed one what becomes of
+/// them: as many numbers as multiplications for one channel on the other side.
 fn check_gathered(node: &TypedNode, multiplications: u64) -> Result<(), Unusable> {
     let shared = match (node.op_as::<Conv>(), node.op_as::<Deconv>()) {
         (Some(conv), _) => conv.pool_spec.output_channels / conv.group.max(1),
@@ -86,7 +89,8 @@ fn check_gathered(node: &TypedNode, multiplications: u64) -> Result<(), Unusable
     Ok(())
 }
 
-/// Follows the network in the order of its layers: each output is held until the last layer that reads it has run.
+/// Follows the network in the order of its layers: each output is held until the last layer that
+/// reads it has run.
 fn check_held(model: &TypedModel) -> Result<(), Unusable> {
     let order = model.eval_order().unwrap_or_default();
     let mut step_of = vec![0; model.nodes().len()];
@@ -102,10 +106,8 @@ fn check_held(model: &TypedModel) -> Result<(), Unusable> {
     for (step, &node) in order.iter().enumerate() {
         for slot in 0..model.node(node).outputs.len() {
             let outlet = OutletId::new(node, slot);
-            let elements = model
-                .outlet_fact(outlet)
-                .ok()
-                .and_then(|fact| fact.shape.volume().as_i64());
+            let elements =
+                model.outlet_fact(outlet).ok().and_then(|fact| fact.shape.volume().as_i64());
             let elements = elements.unwrap_or(0).unsigned_abs();
             held = held.saturating_add(elements);
             freed[last_read(outlet).unwrap_or(order.len() - 1)] += elements;

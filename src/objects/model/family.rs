@@ -8,7 +8,8 @@ use crate::decode::{self, Head, HeadLayout};
 
 /// Boxes of an end-to-end network: 300 usually.
 const MOST_END_TO_END: usize = 1000;
-/// Strides of the detectors in use: two heads (tiny), three, four (large inputs), four (small objects).
+/// Strides of the detectors in use: two heads (tiny), three, four (large inputs), four (small
+/// objects).
 const STRIDES: [&[usize]; 4] = [&[8, 16, 32], &[16, 32], &[8, 16, 32, 64], &[4, 8, 16, 32]];
 
 /// Shape of an output, with its name.
@@ -84,14 +85,8 @@ pub(super) fn guess(
             _ => unknown(),
         };
     }
-    let all_grids = outputs
-        .iter()
-        .all(|(_, shape)| !layouts(shape, input).is_empty());
-    if all_grids && !outputs.is_empty() {
-        Ok(FamilyName::RawHeads)
-    } else {
-        unknown()
-    }
+    let all_grids = outputs.iter().all(|(_, shape)| !layouts(shape, input).is_empty());
+    if all_grids && !outputs.is_empty() { Ok(FamilyName::RawHeads) } else { unknown() }
 }
 
 /// Binds a family to the outputs.
@@ -102,10 +97,7 @@ pub(super) fn bind(
     sidecar: &Sidecar,
     known_names: Option<usize>,
 ) -> Result<DetectorFamily, Unusable> {
-    let misfit = |why: String| Unusable::Misfit {
-        family: name.words().to_owned(),
-        why,
-    };
+    let misfit = |why: String| Unusable::Misfit { family: name.words().to_owned(), why };
     let one = || match outputs {
         [(_, shape)] => flat(shape).ok_or_else(|| misfit(listed(outputs))),
         _ => Err(misfit(listed(outputs))),
@@ -119,14 +111,7 @@ pub(super) fn bind(
             let (boxes, confs, classes) =
                 boxes_and_confs(outputs).ok_or_else(|| misfit(listed(outputs)))?;
             let fractions = coordinates(sidecar);
-            (
-                classes,
-                Kind::BoxesAndConfs {
-                    boxes,
-                    confs,
-                    fractions,
-                },
-            )
+            (classes, Kind::BoxesAndConfs { boxes, confs, fractions })
         }
         FamilyName::RawHeads => {
             let (classes, heads) = bind_heads(outputs, input, sidecar, misfit)?;
@@ -144,9 +129,7 @@ pub(super) fn bind(
         }
         FamilyName::Yolox => {
             let [count, width] = one()?;
-            let strides = STRIDES
-                .into_iter()
-                .find(|strides| cells_of(input, strides) == count);
+            let strides = STRIDES.into_iter().find(|strides| cells_of(input, strides) == count);
             let strides = strides.ok_or_else(|| {
                 misfit(format!(
                     "{count} boxes are not the grid cells of an input of {} x {}",
@@ -164,11 +147,7 @@ impl DetectorFamily {
     pub(super) fn decode(&self, outputs: &[Output], input: [usize; 2], least: f32) -> Vec<Scored> {
         let values = |index: usize| outputs.get(index).map_or(&[][..], |output| &output.values);
         match &self.kind {
-            Kind::BoxesAndConfs {
-                boxes,
-                confs,
-                fractions,
-            } => {
+            Kind::BoxesAndConfs { boxes, confs, fractions } => {
                 let scale = if *fractions == Some(false) {
                     [1.0; 2]
                 } else {
@@ -180,9 +159,7 @@ impl DetectorFamily {
             Kind::RawHeads(heads) => heads
                 .iter()
                 .flat_map(|bound| {
-                    let BoundHead {
-                        layout, head, grid, ..
-                    } = bound;
+                    let BoundHead { layout, head, grid, .. } = bound;
                     let values = values(bound.output);
                     decode::raw_head(values, *layout, head, self.classes, *grid, input, least)
                 })
@@ -199,20 +176,14 @@ impl DetectorFamily {
         self.kind == Kind::EndToEnd
     }
 
-    /// Learns from a first run what shapes do not show: whether boxes are fractions of the picture, of which none is far
-    /// beyond 1.
+    /// Learns from a first run what shapes do not show: whether boxes are fractions of the picture,
+    /// of which none is far beyond 1.
     pub(super) fn learn(&mut self, first_run: &[Output]) {
-        if let Kind::BoxesAndConfs {
-            boxes, fractions, ..
-        } = &mut self.kind
+        if let Kind::BoxesAndConfs { boxes, fractions, .. } = &mut self.kind
             && fractions.is_none()
         {
-            let edges = first_run
-                .get(*boxes)
-                .map_or(&[][..], |output| &output.values);
-            let largest = edges
-                .iter()
-                .fold(0.0_f32, |largest, edge| largest.max(*edge));
+            let edges = first_run.get(*boxes).map_or(&[][..], |output| &output.values);
+            let largest = edges.iter().fold(0.0_f32, |largest, edge| largest.max(*edge));
             *fractions = Some(largest <= 4.0);
         }
     }
@@ -229,23 +200,18 @@ fn coordinates(sidecar: &Sidecar) -> Option<bool> {
 
 /// The outputs in words, for messages.
 fn listed(outputs: &[Shaped<'_>]) -> String {
-    let words = outputs
-        .iter()
-        .map(|(name, shape)| format!("{name} {shape:?}"));
+    let words = outputs.iter().map(|(name, shape)| format!("{name} {shape:?}"));
     words.collect::<Vec<_>>().join(", ")
 }
 
 /// The last two sizes, where all before are 1.
 fn flat(shape: &[usize]) -> Option<[usize; 2]> {
     let (&[first, second], before) = shape.split_last_chunk::<2>().map(|(a, b)| (b, a))?;
-    before
-        .iter()
-        .all(|&size| size == 1)
-        .then_some([first, second])
+    before.iter().all(|&size| size == 1).then_some([first, second])
 }
 
-/// Indices of the boxes `[1, N, 1, 4]` or `[1, N, 4]` and of the scores `[1, N, C]`, and C. Bound by name where both could be
-/// either: exporters do not agree on the order.
+/// Indices of the boxes `[1, N, 1, 4]` or `[1, N, 4]` and of the scores `[1, N, C]`, and C. Bound
+/// by name where both could be either: exporters do not agree on the order.
 fn boxes_and_confs(outputs: &[Shaped<'_>]) -> Option<(usize, usize, usize)> {
     let [a, b] = outputs else {
         return None;
@@ -272,24 +238,17 @@ fn boxes_and_confs(outputs: &[Shaped<'_>]) -> Option<(usize, usize, usize)> {
 }
 
 fn cells_of(input: [usize; 2], strides: &[usize]) -> usize {
-    strides
-        .iter()
-        .map(|stride| (input[0] / stride) * (input[1] / stride))
-        .sum()
+    strides.iter().map(|stride| (input[0] / stride) * (input[1] / stride)).sum()
 }
 
 /// Whether there are as many boxes as grid cells.
 fn cells(input: [usize; 2], count: usize) -> bool {
-    STRIDES
-        .iter()
-        .any(|strides| cells_of(input, strides) == count)
+    STRIDES.iter().any(|strides| cells_of(input, strides) == count)
 }
 
 /// Whether there are three boxes a grid cell.
 fn yolov5_rows(input: [usize; 2], count: usize) -> bool {
-    STRIDES
-        .iter()
-        .any(|strides| 3 * cells_of(input, strides) == count)
+    STRIDES.iter().any(|strides| 3 * cells_of(input, strides) == count)
 }
 
 /// The ways in which an output may be a raw head: its layout, columns and rows, and numbers a cell.
@@ -301,11 +260,7 @@ fn layouts(shape: &[usize], input: [usize; 2]) -> Vec<(HeadLayout, [usize; 2], u
             (HeadLayout::ChannelsLast, [rows, channels], columns),
         ],
         [1, anchors, rows, columns, attributes] => {
-            vec![(
-                HeadLayout::AnchorsFirst,
-                [columns, rows],
-                anchors * attributes,
-            )]
+            vec![(HeadLayout::AnchorsFirst, [columns, rows], anchors * attributes)]
         }
         _ => Vec::new(),
     };
@@ -331,10 +286,7 @@ fn bind_heads(
     for (output, (name, shape)) in outputs.iter().enumerate() {
         let ways = layouts(shape, input);
         let fitting = ways.into_iter().find_map(|(layout, grid, numbers)| {
-            let entry = sidecar
-                .heads
-                .iter()
-                .find(|entry| entry.stride * grid[0] == input[0])?;
+            let entry = sidecar.heads.iter().find(|entry| entry.stride * grid[0] == input[0])?;
             let count = entry.anchors.len();
             let each = numbers.checked_div(count)?;
             (each * count == numbers && each > 5).then_some((layout, grid, each - 5, entry))
@@ -359,7 +311,5 @@ fn bind_heads(
             },
         });
     }
-    found
-        .map(|classes| (classes, heads))
-        .ok_or_else(|| misfit("there are no outputs".to_owned()))
+    found.map(|classes| (classes, heads)).ok_or_else(|| misfit("there are no outputs".to_owned()))
 }

@@ -1,5 +1,5 @@
-//! Puts layers of our own in the place of those of a network that tract computes slowly: convolutions of 3 x 3 ([`Convolution`]) and
-//! maxima over windows ([`max_pool`]).
+//! Puts layers of our own in the place of those of a network that tract computes slowly:
+//! convolutions of 3 x 3 ([`Convolution`]) and maxima over windows ([`max_pool`]).
 
 use super::max_pool::{PoolAxis, max_pool};
 use super::winograd::Convolution;
@@ -9,7 +9,8 @@ use tract_onnx::tract_core::internal::*;
 use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, MaxPool, PoolSpec};
 use tract_onnx::tract_core::ops::nn::DataFormat;
 
-/// Numbers that all of them keep at most, 128 MiB: they are four times the weights. Layers over that stay as they are.
+/// Numbers that all of them keep at most, 128 MiB: they are four times the weights. Layers over
+/// that stay as they are.
 const MOST_WEIGHTS: usize = 1 << 25;
 
 /// Replaces layers in the order of the network.
@@ -31,7 +32,8 @@ pub(super) fn replace_layers(model: &mut TypedModel) -> TractResult<()> {
     Ok(())
 }
 
-/// The fast layer for a node; `None` where the node is no convolution of the kind, or the layer would keep more than `most` numbers.
+/// The fast layer for a node; `None` where the node is no convolution of the kind, or the layer
+/// would keep more than `most` numbers.
 fn convolution(
     model: &TypedModel,
     node: &TypedNode,
@@ -51,13 +53,8 @@ fn convolution(
     if !pads_by_one(&conv.pool_spec, [height, width]) {
         return Ok(None);
     }
-    let channels = [
-        conv.pool_spec.input_channels,
-        conv.pool_spec.output_channels,
-    ];
-    let are_f32 = [weights, bias]
-        .iter()
-        .all(|constant| constant.datum_type() == f32::datum_type());
+    let channels = [conv.pool_spec.input_channels, conv.pool_spec.output_channels];
+    let are_f32 = [weights, bias].iter().all(|constant| constant.datum_type() == f32::datum_type());
     if !are_f32 || Convolution::weights_of(channels) > most {
         return Ok(None);
     }
@@ -134,9 +131,7 @@ fn is_of_the_kind(conv: &Conv) -> bool {
 /// Whether a picture has a border of one zero.
 fn pads_by_one(spec: &PoolSpec, size: [usize; 2]) -> bool {
     let padding = spec.computed_padding(&size);
-    padding
-        .iter()
-        .all(|side| (side.pad_before, side.pad_after) == (1, 1))
+    padding.iter().all(|side| (side.pad_before, side.pad_after) == (1, 1))
 }
 
 enum Computation {
@@ -163,10 +158,7 @@ impl FastLayer {
 
 impl fmt::Debug for FastLayer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter
-            .debug_tuple("FastLayer")
-            .field(&self.shape)
-            .finish()
+        formatter.debug_tuple("FastLayer").field(&self.shape).finish()
     }
 }
 

@@ -1,4 +1,5 @@
-//! Work on a file that may be made to harm: it may fail, stop half way or never end, and only that work ends.
+//! Work on a file that may be made to harm: it may fail, stop half way or never end, and only that
+//! work ends.
 
 use super::Unusable;
 use bathyscope_log::support::catch_panic::catch_panic;
@@ -9,8 +10,9 @@ use std::time::Duration;
 /// Deep networks are walked by recursion; address space alone is set aside for it.
 const STACK_BYTES: usize = 64 << 20;
 
-/// Runs `work` on a thread of its own and waits `limit` for it. `what` names the work in the message. A thread that is late is
-/// left to itself: what it may cost is bounded before it starts, and its result is dropped.
+/// Runs `work` on a thread of its own and waits `limit` for it. `what` names the work in the
+/// message. A thread that is late is left to itself: what it may cost is bounded before it starts,
+/// and its result is dropped.
 ///
 /// # Errors
 /// Why the model cannot be used.
@@ -20,20 +22,14 @@ pub(super) fn guarded<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Unusable> + Send + 'static,
 ) -> Result<T, Unusable> {
     let (sender, receiver) = mpsc::channel();
-    thread::Builder::new()
-        .name(what.to_owned())
-        .stack_size(STACK_BYTES)
-        .spawn(move || {
-            let outcome = catch_panic(work).unwrap_or(Err(Unusable::Damaged(what)));
-            // A receiver that has gone away waits no more.
-            sender.send(outcome).ok();
-        })?;
+    thread::Builder::new().name(what.to_owned()).stack_size(STACK_BYTES).spawn(move || {
+        let outcome = catch_panic(work).unwrap_or(Err(Unusable::Damaged(what)));
+        // A receiver that has gone away waits no more.
+        sender.send(outcome).ok();
+    })?;
     receiver.recv_timeout(limit).unwrap_or_else(|gone| {
         Err(match gone {
-            RecvTimeoutError::Timeout => Unusable::Slow {
-                what,
-                seconds: limit.as_secs(),
-            },
+            RecvTimeoutError::Timeout => Unusable::Slow { what, seconds: limit.as_secs() },
             RecvTimeoutError::Disconnected => Unusable::Damaged(what),
         })
     })

@@ -29,7 +29,8 @@ pub(super) struct InputSpec {
     pub resize: Resize,
 }
 
-/// Where a picture lies in the network's input: `input = picture * scale + offset`, across and down.
+/// Where a picture lies in the network's input: `input = picture * scale + offset`, across and
+/// down.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct InputFit {
     scale: [f32; 2],
@@ -70,22 +71,14 @@ impl InputFit {
         let back = |value: f32, axis: usize| {
             ((value - self.offset[axis]) / self.scale[axis]).clamp(0.0, self.picture[axis])
         };
-        Rect::new(
-            [back(rect.x0, 0), back(rect.y0, 1)],
-            [back(rect.x1, 0), back(rect.y1, 1)],
-        )
+        Rect::new([back(rect.x0, 0), back(rect.y0, 1)], [back(rect.x1, 0), back(rect.y1, 1)])
     }
 }
 
 impl InputSpec {
     /// Its sizes as the network has them, a batch of one.
     pub(super) fn shape(&self) -> [usize; 4] {
-        let Self {
-            width,
-            height,
-            channels,
-            ..
-        } = *self;
+        let Self { width, height, channels, .. } = *self;
         match self.channels_last {
             true => [1, height, width, channels],
             false => [1, channels, height, width],
@@ -99,11 +92,7 @@ impl InputSpec {
 
     /// Where a picture lies in the input.
     pub(super) fn fit(&self, picture: &Picture) -> InputFit {
-        InputFit::new(
-            [picture.width, picture.height],
-            [self.width, self.height],
-            self.resize,
-        )
+        InputFit::new([picture.width, picture.height], [self.width, self.height], self.resize)
     }
 
     /// The input that a picture becomes; between pixels it is interpolated linearly.
@@ -157,11 +146,7 @@ impl InputSpec {
 
 /// From `low` to `high` by a share of 0 to 1; `high` is not asked for where it counts nothing.
 fn mix(low: f32, high: impl FnOnce() -> f32, share: f32) -> f32 {
-    if share > 0.0 {
-        low + share * (high() - low)
-    } else {
-        low
-    }
+    if share > 0.0 { low + share * (high() - low) } else { low }
 }
 
 /// A place between two pixels of the picture.
@@ -184,10 +169,9 @@ impl Line {
                     let middle = index as f32 + 0.5 - fit.offset[axis];
                     let place =
                         (middle / fit.scale[axis] - 0.5).clamp(0.0, fit.picture[axis] - 1.0);
-                    inside.contains(&index).then_some(PixelPlace {
-                        low: place as usize,
-                        share: place.fract(),
-                    })
+                    inside
+                        .contains(&index)
+                        .then_some(PixelPlace { low: place as usize, share: place.fract() })
                 })
                 .collect(),
         )

@@ -37,15 +37,11 @@ pub(super) struct Limits {
 
 impl Limits {
     /// Of a file that may come from anywhere.
-    pub(super) const USUAL: Self = Self {
-        compilation: Duration::from_secs(60),
-        first_picture: Duration::from_secs(30),
-    };
-    /// Of a network that is known to end, on a computer however slow: an emulated one takes over 30 s a picture.
-    pub(super) const NONE: Self = Self {
-        compilation: Duration::MAX,
-        first_picture: Duration::MAX,
-    };
+    pub(super) const USUAL: Self =
+        Self { compilation: Duration::from_secs(60), first_picture: Duration::from_secs(30) };
+    /// Of a network that is known to end, on a computer however slow: an emulated one takes over 30
+    /// s a picture.
+    pub(super) const NONE: Self = Self { compilation: Duration::MAX, first_picture: Duration::MAX };
 }
 
 /// Loads the file and its sidecar.
@@ -64,12 +60,7 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         Err(error) => return Err(Unusable::Sidecar(error.to_string())),
     };
-    from_bytes(
-        bytes.into(),
-        sidecar.as_deref(),
-        path.parent(),
-        Limits::USUAL,
-    )
+    from_bytes(bytes.into(), sidecar.as_deref(), path.parent(), Limits::USUAL)
 }
 
 /// What a file was found to be, before its first run.
@@ -92,34 +83,17 @@ pub(super) fn from_bytes(
     let said = sidecar.map(Sidecar::parse).transpose()?;
     let sidecar = said.clone().unwrap_or_default();
     let folder = folder.map(Path::to_path_buf);
-    let Opened {
-        network,
-        mut input,
-        metadata,
-    } = guarded("its compilation", limits.compilation, move || {
-        Source {
-            onnx,
-            sidecar: said.unwrap_or_default(),
-            folder,
-        }
-        .open()
-    })?;
+    let Opened { network, mut input, metadata } =
+        guarded("its compilation", limits.compilation, move || {
+            Source { onnx, sidecar: said.unwrap_or_default(), folder }.open()
+        })?;
 
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
-    let outputs = guarded("its first picture", limits.first_picture, move || {
-        first.run(numbers)
-    })?;
+    let outputs = guarded("its first picture", limits.first_picture, move || first.run(numbers))?;
     let (family, name, guessed) = understand(&outputs, &input, &sidecar, &metadata)?;
     prepare_as_trained(&mut input, name, &sidecar)?;
     let names = class_names(&sidecar, &metadata, &family)?;
-    Ok(assemble(
-        network,
-        family,
-        input,
-        names,
-        &sidecar,
-        (name, guessed),
-    ))
+    Ok(assemble(network, family, input, names, &sidecar, (name, guessed)))
 }
 
 /// What a model is made of.
@@ -134,19 +108,11 @@ impl Source {
     /// Reads, screens and compiles.
     fn open(self) -> Result<Opened, Unusable> {
         let folder = self.folder.as_deref();
-        let Screened {
-            proto,
-            declared,
-            metadata,
-            input,
-        } = screened(&self.onnx, &self.sidecar, folder)?;
+        let Screened { proto, declared, metadata, input } =
+            screened(&self.onnx, &self.sidecar, folder)?;
         let shape = input.shape();
         let graph = tract::graph(&proto, &declared, shape, folder)?;
-        Ok(Opened {
-            network: Arc::new(tract::Network::of(graph, &proto, shape)?),
-            input,
-            metadata,
-        })
+        Ok(Opened { network: Arc::new(tract::Network::of(graph, &proto, shape)?), input, metadata })
     }
 }
 
@@ -168,12 +134,7 @@ fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Scr
     }
     check_outside_files(&proto, folder)?;
     let input = input_of(&declared, sidecar, &metadata)?;
-    Ok(Screened {
-        proto,
-        declared,
-        metadata,
-        input,
-    })
+    Ok(Screened { proto, declared, metadata, input })
 }
 
 /// What is done of [`from_bytes`] before anything is computed, for the fuzzer.
@@ -218,11 +179,8 @@ fn input_of(
     }
     let picture = |size: Option<usize>| matches!(size, Some(1 | 3));
     let channels_last = picture(fourth) && !picture(second);
-    let (channels, height, width) = if channels_last {
-        (fourth, second, third)
-    } else {
-        (second, third, fourth)
-    };
+    let (channels, height, width) =
+        if channels_last { (fourth, second, third) } else { (second, third, fourth) };
     let [usual_height, usual_width] = metadata.image_size().unwrap_or([USUAL_INPUT; 2]);
     let input = InputSpec {
         width: width.or(sidecar.input.width).unwrap_or(usual_width),
@@ -239,14 +197,8 @@ fn input_of(
         return Err(input_error(&format!("has {} channels", input.channels)));
     }
     let sizes = [input.width, input.height];
-    if sizes
-        .iter()
-        .any(|size| !(32..=LARGEST_INPUT).contains(size))
-    {
-        return Err(input_error(&format!(
-            "is {} x {} pixels",
-            sizes[0], sizes[1]
-        )));
+    if sizes.iter().any(|size| !(32..=LARGEST_INPUT).contains(size)) {
+        return Err(input_error(&format!("is {} x {} pixels", sizes[0], sizes[1])));
     }
     Ok(input)
 }
@@ -258,10 +210,8 @@ fn understand(
     sidecar: &Sidecar,
     metadata: &Metadata,
 ) -> Result<(DetectorFamily, FamilyName, bool), Unusable> {
-    let shapes: Vec<Shaped<'_>> = outputs
-        .iter()
-        .map(|output| (output.name.as_str(), output.shape.as_slice()))
-        .collect();
+    let shapes: Vec<Shaped<'_>> =
+        outputs.iter().map(|output| (output.name.as_str(), output.shape.as_slice())).collect();
     let size = [input.width, input.height];
     let name = match sidecar.family {
         Some(name) => name,
@@ -293,9 +243,9 @@ fn prepare_as_trained(
         None => Ok([usual; 3]),
         Some(&[value]) => Ok([value; 3]),
         Some(&[red, green, blue]) if channels == 3 => Ok([red, green, blue]),
-        Some(_) => Err(Unusable::Sidecar(
-            "input.mean and input.std hold a number a channel".to_owned(),
-        )),
+        Some(_) => {
+            Err(Unusable::Sidecar("input.mean and input.std hold a number a channel".to_owned()))
+        }
     };
     input.mean = spread(&entry.mean, 0.0)?;
     input.std = spread(&entry.std, 1.0)?;
@@ -321,9 +271,7 @@ fn class_names(
             names.len(),
             family.classes
         ))),
-        None => Ok((0..family.classes)
-            .map(|class| format!("class {class}"))
-            .collect()),
+        None => Ok((0..family.classes).map(|class| format!("class {class}")).collect()),
     }
 }
 
@@ -402,10 +350,7 @@ mod tests {
     fn a_network_that_is_late_is_refused_unless_it_has_no_limit() {
         let load = |limits| from_bytes(ONNX.into(), Some(SIDECAR), None, limits);
         let first_picture = Duration::ZERO;
-        let late = load(Limits {
-            first_picture,
-            ..Limits::NONE
-        });
+        let late = load(Limits { first_picture, ..Limits::NONE });
         assert!(matches!(late, Err(Unusable::Slow { .. })), "{late:?}");
         assert!(load(Limits::NONE).is_ok());
     }

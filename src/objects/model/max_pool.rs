@@ -31,7 +31,8 @@ impl PoolAxis {
     }
 }
 
-/// The greatest number in each window, channel by channel; minus infinity in a window that covers nothing of the picture.
+/// The greatest number in each window, channel by channel; minus infinity in a window that covers
+/// nothing of the picture.
 pub(super) fn max_pool(input: &[f32], channels: usize, [rows, columns]: [PoolAxis; 2]) -> Vec<f32> {
     let mut output = Vec::with_capacity(channels * rows.into * columns.into);
     let mut greatest = vec![0.0; columns.from];
@@ -81,18 +82,14 @@ mod tests {
             (3, 2, 1, false),
             (1, 1, 0, false),
         ] {
-            let (rows, columns) = (
-                axis(9, window, step, before, cut),
-                axis(15, window, step, before, cut),
-            );
+            let (rows, columns) =
+                (axis(9, window, step, before, cut), axis(15, window, step, before, cut));
             let input: Vec<f32> = (0..2 * 9 * 15).map(number).collect();
             let output = max_pool(&input, 2, [rows, columns]);
             assert_eq!(output.len(), 2 * rows.into * columns.into);
             for (at, found) in output.iter().enumerate() {
-                let (channel, row) = (
-                    at / (rows.into * columns.into),
-                    at / columns.into % rows.into,
-                );
+                let (channel, row) =
+                    (at / (rows.into * columns.into), at / columns.into % rows.into);
                 let column = at % columns.into;
                 let mut expected = f32::NEG_INFINITY;
                 for (dy, dx) in (0..window).flat_map(|dy| (0..window).map(move |dx| (dy, dx))) {

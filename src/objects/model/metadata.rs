@@ -7,7 +7,8 @@ use std::collections::HashMap;
 pub(super) struct Metadata(pub HashMap<String, String>);
 
 impl Metadata {
-    /// Class names from `{0: 'rock', 1: "it's"}` or `['rock', 'tyre']`; `None` where there are none.
+    /// Class names from `{0: 'rock', 1: "it's"}` or `['rock', 'tyre']`; `None` where there are
+    /// none.
     pub(super) fn names(&self) -> Option<Vec<String>> {
         let mut names = quoted(self.0.get("names")?);
         // JSON dictionaries quote their keys as well.

@@ -1,14 +1,17 @@
-//! A detector somebody trained: an ONNX file, looked through, understood, compiled once and run on many tiles.
+//! A detector somebody trained: an ONNX file, looked through, understood, compiled once and run on
+//! many tiles.
 //!
-//! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file cannot be used.
-//! It uses `support`.
+//! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file
+//! cannot be used. It uses `support`.
 //!
-//! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what would take
-//! too much to run. `tract` compiles and runs (behind `backend`, so that another may come), convolutions of 3 x 3 by `winograd` and maxima
-//! by `max_pool`. `guard`
-//! keeps failures and endless work to themselves. `family` infers from the outputs' shapes how boxes are written; `sidecar` (the JSON file
-//! next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that the network takes. `calibration` turns a
-//! network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
+//! `screen` refuses what could harm before anything is computed, `constants` what would grow while
+//! it is compiled, `cost` what would take too much to run. `tract` compiles and runs (behind
+//! `backend`, so that another may come), convolutions of 3 x 3 by `winograd` and maxima by
+//! `max_pool`. `guard` keeps failures and endless work to themselves. `family` infers from the
+//! outputs' shapes how boxes are written; `sidecar` (the JSON file next to the model) and
+//! `metadata` (inside it) state the rest. `input` makes the numbers that the network takes.
+//! `calibration` turns a network's confidence into the share of such boxes that are right.
+//! `shipped` is the model that comes with the program.
 
 mod backend;
 mod calibration;
@@ -48,11 +51,14 @@ pub fn screened(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
     load::screen_only(onnx, sidecar)
 }
 
-/// Boxes of one picture that are looked at, the surest: a network that fires everywhere stays bearable.
+/// Boxes of one picture that are looked at, the surest: a network that fires everywhere stays
+/// bearable.
 const MOST_BOXES: usize = 1000;
-/// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move with the slider.
+/// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move
+/// with the slider.
 const LEAST_VOTER: f32 = 0.01;
-/// Confidence from which a box is worth a second, mirrored pass over its picture. Most tiles of a survey show bare ground.
+/// Confidence from which a box is worth a second, mirrored pass over its picture. Most tiles of a
+/// survey show bare ground.
 const WORTH_AUGMENTING: f32 = 0.1;
 /// Least confidence of any box. Without a floor a network's every cell would be one.
 const LEAST_SCORE: f32 = 0.001;
@@ -85,24 +91,18 @@ pub struct Model {
 
 impl std::fmt::Debug for Model {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter
-            .debug_tuple("Model")
-            .field(&self.description)
-            .finish()
+        formatter.debug_tuple("Model").field(&self.description).finish()
     }
 }
 
 impl Model {
-    /// Loads `MODEL.onnx`, with `MODEL.json` beside it where there is one. The file may come from anywhere: whatever it holds,
-    /// this ends in a model that has run once, or in a sentence.
+    /// Loads `MODEL.onnx`, with `MODEL.json` beside it where there is one. The file may come from
+    /// anywhere: whatever it holds, this ends in a model that has run once, or in a sentence.
     ///
     /// # Errors
     /// When the model cannot be used; the error names its file and says why.
     pub fn load(path: &Path) -> Result<Model, ModelError> {
-        load::from_path(path).map_err(|reason| ModelError {
-            reason,
-            path: path.to_path_buf(),
-        })
+        load::from_path(path).map_err(|reason| ModelError { reason, path: path.to_path_buf() })
     }
 
     /// Loads a model from the bytes of an ONNX file and the text of its sidecar.
@@ -118,8 +118,8 @@ impl Model {
         &self.names[..self.classes]
     }
 
-    /// What [`Scored::class`] and [`super::Detection::class`] stand for: the network's classes, and the name of a box whose class is a
-    /// guess ([`super::NAMELESS_CLASS`]).
+    /// What [`Scored::class`] and [`super::Detection::class`] stand for: the network's classes, and
+    /// the name of a box whose class is a guess ([`super::NAMELESS_CLASS`]).
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -169,9 +169,10 @@ impl Model {
         &self.description
     }
 
-    /// The objects in one picture, of at least that score (calibrated where the sidecar says how), by falling score, in the picture's pixels. For a network of one
-    /// channel the picture is made grey and, unless the sidecar says `raw`, brought to one level; one of three channels gets its
-    /// colours as they are.
+    /// The objects in one picture, of at least that score (calibrated where the sidecar says how),
+    /// by falling score, in the picture's pixels. For a network of one channel the picture is made
+    /// grey and, unless the sidecar says `raw`, brought to one level; one of three channels gets
+    /// its colours as they are.
     ///
     /// # Errors
     /// Why the model cannot be used.
@@ -189,11 +190,8 @@ impl Model {
         };
         // Up to the end, confidences are the network's own.
         let score = self.calibration.confidence(score).max(LEAST_SCORE);
-        let least = if self.vote.is_some() || self.augments {
-            score.min(LEAST_VOTER)
-        } else {
-            score
-        };
+        let least =
+            if self.vote.is_some() || self.augments { score.min(LEAST_VOTER) } else { score };
         let mut boxes = self.look(picture, least)?;
         if self.augments && boxes.iter().any(|found| found.score >= WORTH_AUGMENTING) {
             let height = picture.height as f32;
@@ -227,9 +225,7 @@ impl Model {
         boxes.retain(|found| found.score >= score);
         suppress(&mut boxes, self.nms, iou);
         if let Some(overlap) = self.vote {
-            let voters = candidates
-                .into_iter()
-                .filter(|one| one.score >= LEAST_VOTER);
+            let voters = candidates.into_iter().filter(|one| one.score >= LEAST_VOTER);
             vote(&mut boxes, &voters.collect::<Vec<_>>(), overlap);
         }
         for found in &mut boxes {

@@ -14,7 +14,8 @@ const MOST_LAYERS: usize = 20_000;
 const MOST_ELEMENTS: i64 = 1 << 27;
 /// Weights of a network: 512 MiB in f16, the largest file that is read.
 const MOST_WEIGHTS: i64 = 1 << 28;
-/// Axes of a tensor. Detectors have six at most; what compiles them takes the square of their number, and more.
+/// Axes of a tensor. Detectors have six at most; what compiles them takes the square of their
+/// number, and more.
 pub(super) const MOST_AXES: usize = 32;
 /// Pixels that a layer may gather into one.
 const MOST_GATHERED: i64 = 1 << 16;
@@ -41,31 +42,16 @@ const GROWING: [&str; 18] = [
 ];
 /// Layers that are refused, and what that means.
 const REFUSED: [(&str, &str); 6] = [
-    (
-        "If",
-        "which holds two networks in one; export a plain detector, without what follows it",
-    ),
+    ("If", "which holds two networks in one; export a plain detector, without what follows it"),
     (
         "NonMaxSuppression",
         "which drops overlapping boxes inside the network; export it again without (nms=False, no --end2end): overlapping \
          boxes are dropped here",
     ),
-    (
-        "Upsample",
-        "which ONNX has given up; export it again with opset 11 or later",
-    ),
-    (
-        "Loop",
-        "which may never end; export a plain detector, without what follows it",
-    ),
-    (
-        "Scan",
-        "which may never end; export a plain detector, without what follows it",
-    ),
-    (
-        "SequenceMap",
-        "which may never end; export a plain detector, without what follows it",
-    ),
+    ("Upsample", "which ONNX has given up; export it again with opset 11 or later"),
+    ("Loop", "which may never end; export a plain detector, without what follows it"),
+    ("Scan", "which may never end; export a plain detector, without what follows it"),
+    ("SequenceMap", "which may never end; export a plain detector, without what follows it"),
 ];
 
 /// The input as the file declares it.
@@ -96,11 +82,7 @@ pub(super) fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
 /// The key-value pairs of the file.
 pub(super) fn metadata(proto: &ModelProto) -> Metadata {
     let pairs = proto.metadata_props.iter();
-    Metadata(
-        pairs
-            .map(|pair| (pair.key.clone(), pair.value.clone()))
-            .collect(),
-    )
+    Metadata(pairs.map(|pair| (pair.key.clone(), pair.value.clone())).collect())
 }
 
 /// Names of the files that weights lie in.
@@ -120,19 +102,14 @@ fn tensors(proto: &ModelProto) -> impl Iterator<Item = &TensorProto> {
     let graph = proto.graph.iter();
     graph.flat_map(|graph| {
         let constants = graph.node.iter().flat_map(|node| &node.attribute);
-        graph
-            .initializer
-            .iter()
-            .chain(constants.filter_map(|attribute| attribute.t.as_ref()))
+        graph.initializer.iter().chain(constants.filter_map(|attribute| attribute.t.as_ref()))
     })
 }
 
 fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> {
     *layers += graph.node.len();
     if *layers > MOST_LAYERS {
-        return Err(Unusable::TooBig(format!(
-            "it has more than {MOST_LAYERS} layers"
-        )));
+        return Err(Unusable::TooBig(format!("it has more than {MOST_LAYERS} layers")));
     }
     screen_weights(graph)?;
     let listed = graph.input.iter().chain(&graph.output);
@@ -142,10 +119,7 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
     let (sizes, lists) = (written_sizes(graph), list_lengths(graph));
     for node in &graph.node {
         if let Some((layer, why)) = REFUSED.iter().find(|(layer, _)| *layer == node.op_type) {
-            return Err(Unusable::Layer {
-                layer: (*layer).to_owned(),
-                why,
-            });
+            return Err(Unusable::Layer { layer: (*layer).to_owned(), why });
         }
         screen_reshaping(node, &lists)?;
         if GROWING.contains(&node.op_type.as_str()) {
@@ -153,16 +127,14 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
         }
         for attribute in &node.attribute {
             let inner = attribute.g.iter().chain(&attribute.graphs);
-            inner
-                .into_iter()
-                .try_for_each(|inner| screen_graph(inner, layers))?;
+            inner.into_iter().try_for_each(|inner| screen_graph(inner, layers))?;
         }
     }
     Ok(())
 }
 
-/// Refuses weights that are larger than any file that is read. Several may lie in the same bytes of a file beside this one, and
-/// each is unpacked on its own.
+/// Refuses weights that are larger than any file that is read. Several may lie in the same bytes of
+/// a file beside this one, and each is unpacked on its own.
 fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
     let mut in_all = 0_i64;
     let constants = graph.node.iter().flat_map(|node| &node.attribute);
@@ -184,10 +156,7 @@ fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
 
 /// Name and number of axes of an input, an output, or what lies between.
 fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
-    let kind = declared
-        .r#type
-        .as_ref()
-        .and_then(|kind| kind.value.as_ref());
+    let kind = declared.r#type.as_ref().and_then(|kind| kind.value.as_ref());
     let axes = match kind {
         Some(Kind::TensorType(tensor)) => tensor.shape.as_ref().map_or(0, |shape| shape.dim.len()),
         _ => 0,
@@ -199,13 +168,12 @@ fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
 pub(super) fn check_axes(name: &str, axes: usize) -> Result<(), Unusable> {
     match axes <= MOST_AXES {
         true => Ok(()),
-        false => Err(Unusable::TooBig(format!(
-            "its tensor `{name}` has {axes} axes"
-        ))),
+        false => Err(Unusable::TooBig(format!("its tensor `{name}` has {axes} axes"))),
     }
 }
 
-/// Refuses a layer that makes a tensor of too many axes: the shape that it is given is a list in the file as long as that.
+/// Refuses a layer that makes a tensor of too many axes: the shape that it is given is a list in
+/// the file as long as that.
 fn screen_reshaping(node: &NodeProto, lists: &HashMap<&str, usize>) -> Result<(), Unusable> {
     let shape = match node.op_type.as_str() {
         "ConstantOfShape" => 0,
@@ -244,21 +212,15 @@ fn list_length(tensor: &TensorProto) -> usize {
     }
 }
 
-/// Refuses sizes beyond measure that are written in the file. Those computed on the way are looked at once they are known.
+/// Refuses sizes beyond measure that are written in the file. Those computed on the way are looked
+/// at once they are known.
 fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<(), Unusable> {
     let attributes = node.attribute.iter().map(|attribute| {
         let gathers = attribute.name == "kernel_shape";
-        let most = if gathers {
-            MOST_GATHERED
-        } else {
-            MOST_ELEMENTS
-        };
+        let most = if gathers { MOST_GATHERED } else { MOST_ELEMENTS };
         (&attribute.ints, most)
     });
-    let inputs = node
-        .input
-        .iter()
-        .filter_map(|name| sizes.get(name.as_str()));
+    let inputs = node.input.iter().filter_map(|name| sizes.get(name.as_str()));
     for (sizes, most) in attributes.chain(inputs.map(|sizes| (sizes, MOST_ELEMENTS))) {
         let elements = sizes
             .iter()
@@ -276,10 +238,7 @@ fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<()
 
 /// The small whole-number tensors that the graph holds, by name: its shapes are among them.
 fn written_sizes(graph: &GraphProto) -> HashMap<&str, Vec<i64>> {
-    let weights = graph
-        .initializer
-        .iter()
-        .map(|held| (held.name.as_str(), held));
+    let weights = graph.initializer.iter().map(|held| (held.name.as_str(), held));
     let constants = graph.node.iter().filter_map(|node| {
         let tensor = node.attribute.iter().find_map(|one| one.t.as_ref())?;
         Some((node.output.first()?.as_str(), tensor))
@@ -291,7 +250,8 @@ fn written_sizes(graph: &GraphProto) -> HashMap<&str, Vec<i64>> {
         .collect()
 }
 
-/// The whole numbers of a small tensor, whichever field they lie in; none of a large one, which is data and no shape.
+/// The whole numbers of a small tensor, whichever field they lie in; none of a large one, which is
+/// data and no shape.
 fn whole_numbers(tensor: &TensorProto) -> Vec<i64> {
     const INT64: i32 = 7;
     const LONGEST: usize = 8;
@@ -306,11 +266,7 @@ fn whole_numbers(tensor: &TensorProto) -> Vec<i64> {
 
 /// The one input that no weight fills.
 fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
-    let weights: HashSet<&str> = graph
-        .initializer
-        .iter()
-        .map(|one| one.name.as_str())
-        .collect();
+    let weights: HashSet<&str> = graph.initializer.iter().map(|one| one.name.as_str()).collect();
     let open = |input: &&ValueInfoProto| !weights.contains(input.name.as_str());
     let inputs: Vec<&ValueInfoProto> = graph.input.iter().filter(open).collect();
     let [input] = inputs[..] else {
@@ -330,16 +286,10 @@ fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
         })
         .collect();
     let text = || {
-        let words = sizes
-            .iter()
-            .map(|size| size.map_or("?".to_owned(), |size| size.to_string()));
+        let words = sizes.iter().map(|size| size.map_or("?".to_owned(), |size| size.to_string()));
         format!("is [{}]", words.collect::<Vec<_>>().join(", "))
     };
     let shape =
         <[Option<usize>; 4]>::try_from(sizes.clone()).map_err(|_| Unusable::Input(text()))?;
-    Ok(Declared {
-        name: input.name.clone(),
-        shape,
-        element: tensor.elem_type,
-    })
+    Ok(Declared { name: input.name.clone(), shape, element: tensor.elem_type })
 }

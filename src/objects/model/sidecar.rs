@@ -1,5 +1,5 @@
-//! `MODEL.json` beside `MODEL.onnx`: what the ONNX file does not state. Every entry may be missing; entries that are not
-//! named here (how a model was trained) are left alone.
+//! `MODEL.json` beside `MODEL.onnx`: what the ONNX file does not state. Every entry may be missing;
+//! entries that are not named here (how a model was trained) are left alone.
 
 use super::Unusable;
 use super::calibration::ConfidenceCalibration;
@@ -45,12 +45,7 @@ pub(super) enum FamilyName {
     #[serde(alias = "yolov7")]
     Yolov5,
     /// Columns of 4 + classes.
-    #[serde(
-        alias = "yolov9",
-        alias = "yolov11",
-        alias = "yolo11",
-        alias = "yolov12"
-    )]
+    #[serde(alias = "yolov9", alias = "yolov11", alias = "yolo11", alias = "yolov12")]
     Yolov8,
     /// Rows of 6, already suppressed.
     #[serde(alias = "yolov10", alias = "yolo26")]
@@ -108,7 +103,8 @@ pub(super) enum Resize {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct OutputEntry {
-    /// Words that hold `pixel` or `fraction`: the unit of YOLOv4's boxes. Without them a first run shows it.
+    /// Words that hold `pixel` or `fraction`: the unit of YOLOv4's boxes. Without them a first run
+    /// shows it.
     pub coordinates: Option<String>,
 }
 
@@ -166,7 +162,8 @@ pub(super) struct ThresholdEntry {
     pub nms: Option<NmsEntry>,
     /// Whether boxes of different classes drop each other.
     pub class_agnostic: Option<bool>,
-    /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; without it a box stays as it is.
+    /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; without it
+    /// a box stays as it is.
     pub vote: Option<f32>,
 }
 
@@ -201,7 +198,8 @@ impl Sidecar {
         Ok(sidecar)
     }
 
-    /// What the network's confidences come to; `None` where the file does not say, or what it says is no rising map.
+    /// What the network's confidences come to; `None` where the file does not say, or what it says
+    /// is no rising map.
     pub(super) fn calibration(&self) -> Option<ConfidenceCalibration> {
         ConfidenceCalibration::new(self.calibration.as_deref()?)
     }
@@ -209,22 +207,13 @@ impl Sidecar {
     fn check(&self) -> Result<(), Unusable> {
         let wrong = |text: &str| Err(Unusable::Sidecar(text.to_owned()));
         let share = |value: Option<f32>| value.is_none_or(|share| (0.0..=1.0).contains(&share));
-        let ThresholdEntry {
-            score,
-            iou,
-            name,
-            vote,
-            ..
-        } = self.thresholds;
+        let ThresholdEntry { score, iou, name, vote, .. } = self.thresholds;
         if ![score, iou, name, vote].into_iter().all(share) {
             return wrong(
                 "thresholds.score, thresholds.iou, thresholds.name and thresholds.vote lie between 0 and 1",
             );
         }
-        if self
-            .pixel_m
-            .is_some_and(|pixel_m| !(0.005..=1.0).contains(&pixel_m))
-        {
+        if self.pixel_m.is_some_and(|pixel_m| !(0.005..=1.0).contains(&pixel_m)) {
             return wrong("pixel_m lies between 0.005 and 1 m");
         }
         let anchors = self.heads.iter().flat_map(|head| &head.anchors).flatten();

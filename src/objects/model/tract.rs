@@ -1,5 +1,6 @@
-//! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it, which look at the
-//! same graph before it is compiled or run, and `fast_layers`, which replaces layers of it.
+//! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it,
+//! which look at the same graph before it is compiled or run, and `fast_layers`, which replaces
+//! layers of it.
 
 use super::constants::check_constants;
 use super::cost::check_cost;
@@ -30,11 +31,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
     // Its table of layers is filled once.
     static ONNX: LazyLock<Onnx> = LazyLock::new(tract_onnx::onnx);
     let mut bytes = bytes;
-    ONNX.proto_model_for_read(&mut bytes)
-        .map_err(|_| Unusable::NotOnnx)
+    ONNX.proto_model_for_read(&mut bytes).map_err(|_| Unusable::NotOnnx)
 }
 
-/// A screened graph for one picture of `shape`, whose cost is bounded. `folder` is where weights outside the file lie.
+/// A screened graph for one picture of `shape`, whose cost is bounded. `folder` is where weights
+/// outside the file lie.
 ///
 /// # Errors
 /// Why the model cannot be used.
@@ -62,7 +63,8 @@ fn parsed(
     shape: [usize; 4],
     folder: Option<&Path>,
 ) -> TractResult<InferenceModel> {
-    // Exporters write shapes of a batch of unknown size beside every layer, which contradict the batch of one.
+    // Exporters write shapes of a batch of unknown size beside every layer, which contradict the
+    // batch of one.
     let onnx = tract_onnx::onnx().with_ignore_value_info(true);
     let folder = folder.map(|folder| folder.to_string_lossy());
     let parsed = onnx.parse(proto, folder.as_deref())?;
@@ -70,14 +72,8 @@ fn parsed(
         let names = parsed.unresolved_inputs.join(", ");
         return Err(TractError::msg(format!("nothing makes {names}")));
     }
-    let element = if declared.element == FLOAT16 {
-        f16::datum_type()
-    } else {
-        f32::datum_type()
-    };
-    parsed
-        .model
-        .with_input_fact(0, InferenceFact::dt_shape(element, shape))
+    let element = if declared.element == FLOAT16 { f16::datum_type() } else { f32::datum_type() };
+    parsed.model.with_input_fact(0, InferenceFact::dt_shape(element, shape))
 }
 
 fn typed(model: InferenceModel) -> TractResult<TypedModel> {
@@ -90,8 +86,8 @@ fn typed(model: InferenceModel) -> TractResult<TypedModel> {
     Ok(model)
 }
 
-/// Makes f32 of weights that are stored as f16, once. tract leaves those above 4 MiB to every run, which then widens and packs
-/// them anew: a ninth of the time of YOLOv4-tiny.
+/// Makes f32 of weights that are stored as f16, once. tract leaves those above 4 MiB to every run,
+/// which then widens and packs them anew: a ninth of the time of YOLOv4-tiny.
 fn widen_weights(model: &mut TypedModel) -> TractResult<()> {
     for node in model.eval_order()? {
         let node = model.node(node);

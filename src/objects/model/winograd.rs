@@ -1,9 +1,9 @@
-//! Convolutions of 3 x 3 with a quarter of the multiplications: Winograd's minimal filtering F(4 x 4, 3 x 3) as in A. Lavin and S. Gray,
-//! "Fast Algorithms for Convolutional Neural Networks", 2016.
+//! Convolutions of 3 x 3 with a quarter of the multiplications: Winograd's minimal filtering F(4 x
+//! 4, 3 x 3) as in A. Lavin and S. Gray, "Fast Algorithms for Convolutional Neural Networks", 2016.
 //!
-//! Six by six numbers of a channel become as many points, in which the convolution is a product; the sums over the channels are matrix
-//! products, and 4 x 4 numbers of the output come back from their points. Results differ from those of the plain sum by some 1e-5 of
-//! their size.
+//! Six by six numbers of a channel become as many points, in which the convolution is a product;
+//! the sums over the channels are matrix products, and 4 x 4 numbers of the output come back from
+//! their points. Results differ from those of the plain sum by some 1e-5 of their size.
 
 use bathyscope_bottom::vectors::{VectorLoop, vectorised};
 use faer::linalg::matmul::matmul;
@@ -17,7 +17,8 @@ type Lane = [f32; LANES];
 const INPUT: usize = 6;
 const OUTPUT: usize = 4;
 const POINTS: usize = INPUT * INPUT;
-/// Tiles that are computed together at least, where there are as many: matrices of that many rows, which the cache holds.
+/// Tiles that are computed together at least, where there are as many: matrices of that many rows,
+/// which the cache holds.
 const TOGETHER: usize = 128;
 
 /// Matrix G of the paper, which takes three weights to six points.
@@ -44,8 +45,8 @@ pub(super) struct Convolution {
 }
 
 impl Convolution {
-    /// Takes weights by output channel, input channel, row and column, and a bias for each output channel. `None` where channels are no
-    /// multiple of 16.
+    /// Takes weights by output channel, input channel, row and column, and a bias for each output
+    /// channel. `None` where channels are no multiple of 16.
     pub(super) fn new(
         weights: &[f32],
         bias: &[f32],
@@ -94,10 +95,7 @@ impl Convolution {
 
     /// Runs it over a picture, channel by channel and row by row.
     pub(super) fn run(&self, input: &[f32]) -> Vec<f32> {
-        vectorised(Run {
-            convolution: self,
-            input,
-        })
+        vectorised(Run { convolution: self, input })
     }
 
     /// The same; inlined with all that it calls where the compiler may use what the processor has.
@@ -294,16 +292,15 @@ fn four_values([m0, m1, m2, m3, m4, m5]: [&Lane; INPUT]) -> [Lane; OUTPUT] {
         each([m0, &sum, &sum_2], |[m0, sum, sum_2]| m0 + sum + sum_2),
         each([&difference, &difference_2], |[one, two]| one + 2.0 * two),
         each([&sum, &sum_2], |[one, two]| one + 4.0 * two),
-        each([&difference, &difference_2, m5], |[one, two, m5]| {
-            one + 8.0 * two + m5
-        }),
+        each([&difference, &difference_2, m5], |[one, two, m5]| one + 8.0 * two + m5),
     ]
 }
 
 /// Computes each channel by itself.
 #[inline(always)]
 fn each<const N: usize>(from: [&Lane; N], compute: impl Fn([f32; N]) -> f32) -> Lane {
-    // Loops and no closures, which the compiler may leave out of line, where it may not use what the processor has.
+    // Loops and no closures, which the compiler may leave out of line, where it may not use what
+    // the processor has.
     let mut into = [0.0; LANES];
     for (c, into) in into.iter_mut().enumerate() {
         let mut values = [0.0; N];

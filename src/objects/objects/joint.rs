@@ -10,9 +10,11 @@ use crate::{NAMELESS_CLASS, class_index};
 pub struct PlacedBox<'a> {
     /// Which log of the survey it is of.
     pub log: usize,
-    /// What it is taken for. Every log may have a list of classes of its own, so classes are compared by name.
+    /// What it is taken for. Every log may have a list of classes of its own, so classes are
+    /// compared by name.
     pub class: &'a str,
-    /// Confidence of the detector, 0 to 1; `None` for a box that was drawn by hand: who drew it was sure.
+    /// Confidence of the detector, 0 to 1; `None` for a box that was drawn by hand: who drew it was
+    /// sure.
     pub score: Option<f32>,
     /// Where it lies, in the plane that all logs share.
     pub target: &'a Target,
@@ -29,7 +31,8 @@ pub struct JointObject {
     pub place_m: [f64; 2],
     /// Standard deviation of that place in the worse direction, metres.
     pub sigma_m: f64,
-    /// Its height above the bottom, of all boxes together: the one height that every table and panel shows.
+    /// Its height above the bottom, of all boxes together: the one height that every table and
+    /// panel shows.
     pub height: ObjectHeight,
     /// The pings of each box.
     seen_on: Vec<LogPings>,
@@ -41,14 +44,15 @@ impl JointObject {
         count_seen(self.seen_on.iter().cloned(), logs)
     }
 
-    /// How many passes of the boat saw it, of those over these logs that covered its place. It goes through all pings.
+    /// How many passes of the boat saw it, of those over these logs that covered its place. It goes
+    /// through all pings.
     pub fn passes(&self, logs: &[PassLog<'_>]) -> PassCount {
         PassCount::new(&self.seen_on, self.place_m, logs)
     }
 }
 
-/// Joins the boxes that show one object, in one log or in several; between logs with less certain places
-/// ([`GroupSettings::log_sigma_m`]). By first box.
+/// Joins the boxes that show one object, in one log or in several; between logs with less certain
+/// places ([`GroupSettings::log_sigma_m`]). By first box.
 pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<JointObject> {
     let mut names = Vec::new();
     let sightings: Vec<Sighting<'_>> = boxes
@@ -66,9 +70,7 @@ pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<J
             seen_on: (group.members.iter())
                 .map(|member| (boxes[*member].log, boxes[*member].target.mark.pings.clone()))
                 .collect(),
-            class: (group.class)
-                .map_or(NAMELESS_CLASS, |class| &names[class])
-                .to_owned(),
+            class: (group.class).map_or(NAMELESS_CLASS, |class| &names[class]).to_owned(),
             place_m: [group.east_m, group.north_m],
             sigma_m: group.sigma_m,
             height: group.height,

@@ -35,7 +35,8 @@ pub struct SurveyObject {
     pub position: LonLat,
     /// Class, place in the plane of the survey, and height. Members count the boxes of the list.
     pub joint: JointObject,
-    /// Passes of the boat that saw it: at most as many as boxes, since both sides may see it in one pass, and two recorders too.
+    /// Passes of the boat that saw it: at most as many as boxes, since both sides may see it in one
+    /// pass, and two recorders too.
     pub sightings: usize,
     /// What its boxes say of it.
     pub summary: ObjectSummary,
@@ -62,18 +63,15 @@ pub struct ObjectList {
 }
 
 impl ObjectList {
-    /// Joins the boxes that show one object. All places are in the plane of the first of `logs`, which the boxes count. A rejected box
-    /// shows nothing: it is no sighting of the object beside it, and rejected boxes are objects of their own, as they can be decided
-    /// otherwise. An object keeps the number that it had in `before`.
+    /// Joins the boxes that show one object. All places are in the plane of the first of `logs`,
+    /// which the boxes count. A rejected box shows nothing: it is no sighting of the object beside
+    /// it, and rejected boxes are objects of their own, as they can be decided otherwise. An object
+    /// keeps the number that it had in `before`.
     pub fn join(mut boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
         let mut joined = joined(&boxes, false);
         joined.extend(self::joined(&boxes, true));
         let keys = |joint: &JointObject| -> Vec<LogBox> {
-            joint
-                .members
-                .iter()
-                .map(|member| boxes[*member].key)
-                .collect()
+            joint.members.iter().map(|member| boxes[*member].key).collect()
         };
         let keys: Vec<Vec<LogBox>> = joined.iter().map(keys).collect();
         let mut numbers = before.clone();
@@ -132,18 +130,21 @@ impl ObjectList {
         self.objects.get(index.ok()?)
     }
 
-    /// The object that a box shows; `None` of a box without a place, and of one that does not count.
+    /// The object that a box shows; `None` of a box without a place, and of one that does not
+    /// count.
     pub fn object_of(&self, key: LogBox) -> Option<&SurveyObject> {
         self.objects.get(*self.of.get(&key)?)
     }
 
-    /// Whether anything was decided about any box; otherwise all of them are the detector's proposals.
+    /// Whether anything was decided about any box; otherwise all of them are the detector's
+    /// proposals.
     pub fn is_reviewed(&self) -> bool {
         self.is_reviewed
     }
 
-    /// Whether a box is one of a target: as long as nothing is decided about any box, each is; then those are that were accepted or
-    /// drawn by hand, for a proposal beside them would pass for an object that somebody has seen.
+    /// Whether a box is one of a target: as long as nothing is decided about any box, each is; then
+    /// those are that were accepted or drawn by hand, for a proposal beside them would pass for an
+    /// object that somebody has seen.
     pub fn is_target(&self, one: &ObjectBox) -> bool {
         !self.is_reviewed || one.one.state.is_object()
     }
@@ -159,11 +160,7 @@ impl ObjectList {
 
     /// The boxes of an object.
     pub fn members(&self, object: &SurveyObject) -> impl Iterator<Item = &ObjectBox> {
-        object
-            .joint
-            .members
-            .iter()
-            .map(|member| &self.boxes[*member])
+        object.joint.members.iter().map(|member| &self.boxes[*member])
     }
 }
 

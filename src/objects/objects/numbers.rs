@@ -18,9 +18,7 @@ pub struct ObjectNumbers {
 impl ObjectNumbers {
     /// Takes in the numbers that boxes of a log have.
     pub fn add_log(&mut self, log: LogId, numbers: LogNumbers) {
-        self.last = numbers
-            .values()
-            .fold(self.last, |last, number| last.max(*number));
+        self.last = numbers.values().fold(self.last, |last, number| last.max(*number));
         self.logs.insert(log, numbers);
     }
 
@@ -41,7 +39,8 @@ impl ObjectNumbers {
         }
     }
 
-    /// A number for each group of boxes: the one that most of its boxes had, where no other group has more of those; else a new one.
+    /// A number for each group of boxes: the one that most of its boxes had, where no other group
+    /// has more of those; else a new one.
     pub(super) fn give(&mut self, groups: &[Vec<LogBox>]) -> Vec<u32> {
         let mut claims: Vec<(usize, u32, usize)> = Vec::new();
         for (index, group) in groups.iter().enumerate() {
@@ -49,11 +48,7 @@ impl ObjectNumbers {
             for number in group.iter().filter_map(|key| self.get(key)) {
                 *votes.entry(number).or_default() += 1;
             }
-            claims.extend(
-                votes
-                    .into_iter()
-                    .map(|(number, votes)| (votes, number, index)),
-            );
+            claims.extend(votes.into_iter().map(|(number, votes)| (votes, number, index)));
         }
         claims.sort_by_key(|(votes, number, index)| (std::cmp::Reverse(*votes), *number, *index));
         let mut given: Vec<Option<u32>> = vec![None; groups.len()];
@@ -86,10 +81,7 @@ mod tests {
     use super::*;
 
     fn boxes(ids: &[(u64, u32)]) -> Vec<LogBox> {
-        let id = |(log, id): &(u64, u32)| LogBox {
-            log: LogId(*log),
-            id: BoxId(*id),
-        };
+        let id = |(log, id): &(u64, u32)| LogBox { log: LogId(*log), id: BoxId(*id) };
         ids.iter().map(id).collect()
     }
 
@@ -101,16 +93,11 @@ mod tests {
     #[test]
     fn an_object_keeps_its_number_whatever_becomes_of_its_boxes() {
         let mut numbers = ObjectNumbers::default();
-        let first = give(
-            &mut numbers,
-            &[&[(0, 1), (1, 1)], &[(0, 2)], &[(0, 3), (1, 2)]],
-        );
+        let first = give(&mut numbers, &[&[(0, 1), (1, 1)], &[(0, 2)], &[(0, 3), (1, 2)]]);
         assert_eq!(first, [1, 2, 3]);
         // The first loses a box, which stands alone; the second is out of sight; a new one comes.
-        let next = give(
-            &mut numbers,
-            &[&[(0, 1)], &[(1, 9)], &[(0, 3), (1, 2), (2, 1)], &[(1, 1)]],
-        );
+        let next =
+            give(&mut numbers, &[&[(0, 1)], &[(1, 9)], &[(0, 3), (1, 2), (2, 1)], &[(1, 1)]]);
         assert_eq!(next, [1, 4, 3, 5]);
         // It comes into sight again, with one more box.
         let again = give(&mut numbers, &[&[(0, 2), (2, 7)], &[(0, 1), (1, 1)]]);

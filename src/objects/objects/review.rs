@@ -33,10 +33,7 @@ impl LogReview {
     pub fn object_box(&self, log: usize, one: &Arc<Reviewed>, target: Option<Target>) -> ObjectBox {
         ObjectBox {
             log,
-            key: LogBox {
-                log: self.log,
-                id: one.id,
-            },
+            key: LogBox { log: self.log, id: one.id },
             class: self.review.class_name(one.class).to_owned(),
             one: one.clone(),
             target,
@@ -59,11 +56,7 @@ pub struct KeptReview {
 /// A file of its own knows of no numbers, and of no confidence: all its boxes count.
 impl From<Review> for KeptReview {
     fn from(review: Review) -> Self {
-        Self {
-            review: Arc::new(review),
-            object_numbers: LogNumbers::default(),
-            threshold: 0.0,
-        }
+        Self { review: Arc::new(review), object_numbers: LogNumbers::default(), threshold: 0.0 }
     }
 }
 
@@ -82,11 +75,7 @@ impl SurveyReview {
         let log = LogId(self.logs.len() as u64);
         self.logs.push(kept.map(|kept| {
             self.numbers.add_log(log, kept.object_numbers);
-            LogReview {
-                log,
-                review: kept.review,
-                threshold: kept.threshold,
-            }
+            LogReview { log, review: kept.review, threshold: kept.threshold }
         }));
     }
 

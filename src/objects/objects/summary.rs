@@ -40,8 +40,8 @@ pub struct ObjectSummary {
 }
 
 impl ObjectSummary {
-    /// Of the boxes of an object, with their places. Sizes are those of an accepted box before an undecided one, of a box whose edges
-    /// were drawn before another, and then of the surest one.
+    /// Of the boxes of an object, with their places. Sizes are those of an accepted box before an
+    /// undecided one, of a box whose edges were drawn before another, and then of the surest one.
     pub fn of<'a>(boxes: impl Iterator<Item = (&'a Reviewed, &'a Target)>) -> Self {
         let mut summary = Self {
             name: String::new(),

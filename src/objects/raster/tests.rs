@@ -28,10 +28,7 @@ fn a_bright_patch_lands_in_its_box() {
     let mark = Mark::new(Side::Port, 40..52, [3.2, 4.8]);
     let rect = raster.rect_of(&mark).shifted(-50.0, -100.0);
     for (index, &pixel) in tile.pixels.iter().enumerate() {
-        let (x, y) = (
-            (index % TILE_PX) as f32 + 0.5,
-            (index / TILE_PX) as f32 + 0.5,
-        );
+        let (x, y) = ((index % TILE_PX) as f32 + 0.5, (index / TILE_PX) as f32 + 0.5);
         // Interpolation blurs a ping (5 rows) either way, and a pixel in range.
         let inside = |grow_x: f32, grow_y: f32| {
             (rect.x0 - grow_x..rect.x1 + grow_x).contains(&x)
@@ -55,10 +52,7 @@ fn a_side_that_was_not_recorded_is_dark_and_an_empty_survey_has_no_rows() {
     let (none, navigation) = survey(0, |_, _| 0);
     let raster = Raster::new(&none, &navigation, 0.04);
     assert_eq!((raster.rows(), raster.columns()), (0, 0));
-    assert_eq!(
-        raster.tile(&none, Side::Port, 0, 0).pixels.len(),
-        TILE_PX * TILE_PX
-    );
+    assert_eq!(raster.tile(&none, Side::Port, 0, 0).pixels.len(), TILE_PX * TILE_PX);
 }
 
 #[test]

@@ -10,8 +10,8 @@ use std::sync::Arc;
 const SAME: f32 = 0.5;
 
 impl Review {
-    /// What a model found in a log that nobody has reviewed: proposals, numbered from `first`. `names` are the classes that its
-    /// indices mean.
+    /// What a model found in a log that nobody has reviewed: proposals, numbered from `first`.
+    /// `names` are the classes that its indices mean.
     pub fn of_found(
         identity: Identity,
         names: &[String],
@@ -32,9 +32,10 @@ impl Review {
         }
     }
 
-    /// The review with `detections` for proposals. What the analyst accepted, rejected, added or corrected stays; a detection
-    /// that overlaps such a box on its side (IoU of at least 0.5 in the raster's pixels) lends it its score instead of coming
-    /// twice. Undecided boxes are replaced; one that the model sees again keeps its number. Class names that are new are
+    /// The review with `detections` for proposals. What the analyst accepted, rejected, added or
+    /// corrected stays; a detection that overlaps such a box on its side (IoU of at least 0.5 in
+    /// the raster's pixels) lends it its score instead of coming twice. Undecided boxes are
+    /// replaced; one that the model sees again keeps its number. Class names that are new are
     /// appended; `classes` are the names that the detections' class indices mean.
     pub fn adopt(
         &self,
@@ -46,8 +47,8 @@ impl Review {
         self.adopt_part(model, classes, detections, raster, 0..self.identity.pings)
     }
 
-    /// As [`Review::adopt`], of a search that has come over these pings only: undecided boxes elsewhere stay as well, for
-    /// nobody has looked again.
+    /// As [`Review::adopt`], of a search that has come over these pings only: undecided boxes
+    /// elsewhere stay as well, for nobody has looked again.
     pub fn adopt_part(
         &self,
         model: &str,
@@ -67,19 +68,17 @@ impl Review {
             next_id: self.next_id,
             searched: self.searched.clone(),
         };
-        let class_of: Vec<usize> = (classes.iter())
-            .map(|name| class_index(&mut after.classes, name))
-            .collect();
+        let class_of: Vec<usize> =
+            (classes.iter()).map(|name| class_index(&mut after.classes, name)).collect();
         let decided = Places::of(&after.boxes, raster);
         let mut earlier = Places::of(&open, raster);
         let mut lent = vec![None; after.boxes.len()];
         let model: Arc<str> = model.into();
         after.note_search(&model, pings);
         for detection in detections {
-            let (Some(mark), Some(&class)) = (
-                held(&detection.mark, self.identity.pings),
-                class_of.get(detection.class),
-            ) else {
+            let (Some(mark), Some(&class)) =
+                (held(&detection.mark, self.identity.pings), class_of.get(detection.class))
+            else {
                 continue;
             };
             let rect = raster.rect_of(&mark);
@@ -117,10 +116,7 @@ struct Places {
 
 impl Places {
     fn of(boxes: &[Arc<Reviewed>], raster: &Raster) -> Self {
-        let mut places = Self {
-            sides: [Vec::new(), Vec::new()],
-            tallest: 0.0,
-        };
+        let mut places = Self { sides: [Vec::new(), Vec::new()], tallest: 0.0 };
         for (index, one) in boxes.iter().enumerate() {
             let rect = raster.rect_of(&one.mark);
             places.tallest = places.tallest.max(rect.y1 - rect.y0);

@@ -3,7 +3,8 @@
 use bathyscope_log::named;
 use serde::{Deserialize, Serialize};
 
-/// How sure the analyst is that there is an object, and of what it is: a word of their own, beside the score of a model.
+/// How sure the analyst is that there is an object, and of what it is: a word of their own, beside
+/// the score of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Confidence {

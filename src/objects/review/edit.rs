@@ -27,7 +27,8 @@ pub enum Edit {
         /// Index into the classes.
         class: usize,
     },
-    /// Removes a box that was drawn by hand. One that a model proposed is rejected instead: it is a hard negative.
+    /// Removes a box that was drawn by hand. One that a model proposed is rejected instead: it is a
+    /// hard negative.
     Remove(BoxId),
     /// A point that the analyst marks: a place without size; it gets [`Review::next_id`].
     AddPoint {
@@ -46,13 +47,14 @@ pub enum Edit {
         id: BoxId,
         /// Pings of the echo, its near edge, and the end of the shadow.
         mark: Mark,
-        /// Slant range of the border between echo and shadow by the recorder's scale, metres; that of the far edge where there is no
-        /// shadow.
+        /// Slant range of the border between echo and shadow by the recorder's scale, metres; that
+        /// of the far edge where there is no shadow.
         border_m: f64,
     },
     /// Leaves it to the program again to find echo and shadow in the box.
     FindEdges(BoxId),
-    /// Its height is that of what casts a shadow measured on one of its pings; with `None` that of its own shadow again.
+    /// Its height is that of what casts a shadow measured on one of its pings; with `None` that of
+    /// its own shadow again.
     SetShadow(BoxId, Option<MeasuredShadow>),
     /// It is of a class by its name, which becomes one of the review's classes.
     Classify(BoxId, String),
@@ -110,8 +112,8 @@ impl Edit {
 }
 
 impl Review {
-    /// The review after an edit; `None` when it would change nothing: no such box or class, a box without extent, a decision
-    /// that stands already.
+    /// The review after an edit; `None` when it would change nothing: no such box or class, a box
+    /// without extent, a decision that stands already.
     pub fn apply(&self, edit: &Edit) -> Option<Review> {
         match edit {
             Edit::Accept(id) => self.change(*id, |one| one.state = affirmed(one, State::Accepted)),
@@ -135,12 +137,7 @@ impl Review {
                 one.mark.side = one.mark.side.other();
             }),
             Edit::Add { mark, class } => self.add(mark, *class, ObjectExtent::Found),
-            Edit::AddPoint {
-                side,
-                ping,
-                range_m,
-                class,
-            } => {
+            Edit::AddPoint { side, ping, range_m, class } => {
                 let mark = Mark::point(*side, *ping, *range_m);
                 self.add(&mark, *class, ObjectExtent::Point)
             }
@@ -160,9 +157,7 @@ impl Review {
             }),
             Edit::SetShadow(id, shadow) => {
                 let mark = &self.get(*id)?.mark;
-                shadow
-                    .is_none_or(|shadow| shadow.fits(mark))
-                    .then_some(())?;
+                shadow.is_none_or(|shadow| shadow.fits(mark)).then_some(())?;
                 self.correct(*id, |one| one.shadow = *shadow)
             }
             Edit::Classify(id, name) => self.classify(*id, name.trim()),
@@ -210,10 +205,7 @@ impl Review {
         let class = (class < self.classes.len()).then_some(class)?;
         let mut after = self.clone();
         let id = after.take_id();
-        after.boxes.push(Arc::new(Reviewed {
-            extent,
-            ..Reviewed::drawn(id, mark, class)
-        }));
+        after.boxes.push(Arc::new(Reviewed { extent, ..Reviewed::drawn(id, mark, class) }));
         Some(after)
     }
 
@@ -228,11 +220,8 @@ impl Review {
     }
 }
 
-/// A box drawn by hand has no proposal to go back to or to agree with: it is added, or it is rejected.
+/// A box drawn by hand has no proposal to go back to or to agree with: it is added, or it is
+/// rejected.
 fn affirmed(one: &Reviewed, state: State) -> State {
-    if one.model.is_none() {
-        State::Added
-    } else {
-        state
-    }
+    if one.model.is_none() { State::Added } else { state }
 }

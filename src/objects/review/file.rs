@@ -1,4 +1,5 @@
-//! A review as a JSON file. What is read may come from anywhere: every number is checked before it is believed.
+//! A review as a JSON file. What is read may come from anywhere: every number is checked before it
+//! is believed.
 
 use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
 use crate::{Mark, MeasuredShadow, ObjectExtent};
@@ -31,10 +32,7 @@ pub struct ReviewError {
 
 impl ReviewError {
     fn new(what: impl Into<String>) -> Self {
-        Self {
-            what: what.into(),
-            id: None,
-        }
+        Self { what: what.into(), id: None }
     }
 }
 
@@ -49,7 +47,8 @@ pub struct ReviewRows {
     pub boxes: Vec<BoxRow>,
 }
 
-/// The text of a file about boxes, of a size that such a file can have. `what` is what it should be: `review`.
+/// The text of a file about boxes, of a size that such a file can have. `what` is what it should
+/// be: `review`.
 ///
 /// # Errors
 /// A sentence with the path when it cannot be read, or is too large.
@@ -112,7 +111,8 @@ pub struct BoxRow {
     /// [`Reviewed::confidence`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<Confidence>,
-    /// Border between echo and shadow where the analyst has set it, metres of slant range: [`ObjectExtent::Drawn`].
+    /// Border between echo and shadow where the analyst has set it, metres of slant range:
+    /// [`ObjectExtent::Drawn`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub border_m: Option<f64>,
     /// [`Reviewed::shadow`].
@@ -141,18 +141,9 @@ struct Versioned {
 impl Review {
     /// The review as the text of a file.
     pub fn to_json(&self) -> String {
-        let ReviewRows {
-            classes,
-            searched,
-            boxes,
-        } = self.to_rows();
-        let stored = Stored {
-            version: VERSION,
-            survey: self.identity.clone(),
-            classes,
-            searched,
-            boxes,
-        };
+        let ReviewRows { classes, searched, boxes } = self.to_rows();
+        let stored =
+            Stored { version: VERSION, survey: self.identity.clone(), classes, searched, boxes };
         // Strings, whole and finite numbers only: nothing here can fail to be written.
         serde_json::to_string_pretty(&stored).unwrap_or_default()
     }
@@ -198,10 +189,8 @@ impl Review {
     /// As [`Review::from_json`], with the path.
     pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
         let text = read_text(path, "review")?;
-        Self::from_json(&text, of).map_err(|error| ReviewError {
-            what: format!("{error}: {}", path.display()),
-            ..error
-        })
+        Self::from_json(&text, of)
+            .map_err(|error| ReviewError { what: format!("{error}: {}", path.display()), ..error })
     }
 
     /// Reads a file of the boxes of an open log, which may have grown since.
@@ -224,7 +213,8 @@ impl Review {
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// A sentence when it is no review, of a newer layout, of another log than `of`, or when a box makes no sense.
+    /// A sentence when it is no review, of a newer layout, of another log than `of`, or when a box
+    /// makes no sense.
     pub fn from_json(text: &str, of: &Identity) -> Result<Self, ReviewError> {
         let refuse = |text: String| Err(ReviewError::new(text));
         let versioned: Versioned = serde_json::from_str(text)
@@ -243,15 +233,9 @@ impl Review {
                 stored.survey.pings, stored.survey.byte_count, stored.survey.file
             ));
         }
-        let rows = ReviewRows {
-            classes: stored.classes,
-            searched: stored.searched,
-            boxes: stored.boxes,
-        };
-        let drawn_on = Identity {
-            swapped_sides: stored.survey.swapped_sides,
-            ..of.clone()
-        };
+        let rows =
+            ReviewRows { classes: stored.classes, searched: stored.searched, boxes: stored.boxes };
+        let drawn_on = Identity { swapped_sides: stored.survey.swapped_sides, ..of.clone() };
         let read = Self::from_rows(rows, &drawn_on)?;
         Ok(read.with_sides(of.swapped_sides))
     }
@@ -295,11 +279,7 @@ impl Review {
         let mut review = Review::new(of.clone(), rows.classes);
         let mut seen = HashSet::new();
         let mut models: HashSet<Arc<str>> = HashSet::new();
-        for SearchRow {
-            model,
-            pings: [start, end],
-        } in rows.searched
-        {
+        for SearchRow { model, pings: [start, end] } in rows.searched {
             if !is_name(&model) || start >= end || end > of.pings {
                 return Err(ReviewError::new(
                     "this review is damaged: the pings that were searched lie outside the log",

@@ -1,10 +1,12 @@
-//! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a file of its own.
+//! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a
+//! file of its own.
 //!
-//! In: boxes that a model proposes, and edits. Out: boxes with decisions, the order in which to look at them, and the rows of a file.
-//! It uses `survey` and `support`.
+//! In: boxes that a model proposes, and edits. Out: boxes with decisions, the order in which to
+//! look at them, and the rows of a file. It uses `survey` and `support`.
 //!
-//! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are there, `queue` the order
-//! in which boxes are looked at, `searched` which pings a model has been over, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
+//! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are
+//! there, `queue` the order in which boxes are looked at, `searched` which pings a model has been
+//! over, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
 //! never touched.
 
 mod adopt;
@@ -81,7 +83,8 @@ pub struct Reviewed {
     pub score: Option<f32>,
     /// Where it stands.
     pub state: State,
-    /// Class, place, edges, name, confidence or note were changed by hand: a new model does not take it away.
+    /// Class, place, edges, name, confidence or note were changed by hand: a new model does not
+    /// take it away.
     pub edited: bool,
     /// The analyst's remark.
     pub note: String,
@@ -98,7 +101,8 @@ pub struct Reviewed {
 }
 
 impl Reviewed {
-    /// A box that is drawn by hand, with nothing said of it yet; a proposal differs in score, state and model.
+    /// A box that is drawn by hand, with nothing said of it yet; a proposal differs in score, state
+    /// and model.
     pub fn drawn(id: BoxId, mark: Mark, class: usize) -> Self {
         Self {
             id,
@@ -127,7 +131,8 @@ impl Reviewed {
         self.state != State::Proposed || self.edited
     }
 
-    /// Whether it is in sight where undecided proposals of less confidence than `threshold` are hidden.
+    /// Whether it is in sight where undecided proposals of less confidence than `threshold` are
+    /// hidden.
     pub(crate) fn is_shown_from(&self, threshold: f32) -> bool {
         self.is_kept() || self.score.is_none_or(|score| score >= threshold)
     }
@@ -148,16 +153,11 @@ pub struct Review {
 impl Review {
     /// An empty review with the classes that a box can have.
     pub fn new(identity: Identity, classes: Vec<String>) -> Self {
-        Self {
-            identity,
-            classes,
-            boxes: Vec::new(),
-            next_id: 1,
-            searched: Vec::new(),
-        }
+        Self { identity, classes, boxes: Vec::new(), next_id: 1, searched: Vec::new() }
     }
 
-    /// The same for a log of which more was written since, or whose sides are exchanged: a box stays on its echo.
+    /// The same for a log of which more was written since, or whose sides are exchanged: a box
+    /// stays on its echo.
     #[must_use]
     pub fn carried_to(&self, identity: Identity) -> Self {
         let there = self.clone().with_sides(identity.swapped_sides);
@@ -169,7 +169,8 @@ impl Review {
         &self.identity
     }
 
-    /// The same boxes for a log whose port and starboard are exchanged or not: a box stays on its echo.
+    /// The same boxes for a log whose port and starboard are exchanged or not: a box stays on its
+    /// echo.
     #[must_use]
     pub fn with_sides(mut self, swapped_sides: bool) -> Self {
         if self.identity.swapped_sides != swapped_sides {
@@ -192,8 +193,8 @@ impl Review {
         self.classes.get(class).map_or("", String::as_str)
     }
 
-    /// The review with a class under another name, which all its boxes have then; `None` where it has no such class. Boxes of two
-    /// classes that have one name then are of one class.
+    /// The review with a class under another name, which all its boxes have then; `None` where it
+    /// has no such class. Boxes of two classes that have one name then are of one class.
     pub fn with_class_renamed(&self, from: &str, to: &str) -> Option<Review> {
         let place = |name: &str| self.classes.iter().position(|class| class == name);
         let of = place(from).filter(|_| from != to && is_name(to))?;
@@ -240,7 +241,8 @@ impl Review {
     }
 }
 
-/// The mark held to the survey: at least one ping and a range that is positive; `None` when nothing is left of it.
+/// The mark held to the survey: at least one ping and a range that is positive; `None` when nothing
+/// is left of it.
 fn held(mark: &Mark, pings: usize) -> Option<Mark> {
     let (start, end) = (mark.pings.start, mark.pings.end.min(pings));
     let (near_m, far_m) = (mark.near_m.max(0.0), mark.far_m);

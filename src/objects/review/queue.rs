@@ -43,12 +43,7 @@ pub struct Filter {
 
 impl Default for Filter {
     fn default() -> Self {
-        Self {
-            class: None,
-            state: None,
-            score: 0.0..=1.0,
-            size_m: 0.0..=f64::INFINITY,
-        }
+        Self { class: None, state: None, score: 0.0..=1.0, size_m: 0.0..=f64::INFINITY }
     }
 }
 
@@ -59,17 +54,14 @@ pub struct Queue {
     pub sort: Sort,
     /// Which.
     pub filter: Filter,
-    /// Undecided proposals of less confidence than this are out of sight; what was decided stays in sight.
+    /// Undecided proposals of less confidence than this are out of sight; what was decided stays in
+    /// sight.
     pub threshold: f32,
 }
 
 impl Default for Queue {
     fn default() -> Self {
-        Self {
-            sort: Sort::default(),
-            filter: Filter::default(),
-            threshold: 0.25,
-        }
+        Self { sort: Sort::default(), filter: Filter::default(), threshold: 0.25 }
     }
 }
 
@@ -93,10 +85,8 @@ impl Queue {
 
     /// The boxes to look at, in order.
     pub fn sort_and_filter(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
-        let mut line: Vec<&Reviewed> = review
-            .boxes()
-            .filter(|one| self.takes(review, one, &size_m))
-            .collect();
+        let mut line: Vec<&Reviewed> =
+            review.boxes().filter(|one| self.takes(review, one, &size_m)).collect();
         line.sort_by(|a, b| match self.sort {
             Sort::Score => by_score(a, b),
             Sort::Position => by_position(a, b),
@@ -109,9 +99,7 @@ impl Queue {
 /// The surest first, those without a score last.
 fn by_score(a: &Reviewed, b: &Reviewed) -> Ordering {
     let score = |one: &Reviewed| one.score.unwrap_or(-1.0);
-    score(b)
-        .total_cmp(&score(a))
-        .then_with(|| by_position(a, b))
+    score(b).total_cmp(&score(a)).then_with(|| by_position(a, b))
 }
 
 fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {

@@ -15,13 +15,14 @@ pub struct Searched {
 }
 
 impl Review {
-    /// What was searched, along the track; empty where that is not known: nobody has searched, or the review is from a program
-    /// that did not note it.
+    /// What was searched, along the track; empty where that is not known: nobody has searched, or
+    /// the review is from a program that did not note it.
     pub fn searched(&self) -> &[Searched] {
         &self.searched
     }
 
-    /// The pings that no search has come to, along the track; none where it is not known what was searched.
+    /// The pings that no search has come to, along the track; none where it is not known what was
+    /// searched.
     pub fn unsearched(&self) -> Vec<Range<usize>> {
         if self.searched.is_empty() {
             return Vec::new();
@@ -47,17 +48,13 @@ impl Review {
             }
         }
         let parts = parts.iter();
-        let parts: Vec<String> = parts
-            .map(|part| format!("{} to {}", part.start, part.end - 1))
-            .collect();
-        Some(format!(
-            "pings {} of {}",
-            parts.join(", "),
-            self.identity.pings
-        ))
+        let parts: Vec<String> =
+            parts.map(|part| format!("{} to {}", part.start, part.end - 1)).collect();
+        Some(format!("pings {} of {}", parts.join(", "), self.identity.pings))
     }
 
-    /// Whether a mark reaches into pings that no search has come to. `unsearched` is that of the review.
+    /// Whether a mark reaches into pings that no search has come to. `unsearched` is that of the
+    /// review.
     pub(crate) fn reaches_into(unsearched: &[Range<usize>], mark: &Mark) -> bool {
         let meets = |gap: &Range<usize>| mark.pings.start < gap.end && gap.start < mark.pings.end;
         unsearched.iter().any(meets)
@@ -74,17 +71,11 @@ impl Review {
             let Range { start, end } = earlier.pings;
             for left in [start..end.min(pings.start), start.max(pings.end)..end] {
                 if !left.is_empty() {
-                    noted.push(Searched {
-                        model: earlier.model.clone(),
-                        pings: left,
-                    });
+                    noted.push(Searched { model: earlier.model.clone(), pings: left });
                 }
             }
         }
-        noted.push(Searched {
-            model: model.clone(),
-            pings,
-        });
+        noted.push(Searched { model: model.clone(), pings });
         noted.sort_by_key(|one| one.pings.start);
         for one in noted {
             match self.searched.last_mut() {

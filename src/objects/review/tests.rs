@@ -8,12 +8,7 @@ use bathyscope_log::survey::{Side, SidePing, SideSpan, Survey};
 const PINGS: usize = 1000;
 
 fn identity() -> Identity {
-    Identity {
-        swapped_sides: false,
-        file: "river.sl2".into(),
-        byte_count: 4711,
-        pings: PINGS,
-    }
+    Identity { swapped_sides: false, file: "river.sl2".into(), byte_count: 4711, pings: PINGS }
 }
 
 fn names(names: &[&str]) -> Vec<String> {
@@ -72,14 +67,7 @@ fn states(review: &Review) -> Vec<(u32, State)> {
 fn decisions_are_made_and_taken_back() {
     let id = BoxId(1);
     let review = edited(&proposed(), &[Edit::Accept(id), Edit::Reject(BoxId(2))]);
-    assert_eq!(
-        states(&review),
-        [
-            (1, State::Accepted),
-            (2, State::Rejected),
-            (3, State::Proposed)
-        ]
-    );
+    assert_eq!(states(&review), [(1, State::Accepted), (2, State::Rejected), (3, State::Proposed)]);
     assert_eq!(review.apply(&Edit::Accept(id)), None, "it stands already");
     assert_eq!(review.apply(&Edit::Accept(BoxId(9))), None, "no such box");
     let back = edited(&review, &[Edit::Undecide(id), Edit::Undecide(BoxId(2))]);
@@ -91,10 +79,7 @@ fn corrections_are_checked() {
     let id = BoxId(1);
     let review = proposed();
     assert_eq!(review.apply(&Edit::Relabel(id, 2)), None, "no such class");
-    let flat = Mark {
-        far_m: 5.0,
-        ..mark(Side::Port, 100, 5.0)
-    };
+    let flat = Mark { far_m: 5.0, ..mark(Side::Port, 100, 5.0) };
     assert_eq!(review.apply(&Edit::Reshape(id, flat)), None);
     let late = mark(Side::Port, PINGS, 5.0);
     assert_eq!(review.apply(&Edit::Reshape(id, late)), None);
@@ -112,10 +97,7 @@ fn corrections_are_checked() {
     assert_eq!((one.class, one.mark.side), (1, Side::Starboard));
     assert_eq!(one.mark.pings, PINGS - 4..PINGS);
     assert_eq!((one.mark.near_m, one.mark.far_m), (0.0, 1.0));
-    assert_eq!(
-        (one.note.as_str(), one.state),
-        ("two of them", State::Proposed)
-    );
+    assert_eq!((one.note.as_str(), one.state), ("two of them", State::Proposed));
     assert!(one.is_kept());
 }
 
@@ -123,10 +105,7 @@ fn corrections_are_checked() {
 fn a_box_drawn_by_hand_is_added_or_rejected_and_can_go() {
     let review = proposed();
     let id = review.next_id();
-    let add = Edit::Add {
-        mark: mark(Side::Port, 500, 3.0),
-        class: 0,
-    };
+    let add = Edit::Add { mark: mark(Side::Port, 500, 3.0), class: 0 };
     let after = edited(&review, &[add, Edit::Reject(id), Edit::Accept(id)]);
     assert_eq!(after.get(id).unwrap().state, State::Added);
     assert_eq!(after.apply(&Edit::Undecide(id)), None);
@@ -139,10 +118,7 @@ fn a_box_drawn_by_hand_is_added_or_rejected_and_can_go() {
 #[test]
 fn decisions_survive_a_change_of_model() {
     let id = proposed().next_id();
-    let add = Edit::Add {
-        mark: mark(Side::Port, 500, 3.0),
-        class: 0,
-    };
+    let add = Edit::Add { mark: mark(Side::Port, 500, 3.0), class: 0 };
     let edits = [
         Edit::Accept(BoxId(1)),
         Edit::Relabel(BoxId(3), 1),
@@ -184,19 +160,14 @@ fn decisions_survive_a_change_of_model() {
     assert_eq!(after.get(id).unwrap().score, None);
 
     let none = after.adopt("third", &classes, &[], &raster());
-    assert_eq!(
-        states(&none),
-        states(&review.adopt("x", &[], &[], &raster()))
-    );
+    assert_eq!(states(&none), states(&review.adopt("x", &[], &[], &raster())));
 }
 
 #[test]
 fn adoption_is_as_comparing_all_with_all() {
     let mut random = 7_u64;
     let mut next = |below: usize| {
-        random = random
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (random >> 33) as usize % below
     };
     let side = |odd: usize| Side::BOTH[odd];
@@ -206,11 +177,8 @@ fn adoption_is_as_comparing_all_with_all() {
             let start = next(900);
             let pings = start..start + 2 + next(60);
             let near_m = next(40) as f64 * 0.25;
-            let mark = Mark::new(
-                side(next(2)),
-                pings,
-                [near_m, near_m + 1.0 + next(8) as f64 * 0.5],
-            );
+            let mark =
+                Mark::new(side(next(2)), pings, [near_m, near_m + 1.0 + next(8) as f64 * 0.5]);
             detection(0, next(100) as f32 / 100.0, mark)
         })
         .collect();
@@ -251,25 +219,16 @@ fn the_queue_is_sorted_and_filtered() {
     assert_eq!(with(&|queue| queue.sort = Sort::Position), [1, 2, 3]);
     assert_eq!(with(&|queue| queue.sort = Sort::Class), [1, 3, 2]);
     assert_eq!(with(&|queue| queue.threshold = 0.6), [2, 1]);
-    assert_eq!(
-        with(&|queue| queue.filter.class = Some("tyre".to_owned())),
-        [2]
-    );
+    assert_eq!(with(&|queue| queue.filter.class = Some("tyre".to_owned())), [2]);
     assert_eq!(with(&|queue| queue.filter.score = 0.0..=0.6), [1, 3]);
     assert_eq!(with(&|queue| queue.filter.size_m = 2.5..=9.0), [0; 0]);
-    assert_eq!(
-        with(&|queue| queue.filter.state = Some(State::Accepted)),
-        [0; 0]
-    );
+    assert_eq!(with(&|queue| queue.filter.state = Some(State::Accepted)), [0; 0]);
 }
 
 #[test]
 fn what_was_decided_stays_in_sight_and_is_counted() {
     let review = edited(&proposed(), &[Edit::Reject(BoxId(3))]);
-    let queue = Queue {
-        threshold: 0.95,
-        ..Queue::default()
-    };
+    let queue = Queue { threshold: 0.95, ..Queue::default() };
     assert_eq!(line(&review, &queue), [3]);
     let counts = DecisionCounts::of(&review, &queue);
     assert_eq!((counts.rejected, counts.hidden), (1, 2));
@@ -279,29 +238,20 @@ fn what_was_decided_stays_in_sight_and_is_counted() {
 
 #[test]
 fn a_saved_review_comes_back() {
-    let add = Edit::Add {
-        mark: mark(Side::Port, 500, 3.0),
-        class: 1,
-    };
+    let add = Edit::Add { mark: mark(Side::Port, 500, 3.0), class: 1 };
     let note = Edit::Note(BoxId(2), "see \"dive 3\"".into());
     let edits = [Edit::Accept(BoxId(1)), Edit::Reject(BoxId(3)), add, note];
     let review = edited(&proposed(), &edits);
     let text = review.to_json();
     assert_eq!(Review::from_json(&text, &identity()), Ok(review));
-    let renamed = Identity {
-        file: "copy.sl2".into(),
-        ..identity()
-    };
+    let renamed = Identity { file: "copy.sl2".into(), ..identity() };
     assert!(Review::from_json(&text, &renamed).is_ok());
 }
 
 #[test]
 fn a_file_that_cannot_be_believed_is_refused_with_the_reason() {
     let text = edited(&proposed(), &[Edit::Accept(BoxId(1))]).to_json();
-    let other = Identity {
-        pings: 999,
-        ..identity()
-    };
+    let other = Identity { pings: 999, ..identity() };
     let said = Review::from_json(&text, &other).unwrap_err().to_string();
     assert!(said.contains("another log") && said.ends_with("river.sl2"));
     for (from, to, reason) in [
@@ -333,15 +283,8 @@ fn a_file_that_cannot_be_believed_is_refused_with_the_reason() {
 
 #[test]
 fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
-    let far = Mark {
-        near_m: 17.0,
-        far_m: 19.0,
-        ..mark(Side::Port, 130, 17.0)
-    };
-    let add = Edit::Add {
-        mark: far.clone(),
-        class: 1,
-    };
+    let far = Mark { near_m: 17.0, far_m: 19.0, ..mark(Side::Port, 130, 17.0) };
+    let add = Edit::Add { mark: far.clone(), class: 1 };
     let edits = [Edit::Accept(BoxId(1)), Edit::Reject(BoxId(3)), add];
     let review = edited(&proposed(), &edits);
     let raster = raster();
@@ -349,13 +292,12 @@ fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
     assert_eq!(tiles.len(), 3, "the undecided tyre makes no tile");
     let of_rock = &tiles[0];
     assert_eq!((of_rock.side, of_rock.rejected), (Side::Port, 0));
-    let [rock] = of_rock.boxes.labels[..] else {
-        panic!("{of_rock:?}")
-    };
+    let [rock] = of_rock.boxes.labels[..] else { panic!("{of_rock:?}") };
     let expected = raster.rect_of(&mark(Side::Port, 100, 5.0));
     let (column, row) = (of_rock.column as f32, of_rock.row as f32);
     assert_eq!(rock.rect.shifted(column, row), expected);
-    // The added box is too far out for the rock's tile; its own is held to the picture and shows the rock too.
+    // The added box is too far out for the rock's tile; its own is held to the picture and shows
+    // the rock too.
     let of_added = &tiles[1].boxes.labels;
     let added = of_added.iter().find(|label| label.class == 1);
     let whole = raster.rect_of(&far).area();
@@ -368,10 +310,7 @@ fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
     // Two tiles later the undecided box stands in the way of a negative: neither found nor missed.
     let near = Edit::Reshape(BoxId(2), mark(Side::Starboard, 310, 5.0));
     let review = edited(&review, &[near]);
-    let moved = edited(
-        &review,
-        &[Edit::SwapSide(BoxId(2)), Edit::SwapSide(BoxId(2))],
-    );
+    let moved = edited(&review, &[Edit::SwapSide(BoxId(2)), Edit::SwapSide(BoxId(2))]);
     let tiles = moved.tiles(&raster);
     assert_eq!(tiles[2].boxes.ignored.len(), 1);
 }
@@ -392,13 +331,9 @@ fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
     assert_eq!(starts, [95, 150, 60], "the second saw nothing at 20");
     let searched = |review: &Review| {
         let all = review.searched().iter();
-        all.map(|one| (one.model.to_string(), one.pings.clone()))
-            .collect::<Vec<_>>()
+        all.map(|one| (one.model.to_string(), one.pings.clone())).collect::<Vec<_>>()
     };
-    let both = [
-        ("second".to_owned(), 0..100),
-        ("first".to_owned(), 100..PINGS),
-    ];
+    let both = [("second".to_owned(), 0..100), ("first".to_owned(), 100..PINGS)];
     assert_eq!(searched(&part), both);
     assert!(part.unsearched().is_empty(), "one or the other was there");
 
@@ -419,11 +354,7 @@ fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
 fn edges_that_are_drawn_belong_to_the_box_until_they_are_left() {
     let (id, review) = (BoxId(1), proposed());
     let drawn = mark(Side::Port, 100, 5.0);
-    let set = |border_m: f64| Edit::SetEdges {
-        id,
-        mark: drawn.clone(),
-        border_m,
-    };
+    let set = |border_m: f64| Edit::SetEdges { id, mark: drawn.clone(), border_m };
     assert_eq!(review.apply(&set(f64::NAN)), None);
     let border = |review: &Review| review.get(id).unwrap().extent.border_m();
     let after = edited(&review, &[set(5.4)]);
@@ -441,40 +372,21 @@ fn edges_that_are_drawn_belong_to_the_box_until_they_are_left() {
 fn a_point_is_a_place_without_size() {
     let review = proposed();
     let id = review.next_id();
-    let add = Edit::AddPoint {
-        side: Side::Starboard,
-        ping: 321,
-        range_m: 7.5,
-        class: 1,
-    };
+    let add = Edit::AddPoint { side: Side::Starboard, ping: 321, range_m: 7.5, class: 1 };
     let after = edited(&review, &[add]);
     let one = after.get(id).unwrap();
     assert_eq!((one.state, one.extent), (State::Added, ObjectExtent::Point));
     assert_eq!(one.mark, Mark::point(Side::Starboard, 321, 7.5));
     // It has no edges to be found, and moves as a whole.
     assert_eq!(after.apply(&Edit::FindEdges(id)), None);
-    let moved = edited(
-        &after,
-        &[Edit::Reshape(id, Mark::point(Side::Starboard, 322, 7.4))],
-    );
+    let moved = edited(&after, &[Edit::Reshape(id, Mark::point(Side::Starboard, 322, 7.4))]);
     assert_eq!(moved.get(id).unwrap().extent, ObjectExtent::Point);
-    let late = Edit::AddPoint {
-        side: Side::Port,
-        ping: PINGS,
-        range_m: 7.5,
-        class: 0,
-    };
+    let late = Edit::AddPoint { side: Side::Port, ping: PINGS, range_m: 7.5, class: 0 };
     assert_eq!(review.apply(&late), None);
     // No picture teaches a detector its size, and none says that nothing is there.
     let tiles = after.tiles(&raster());
     assert!(tiles.is_empty(), "a point makes no tile");
-    let beside = edited(
-        &after,
-        &[Edit::Add {
-            mark: mark(Side::Starboard, 322, 6.0),
-            class: 0,
-        }],
-    );
+    let beside = edited(&after, &[Edit::Add { mark: mark(Side::Starboard, 322, 6.0), class: 0 }]);
     let tiles = beside.tiles(&raster());
     assert_eq!(tiles.len(), 1);
     assert_eq!(
@@ -510,10 +422,7 @@ fn a_target_has_a_name_a_class_of_its_own_and_a_word_of_confidence() {
     let known = edited(&after, &[Edit::Classify(id, "rock".into())]);
     assert_eq!(known.classes(), after.classes());
     assert_eq!(known.get(id).unwrap().class, 0);
-    let cleared = edited(
-        &after,
-        &[Edit::Rename(id, String::new()), Edit::Rate(id, None)],
-    );
+    let cleared = edited(&after, &[Edit::Rename(id, String::new()), Edit::Rate(id, None)]);
     assert_eq!(cleared.get(id).unwrap().confidence, None);
 }
 
@@ -527,12 +436,7 @@ fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
         mark: Mark::new(Side::Port, 100..110, [near_m, far_m]),
         border_m: 5.5,
     };
-    let point = Edit::AddPoint {
-        side: Side::Starboard,
-        ping: 321,
-        range_m: 7.5,
-        class: 1,
-    };
+    let point = Edit::AddPoint { side: Side::Starboard, ping: 321, range_m: 7.5, class: 1 };
     let named = Edit::Rename(id, "Anna".into());
     let rated = Edit::Rate(id, Some(Confidence::Unsure));
     let after = edited(&review, &[set, point, named, rated]);
@@ -546,10 +450,7 @@ fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
     ] {
         assert!(text.contains(from), "{text}");
         let wrong = text.replace(from, to);
-        assert!(
-            Review::from_json(&wrong, review.identity()).is_err(),
-            "{to}"
-        );
+        assert!(Review::from_json(&wrong, review.identity()).is_err(), "{to}");
     }
     // A file of before says nothing of all that.
     let old = review.to_json();

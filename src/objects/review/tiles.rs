@@ -1,4 +1,5 @@
-//! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and what is true in each.
+//! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and
+//! what is true in each.
 
 use super::{Review, Reviewed, State};
 use crate::dataset::PictureBoxes;
@@ -22,16 +23,18 @@ pub struct ReviewedTile {
     pub row: usize,
     /// Column of the raster that it starts at.
     pub column: usize,
-    /// Accepted and added boxes are labels; there are none where all was rejected, which makes a hard negative. Ignored are
-    /// boxes that nobody has decided about, and objects that the edge cuts off.
+    /// Accepted and added boxes are labels; there are none where all was rejected, which makes a
+    /// hard negative. Ignored are boxes that nobody has decided about, and objects that the edge
+    /// cuts off.
     pub boxes: PictureBoxes,
     /// Boxes rejected in it.
     pub rejected: usize,
 }
 
 impl Review {
-    /// Class names to train with, and which of them each class of the review is: the analyst's list, and what else boxes have, those that
-    /// no model has named last. So the data of all logs of a survey have the same numbers for the classes of its list.
+    /// Class names to train with, and which of them each class of the review is: the analyst's
+    /// list, and what else boxes have, those that no model has named last. So the data of all logs
+    /// of a survey have the same numbers for the classes of its list.
     pub fn training_classes(&self, list: &[String]) -> (Vec<String>, Vec<Option<usize>>) {
         let is_used = |class: usize| self.boxes().any(|one| one.class == class);
         let others = self.classes.iter().enumerate();
@@ -45,7 +48,8 @@ impl Review {
         (names, places)
     }
 
-    /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes alone make no tile.
+    /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes
+    /// alone make no tile.
     pub fn tiles(&self, raster: &Raster) -> Vec<ReviewedTile> {
         let mut tiles = Vec::new();
         for side in Side::BOTH {
@@ -81,10 +85,7 @@ fn rect_of(raster: &Raster, one: &Reviewed) -> Rect {
     }
     let half = 0.5 * POINT_M / raster.pixel_m() as f32;
     let [x, y] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
-    Rect::new(
-        [(x - half).max(0.0), (y - half).max(0.0)],
-        [x + half, y + half],
-    )
+    Rect::new([(x - half).max(0.0), (y - half).max(0.0)], [x + half, y + half])
 }
 
 fn frame(tile: &ReviewedTile) -> Rect {
@@ -95,23 +96,14 @@ fn frame(tile: &ReviewedTile) -> Rect {
 /// A tile about the middle of a box, held to the picture.
 fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)]) -> ReviewedTile {
     let [row, column] = raster.start_about(rect);
-    let mut tile = ReviewedTile {
-        side,
-        row,
-        column,
-        boxes: PictureBoxes::default(),
-        rejected: 0,
-    };
+    let mut tile = ReviewedTile { side, row, column, boxes: PictureBoxes::default(), rejected: 0 };
     let frame = frame(&tile);
     for (rect, one) in boxes {
         let inside = rect.intersection(&frame);
         if inside.area() <= 0.0 {
             continue;
         }
-        let label = Labelled {
-            class: one.class,
-            rect: inside.shifted(-frame.x0, -frame.y0),
-        };
+        let label = Labelled { class: one.class, rect: inside.shifted(-frame.x0, -frame.y0) };
         let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
         let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
         match one.state {

@@ -6,9 +6,10 @@ use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
-/// Median over some pings of the bottom edits on a side, else of the recorded depths where the recorder had the bottom, else of the
-/// first returns on that side: who draws the bottom sees what the recorder took for it. Metres, times `range_factor`; `None` where
-/// nothing is known of the bottom.
+/// Median over some pings of the bottom edits on a side, else of the recorded depths where the
+/// recorder had the bottom, else of the first returns on that side: who draws the bottom sees what
+/// the recorder took for it. Metres, times `range_factor`; `None` where nothing is known of the
+/// bottom.
 pub(super) fn altitude_m(
     survey: &Survey,
     returns: &FirstReturns,

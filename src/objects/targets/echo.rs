@@ -12,17 +12,20 @@ use std::ops::Range;
 pub struct Parts {
     /// Near and far edge of the echo.
     pub echo_m: [f64; 2],
-    /// Start and end of the shadow behind it, where there is one; the end is NaN where it runs off the range.
+    /// Start and end of the shadow behind it, where there is one; the end is NaN where it runs off
+    /// the range.
     pub shadow_m: Option<[f64; 2]>,
-    /// The longest shadow but for a tenth behind a few neighbouring pings: that of the object's top. Where the top is round, or the object
-    /// lies askew, [`Parts::shadow_m`] ends before it, where half of the pings receive the bottom again.
+    /// The longest shadow but for a tenth behind a few neighbouring pings: that of the object's
+    /// top. Where the top is round, or the object lies askew, [`Parts::shadow_m`] ends before it,
+    /// where half of the pings receive the bottom again.
     pub longest: Option<Shadow>,
 }
 
 /// A shadow in a few pings, metres of slant range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
-    /// Where what is bright before it ends. What lies between may be the object's top, no brighter than the bottom, or bottom.
+    /// Where what is bright before it ends. What lies between may be the object's top, no brighter
+    /// than the bottom, or bottom.
     pub bright_end_m: f64,
     /// Where the dark starts.
     pub start_m: f64,
@@ -34,62 +37,66 @@ pub struct Shadow {
 const STEPS: usize = 192;
 /// Margin behind the box that is looked at, as a share of it: boxes are rarely drawn to the sample.
 const MARGIN: f64 = 0.15;
-/// Share of the box's pings, around the middle, in which the object is looked at, and how many at least: fewer are speckle.
+/// Share of the box's pings, around the middle, in which the object is looked at, and how many at
+/// least: fewer are speckle.
 const CORE: f64 = 0.5;
 const CORE_PINGS: usize = 6;
-/// Neighbouring pings in which the longest shadow is looked for: at least so many, and a share of the box; and in how many
-/// places of a long box at most. Over more pings the edges of what lies askew run into each other.
+/// Neighbouring pings in which the longest shadow is looked for: at least so many, and a share of
+/// the box; and in how many places of a long box at most. Over more pings the edges of what lies
+/// askew run into each other.
 const SLICE_PINGS: usize = 2;
 const SLICE: f64 = 0.1;
 const SLICES: usize = 24;
-/// The share of those places whose shadow is no longer than the one taken for the longest: speckle lengthens some of so few pings.
-/// Heights of simulated objects then have no bias.
+/// The share of those places whose shadow is no longer than the one taken for the longest: speckle
+/// lengthens some of so few pings. Heights of simulated objects then have no bias.
 const LONGEST: f64 = 0.9;
-/// A shadow is at least this share of the background's level darker than it; the bytes are decibels, more or less.
+/// A shadow is at least this share of the background's level darker than it; the bytes are
+/// decibels, more or less.
 const DARKER: f64 = 0.12;
-/// A shadow ends where half of the bottom's power returns: pulse and beam blur the edge evenly in power, and the
-/// middle of the levels lies deep in the shadow where they are decibels. Of fully developed speckle the decibels have a
-/// standard deviation of 5.57, whatever the level, and the amplitudes one of 0.52 of their mean; half of the power, 3 dB or
-/// 0.29 of the amplitude, is 0.55 of either: so many standard deviations below the background, whatever the recorder's curve.
+/// A shadow ends where half of the bottom's power returns: pulse and beam blur the edge evenly in
+/// power, and the middle of the levels lies deep in the shadow where they are decibels. Of fully
+/// developed speckle the decibels have a standard deviation of 5.57, whatever the level, and the
+/// amplitudes one of 0.52 of their mean; half of the power, 3 dB or 0.29 of the amplitude, is 0.55
+/// of either: so many standard deviations below the background, whatever the recorder's curve.
 const HALF_POWER: f64 = 0.55;
 /// Shortest shadow, metres and as a share of the box: a shorter dark run is speckle.
 const SHORTEST_SHADOW_M: f64 = 0.1;
 const SHORTEST_SHADOW: f64 = 0.15;
-/// Longer side of a box from which on its object is large, metres: a hull, a bank, a pier. The bright run and the dark run behind
-/// it are those of one wall of a large object then, or of a hold, and of one part of it where it lies askew.
+/// Longer side of a box from which on its object is large, metres: a hull, a bank, a pier. The
+/// bright run and the dark run behind it are those of one wall of a large object then, or of a
+/// hold, and of one part of it where it lies askew.
 const LARGE_M: f64 = 12.0;
-/// Share of a slice's echo that something bright behind its shadow must explain to be part of the same object.
+/// Share of a slice's echo that something bright behind its shadow must explain to be part of the
+/// same object.
 const GOES_ON: f64 = 0.2;
-/// The shadow begins at most so far behind what is bright, metres: a flat top may be wide and no brighter than the bottom.
+/// The shadow begins at most so far behind what is bright, metres: a flat top may be wide and no
+/// brighter than the bottom.
 const GAP_M: f64 = 3.0;
 
 /// A border so near the far edge of a box leaves no shadow, metres.
 const LEAST_DRAWN_M: f64 = 0.02;
 
-/// Whether a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its extent along the track.
+/// Whether a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its extent
+/// along the track.
 pub(super) fn is_large(mark: &Mark, length_m: f64) -> bool {
     // NaN is not large.
     length_m > LARGE_M || mark.far_m - mark.near_m > LARGE_M
 }
 
-/// The echo and the shadow in the box of a large object. The box is what whoever drew it took for the object, and its near edge
-/// and its far one stand, unless what lies farthest out is the object's shadow all along: the echo then ends where in the slice
-/// that reaches farthest the shadow begins. `None` where the box holds no samples.
+/// The echo and the shadow in the box of a large object. The box is what whoever drew it took for
+/// the object, and its near edge and its far one stand, unless what lies farthest out is the
+/// object's shadow all along: the echo then ends where in the slice that reaches farthest the
+/// shadow begins. `None` where the box holds no samples.
 pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
     let all: Vec<Range<usize>> = slices(&mark.pings).collect();
-    let shadows: Vec<Shadow> = (all.iter())
-        .filter_map(|pings| look.behind_all(pings.clone(), mark.far_m))
-        .collect();
+    let shadows: Vec<Shadow> =
+        (all.iter()).filter_map(|pings| look.behind_all(pings.clone(), mark.far_m)).collect();
     let start_m = shadows.iter().map(|one| one.start_m).reduce(f64::max);
     // Where most of the box ends in echo, a hollow in the rest is no shadow.
     let start_m = start_m.filter(|start_m| *start_m < mark.far_m && 2 * shadows.len() > all.len());
     let Some(start_m) = start_m else {
-        return Some(Parts {
-            echo_m: [mark.near_m, mark.far_m],
-            shadow_m: None,
-            longest: None,
-        });
+        return Some(Parts { echo_m: [mark.near_m, mark.far_m], shadow_m: None, longest: None });
     };
     let ends = shadows.iter().map(|one| one.end_m);
     let longest = longest(shadows.iter().copied());
@@ -101,8 +108,8 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     })
 }
 
-/// The echo and the shadow as the analyst has set them. One that ends with what was recorded, to `reach_m` on the recorder's scale,
-/// runs off the range.
+/// The echo and the shadow as the analyst has set them. One that ends with what was recorded, to
+/// `reach_m` on the recorder's scale, runs off the range.
 pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
     let shadow = (mark.far_m - border_m > LEAST_DRAWN_M).then_some(Shadow {
         bright_end_m: border_m,
@@ -119,9 +126,10 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
     }
 }
 
-/// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the levels in the middle pings of
-/// the box best (least squares about the background, which is what the pings before and behind the box receive at the same
-/// range). `None` where the box holds no samples.
+/// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the
+/// levels in the middle pings of the box best (least squares about the background, which is what
+/// the pings before and behind the box receive at the same range). `None` where the box holds no
+/// samples.
 pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
     let (echo_m, shadow) = look.at(core(&mark.pings))?;
@@ -129,11 +137,7 @@ pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
         let slices = slices(&mark.pings).filter_map(|pings| look.at(pings)?.1);
         longest(slices.filter(|slice| slice.end_m.is_finite() || shadow.end_m.is_nan()))
     });
-    Some(Parts {
-        echo_m,
-        shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]),
-        longest,
-    })
+    Some(Parts { echo_m, shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]), longest })
 }
 
 /// A box, ready to be looked at in some of its pings.
@@ -201,7 +205,8 @@ impl<'a> Look<'a> {
         Some(both.map(|(echo, quiet)| echo - quiet).collect())
     }
 
-    /// The shadow in some pings behind which nothing of the object comes any more up to the end of its box.
+    /// The shadow in some pings behind which nothing of the object comes any more up to the end of
+    /// its box.
     fn behind_all(&self, pings: Range<usize>, far_m: f64) -> Option<Shadow> {
         let contrast = self.contrast(pings.clone())?;
         let (echo_m, shadow) = self.at(pings)?;
@@ -245,7 +250,8 @@ impl<'a> Look<'a> {
     }
 }
 
-/// The step up to which a profile stays below a level from a step on: where the sum of what is below it is largest.
+/// The step up to which a profile stays below a level from a step on: where the sum of what is
+/// below it is largest.
 fn last_below(contrast: &[f64], start: usize, level: f64) -> usize {
     let (mut sum, mut largest, mut end) = (0.0, 0.0, start);
     for (step, value) in contrast.iter().enumerate().skip(start) {
@@ -266,18 +272,14 @@ fn core(pings: &Range<usize>) -> Range<usize> {
 
 /// A few neighbouring pings in several places of a box.
 fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    let count = ((SLICE * pings.len() as f64).ceil() as usize)
-        .max(SLICE_PINGS)
-        .min(pings.len());
+    let count = ((SLICE * pings.len() as f64).ceil() as usize).max(SLICE_PINGS).min(pings.len());
     let (start, last) = (pings.start, pings.len() - count);
     let stride = last.div_ceil(SLICES).max(1);
-    (0..=last)
-        .step_by(stride)
-        .map(move |first| start + first..start + first + count)
+    (0..=last).step_by(stride).map(move |first| start + first..start + first + count)
 }
 
-/// The shadow of the highest top: by `(end - start) / end`, where the height is in proportion to it. One that runs off the
-/// range is longer than any.
+/// The shadow of the highest top: by `(end - start) / end`, where the height is in proportion to
+/// it. One that runs off the range is longer than any.
 fn longest(shadows: impl Iterator<Item = Shadow>) -> Option<Shadow> {
     let share = |one: &Shadow| match one.end_m.is_nan() {
         true => 1.0,

@@ -11,13 +11,15 @@ use crate::ObjectExtent;
 pub struct Group {
     /// Indices of its sightings, growing.
     pub members: Vec<usize>,
-    /// Mean of their places, weighted by the inverse of their covariances, metres east of the survey's origin.
+    /// Mean of their places, weighted by the inverse of their covariances, metres east of the
+    /// survey's origin.
     pub east_m: f64,
     /// The same, metres north.
     pub north_m: f64,
     /// Standard deviation of that place in the worse direction, metres.
     pub sigma_m: f64,
-    /// Class with the largest sum of scores; of equals the one seen first. `None` where no sighting has a class.
+    /// Class with the largest sum of scores; of equals the one seen first. `None` where no sighting
+    /// has a class.
     pub class: Option<usize>,
     /// Its height, of all sightings together.
     pub height: ObjectHeight,
@@ -26,11 +28,11 @@ pub struct Group {
 /// The height of an object above the bottom by all its sightings.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectHeight {
-    /// Mean of the heights, weighted by the inverse of their variances, metres; NaN without any. Where an analyst has set the edges or
-    /// measured the shadow of a sighting, those alone count.
+    /// Mean of the heights, weighted by the inverse of their variances, metres; NaN without any.
+    /// Where an analyst has set the edges or measured the shadow of a sighting, those alone count.
     pub mean_m: f64,
-    /// Standard deviation of that mean, metres; NaN without a height. Larger where the sightings differ by more than their own
-    /// deviations explain.
+    /// Standard deviation of that mean, metres; NaN without a height. Larger where the sightings
+    /// differ by more than their own deviations explain.
     pub sigma_m: f64,
 }
 
@@ -59,9 +61,8 @@ impl ObjectHeight {
         let sum: f64 = (counted.iter()).map(|one| weight(one) * one.height_m).sum();
         // Without any height both are 0 / 0.
         let mean_m = sum / weights;
-        let squares: f64 = (counted.iter())
-            .map(|one| weight(one) * (one.height_m - mean_m).powi(2))
-            .sum();
+        let squares: f64 =
+            (counted.iter()).map(|one| weight(one) * (one.height_m - mean_m).powi(2)).sum();
         let excess = match counted.len() {
             0 | 1 => 1.0,
             count => (squares / (count - 1) as f64).sqrt().max(1.0),
@@ -76,11 +77,12 @@ impl ObjectHeight {
     }
 }
 
-/// Joins sightings of the same object: the likeliest pairs first, while all members lie within their uncertainty and size of
-/// the common place, and never two that one pass saw apart. A class is a hint: a confused one does not split an object. A
-/// sighting that is placed badly (in a sharp turn, under the boat) has a wide uncertainty, so it joins a neighbour rather
-/// than stand alone, but only after the well placed ones have found each other. An object seen once is a group of one. By
-/// first sighting.
+/// Joins sightings of the same object: the likeliest pairs first, while all members lie within
+/// their uncertainty and size of the common place, and never two that one pass saw apart. A class
+/// is a hint: a confused one does not split an object. A sighting that is placed badly (in a sharp
+/// turn, under the boat) has a wide uncertainty, so it joins a neighbour rather than stand alone,
+/// but only after the well placed ones have found each other. An object seen once is a group of
+/// one. By first sighting.
 pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
     let mut owner: Vec<usize> = (0..sightings.len()).collect();
     let mut members: Vec<Vec<usize>> = owner.iter().map(|&index| vec![index]).collect();
@@ -104,7 +106,8 @@ pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group>
     groups
 }
 
-/// Whether two groups can be one object: no pass saw it twice, and every member is near enough to the common place.
+/// Whether two groups can be one object: no pass saw it twice, and every member is near enough to
+/// the common place.
 fn joins(
     sightings: &[Sighting<'_>],
     ours: &[usize],
@@ -121,14 +124,8 @@ fn joins(
     let both = || ours.iter().chain(theirs);
     let (place, _) = common(both().map(|&index| sightings[index].target), settings);
     let of_one_log = both().all(|&index| sightings[index].log == sightings[ours[0]].log);
-    let log_sigma_m = if of_one_log {
-        0.0
-    } else {
-        settings.log_sigma_m
-    };
-    let size_m = both()
-        .map(|&index| size_m(sightings[index].target))
-        .fold(0.0, f64::max);
+    let log_sigma_m = if of_one_log { 0.0 } else { settings.log_sigma_m };
+    let size_m = both().map(|&index| size_m(sightings[index].target)).fold(0.0, f64::max);
     both().all(|&index| {
         let target = sightings[index].target;
         let either = size_m * size_m + log_sigma_m * log_sigma_m;
@@ -200,7 +197,8 @@ mod tests {
         target
     }
 
-    /// A sighting by a boat that heads north: its place, how far it had sailed, and the standard deviation in metres.
+    /// A sighting by a boat that heads north: its place, how far it had sailed, and the standard
+    /// deviation in metres.
     fn seen(east_m: f64, sailed_m: f64, sigma_m: f64) -> Target {
         let ping = (10.0 * sailed_m) as usize;
         Target {
@@ -250,7 +248,8 @@ mod tests {
 
     #[test]
     fn two_marks_of_one_pass_stay_two_objects() {
-        // The second line sees one object between the two that the first line sees; it joins the nearer.
+        // The second line sees one object between the two that the first line sees; it joins the
+        // nearer.
         let targets = [seen(0.0, 10.0, 0.3), seen(1.0, 11.0, 0.3)];
         assert_eq!(members(&targets), [vec![0], vec![1]]);
         let between = [targets[0].clone(), targets[1].clone(), seen(0.7, 80.0, 0.3)];
@@ -275,12 +274,7 @@ mod tests {
         assert_eq!(members(&logs), [vec![0, 1]]);
         // Four logs see it; what one of them saw apart stays apart.
         // At one ping and range they would be two boxes over one echo.
-        let others = [
-            (1, 0.6, 10.0),
-            (2, -0.5, 10.0),
-            (3, 0.9, 10.0),
-            (0, 1.3, 11.0),
-        ];
+        let others = [(1, 0.6, 10.0), (2, -0.5, 10.0), (3, 0.9, 10.0), (0, 1.3, 11.0)];
         let others = others.map(|(log, east_m, sailed_m)| in_log(log, seen(east_m, sailed_m, 0.3)));
         let all = [vec![in_log(0, first)], others.to_vec()].concat();
         let found = members(&all);
@@ -308,9 +302,7 @@ mod tests {
     fn a_confused_class_does_not_split_an_object_and_the_best_supported_one_counts() {
         let targets = [0.0, 1.3, 0.6].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
         let claims = [(Some(4), 0.4), (Some(2), 0.9), (Some(4), 0.4)];
-        let [one] = &grouped(&targets, &claims)[..] else {
-            panic!("one object")
-        };
+        let [one] = &grouped(&targets, &claims)[..] else { panic!("one object") };
         assert_eq!((one.members.len(), one.class), (3, Some(2)));
         // Allowed: 3 x 0.61 m; with another class 2.45 x 0.61 m.
         let apart = |east_m, class| {
@@ -337,24 +329,17 @@ mod tests {
     #[test]
     fn a_badly_placed_sighting_joins_a_neighbour_but_does_not_keep_sure_ones_apart() {
         // It lies nearer to the second than that to the third, yet those two find each other.
-        let targets = [
-            seen(-0.2, 0.0, 1.5),
-            seen(0.6, 60.0, 0.2),
-            seen(1.5, 120.0, 0.2),
-        ];
+        let targets = [seen(-0.2, 0.0, 1.5), seen(0.6, 60.0, 0.2), seen(1.5, 120.0, 0.2)];
         assert_eq!(members(&targets), [vec![0, 1, 2]]);
         // Two objects that are surely apart are not joined through it.
-        let targets = [
-            seen(0.0, 0.0, 1.5),
-            seen(-1.4, 60.0, 0.2),
-            seen(1.0, 120.0, 0.2),
-        ];
+        let targets = [seen(0.0, 0.0, 1.5), seen(-1.4, 60.0, 0.2), seen(1.0, 120.0, 0.2)];
         assert_eq!(members(&targets), [vec![0, 2], vec![1]]);
     }
 
     #[test]
     fn the_middle_leans_to_the_surer_direction() {
-        // Heading north the first is sure along the track, heading east the second is: together they are sure of both.
+        // Heading north the first is sure along the track, heading east the second is: together
+        // they are sure of both.
         let mut targets = [seen(0.0, 0.0, 0.9), seen(0.4, 60.0, 0.9)];
         targets[0].along_sigma_m = 0.1;
         targets[1].along_sigma_m = 0.1;
@@ -362,9 +347,7 @@ mod tests {
         targets[1].north_m = 0.8;
         (targets[1].height_m, targets[1].height_sigma_m) = (0.5, 0.1);
         (targets[0].height_m, targets[0].height_sigma_m) = (0.2, 0.2);
-        let [one] = &grouped(&targets, &[])[..] else {
-            panic!("one object")
-        };
+        let [one] = &grouped(&targets, &[])[..] else { panic!("one object") };
         // With the receiver's 0.3 m: variances 0.1 and 0.9 m2.
         let weights = [1.0 / 0.9, 1.0 / 0.1];
         let share = weights[1] / (weights[0] + weights[1]);
@@ -373,7 +356,8 @@ mod tests {
         assert!((one.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
         let height = one.height;
         assert!((height.mean_m - (4.0 * 0.5 + 0.2) / 5.0).abs() < 1e-9);
-        // They differ by 0.3 m where 0.22 m is usual: 1.34 times as uncertain as both deviations say.
+        // They differ by 0.3 m where 0.22 m is usual: 1.34 times as uncertain as both deviations
+        // say.
         let squares = (0.3_f64).powi(2) / (0.1_f64.powi(2) + 0.2_f64.powi(2));
         assert!((height.sigma_m - (squares / 125.0).sqrt()).abs() < 1e-9);
     }

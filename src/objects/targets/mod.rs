@@ -1,12 +1,14 @@
 //! Where a box's object lies in the world, and how large it is.
 //!
-//! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of objects.
-//! It uses `sonar`, `survey` and `support`.
+//! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of
+//! objects. It uses `sonar`, `survey` and `support`.
 //!
-//! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
-//! a height of them, `shadow` a height of a shadow that the analyst measures, `place` puts them on the bottom (`altitude` above it),
-//! `passes` tells which passes of the boat covered a place, `group` makes one object of the same object seen from several lines (`sighting` is what
-//! is grouped, `pairs` says which sightings may be one, `spread` and `heading` how sure that is), `shape` fits a solid to what they recorded of it.
+//! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges),
+//! `seen` makes distances and a height of them, `shadow` a height of a shadow that the analyst
+//! measures, `place` puts them on the bottom (`altitude` above it), `passes` tells which passes of
+//! the boat covered a place, `group` makes one object of the same object seen from several lines
+//! (`sighting` is what is grouped, `pairs` says which sightings may be one, `spread` and `heading`
+//! how sure that is), `shape` fits a solid to what they recorded of it.
 
 mod altitude;
 mod echo;
@@ -47,7 +49,8 @@ pub struct Target {
     pub extent: ObjectExtent,
     /// The shadow that the analyst has measured, which tells the height then.
     pub measured_shadow: Option<MeasuredShadow>,
-    /// Echo and shadow in the box, by the recorder's scale; `None` of a point, and where nothing was found.
+    /// Echo and shadow in the box, by the recorder's scale; `None` of a point, and where nothing
+    /// was found.
     pub parts: Option<Parts>,
     /// Slant range of the middle of the echo, by the calibration in force.
     pub slant_m: f64,
@@ -65,20 +68,25 @@ pub struct Target {
     pub length_m: f64,
     /// ObjectExtent of what is seen of it across the track; NaN of a point.
     pub width_m: f64,
-    /// Height above the bottom from the length of the longest shadow; NaN without a shadow that ends within the range. Of a
-    /// round top it is that of the far flank where the last ray touches it.
+    /// Height above the bottom from the length of the longest shadow; NaN without a shadow that
+    /// ends within the range. Of a round top it is that of the far flank where the last ray touches
+    /// it.
     pub height_m: f64,
-    /// Slant ranges of start and end of that shadow by the calibration in force: the height is the altitude times what lies between
-    /// them, over the end. The start is NaN without a shadow, the end where it runs off the range.
+    /// Slant ranges of start and end of that shadow by the calibration in force: the height is the
+    /// altitude times what lies between them, over the end. The start is NaN without a shadow, the
+    /// end where it runs off the range.
     pub shadow_m: [f64; 2],
-    /// Standard deviation of the height; NaN without a height. It holds how sharp both ends of the shadow are, how far its end
-    /// is from the box's, a bottom that slopes by two degrees, and a top that may be flat or round. What casts no shadow of
-    /// its own (the far side of a wide object, a branch in the shadow of the trunk) cannot be known.
+    /// Standard deviation of the height; NaN without a height. It holds how sharp both ends of the
+    /// shadow are, how far its end is from the box's, a bottom that slopes by two degrees, and a
+    /// top that may be flat or round. What casts no shadow of its own (the far side of a wide
+    /// object, a branch in the shadow of the trunk) cannot be known.
     pub height_sigma_m: f64,
-    /// Depth of the bottom below the transducer; below the level that depths count from, once the pipeline has corrected it.
+    /// Depth of the bottom below the transducer; below the level that depths count from, once the
+    /// pipeline has corrected it.
     pub depth_m: f64,
-    /// Standard deviation of the position in the worse direction. It holds the resolution in range, the heading and the
-    /// rounding of the fixes, not the receiver's own error, which is the same for all objects of a line.
+    /// Standard deviation of the position in the worse direction. It holds the resolution in range,
+    /// the heading and the rounding of the fixes, not the receiver's own error, which is the same
+    /// for all objects of a line.
     pub sigma_m: f64,
     /// The same along the track: the heading times the distance, worst in turns.
     pub along_sigma_m: f64,
@@ -91,8 +99,8 @@ pub struct Target {
 }
 
 impl Target {
-    /// Corners of its footprint, metres east and north: length along the track, width across it. What is not known counts as nothing:
-    /// those of a point all lie in its place.
+    /// Corners of its footprint, metres east and north: length along the track, width across it.
+    /// What is not known counts as nothing: those of a point all lie in its place.
     pub fn corners(&self) -> [[f64; 2]; 4] {
         let (sin, cos) = match self.heading_rad.is_finite() {
             true => self.heading_rad.sin_cos(),

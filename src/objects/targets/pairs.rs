@@ -4,21 +4,24 @@ use super::Target;
 use super::sighting::{GroupSettings, Sighting};
 use super::spread::PositionCovariance;
 
-/// Two sightings of one side that lie along the track by less than this, metres sailed, with less change of heading than this,
-/// radians, are of one pass: a boat that goes straight on passes a thing once.
+/// Two sightings of one side that lie along the track by less than this, metres sailed, with less
+/// change of heading than this, radians, are of one pass: a boat that goes straight on passes a
+/// thing once.
 const ONE_PASS_M: f64 = 8.0;
 const ONE_PASS_RAD: f64 = 0.35;
 /// Echoes that one ping receives begin at least so far apart where they are of two objects, metres.
 const SAME_ECHO_M: f64 = 0.5;
-/// What another class counts for in squared standard deviations: `-2 ln` of how often a detector takes one thing for another.
+/// What another class counts for in squared standard deviations: `-2 ln` of how often a detector
+/// takes one thing for another.
 const OTHER_CLASS: f64 = 3.0;
-/// Share of an object's extent by which the middle of what is seen of it from different sides may move, and the largest
-/// extent that counts, metres.
+/// Share of an object's extent by which the middle of what is seen of it from different sides may
+/// move, and the largest extent that counts, metres.
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
 
-/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides detect it;
-/// two boxes over the same echo, or two halves of it, at one time and one range, are no two objects.
+/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under
+/// the boat both sides detect it; two boxes over the same echo, or two halves of it, at one time
+/// and one range, are no two objects.
 pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
     if one.log != other.log {
         return false;
@@ -34,7 +37,8 @@ pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
     straight && (a.sailed_m - b.sailed_m).abs() < ONE_PASS_M
 }
 
-/// How far the middle of what is seen may lie from the middle of the object because of its size: standard deviation, metres.
+/// How far the middle of what is seen may lie from the middle of the object because of its size:
+/// standard deviation, metres.
 pub(super) fn size_m(target: &Target) -> f64 {
     let size_m = target.length_m.max(target.width_m);
     // Of a point it is not known; its uncertainty says how far it may be off.
@@ -44,26 +48,20 @@ pub(super) fn size_m(target: &Target) -> f64 {
     }
 }
 
-/// Squared distance of two sightings in standard deviations, with their joint covariance; another class adds to it.
+/// Squared distance of two sightings in standard deviations, with their joint covariance; another
+/// class adds to it.
 fn apart(
     a: &Sighting<'_>,
     b: &Sighting<'_>,
     settings: &GroupSettings,
 ) -> (f64, PositionCovariance) {
     let size_m = size_m(a.target).max(size_m(b.target));
-    let of_logs = if a.log == b.log {
-        0.0
-    } else {
-        2.0 * settings.log_sigma_m.powi(2)
-    };
+    let of_logs = if a.log == b.log { 0.0 } else { 2.0 * settings.log_sigma_m.powi(2) };
     let either = 2.0 * settings.receiver_sigma_m.powi(2) + of_logs + size_m * size_m;
     let spread = PositionCovariance::of(a.target)
         .plus(PositionCovariance::of(b.target))
         .plus(PositionCovariance::round(either));
-    let off_m = [
-        a.target.east_m - b.target.east_m,
-        a.target.north_m - b.target.north_m,
-    ];
+    let off_m = [a.target.east_m - b.target.east_m, a.target.north_m - b.target.north_m];
     let confused = match (a.class, b.class) {
         (Some(a), Some(b)) if a != b => OTHER_CLASS,
         _ => 0.0,
@@ -71,8 +69,8 @@ fn apart(
     (spread.squared_sigmas(off_m) + confused, spread)
 }
 
-/// Pairs that may be one object, the likeliest first: by `d^2 + ln det S`, so that two sure sightings go before an unsure one
-/// that would fit anything.
+/// Pairs that may be one object, the likeliest first: by `d^2 + ln det S`, so that two sure
+/// sightings go before an unsure one that would fit anything.
 pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<(usize, usize)> {
     let mut by_east: Vec<usize> = (0..sightings.len()).collect();
     by_east.sort_by(|&a, &b| {
@@ -80,11 +78,7 @@ pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec
         a.total_cmp(&b)
     });
     let of_one_log = sightings.iter().all(|one| one.log == sightings[0].log);
-    let log_sigma_m = if of_one_log {
-        0.0
-    } else {
-        settings.log_sigma_m
-    };
+    let log_sigma_m = if of_one_log { 0.0 } else { settings.log_sigma_m };
     let reach_m = |one: &Sighting<'_>| {
         let receiver_sigma_m = settings.receiver_sigma_m.hypot(log_sigma_m);
         let sigma_m = one.target.sigma_m.hypot(receiver_sigma_m);
@@ -107,9 +101,7 @@ pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec
         }
     }
     pairs.sort_by(|one, other| {
-        one.0
-            .total_cmp(&other.0)
-            .then((one.1, one.2).cmp(&(other.1, other.2)))
+        one.0.total_cmp(&other.0).then((one.1, one.2).cmp(&(other.1, other.2)))
     });
     pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
 }

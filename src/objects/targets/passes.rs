@@ -4,12 +4,14 @@ use super::heading::heading_sigma_rad;
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use std::ops::Range;
 
-/// One pass of the boat along a place, within the range of its side-scan. Under the boat both sides see the place: that is one pass.
+/// One pass of the boat along a place, within the range of its side-scan. Under the boat both sides
+/// see the place: that is one pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetPass {
     /// The ping that is abeam of the place.
     pub ping: usize,
-    /// The first ping that may be, as well as the heading is known. In a turn about the place many are.
+    /// The first ping that may be, as well as the heading is known. In a turn about the place many
+    /// are.
     pub first_ping: usize,
     /// The last ping that may be.
     pub last_ping: usize,
@@ -19,14 +21,16 @@ pub struct TargetPass {
     pub ground_m: f64,
 }
 
-/// A place ahead or astern by less than this is abeam of some ping, metres; half the step of a fast boat's slow pings.
+/// A place ahead or astern by less than this is abeam of some ping, metres; half the step of a fast
+/// boat's slow pings.
 const ABEAM_M: f64 = 0.75;
 /// And by less than so many standard deviations of the heading.
 const ABEAM_SIGMAS: f64 = 2.0;
 /// Pings without the place abeam that end a pass.
 const GAP: usize = 20;
-/// Passes of two logs over one place are one where they are at the same time, within so many seconds, with the boat at the same place,
-/// within so many metres: two recorders of one boat, two formats of one recording, or a recording that goes on in another file.
+/// Passes of two logs over one place are one where they are at the same time, within so many
+/// seconds, with the boat at the same place, within so many metres: two recorders of one boat, two
+/// formats of one recording, or a recording that goes on in another file.
 const SAME_TIME_S: f64 = 2.0;
 const SAME_PLACE_M: f64 = 10.0;
 
@@ -46,7 +50,8 @@ pub struct PassCount {
 }
 
 impl PassCount {
-    /// Of an object that was seen on some pings, at a place in the plane of the logs. It goes through all pings.
+    /// Of an object that was seen on some pings, at a place in the plane of the logs. It goes
+    /// through all pings.
     pub fn new(seen: &[LogPings], place: [f64; 2], logs: &[PassLog<'_>]) -> Self {
         let mut passes = distinct_passes(seen.iter().cloned(), logs);
         let seen = passes.len();
@@ -58,10 +63,7 @@ impl PassCount {
                 }
             }
         }
-        Self {
-            seen,
-            covered: passes.len(),
-        }
+        Self { seen, covered: passes.len() }
     }
 }
 
@@ -118,13 +120,11 @@ fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
     let last = pings.end.checked_sub(1)?.max(pings.start);
     let unix_s = |ping: usize| Some(start_s + survey.side_scan.get(ping)?.time_s);
     let boat = navigation.pings.get(usize::midpoint(pings.start, last))?;
-    Some(Moment {
-        unix_s: [unix_s(pings.start)?, unix_s(last)?],
-        place: boat.place(),
-    })
+    Some(Moment { unix_s: [unix_s(pings.start)?, unix_s(last)?], place: boat.place() })
 }
 
-/// Every pass in which the side-scan could insonify a place (metres in the survey's plane): it is abeam, recorded, and within the range.
+/// Every pass in which the side-scan could insonify a place (metres in the survey's plane): it is
+/// abeam, recorded, and within the range.
 pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<TargetPass> {
     let mut passes: Vec<TargetPass> = Vec::new();
     // Least distance ahead or astern of the pass that is going on.
@@ -133,13 +133,7 @@ pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) ->
         let Some((side, ground_m, along_m)) = abeam(survey, navigation, ping, place) else {
             continue;
         };
-        let here = TargetPass {
-            ping,
-            first_ping: ping,
-            last_ping: ping,
-            side,
-            ground_m,
-        };
+        let here = TargetPass { ping, first_ping: ping, last_ping: ping, side, ground_m };
         match passes.last_mut() {
             Some(pass) if ping - pass.last_ping <= GAP => {
                 pass.last_ping = ping;
@@ -157,8 +151,8 @@ pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) ->
     passes
 }
 
-/// The side on which a ping has a place abeam, and its distances across and along the track, metres; `None` where it is out of
-/// the range, or ahead or astern.
+/// The side on which a ping has a place abeam, and its distances across and along the track,
+/// metres; `None` where it is out of the range, or ahead or astern.
 fn abeam(
     survey: &Survey,
     navigation: &Navigation,
@@ -169,11 +163,7 @@ fn abeam(
     let [x, y] = boat.starboard()?;
     let [dx, dy] = [east_m - boat.east_m, north_m - boat.north_m];
     let (across_m, along_m) = (dx * x + dy * y, (dy * x - dx * y).abs());
-    let side = if across_m < 0.0 {
-        Side::Port
-    } else {
-        Side::Starboard
-    };
+    let side = if across_m < 0.0 { Side::Port } else { Side::Starboard };
     let depth_m = f64::from(survey.locked_depth_m(ping));
     let slant_m = across_m.hypot(if depth_m > 0.0 { depth_m } else { 0.0 });
     let within = slant_m < f64::from(survey.span(ping, side)?.far_m);
@@ -188,7 +178,8 @@ mod tests {
     use super::*;
     use bathyscope_log::survey::{PingNav, SidePing, SideSpan};
 
-    /// A log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the origin halfway, from `start_unix_s` on.
+    /// A log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the origin
+    /// halfway, from `start_unix_s` on.
     fn log(start_unix_s: Option<f64>, place_m: impl Fn(usize) -> [f64; 2]) -> (Survey, Navigation) {
         let span = SideSpan::of_bytes(100, [0.0, 10.0]);
         let side_scan = (0..200).map(|ping| SidePing {
@@ -197,10 +188,7 @@ mod tests {
             ..SidePing::with_depth(0.1 * f64::from(ping), 2.0)
         });
         let pings = (0..200).map(|ping| PingNav::northbound(place_m(ping), 2.0));
-        let survey = Survey {
-            start_unix_s,
-            ..Survey::of_pings(side_scan)
-        };
+        let survey = Survey { start_unix_s, ..Survey::of_pings(side_scan) };
         (survey, Navigation::of_pings(pings))
     }
 
@@ -220,10 +208,7 @@ mod tests {
         // The boat sails a wavy line over the place: it lies to port and to starboard in turns.
         let over = log(None, |ping| [0.3 * (ping as f64 * 0.8).sin(), north(ping)]);
         let both = [(0, 99..100), (0, 100..101)];
-        let once = PassCount {
-            seen: 1,
-            covered: 1,
-        };
+        let once = PassCount { seen: 1, covered: 1 };
         assert_eq!(count(&both, &[over]), once);
     }
 

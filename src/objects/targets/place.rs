@@ -13,11 +13,12 @@ use std::sync::OnceLock;
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
-/// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a line along the grid is off
-/// by the same all the way.
+/// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a
+/// line along the grid is off by the same all the way.
 const FIX_SIGMA_M: f64 = 0.25;
 
-/// Slant range by the recorder's scale from which on a shadow runs off the range, metres: nobody draws the last sample.
+/// Slant range by the recorder's scale from which on a shadow runs off the range, metres: nobody
+/// draws the last sample.
 pub(super) fn reach_m(span: &SideSpan) -> f64 {
     f64::from(span.far_m) - 1.5 * span.metres_per_sample()
 }
@@ -32,7 +33,8 @@ pub struct Placer<'a> {
     range_factor: f64,
     /// How the bottom lies across the track; level without it.
     relief: Option<&'a Relief>,
-    /// Distance sailed up to each ping, metres: worked out for the first box, since what is measured on one ping does without it.
+    /// Distance sailed up to each ping, metres: worked out for the first box, since what is
+    /// measured on one ping does without it.
     sailed_m: OnceLock<Vec<f64>>,
 }
 
@@ -55,30 +57,25 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// The same with all ranges and depths times a factor: where sound runs at another speed than the recorder took.
+    /// The same with all ranges and depths times a factor: where sound runs at another speed than
+    /// the recorder took.
     pub fn with_range_factor(self, range_factor: f64) -> Self {
-        Self {
-            range_factor,
-            ..self
-        }
+        Self { range_factor, ..self }
     }
 
     /// The same on a bottom that is not level; its depths are those of ranges with their factor.
     pub fn with_relief(self, relief: &'a Relief) -> Self {
-        Self {
-            relief: Some(relief),
-            ..self
-        }
+        Self { relief: Some(relief), ..self }
     }
 
-    /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
-    /// altitude is unknown.
+    /// Where a box's object lies; `None` where the boat has no position or heading there, nothing
+    /// was recorded, or the altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None)
     }
 
-    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a place and no size; and with the height
-    /// of a shadow that the analyst has measured.
+    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a
+    /// place and no size; and with the height of a shadow that the analyst has measured.
     pub fn place_as(
         &self,
         mark: &Mark,
@@ -148,17 +145,11 @@ impl<'a> Placer<'a> {
 
     /// Height of the transducer above the bottom over some pings, as seen to one side.
     pub(super) fn altitude_over_m(&self, side: Side, pings: Range<usize>) -> Option<f64> {
-        altitude_m(
-            self.survey,
-            self.returns,
-            self.calibration,
-            self.range_factor,
-            side,
-            pings,
-        )
+        altitude_m(self.survey, self.returns, self.calibration, self.range_factor, side, pings)
     }
 
-    /// Height of the transducer above the bottom where that has a slant range, from that under the boat.
+    /// Height of the transducer above the bottom where that has a slant range, from that under the
+    /// boat.
     pub(super) fn altitude_at_m(
         &self,
         side: Side,
@@ -203,7 +194,8 @@ impl<'a> Placer<'a> {
         self.survey.span(ping, side)
     }
 
-    /// Echo and shadow of a box: as the analyst has set them, or as they are found; `None` of a point.
+    /// Echo and shadow of a box: as the analyst has set them, or as they are found; `None` of a
+    /// point.
     fn parts(&self, mark: &Mark, extent: ObjectExtent, span: &SideSpan) -> Option<Parts> {
         match extent {
             ObjectExtent::Point => None,
@@ -233,7 +225,8 @@ impl<'a> Placer<'a> {
         }
         let is_drawn = extent.border_m().is_some();
         let large = echo::is_large(mark, self.sailed_over_m(mark));
-        // The box begins where the echo does, and holds more shadow than echo. Of the echo itself often one face is bright.
+        // The box begins where the echo does, and holds more shadow than echo. Of the echo itself
+        // often one face is bright.
         let shadow_m = found.and_then(|found| found.shadow_m);
         let far_m = match (&found, shadow_m) {
             (_, Some([start_m, _])) => start_m,
@@ -285,11 +278,7 @@ impl<'a> Placer<'a> {
         };
         MeasuredObject {
             box_end_m: last_m,
-            longest: Some(Shadow {
-                bright_end_m: start_m,
-                start_m,
-                end_m,
-            }),
+            longest: Some(Shadow { bright_end_m: start_m, start_m, end_m }),
             ..seen
         }
     }
@@ -317,14 +306,14 @@ impl<'a> Placer<'a> {
         at_m(mark.pings.end.saturating_sub(1)) - at_m(mark.pings.start)
     }
 
-    /// The ping in the middle of a box: half of the way over it. Over a long one the boat sails now faster, now slower.
+    /// The ping in the middle of a box: half of the way over it. Over a long one the boat sails now
+    /// faster, now slower.
     fn middle(&self, mark: &Mark) -> usize {
         let count = usize::midpoint(mark.pings.start, mark.pings.end);
         let (first, last) = (mark.pings.start, mark.pings.end.saturating_sub(1));
-        let (Some(from_m), Some(way)) = (
-            self.sailed_m().get(first),
-            self.sailed_m().get(first..=last),
-        ) else {
+        let (Some(from_m), Some(way)) =
+            (self.sailed_m().get(first), self.sailed_m().get(first..=last))
+        else {
             return count;
         };
         let half_m = from_m + 0.5 * self.sailed_over_m(mark);
@@ -355,8 +344,9 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// ObjectExtent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a
-    /// turn the beam sweeps slower or faster there than the boat sails.
+    /// ObjectExtent along the track where the object lies, with the beam's width there taken off
+    /// (as widths of two blurs are). In a turn the beam sweeps slower or faster there than the boat
+    /// sails.
     fn length_m(&self, mark: &Mark, slant_m: f64, ground_m: f64) -> f64 {
         let abeam = |ping: usize| {
             let boat = self.navigation.pings.get(ping)?;
@@ -372,8 +362,6 @@ impl<'a> Placer<'a> {
         let spacing_m = swept_m / (count - 1.0).max(1.0);
         let whole_m = swept_m + spacing_m;
         let beam_m = BEAM_RAD * slant_m;
-        (whole_m * whole_m - beam_m * beam_m)
-            .max(spacing_m * spacing_m)
-            .sqrt()
+        (whole_m * whole_m - beam_m * beam_m).max(spacing_m * spacing_m).sqrt()
     }
 }

@@ -5,7 +5,8 @@ use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
-/// Pings to each side of the box that the background is taken from, and those next to it that are left out.
+/// Pings to each side of the box that the background is taken from, and those next to it that are
+/// left out.
 const NEIGHBOUR_PINGS: usize = 24;
 const APART: usize = 2;
 
@@ -23,10 +24,9 @@ impl RangeSteps {
         let mut sums = vec![0.0; self.steps];
         let mut count = 0.0;
         for ping in pings {
-            let (Some(span), Some(samples)) = (
-                survey.span(ping, self.side),
-                survey.samples(ping, self.side),
-            ) else {
+            let (Some(span), Some(samples)) =
+                (survey.span(ping, self.side), survey.samples(ping, self.side))
+            else {
                 continue;
             };
             count += 1.0;
@@ -58,10 +58,8 @@ impl RangeSteps {
     /// What the pings before and behind the box receive; `None` where there are none.
     pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<BackgroundLevels> {
         let pings = Self::beside(survey, mark);
-        let both: Vec<Vec<f64>> = pings
-            .iter()
-            .filter_map(|pings| self.profile(survey, pings.clone()))
-            .collect();
+        let both: Vec<Vec<f64>> =
+            pings.iter().filter_map(|pings| self.profile(survey, pings.clone())).collect();
         if both.is_empty() {
             return None;
         }
@@ -82,10 +80,7 @@ impl RangeSteps {
             .flatten()
             .filter_map(|ping| self.swing(survey, ping, &levels))
             .collect();
-        Some(BackgroundLevels {
-            speckle: median(&mut swings),
-            levels,
-        })
+        Some(BackgroundLevels { speckle: median(&mut swings), levels })
     }
 
     /// Standard deviation of one ping's samples about its own mean level over the background.

@@ -8,8 +8,9 @@ pub(super) struct Runs {
     pub(super) shadow: Option<Range<usize>>,
 }
 
-/// The bright run, and the dark run that begins at most `gap` steps behind it, that explain most: a run of `n` steps that
-/// sums to `s` takes `s^2 / n` off the squares. `None` where nothing is bright.
+/// The bright run, and the dark run that begins at most `gap` steps behind it, that explain most: a
+/// run of `n` steps that sums to `s` takes `s^2 / n` off the squares. `None` where nothing is
+/// bright.
 pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     let count = contrast.len();
     let mut sums = vec![0.0; count + 1];
@@ -18,11 +19,7 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     }
     let gain = |run: &Range<usize>, sign: f64| {
         let sum = sign * (sums[run.end] - sums[run.start]);
-        if sum > 0.0 {
-            sum * sum / run.len() as f64
-        } else {
-            0.0
-        }
+        if sum > 0.0 { sum * sum / run.len() as f64 } else { 0.0 }
     };
     let best = |candidates: &mut dyn Iterator<Item = Range<usize>>, sign: f64| {
         let gains = candidates.map(|run| (gain(&run, sign), run));
@@ -36,11 +33,8 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     for end in 1..=count {
         let (bright, echo) = best(&mut (0..end).map(|start| start..end), 1.0);
         let behind = &dark[end.min(count)..(end + gap + 1).min(count)];
-        let (shadowed, shadow) = behind
-            .iter()
-            .max_by(|(a, _), (b, _)| a.total_cmp(b))
-            .cloned()
-            .unwrap_or((0.0, 0..0));
+        let (shadowed, shadow) =
+            behind.iter().max_by(|(a, _), (b, _)| a.total_cmp(b)).cloned().unwrap_or((0.0, 0..0));
         if bright > 0.0 && bright + shadowed > found.0 {
             found = (bright + shadowed, echo, shadow);
         }

@@ -1,28 +1,33 @@
 //! What is measured of an object across the track, and how well.
 //!
-//! With the height `V` of the transducer above the bottom where the object lies and a slant range `r`, a point of the bottom lies
-//! `sqrt(r^2 - V^2)` across-track, and one that stands `h` above it `sqrt(r^2 - (V - h)^2)`. A shadow from `r_t` (the far
-//! edge of the top) to `r_e` tells `h = H (r_e - r_t) / r_e` with the altitude `H` under the boat, on a level bottom and on one that slopes
-//! evenly.
+//! With the height `V` of the transducer above the bottom where the object lies and a slant range
+//! `r`, a point of the bottom lies `sqrt(r^2 - V^2)` across-track, and one that stands `h` above it
+//! `sqrt(r^2 - (V - h)^2)`. A shadow from `r_t` (the far edge of the top) to `r_e` tells `h = H
+//! (r_e - r_t) / r_e` with the altitude `H` under the boat, on a level bottom and on one that
+//! slopes evenly.
 
 use super::echo::Shadow;
 
-/// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are rounded.
+/// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are
+/// rounded.
 pub(super) const EDGE_SIGMA_M: f64 = 0.05;
-/// The same of an edge that is drawn by hand: the eye puts it within about another 5 cm, the side of a speckle.
+/// The same of an edge that is drawn by hand: the eye puts it within about another 5 cm, the side
+/// of a speckle.
 pub(super) const DRAWN_SIGMA_M: f64 = 0.07;
-/// Standard deviation of the altitude at the object: the bottom is not flat. A share of the altitude.
+/// Standard deviation of the altitude at the object: the bottom is not flat. A share of the
+/// altitude.
 pub(super) const ALTITUDE_SIGMA: f64 = 0.05;
 /// Slope of the bottom between the object and the end of its shadow, standard deviation: 2 degrees.
 pub(super) const SLOPE_SIGMA: f64 = 0.035;
-/// Share of the echo's extent by which its middle may be off where no shadow ends it, and the extent assumed then at least,
-/// metres.
+/// Share of the echo's extent by which its middle may be off where no shadow ends it, and the
+/// extent assumed then at least, metres.
 const LOOSE_SIGMA: f64 = 0.25;
 const USUAL_WIDTH_M: f64 = 0.6;
-/// Height that an object without a shadow may well have, metres. Far out it matters little; near the boat the echo of its
-/// top comes from much farther out than the bottom at the same range.
+/// Height that an object without a shadow may well have, metres. Far out it matters little; near
+/// the boat the echo of its top comes from much farther out than the bottom at the same range.
 const USUAL_HEIGHT_M: f64 = 0.3;
-/// Least share of the slant range that the ground range counts with: steeper, and a shadow tells nothing.
+/// Least share of the slant range that the ground range counts with: steeper, and a shadow tells
+/// nothing.
 const STEEPEST: f64 = 0.2;
 /// Share of an extent by which the middle of the echo may be off that of the object.
 pub(super) const PART_SIGMA: f64 = 0.15;
@@ -81,24 +86,20 @@ impl MeasuredObject {
         })
     }
 
-    /// Standard deviation of the height: of both ends of the shadow, of the altitude, of the slope, and of the shape.
+    /// Standard deviation of the height: of both ends of the shadow, of the altitude, of the slope,
+    /// and of the shape.
     ///
-    /// The shadow starts somewhere between what is bright and what is dark, and its end is off by half of what it differs
-    /// from the box's. The last ray over a round top touches its far flank: of a half ball that lies `ground / slant` as high
-    /// as the top, of a flat top as high. Which it is is not known; under the boat, where the ray comes from above, that is
-    /// most of the height.
+    /// The shadow starts somewhere between what is bright and what is dark, and its end is off by
+    /// half of what it differs from the box's. The last ray over a round top touches its far flank:
+    /// of a half ball that lies `ground / slant` as high as the top, of a flat top as high. Which
+    /// it is is not known; under the boat, where the ray comes from above, that is most of the
+    /// height.
     pub(super) fn height_sigma_m(&self) -> f64 {
         self.longest.map_or(f64::NAN, |shadow| {
-            let Shadow {
-                bright_end_m,
-                start_m,
-                end_m,
-            } = shadow;
+            let Shadow { bright_end_m, start_m, end_m } = shadow;
             let height_m = self.height_m();
             // Of evenly spread ones the standard deviation is the width over the root of 12.
-            let start_sigma_m = self
-                .edge_sigma_m
-                .hypot((start_m - bright_end_m) / 12f64.sqrt());
+            let start_sigma_m = self.edge_sigma_m.hypot((start_m - bright_end_m) / 12f64.sqrt());
             let end_sigma_m = self.edge_sigma_m.hypot(0.5 * (self.box_end_m - end_m));
             let start = self.altitude_m / end_m * start_sigma_m;
             let end = self.altitude_m * start_m / (end_m * end_m) * end_sigma_m;
@@ -127,8 +128,9 @@ impl MeasuredObject {
         self.middle_raised_m(self.raised_m())
     }
 
-    /// Standard deviation of [`MeasuredObject::middle_m`]: how far the middle moves when the edges in range, the altitude and the
-    /// height change by theirs. That is far under the boat and little at long range, as `d ground / d slant = slant / ground`.
+    /// Standard deviation of [`MeasuredObject::middle_m`]: how far the middle moves when the edges
+    /// in range, the altitude and the height change by theirs. That is far under the boat and
+    /// little at long range, as `d ground / d slant = slant / ground`.
     pub(super) fn across_sigma_m(&self) -> f64 {
         let here_m = self.middle_m();
         let moved = |change: &dyn Fn(f64) -> f64| {
@@ -138,11 +140,7 @@ impl MeasuredObject {
         let raised_m = self.raised_m();
         let edges_m = moved(&|sign| {
             let edge_m = sign * self.edge_sigma_m;
-            let seen = Self {
-                near_m: self.near_m + edge_m,
-                far_m: self.far_m + edge_m,
-                ..*self
-            };
+            let seen = Self { near_m: self.near_m + edge_m, far_m: self.far_m + edge_m, ..*self };
             seen.middle_raised_m(raised_m)
         });
         let altitude_m = moved(&|sign| {
@@ -163,17 +161,10 @@ impl MeasuredObject {
             };
             self.middle_raised_m(other_m)
         });
-        let loose_m = if self.bounded {
-            0.0
-        } else {
-            LOOSE_SIGMA * self.width_m().max(USUAL_WIDTH_M)
-        };
+        let loose_m =
+            if self.bounded { 0.0 } else { LOOSE_SIGMA * self.width_m().max(USUAL_WIDTH_M) };
         let part_m = PART_SIGMA * self.width_m();
-        edges_m
-            .hypot(altitude_m)
-            .hypot(height_m)
-            .hypot(loose_m)
-            .hypot(part_m)
+        edges_m.hypot(altitude_m).hypot(height_m).hypot(loose_m).hypot(part_m)
     }
 
     fn raised_m(&self) -> f64 {
@@ -188,15 +179,12 @@ impl MeasuredObject {
             .map(|range_m| (range_m * range_m - below_m * below_m).max(0.0).sqrt())
     }
 
-    /// Where no shadow tells the far edge, a bright near face may be all that is seen: the object then counts as of the usual
-    /// width at least.
+    /// Where no shadow tells the far edge, a bright near face may be all that is seen: the object
+    /// then counts as of the usual width at least.
     fn middle_raised_m(&self, raised_m: f64) -> f64 {
         let [near_m, far_m] = self.ground_m(raised_m);
-        let width_m = if self.bounded {
-            far_m - near_m
-        } else {
-            (far_m - near_m).max(USUAL_WIDTH_M)
-        };
+        let width_m =
+            if self.bounded { far_m - near_m } else { (far_m - near_m).max(USUAL_WIDTH_M) };
         near_m + 0.5 * width_m
     }
 }
@@ -205,7 +193,8 @@ impl MeasuredObject {
 mod tests {
     use super::*;
 
-    /// A block 0.5 m high from `ground_m` across-track on, 0.6 m wide, 2.5 m below the transducer; with its shadow.
+    /// A block 0.5 m high from `ground_m` across-track on, 0.6 m wide, 2.5 m below the transducer;
+    /// with its shadow.
     fn block(ground_m: f64) -> MeasuredObject {
         let back_m = ground_m + 0.6;
         let shadow_end_m = back_m * 2.5 / 2.0;
@@ -219,11 +208,7 @@ mod tests {
             box_end_m: end_m,
             edge_sigma_m: EDGE_SIGMA_M,
             bounded: true,
-            longest: Some(Shadow {
-                bright_end_m: start_m,
-                start_m,
-                end_m,
-            }),
+            longest: Some(Shadow { bright_end_m: start_m, start_m, end_m }),
         }
     }
 

@@ -4,11 +4,12 @@ use super::place::{Placer, reach_m};
 use super::seen::{ALTITUDE_SIGMA, EDGE_SIGMA_M, SLOPE_SIGMA};
 use bathyscope_log::survey::Side;
 
-/// Pings to either side of the measured one that the altitude is the median of: a fish or a lost pick must not change the height.
+/// Pings to either side of the measured one that the altitude is the median of: a fish or a lost
+/// pick must not change the height.
 const ALTITUDE_PINGS: usize = 6;
 
-/// A shadow across one ping, and the height that follows from it: `h = H (r_e - r_t) / r_e`, exact on a level bottom and on one
-/// that slopes evenly.
+/// A shadow across one ping, and the height that follows from it: `h = H (r_e - r_t) / r_e`, exact
+/// on a level bottom and on one that slopes evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowHeight {
     /// Height of the transducer above the bottom, `H`, metres.
@@ -19,7 +20,8 @@ pub struct ShadowHeight {
     pub end_m: f64,
     /// Slant range of one sample, metres.
     pub sample_m: f64,
-    /// The shadow was measured to the last sample of the ping and may go on: the height is the least that it can be.
+    /// The shadow was measured to the last sample of the ping and may go on: the height is the
+    /// least that it can be.
     pub is_least: bool,
 }
 
@@ -46,34 +48,32 @@ impl ShadowHeight {
         self.altitude_m * (self.end_m - self.top_m) / self.end_m
     }
 
-    /// Standard deviation of the height, metres: both ends of the shadow to the width of a pulse and a sample, an altitude that is
-    /// off by 5 %, and a bottom that slopes by 2 degrees between the object and the end of its shadow.
+    /// Standard deviation of the height, metres: both ends of the shadow to the width of a pulse
+    /// and a sample, an altitude that is off by 5 %, and a bottom that slopes by 2 degrees between
+    /// the object and the end of its shadow.
     pub fn sigma_m(&self) -> f64 {
         // Of evenly spread ones the standard deviation is the width over the root of 12.
         let edge_sigma_m = EDGE_SIGMA_M.hypot(self.sample_m / 12f64.sqrt());
         let top = self.altitude_m / self.end_m * edge_sigma_m;
         let end = self.altitude_m * self.top_m / (self.end_m * self.end_m) * edge_sigma_m;
         let [top_m, end_m] = self.ground_m();
-        top.hypot(end)
-            .hypot(ALTITUDE_SIGMA * self.height_m())
-            .hypot(SLOPE_SIGMA * (end_m - top_m))
+        top.hypot(end).hypot(ALTITUDE_SIGMA * self.height_m()).hypot(SLOPE_SIGMA * (end_m - top_m))
     }
 
-    /// Distances from the track, on a level bottom, of the object's top and of the shadow's end, metres.
+    /// Distances from the track, on a level bottom, of the object's top and of the shadow's end,
+    /// metres.
     pub fn ground_m(&self) -> [f64; 2] {
         let below_m = self.altitude_m - self.height_m();
         let across_m =
             |range_m: f64, below_m: f64| (range_m * range_m - below_m * below_m).max(0.0);
-        [
-            across_m(self.top_m, below_m).sqrt(),
-            across_m(self.end_m, self.altitude_m).sqrt(),
-        ]
+        [across_m(self.top_m, below_m).sqrt(), across_m(self.end_m, self.altitude_m).sqrt()]
     }
 }
 
 impl Placer<'_> {
-    /// Where a place of the side-scan lies on the bottom, metres east and north; the slant range is on the recorder's scale.
-    /// `None` where the boat has no position or heading, or nothing was recorded. In the water column the place is the boat's.
+    /// Where a place of the side-scan lies on the bottom, metres east and north; the slant range is
+    /// on the recorder's scale. `None` where the boat has no position or heading, or nothing was
+    /// recorded. In the water column the place is the boat's.
     pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
         let slant_m = self.calibrated_m(self.span(side, ping)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
@@ -82,7 +82,8 @@ impl Placer<'_> {
         self.abeam(side, ping, ground_m)
     }
 
-    /// The height of what casts a shadow between two slant ranges of a ping, given on the recorder's scale in either order.
+    /// The height of what casts a shadow between two slant ranges of a ping, given on the
+    /// recorder's scale in either order.
     ///
     /// # Errors
     /// Where no height follows: see [`ShadowError`].
@@ -122,8 +123,8 @@ impl Placer<'_> {
 mod tests {
     use super::*;
 
-    /// `H`, ground range of the top, height; slant ranges of the top and of the shadow's end: the golden values of the
-    /// field's formula, from the geometry.
+    /// `H`, ground range of the top, height; slant ranges of the top and of the shadow's end: the
+    /// golden values of the field's formula, from the geometry.
     const GOLDEN: [[f64; 5]; 4] = [
         [3.0, 6.0, 0.5, 6.5, 7.8],
         [3.0, 6.0, 1.0, 6.3246, 9.4868],
@@ -132,13 +133,7 @@ mod tests {
     ];
 
     fn shadow([altitude_m, _, _, top_m, end_m]: [f64; 5]) -> ShadowHeight {
-        ShadowHeight {
-            altitude_m,
-            top_m,
-            end_m,
-            sample_m: 0.0085,
-            is_least: false,
-        }
+        ShadowHeight { altitude_m, top_m, end_m, sample_m: 0.0085, is_least: false }
     }
 
     #[test]
@@ -159,28 +154,15 @@ mod tests {
     fn the_standard_deviation_holds_what_the_ends_and_the_altitude_change() {
         let here = shadow(GOLDEN[0]);
         // 10 cm more at the end make 3.2 cm of height there, 11.6 cm less of altitude take 1.9 cm.
-        let longer = ShadowHeight {
-            end_m: here.end_m + 0.1,
-            ..here
-        };
+        let longer = ShadowHeight { end_m: here.end_m + 0.1, ..here };
         assert!((longer.height_m() - here.height_m() - 0.032).abs() < 5e-4);
-        let lower = ShadowHeight {
-            altitude_m: here.altitude_m - 0.116,
-            ..here
-        };
+        let lower = ShadowHeight { altitude_m: here.altitude_m - 0.116, ..here };
         assert!((lower.height_m() - here.height_m() + 0.019).abs() < 5e-4);
         let ends_m = 0.05 * (3.0 / 7.8) * f64::hypot(1.0, 6.5 / 7.8);
         let [top_m, end_m] = here.ground_m();
         let expected_m = ends_m.hypot(0.05 * 0.5).hypot(0.035 * (end_m - top_m));
-        assert!(
-            (here.sigma_m() - expected_m).abs() < 5e-4,
-            "{}",
-            here.sigma_m()
-        );
-        let blurred = ShadowHeight {
-            sample_m: 0.5,
-            ..here
-        };
+        assert!((here.sigma_m() - expected_m).abs() < 5e-4, "{}", here.sigma_m());
+        let blurred = ShadowHeight { sample_m: 0.5, ..here };
         assert!(blurred.sigma_m() > 1.3 * here.sigma_m());
     }
 }

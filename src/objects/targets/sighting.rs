@@ -7,20 +7,17 @@ use super::Target;
 pub struct GroupSettings {
     /// Standard deviations of the joint uncertainty that sightings of one object may lie apart.
     pub sigmas: f64,
-    /// Standard deviation of the receiver's own position between lines, metres: it is not in [`Target::sigma_m`].
+    /// Standard deviation of the receiver's own position between lines, metres: it is not in
+    /// [`Target::sigma_m`].
     pub receiver_sigma_m: f64,
-    /// Standard deviation of the place of a whole log, metres: another day, another receiver. It counts between sightings of
-    /// different logs.
+    /// Standard deviation of the place of a whole log, metres: another day, another receiver. It
+    /// counts between sightings of different logs.
     pub log_sigma_m: f64,
 }
 
 impl Default for GroupSettings {
     fn default() -> Self {
-        Self {
-            sigmas: 3.0,
-            receiver_sigma_m: 0.3,
-            log_sigma_m: 1.0,
-        }
+        Self { sigmas: 3.0, receiver_sigma_m: 0.3, log_sigma_m: 1.0 }
     }
 }
 

@@ -13,11 +13,7 @@ pub(super) struct PositionCovariance {
 impl PositionCovariance {
     /// The same in every direction.
     pub(super) const fn round(variance_m2: f64) -> Self {
-        Self {
-            east: variance_m2,
-            both: 0.0,
-            north: variance_m2,
-        }
+        Self { east: variance_m2, both: 0.0, north: variance_m2 }
     }
 
     /// Of a sighting: along and across the heading of the boat.
@@ -47,19 +43,12 @@ impl PositionCovariance {
     /// The information: what is known well weighs much.
     pub(super) fn inverse(self) -> Self {
         let scale = self.determinant().max(f64::MIN_POSITIVE).recip();
-        Self {
-            east: scale * self.north,
-            both: -scale * self.both,
-            north: scale * self.east,
-        }
+        Self { east: scale * self.north, both: -scale * self.both, north: scale * self.east }
     }
 
     /// The product with a vector.
     pub(super) fn times(self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
-        [
-            self.east * east_m + self.both * north_m,
-            self.both * east_m + self.north * north_m,
-        ]
+        [self.east * east_m + self.both * north_m, self.both * east_m + self.north * north_m]
     }
 
     /// Squared distance in standard deviations (Mahalanobis).

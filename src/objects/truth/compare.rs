@@ -6,8 +6,8 @@ use crate::review::{BoxId, Review, Reviewed};
 use crate::{NAMELESS_CLASS, Raster, Rect, Scored};
 use bathyscope_log::survey::Side;
 
-/// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes that no model has seen have
-/// no score and are left out.
+/// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes
+/// that no model has seen have no score and are left out.
 #[derive(Clone, Debug)]
 pub struct TruthComparison {
     on_raster: RasterTruth,
@@ -68,9 +68,10 @@ pub struct Standing {
 }
 
 impl TruthComparison {
-    /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
-    /// when their names are; a box without a name is of the class of the object that it lies on. Objects and boxes in pings that the review's search has not come to are left out: nobody has
-    /// missed what nobody has looked for.
+    /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by
+    /// side. Classes are the same when their names are; a box without a name is of the class of the
+    /// object that it lies on. Objects and boxes in pings that the review's search has not come to
+    /// are left out: nobody has missed what nobody has looked for.
     pub fn new(review: &Review, mut on_raster: RasterTruth, raster: &Raster) -> Self {
         let gaps = review.unsearched();
         let unsearched = on_raster.ignore(|whole| Review::reaches_into(&gaps, whole));
@@ -136,13 +137,7 @@ impl TruthComparison {
 
     /// What the boxes of at least a score amount to.
     pub fn at(&self, score: f32) -> Standing {
-        let AtScore {
-            counts,
-            confusion,
-            false_alarms,
-            misses,
-            ..
-        } = self.matched.at(score);
+        let AtScore { counts, confusion, false_alarms, misses, .. } = self.matched.at(score);
         let images = self.matched.images();
         let size_m =
             |rect: &Rect| f64::from((rect.x1 - rect.x0).max(rect.y1 - rect.y0)) * self.pixel_m;
@@ -164,11 +159,6 @@ impl TruthComparison {
             size_m: size_m(&images[one.image].truth[one.truth].rect),
         }));
         mistakes[first_miss..].sort_by(|a, b| b.size_m().total_cmp(&a.size_m()));
-        Standing {
-            score,
-            counts,
-            confusion,
-            mistakes,
-        }
+        Standing { score, counts, confusion, mistakes }
     }
 }

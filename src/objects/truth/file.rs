@@ -1,4 +1,5 @@
-//! Truth from files. What is read may come from anywhere: every number is checked before it is believed.
+//! Truth from files. What is read may come from anywhere: every number is checked before it is
+//! believed.
 
 use super::SurveyTruth;
 use crate::dataset::KnownObject;
@@ -42,7 +43,8 @@ pub enum TruthError {
     TooMany,
 }
 
-/// Why a file cannot be taken for the truth about the open survey, in a sentence that ends with the file.
+/// Why a file cannot be taken for the truth about the open survey, in a sentence that ends with the
+/// file.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthFileError {
     /// It cannot be read.
@@ -90,8 +92,8 @@ impl SurveyTruth {
         Ok(Self::parse(&text, of).map_err(FileError::at(path))?)
     }
 
-    /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of` (its accepted and added
-    /// boxes).
+    /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of`
+    /// (its accepted and added boxes).
     ///
     /// # Errors
     /// When the text is neither, when a line makes no sense, or when it belongs to another log.
@@ -154,11 +156,7 @@ impl Columns {
 fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let columns = Columns::of(table.headers()?)?;
-    let mut truth = SurveyTruth {
-        classes: Vec::new(),
-        objects: Vec::new(),
-        was_seen: false,
-    };
+    let mut truth = SurveyTruth { classes: Vec::new(), objects: Vec::new(), was_seen: false };
     for (index, record) in table.records().enumerate() {
         let record = record?;
         // An object that no pass insonified has no side.
@@ -166,10 +164,7 @@ fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
             continue;
         }
         let known = known(&record, &columns, pings, &mut truth.classes);
-        truth.objects.push(known.map_err(|what| TruthError::Line {
-            line: index + 2,
-            what,
-        })?);
+        truth.objects.push(known.map_err(|what| TruthError::Line { line: index + 2, what })?);
         if truth.objects.len() > MOST_OBJECTS || truth.classes.len() > MOST_CLASSES {
             return Err(TruthError::TooMany);
         }

@@ -1,10 +1,11 @@
 //! What is known to lie in a survey, and how a review's boxes compare with it.
 //!
-//! In: a file of known objects, and the boxes of a review. Out: which boxes are right, and the mistakes.
-//! It uses `survey`.
+//! In: a file of known objects, and the boxes of a review. Out: which boxes are right, and the
+//! mistakes. It uses `survey`.
 //!
-//! `file` reads it: the table of objects that `bathyscope simulate` writes, or a review of the same log by somebody who knew.
-//! `raster_truth` puts it into the survey's raster and leaves out what nobody could see; `compare` pairs it with boxes.
+//! `file` reads it: the table of objects that `bathyscope simulate` writes, or a review of the same
+//! log by somebody who knew. `raster_truth` puts it into the survey's raster and leaves out what
+//! nobody could see; `compare` pairs it with boxes.
 
 mod compare;
 mod file;
@@ -18,7 +19,8 @@ pub use raster_truth::RasterTruth;
 
 use super::dataset::KnownObject;
 
-/// End of the name of the table of objects that `bathyscope simulate` writes next to a log, in place of the log's own.
+/// End of the name of the table of objects that `bathyscope simulate` writes next to a log, in
+/// place of the log's own.
 pub const SIDECAR: &str = "objects.csv";
 
 /// Objects whose place in a survey is known.
@@ -28,8 +30,9 @@ pub struct SurveyTruth {
     pub classes: Vec<String>,
     /// The objects, one entry for each pass that insonified one.
     pub objects: Vec<KnownObject>,
-    /// Somebody drew the boxes because they saw something there: all of them count. Otherwise they follow from geometry, and
-    /// what does not stand out in the picture is neither to be found nor to be missed.
+    /// Somebody drew the boxes because they saw something there: all of them count. Otherwise they
+    /// follow from geometry, and what does not stand out in the picture is neither to be found nor
+    /// to be missed.
     pub was_seen: bool,
 }
 

@@ -15,8 +15,8 @@ pub struct RasterTruth {
 }
 
 impl RasterTruth {
-    /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector is taught
-    /// ([`KnownObject::is_plain`]), are marked to be ignored unless somebody saw them.
+    /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector
+    /// is taught ([`KnownObject::is_plain`]), are marked to be ignored unless somebody saw them.
     pub fn new(raster: &Raster, truth: Arc<SurveyTruth>) -> Self {
         let rasterise = |known: &KnownObject| metrics::TrueBox {
             class: known.class,
@@ -30,10 +30,7 @@ impl RasterTruth {
                 .map(|(object, (on_raster, _))| (*on_raster, object))
                 .collect()
         };
-        Self {
-            sides: Side::BOTH.map(on),
-            truth,
-        }
+        Self { sides: Side::BOTH.map(on), truth }
     }
 
     /// Leaves out some of the objects that count, by their boxes; how many.
@@ -48,8 +45,8 @@ impl RasterTruth {
         count
     }
 
-    /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the same where their names are;
-    /// those that only the truth has are added to them.
+    /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the
+    /// same where their names are; those that only the truth has are added to them.
     pub fn images(&self, classes: &mut Vec<String>) -> [metrics::Image; 2] {
         let names = self.truth.classes.iter();
         let class_of: Vec<usize> = names.map(|name| class_index(classes, name)).collect();

@@ -9,12 +9,7 @@ use std::sync::Arc;
 const HEADER: &str = "object,kind,side,box_first_ping,box_last_ping,box_near_m,box_far_m,shown\n";
 
 fn identity(pings: usize) -> Identity {
-    Identity {
-        swapped_sides: false,
-        file: "pond.sl2".into(),
-        byte_count: 1,
-        pings,
-    }
+    Identity { swapped_sides: false, file: "pond.sl2".into(), byte_count: 1, pings }
 }
 
 fn mark(start: usize, near_m: f64) -> Mark {
@@ -45,10 +40,7 @@ fn the_table_gives_boxes_and_objects_that_were_not_insonified_are_left_out() {
 #[test]
 fn what_is_no_truth_of_this_log_is_refused_in_a_sentence() {
     for (line, part) in [
-        (
-            "0,tyre,port,40,200,3.0,5.0,1",
-            "line 2: ping 200 is beyond the 200",
-        ),
+        ("0,tyre,port,40,200,3.0,5.0,1", "line 2: ping 200 is beyond the 200"),
         ("0,tyre,left,40,49,3.0,5.0,1", "`left` is no side"),
         ("0,tyre,port,40,49,nan,5.0,1", "`nan` is no range"),
         ("0,tyre,port,-1,49,3.0,5.0,1", "`-1` is no ping"),
@@ -72,19 +64,12 @@ fn a_review_is_truth_by_what_was_accepted_and_added() {
     let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
     let names = ["rock".to_owned()];
-    let found = [20, 60].map(|start| Detection {
-        class: 0,
-        score: 0.5,
-        mark: mark(start, 3.0),
-    });
+    let found = [20, 60].map(|start| Detection { class: 0, score: 0.5, mark: mark(start, 3.0) });
     let review = Review::new(identity(200), names.to_vec());
     let review = review.adopt("model", &names, &found, &raster);
     let review = review.apply(&Edit::Accept(BoxId(1))).expect("accepted");
     let review = review.apply(&Edit::Reject(BoxId(2))).expect("rejected");
-    let drawn = Edit::Add {
-        mark: mark(100, 4.0),
-        class: 0,
-    };
+    let drawn = Edit::Add { mark: mark(100, 4.0), class: 0 };
     let review = review.apply(&drawn).expect("added");
     let truth = SurveyTruth::parse(&review.to_json(), &identity(200)).expect("a review");
     let marks: Vec<&Mark> = truth.objects.iter().map(|known| &known.whole).collect();
@@ -108,7 +93,8 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
     assert_eq!(rasterise(&truth), [false; 3]);
 }
 
-/// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser); nothing at 140.
+/// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser);
+/// nothing at 140.
 fn compared() -> TruthComparison {
     compared_with("tyre")
 }
@@ -160,25 +146,14 @@ fn a_box_without_a_name_finds_an_object_of_any_class() {
 fn the_slider_counts_what_a_full_evaluation_counts() {
     let comparison = compared();
     assert_eq!(comparison.classes(), ["tyre", "rock", "log"]);
-    for (score, found, false_alarms) in [
-        (0.95, 0, 0),
-        (0.85, 1, 0),
-        (0.7, 1, 1),
-        (0.5, 1, 2),
-        (0.1, 1, 3),
-    ] {
+    for (score, found, false_alarms) in
+        [(0.95, 0, 0), (0.85, 1, 0), (0.7, 1, 1), (0.5, 1, 2), (0.1, 1, 3)]
+    {
         let standing = comparison.at(score);
         let counts = standing.counts;
-        assert_eq!(
-            (counts.found, counts.false_alarms),
-            (found, false_alarms),
-            "{score}"
-        );
+        assert_eq!((counts.found, counts.false_alarms), (found, false_alarms), "{score}");
         assert_eq!(counts.missed(), 3 - found);
-        let settings = MetricSettings {
-            score,
-            ..MetricSettings::darknet()
-        };
+        let settings = MetricSettings { score, ..MetricSettings::darknet() };
         let whole = evaluate(comparison.matched.images(), 3, &settings);
         assert_eq!(standing.counts, whole.counts);
         assert_eq!(standing.confusion, whole.confusion);
@@ -194,14 +169,7 @@ fn mistakes_name_boxes_and_objects_with_their_cause_and_size() {
         Mistake::Miss { .. } => None,
     };
     let alarms: Vec<_> = standing.mistakes.iter().filter_map(alarm).collect();
-    assert_eq!(
-        alarms,
-        [
-            (2, Cause::OtherClass),
-            (3, Cause::Background),
-            (4, Cause::Duplicate)
-        ]
-    );
+    assert_eq!(alarms, [(2, Cause::OtherClass), (3, Cause::Background), (4, Cause::Duplicate)]);
     let misses: Vec<usize> = (standing.mistakes.iter())
         .filter_map(|mistake| match mistake {
             Mistake::Miss { object, .. } => Some(*object),
@@ -213,11 +181,7 @@ fn mistakes_name_boxes_and_objects_with_their_cause_and_size() {
     for mistake in &standing.mistakes {
         assert!((mistake.size_m() - 2.0).abs() < 0.03, "{mistake:?}");
     }
-    assert_eq!(
-        standing.confusion.at(2, 0),
-        1,
-        "the log was taken for a tyre"
-    );
+    assert_eq!(standing.confusion.at(2, 0), 1, "the log was taken for a tyre");
     assert_eq!(standing.confusion.at(3, 1), 1, "a rock where nothing is");
     assert_eq!(standing.confusion.at(0, 3), 1, "a tyre was missed");
 }

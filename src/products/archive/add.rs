@@ -32,10 +32,12 @@ pub enum Added {
     Twice,
 }
 
-/// Writes the points and pings of a log and its parts of the mosaic into an archive, unless they are there. The rows of a version of it that was made otherwise go.
+/// Writes the points and pings of a log and its parts of the mosaic into an archive, unless they
+/// are there. The rows of a version of it that was made otherwise go.
 ///
 /// # Errors
-/// When the log has no place or was cut or changed meanwhile, a file cannot be written, or the work was cancelled; what was written is then no part of the archive.
+/// When the log has no place or was cut or changed meanwhile, a file cannot be written, or the work
+/// was cancelled; what was written is then no part of the archive.
 pub fn add(
     archive: &Archive,
     survey: &Arc<Survey>,
@@ -47,10 +49,7 @@ pub fn add(
         return Ok(Added::Twice);
     }
     let record = LogRecord::new(survey, settings, &files);
-    let path = archive
-        .folder()
-        .join(LOGS)
-        .join(format!("{}.json", record.log));
+    let path = archive.folder().join(LOGS).join(format!("{}.json", record.log));
     if let Ok(there) = LogRecord::read(&path)
         && there.is_made_alike(&record)
         && there.is_whole(archive.folder())
@@ -202,9 +201,7 @@ impl LogTiles<'_> {
         tile: TileId,
         progress: &Progress,
     ) -> Result<(usize, Vec<Fingerprint>), ArchiveError> {
-        let cells = self
-            .mosaic
-            .write(archive, tile, self.log.sha256, progress)?;
+        let cells = self.mosaic.write(archive, tile, self.log.sha256, progress)?;
         let mut files = Vec::new();
         for kind in self.mosaic.kinds().iter().filter(|_| cells > 0) {
             let name = Archive::rows_name(kind, tile, self.log.sha256);
@@ -226,10 +223,8 @@ fn write_file(
         Values::Points(places) => Some(places.as_slice()),
         _ => None,
     });
-    let keys = [
-        ("geo", geo_key("geometry", places.unwrap_or_default())),
-        ("bathyscope", made.to_owned()),
-    ];
+    let keys =
+        [("geo", geo_key("geometry", places.unwrap_or_default())), ("bathyscope", made.to_owned())];
     write_atomically(&path, |file| write_parquet(file, columns, &keys))?;
     fingerprint(archive.folder(), name, &Progress::new())
 }

@@ -1,5 +1,6 @@
-//! How much higher or lower the depths of each log are than those of the others, from where their tracks cross or overlap within tiles, and where somebody
-//! asks for it how far its positions are off and how late they are; and, by `level_factors`, how much brighter its echoes.
+//! How much higher or lower the depths of each log are than those of the others, from where their
+//! tracks cross or overlap within tiles, and where somebody asks for it how far its positions are
+//! off and how late they are; and, by `level_factors`, how much brighter its echoes.
 
 use super::error::ArchiveError;
 use super::level_factors::level_factors;
@@ -15,8 +16,8 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::statistics::median;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An offset that new logs move by less than this stays as it is, metres: a log that is added must not make every map stale for
-/// a centimetre or two.
+/// An offset that new logs move by less than this stays as it is, metres: a log that is added must
+/// not make every map stale for a centimetre or two.
 const KEPT_M: f64 = 0.02;
 
 /// What an adjustment found.
@@ -26,14 +27,16 @@ pub struct Adjusted {
     pub offsets: Offsets,
     /// Groups of logs that are tied to each other.
     pub groups: usize,
-    /// Pairs of logs whose difference no offset of whole logs explains: their names, and what is left of it, metres.
+    /// Pairs of logs whose difference no offset of whole logs explains: their names, and what is
+    /// left of it, metres.
     pub contradictions: Vec<([String; 2], f64)>,
 }
 
-/// Finds the height offsets of all logs of an archive, the factors on their levels and, as far as `wanted`, how their positions are to be corrected, and
-/// writes its table. Positions that are corrected already stay so. Logs that a person has pinned keep theirs and are what the others are compared
-/// against. Without any, the mean offset of tied logs is zero when they first cross; from then on the logs that are known keep their
-/// heights, and new ones are compared with these.
+/// Finds the height offsets of all logs of an archive, the factors on their levels and, as far as
+/// `wanted`, how their positions are to be corrected, and writes its table. Positions that are
+/// corrected already stay so. Logs that a person has pinned keep theirs and are what the others are
+/// compared against. Without any, the mean offset of tied logs is zero when they first cross; from
+/// then on the logs that are known keep their heights, and new ones are compared with these.
 ///
 /// # Errors
 /// When rows or the table cannot be used, or the work was cancelled.
@@ -47,12 +50,7 @@ pub fn adjust(
     let levels = level_factors(archive, &logs, &known, progress)?;
     let pinned: Vec<Option<f64>> = logs
         .iter()
-        .map(|log| {
-            known
-                .row(&log.log)
-                .filter(|row| row.is_pinned)
-                .map(|row| row.offset_m)
-        })
+        .map(|log| known.row(&log.log).filter(|row| row.is_pinned).map(|row| row.offset_m))
         .collect();
     let shifts = shifts(archive, &logs, &known, &pinned, wanted, progress)?;
     let log_overlaps = log_overlaps(archive, &logs, &shifts, progress)?;
@@ -87,9 +85,7 @@ pub fn adjust(
     let offsets = Offsets::new(rows.collect());
     offsets.write(archive)?;
     let names = |pair: &PairDifference| {
-        let names = pair
-            .logs
-            .map(|log| logs.get(log).map(|log| log.name.clone()));
+        let names = pair.logs.map(|log| logs.get(log).map(|log| log.name.clone()));
         let [Some(one), Some(other)] = names else {
             return None;
         };
@@ -109,9 +105,9 @@ fn groups(offsets: &Offsets) -> usize {
     tied.map(|row| row.group).collect::<BTreeSet<usize>>().len()
 }
 
-/// The offsets to apply: those of logs that are known already where they move by less than [`KEPT_M`], or than
-/// two standard errors. A group that no pinned log holds is moved
-/// as a whole to where the most of its known logs are.
+/// The offsets to apply: those of logs that are known already where they move by less than
+/// [`KEPT_M`], or than two standard errors. A group that no pinned log holds is moved as a whole to
+/// where the most of its known logs are.
 fn kept_heights(
     logs: &[LogRecord],
     known: &Offsets,
@@ -120,11 +116,7 @@ fn kept_heights(
 ) -> Vec<f64> {
     let held: Vec<Option<&OffsetRow>> = logs
         .iter()
-        .map(|log| {
-            known
-                .row(&log.log)
-                .filter(|row| row.ties > 0 && !row.is_pinned)
-        })
+        .map(|log| known.row(&log.log).filter(|row| row.ties > 0 && !row.is_pinned))
         .collect();
     let mut shifts_m: BTreeMap<usize, f64> = BTreeMap::new();
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -142,13 +134,8 @@ fn kept_heights(
                 by_group.entry(row.group).or_default().push(moved_m);
             }
         }
-        let largest = by_group
-            .into_values()
-            .reduce(|a, b| if b.len() > a.len() { b } else { a });
-        shifts_m.insert(
-            group,
-            largest.map_or(0.0, |mut moved_m| median(&mut moved_m)),
-        );
+        let largest = by_group.into_values().reduce(|a, b| if b.len() > a.len() { b } else { a });
+        shifts_m.insert(group, largest.map_or(0.0, |mut moved_m| median(&mut moved_m)));
     }
     let height_m = |log: usize| {
         let found = &solved.logs[log];

@@ -4,7 +4,8 @@ use super::footprint::{CoveredSamples, Footprint, SideRange};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::support::outline::goes_around;
 
-/// Closed rings in the metres of a zone: a place is within where an odd number of them go around it, so that islands are rings too.
+/// Closed rings in the metres of a zone: a place is within where an odd number of them go around
+/// it, so that islands are rings too.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Area {
     rings: Vec<Vec<[f64; 2]>>,
@@ -31,8 +32,9 @@ impl Area {
         Some(Self { rings, bounds_m })
     }
 
-    /// What each side of a ping, port first, saw of it: the samples from the nearest to the farthest. The ground of a side is a rectangle beside
-    /// the boat; its overlap with the area ends at corners of the area, at corners of the rectangle, and where their edges cross.
+    /// What each side of a ping, port first, saw of it: the samples from the nearest to the
+    /// farthest. The ground of a side is a rectangle beside the boat; its overlap with the area
+    /// ends at corners of the area, at corners of the rectangle, and where their edges cross.
     pub(super) fn seen_by(&self, ping: &Footprint) -> [Option<CoveredSamples>; 2] {
         let local = |ring: &Vec<[f64; 2]>| ring.iter().map(|at| ping.on_ground(*at)).collect();
         let rings: Vec<Vec<[f64; 2]>> = self.rings.iter().map(local).collect();
@@ -40,25 +42,13 @@ impl Area {
             let [near_m, far_m] = side.ground_m(ping.altitude_m)?;
             let across = [sign * near_m, sign * far_m];
             let along = [-ping.behind_m, ping.ahead_m];
-            let ground = [
-                across[0].min(across[1]),
-                along[0],
-                across[0].max(across[1]),
-                along[1],
-            ];
+            let ground = [across[0].min(across[1]), along[0], across[0].max(across[1]), along[1]];
             let is_within = |place: &[f64; 2]| {
-                rings
-                    .iter()
-                    .filter(|ring| goes_around(ring, *place))
-                    .count()
-                    % 2
-                    == 1
+                rings.iter().filter(|ring| goes_around(ring, *place)).count() % 2 == 1
             };
             let corners = across.iter().flat_map(|x| along.map(|y| [*x, y]));
             let edges = rings.iter().flat_map(|ring| ring.windows(2));
-            let crossed = edges
-                .filter_map(|edge| inside(edge[0], edge[1], ground))
-                .flatten();
+            let crossed = edges.filter_map(|edge| inside(edge[0], edge[1], ground)).flatten();
             let reached = corners.filter(is_within).chain(crossed);
             let ends = reached.fold(None, |ends: Option<[f64; 2]>, [x, _]| {
                 let out_m = (sign * x).max(near_m);
@@ -72,7 +62,8 @@ impl Area {
     }
 }
 
-/// The ends of the part of a line that lies in a rectangle: west, south, east and north (Liang and Barsky 1984).
+/// The ends of the part of a line that lies in a rectangle: west, south, east and north (Liang and
+/// Barsky 1984).
 fn inside(from: [f64; 2], to: [f64; 2], ground: [f64; 4]) -> Option<[[f64; 2]; 2]> {
     let mut shares = [0.0_f64, 1.0];
     for axis in 0..2 {
@@ -104,11 +95,7 @@ mod tests {
             altitude_m: 3.0,
             behind_m: 0.4,
             ahead_m: 0.6,
-            sides: [Some(SideRange {
-                near_m: 0.0,
-                sample_m: 0.05,
-                count: 300,
-            }); 2],
+            sides: [Some(SideRange { near_m: 0.0, sample_m: 0.05, count: 300 }); 2],
         }
     }
 
@@ -120,7 +107,8 @@ mod tests {
     #[test]
     fn the_samples_of_an_area_are_those_of_all_places_in_it() {
         let ping = ping();
-        // About the boat, beside it with an island, touching a corner of its ground, around all of it, and away from it.
+        // About the boat, beside it with an island, touching a corner of its ground, around all of
+        // it, and away from it.
         let square = |x: f64, y: f64, half: f64| {
             closed(vec![
                 [x - half, y - half],
@@ -145,13 +133,7 @@ mod tests {
             };
             for x in steps(west, east) {
                 for y in steps(south, north) {
-                    if rings
-                        .iter()
-                        .filter(|ring| goes_around(ring, [x, y]))
-                        .count()
-                        % 2
-                        == 0
-                    {
+                    if rings.iter().filter(|ring| goes_around(ring, [x, y])).count() % 2 == 0 {
                         continue;
                     }
                     for (side, seen) in ping.seen([x, y], 0.0).into_iter().enumerate() {
@@ -168,11 +150,7 @@ mod tests {
                 if let (Some(found), Some(expected)) = (found, expected) {
                     // Steps of up to 0.3 m are six samples.
                     for (a, b) in found.samples.iter().zip(expected) {
-                        assert!(
-                            a.abs_diff(b) < 7,
-                            "{:?} {expected:?} {rings:?}",
-                            found.samples
-                        );
+                        assert!(a.abs_diff(b) < 7, "{:?} {expected:?} {rings:?}", found.samples);
                     }
                     assert!(found.samples[0] <= expected[0] && found.samples[1] >= expected[1]);
                 }

@@ -1,4 +1,5 @@
-//! Which recordings cover a place: every log, ping, side and sample, from the rows of pings of the tiles concerned.
+//! Which recordings cover a place: every log, ping, side and sample, from the rows of pings of the
+//! tiles concerned.
 
 use super::area::Area;
 use super::error::ArchiveError;
@@ -44,7 +45,8 @@ pub struct PingCoverage {
 pub enum CoverageQuery<'a> {
     /// All ground within so many metres of a position.
     Around(LonLat, f64),
-    /// All ground within rings of corners, each named once: within an odd number of them, so that islands are rings too.
+    /// All ground within rings of corners, each named once: within an odd number of them, so that
+    /// islands are rings too.
     Within(&'a [Vec<LonLat>]),
 }
 
@@ -104,8 +106,8 @@ struct Search<'a> {
     shift: Shift,
 }
 
-/// The sides of pings that cover ground of a place, by log, ping and side, with the positions of each log corrected as for the depth maps. Each is
-/// listed once: as it is nearest.
+/// The sides of pings that cover ground of a place, by log, ping and side, with the positions of
+/// each log corrected as for the depth maps. Each is listed once: as it is nearest.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -121,18 +123,14 @@ pub fn coverage_at(
         let [more, less] = [MOST_MOVED_M, -MOST_MOVED_M];
         [west + less, south + less, east + more, north + more]
     };
-    let tiles = zones
-        .iter()
-        .flat_map(|(zone, place)| TileId::touched(*zone, around(place)));
+    let tiles = zones.iter().flat_map(|(zone, place)| TileId::touched(*zone, around(place)));
     let logs = archive.logs_in(tiles)?;
     let offsets = Offsets::read(archive)?;
     let mut searches = Vec::new();
     for (zone, place) in &zones {
         let around = around(place);
         for tile in TileId::touched(*zone, around) {
-            let rows = logs
-                .iter()
-                .filter_map(|log| Some((log, log.rows_in(tile)?)));
+            let rows = logs.iter().filter_map(|log| Some((log, log.rows_in(tile)?)));
             let seen = rows.filter(|(_, rows)| {
                 let saw = <[f64; 4]>::try_from(rows.seen_m.as_slice());
                 rows.pings > 0 && saw.is_ok_and(|saw| touch(around, saw))

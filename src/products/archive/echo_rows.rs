@@ -1,5 +1,6 @@
-//! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`, in archives whose depths come from echo levels.
-//! They have all that the correction reads of the log, so that a tile needs no log.
+//! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`,
+//! in archives whose depths come from echo levels. They have all that the correction reads of the
+//! log, so that a tile needs no log.
 
 use super::error::ArchiveError;
 use super::log_record::LogRecord;
@@ -27,7 +28,8 @@ pub(super) struct EchoesByTile<'a> {
     pub learnt: Option<LearntLevels>,
     /// The place of the chunk that each ping is in, if any.
     chunks: Vec<Option<usize>>,
-    /// Rows as those of points; each ping is in the tile that it lies in, of its own zone and of a neighbouring one that is near.
+    /// Rows as those of points; each ping is in the tile that it lies in, of its own zone and of a
+    /// neighbouring one that is near.
     pub rows: RowsByTile,
 }
 
@@ -51,15 +53,13 @@ impl<'a> EchoesByTile<'a> {
             }
             for (rank, zone) in UtmZone::near(at, halo_m).into_iter().enumerate() {
                 let place = zone.to_metres(at);
-                rows.entry(TileId::at(zone, place))
-                    .or_default()
-                    .push(TileRow {
-                        index,
-                        at,
-                        zone,
-                        place,
-                        is_core: rank == 0,
-                    });
+                rows.entry(TileId::at(zone, place)).or_default().push(TileRow {
+                    index,
+                    at,
+                    zone,
+                    place,
+                    is_core: rank == 0,
+                });
             }
         }
         let mut chunks = vec![None; laid_out.echoes.pings.len()];
@@ -67,12 +67,10 @@ impl<'a> EchoesByTile<'a> {
             chunks[chunk.pings.clone()].fill(Some(place));
         }
         let products = log.products;
-        let measured = depth_points(
-            &products.cloud,
-            &products.classes,
-            &products.settings.surface,
-            |point| [point.east_m, point.north_m, point.z_m],
-        );
+        let measured =
+            depth_points(&products.cloud, &products.classes, &products.settings.surface, |point| {
+                [point.east_m, point.north_m, point.z_m]
+            });
         Ok(Self {
             learnt: LearntLevels::of(&laid_out, &measured, progress)?,
             log: laid_out,
@@ -83,10 +81,8 @@ impl<'a> EchoesByTile<'a> {
 
     /// Columns of rows in a tile.
     pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
-        let pings: Vec<&PingPlace> = rows
-            .iter()
-            .map(|row| &self.log.echoes.pings[row.index])
-            .collect();
+        let pings: Vec<&PingPlace> =
+            rows.iter().map(|row| &self.log.echoes.pings[row.index]).collect();
         let of_rows = |name: &'static str, value: &dyn Fn(&TileRow) -> f64| {
             Column::doubles(name, rows.iter().map(value))
         };
@@ -132,9 +128,7 @@ impl<'a> EchoesByTile<'a> {
             of_chunks("chunk", |chunk| chunk.number as i32),
             of_chunks("range_setting", |chunk| chunk.range_setting),
             of_chunks("gain_segment", |chunk| chunk.stretch as i32),
-            of_rows("gain", &|row| {
-                chunk(row).map_or(f64::NAN, |chunk| chunk.gain)
-            }),
+            of_rows("gain", &|row| chunk(row).map_or(f64::NAN, |chunk| chunk.gain)),
             Column::flags("weed", weed),
             Column::new("port", levels(Side::Port)),
             Column::new("starboard", levels(Side::Starboard)),
@@ -145,9 +139,7 @@ impl<'a> EchoesByTile<'a> {
 
     /// Unit vector to starboard of a ping in a zone.
     fn starboard(&self, log: &LogRows<'_>, row: &TileRow) -> [f64; 2] {
-        let PingPlace {
-            place_m, starboard, ..
-        } = self.log.echoes.pings[row.index];
+        let PingPlace { place_m, starboard, .. } = self.log.echoes.pings[row.index];
         let beside: LonLat = log.position(place_m[0] + starboard[0], place_m[1] + starboard[1]);
         let [x, y] = row.zone.to_metres(beside);
         let across = [x - row.place[0], y - row.place[1]];
@@ -185,8 +177,8 @@ impl SampleSource for StoredEchoes {
 }
 
 impl StoredEchoes {
-    /// Of the pings of a log in some files that lie within a box, west, south, east and north in metres: with the log's height offset and its positions
-    /// corrected, in the order of the log.
+    /// Of the pings of a log in some files that lie within a box, west, south, east and north in
+    /// metres: with the log's height offset and its positions corrected, in the order of the log.
     ///
     /// # Errors
     /// When a file cannot be read.
@@ -211,13 +203,11 @@ impl StoredEchoes {
             }
         }
         rows.sort_by_key(|row: &EchoRow| row.ping);
-        Ok(Self {
-            rows,
-            learnt: log.levels.clone(),
-        })
+        Ok(Self { rows, learnt: log.levels.clone() })
     }
 
-    /// What depths are found from, and what was learnt of its levels; `None` where they cannot be used.
+    /// What depths are found from, and what was learnt of its levels; `None` where they cannot be
+    /// used.
     pub(super) fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
         let learnt = self.learnt.as_ref()?;
         let mut chunks: Vec<PingChunk> = Vec::new();
@@ -225,10 +215,7 @@ impl StoredEchoes {
             let Some(of_row) = &row.chunk else { continue };
             match chunks.last_mut() {
                 Some(chunk) if chunk.number == of_row.number => chunk.pings.end = ping + 1,
-                _ => chunks.push(PingChunk {
-                    pings: ping..ping + 1,
-                    ..of_row.clone()
-                }),
+                _ => chunks.push(PingChunk { pings: ping..ping + 1, ..of_row.clone() }),
             }
         }
         let log = LaidOutLog {
@@ -259,15 +246,8 @@ const NUMBERS: [&str; 13] = [
     "starboard_sample_m",
     "gain",
 ];
-const OTHERS: [&str; 7] = [
-    "ping",
-    "chunk",
-    "range_setting",
-    "gain_segment",
-    "weed",
-    "port",
-    "starboard",
-];
+const OTHERS: [&str; 7] =
+    ["ping", "chunk", "range_setting", "gain_segment", "weed", "port", "starboard"];
 
 pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
     let damaged = || {
@@ -294,14 +274,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
         return Err(damaged());
     };
     let count = pings.len();
-    let others = [
-        chunks.len(),
-        settings.len(),
-        segments.len(),
-        weed.len(),
-        port.len(),
-        starboard.len(),
-    ];
+    let others =
+        [chunks.len(), settings.len(), segments.len(), weed.len(), port.len(), starboard.len()];
     if (numbers.iter().map(Vec::len).chain(others)).any(|length| length != count) {
         return Err(damaged());
     }

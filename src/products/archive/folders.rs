@@ -60,11 +60,6 @@ pub(super) fn fingerprint(
     name: &str,
     progress: &Progress,
 ) -> Result<Fingerprint, ArchiveError> {
-    let fail = |error| {
-        format!(
-            "cannot read the file: {error}: {}",
-            folder.join(name).display()
-        )
-    };
+    let fail = |error| format!("cannot read the file: {error}: {}", folder.join(name).display());
     Ok(Fingerprint::of(folder, name, progress).map_err(fail)?)
 }

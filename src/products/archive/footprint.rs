@@ -11,9 +11,11 @@ pub(super) struct SideRange {
     pub count: i32,
 }
 
-/// A ping over level ground, in the metres of a zone. Across the track a sample lies where its slant range `r` and the altitude `a` say,
-/// `sqrt(r^2 - a^2)` from the boat; along the track the ground reaches half way to the pings before and behind, as the mosaic draws
-/// it. The width of the beam does not count: it is wider than the way between two pings, and what it adds is the neighbours' ground.
+/// A ping over level ground, in the metres of a zone. Across the track a sample lies where its
+/// slant range `r` and the altitude `a` say, `sqrt(r^2 - a^2)` from the boat; along the track the
+/// ground reaches half way to the pings before and behind, as the mosaic draws it. The width of the
+/// beam does not count: it is wider than the way between two pings, and what it adds is the
+/// neighbours' ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
     /// The transducer, metres of the zone.
@@ -33,7 +35,8 @@ pub(super) struct Footprint {
 /// Where on the ground of one side a place lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoveredSamples {
-    /// The samples that lie there, or nearest to it, from the first to the last, counted outward from 0; of a single place one.
+    /// The samples that lie there, or nearest to it, from the first to the last, counted outward
+    /// from 0; of a single place one.
     pub samples: [i32; 2],
     /// Slant range of the first, metres.
     pub range_m: f64,
@@ -45,11 +48,7 @@ impl SideRange {
     /// Distances on the ground between which samples lie; `None` where all of them are water.
     pub(super) fn ground_m(&self, altitude_m: f64) -> Option<[f64; 2]> {
         let far_m = self.near_m + self.sample_m * f64::from(self.count);
-        let ground = |range_m: f64| {
-            (range_m * range_m - altitude_m * altitude_m)
-                .max(0.0)
-                .sqrt()
-        };
+        let ground = |range_m: f64| (range_m * range_m - altitude_m * altitude_m).max(0.0).sqrt();
         let is_known = self.sample_m > 0.0 && self.count > 0 && far_m > altitude_m;
         is_known.then(|| [ground(self.near_m.max(0.0)), ground(far_m)])
     }
@@ -66,16 +65,13 @@ impl SideRange {
             let sample = ((range_m - self.near_m) / self.sample_m).floor() as i32;
             sample.clamp(0, self.count - 1)
         };
-        CoveredSamples {
-            samples: ranges_m.map(sample),
-            range_m: ranges_m[0],
-            distance_m,
-        }
+        CoveredSamples { samples: ranges_m.map(sample), range_m: ranges_m[0], distance_m }
     }
 }
 
 impl Footprint {
-    /// How each side, port first, saw a place of the zone: `None` where its ground lies farther from it than `radius_m`.
+    /// How each side, port first, saw a place of the zone: `None` where its ground lies farther
+    /// from it than `radius_m`.
     pub(super) fn seen(&self, place: [f64; 2], radius_m: f64) -> [Option<CoveredSamples>; 2] {
         let [to_starboard_m, forward_m] = self.on_ground(place);
         let along_m = forward_m.clamp(-self.behind_m, self.ahead_m);
@@ -94,13 +90,11 @@ impl Footprint {
         let [x, y] = [0, 1].map(|axis| place[axis] - self.place[axis]);
         let [east, north] = self.starboard;
         let scale = east * east + north * north;
-        [
-            (x * east + y * north) / scale,
-            (y * east - x * north) / scale,
-        ]
+        [(x * east + y * north) / scale, (y * east - x * north) / scale]
     }
 
-    /// West, south, east and north of all ground that it saw, metres of the zone; `None` where it saw none.
+    /// West, south, east and north of all ground that it saw, metres of the zone; `None` where it
+    /// saw none.
     pub(super) fn bounds_m(&self) -> Option<[f64; 4]> {
         let [east, north] = self.starboard;
         let corner = |out_m: f64, along_m: f64| {
@@ -109,14 +103,10 @@ impl Footprint {
                 self.place[1] + out_m * north + along_m * east,
             ]
         };
-        let reaches = self
-            .sides
-            .iter()
-            .zip([-1.0, 1.0])
-            .filter_map(|(side, sign)| {
-                let [near_m, far_m] = side.as_ref()?.ground_m(self.altitude_m)?;
-                Some([sign * near_m, sign * far_m])
-            });
+        let reaches = self.sides.iter().zip([-1.0, 1.0]).filter_map(|(side, sign)| {
+            let [near_m, far_m] = side.as_ref()?.ground_m(self.altitude_m)?;
+            Some([sign * near_m, sign * far_m])
+        });
         let corners = reaches
             .flatten()
             .flat_map(|out_m| [-self.behind_m, self.ahead_m].map(|along_m| corner(out_m, along_m)));
@@ -138,11 +128,7 @@ mod tests {
             altitude_m: 3.0,
             behind_m: 0.2,
             ahead_m: 0.3,
-            sides: [Some(SideRange {
-                near_m: 0.0,
-                sample_m: 0.05,
-                count: 400,
-            }); 2],
+            sides: [Some(SideRange { near_m: 0.0, sample_m: 0.05, count: 400 }); 2],
         }
     }
 
@@ -168,15 +154,8 @@ mod tests {
 
     #[test]
     fn a_side_that_ends_in_the_water_saw_no_ground() {
-        let short = Some(SideRange {
-            near_m: 0.0,
-            sample_m: 0.05,
-            count: 50,
-        });
-        let ping = Footprint {
-            sides: [short, None],
-            ..heading_east()
-        };
+        let short = Some(SideRange { near_m: 0.0, sample_m: 0.05, count: 50 });
+        let ping = Footprint { sides: [short, None], ..heading_east() };
         assert_eq!(ping.seen([100.0, 50.0], 9.0), [None; 2]);
         assert_eq!(ping.bounds_m(), None);
     }

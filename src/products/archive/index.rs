@@ -1,6 +1,7 @@
-//! The index of the maps and mosaics of an archive for other programs: VRTs of all tiles of a zone (GDAL, QGIS) with their colours (`.qml`), and a STAC collection with an item a tile.
-//! It is made of the records of tiles and logs alone, so that the same maps have the same index. A tile that no recorder knew the time of is in the
-//! VRT only.
+//! The index of the maps and mosaics of an archive for other programs: VRTs of all tiles of a zone
+//! (GDAL, QGIS) with their colours (`.qml`), and a STAC collection with an item a tile. It is made
+//! of the records of tiles and logs alone, so that the same maps have the same index. A tile that
+//! no recorder knew the time of is in the VRT only.
 
 use super::error::ArchiveError;
 use super::folders::{names_in, remove};
@@ -24,8 +25,9 @@ const INDEX: &str = "index";
 const STYLE_STEPS: usize = 10;
 /// The id of the collection. Its old word stays: catalogues know the collection by it.
 const COLLECTION_ID: &str = "lake";
-/// Standard deviations between which uncertainty is coloured, metres, the same in all archives: twice the greatest is the half metre that a
-/// survey of order 1a may be off in shallow water (IHO S-44).
+/// Standard deviations between which uncertainty is coloured, metres, the same in all archives:
+/// twice the greatest is the half metre that a survey of order 1a may be off in shallow water (IHO
+/// S-44).
 const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
 
 /// Writes the index of the tiles that have a map with depths or a mosaic, in the folder `index`.
@@ -63,12 +65,8 @@ pub fn write_index(
             if tiles.is_empty() {
                 continue;
             }
-            let name = format!(
-                "{}_{}{}.vrt",
-                layer.stem,
-                zone.number,
-                if zone.north { 'N' } else { 'S' }
-            );
+            let name =
+                format!("{}_{}{}.vrt", layer.stem, zone.number, if zone.north { 'N' } else { 'S' });
             let text = vrt(*zone, &tiles, layer);
             let path = folder.join(&name);
             write_bytes(&path, text)?;
@@ -90,9 +88,7 @@ pub fn write_index(
     names.push("collection.json".to_owned());
     write_json(&folder.join("collection.json"), &collection(&items))?;
     for name in names_in(&folder)? {
-        let is_of_index = [".json", ".vrt", ".qml"]
-            .iter()
-            .any(|end| name.ends_with(end));
+        let is_of_index = [".json", ".vrt", ".qml"].iter().any(|end| name.ends_with(end));
         if is_of_index && !names.contains(&name) {
             // Of a tile or a zone that has no map any more.
             remove(&folder.join(&name))?;
@@ -101,7 +97,8 @@ pub fn write_index(
     Ok(())
 }
 
-/// Writes the colours of a layer for QGIS, of depths those of the whole archive; false where it has none.
+/// Writes the colours of a layer for QGIS, of depths those of the whole archive; false where it has
+/// none.
 fn write_style(
     path: &Path,
     layer: &IndexLayer,
@@ -110,10 +107,10 @@ fn write_style(
     match layer.file {
         DEPTH => {
             let depths_m = maps.values().flat_map(|map| map.depth_m.iter().copied());
-            let [least_m, most_m] = depths_m.fold(
-                [f64::INFINITY, f64::NEG_INFINITY],
-                |[least, most], depth_m| [least.min(depth_m), most.max(depth_m)],
-            );
+            let [least_m, most_m] = depths_m
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], depth_m| {
+                    [least.min(depth_m), most.max(depth_m)]
+                });
             qgis_style(path, [least_m, most_m], STYLE_STEPS, depth_colour)?;
         }
         UNCERTAINTY => qgis_style(path, UNCERTAIN_M, STYLE_STEPS, uncertainty_colour)?,
@@ -134,12 +131,9 @@ fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
 /// West, south, east and north of some tiles, metres of their zone.
 fn around(tiles: &[TileId]) -> [f64; 4] {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    tiles
-        .iter()
-        .map(TileId::bounds_m)
-        .fold(start, |[w, s, e, n], [west, south, east, north]| {
-            [w.min(west), s.min(south), e.max(east), n.max(north)]
-        })
+    tiles.iter().map(TileId::bounds_m).fold(start, |[w, s, e, n], [west, south, east, north]| {
+        [w.min(west), s.min(south), e.max(east), n.max(north)]
+    })
 }
 
 /// Files of one kind, a file a tile.
@@ -155,33 +149,17 @@ struct IndexLayer {
 
 impl IndexLayer {
     fn of_metres(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
-        Self {
-            file,
-            stem,
-            cell_m,
-            data_type: "Float32",
-            nodata: NODATA,
-        }
+        Self { file, stem, cell_m, data_type: "Float32", nodata: NODATA }
     }
 
     /// Of levels or classes, which are 0 where nothing is known.
     fn of_levels(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
-        Self {
-            data_type: "Byte",
-            nodata: 0.0,
-            ..Self::of_metres(file, stem, cell_m)
-        }
+        Self { data_type: "Byte", nodata: 0.0, ..Self::of_metres(file, stem, cell_m) }
     }
 }
 
 fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
-    let IndexLayer {
-        file,
-        cell_m,
-        data_type,
-        nodata,
-        ..
-    } = layer;
+    let IndexLayer { file, cell_m, data_type, nodata, .. } = layer;
     let [west, south, east, north] = around(tiles);
     let cells = |metres: f64| (metres / cell_m).round() as usize;
     let mut text = format!(
@@ -201,12 +179,14 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
     text + "  </VRTRasterBand>\n</VRTDataset>\n"
 }
 
-/// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the first again at the end.
+/// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the
+/// first again at the end.
 fn corners(tile: TileId) -> [[f64; 2]; 5] {
     ring(tile.zone, tile.bounds_m())
 }
 
-/// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row that it was made from.
+/// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row
+/// that it was made from.
 fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
     let [west, south, ..] = tile.bounds_m();
     let asset = |file: &str, title: &str, kind: &str| json!({ "href": format!("../{TILES}/{tile}/{file}"), "title": title, "type": kind, "roles": ["data"] });
@@ -214,30 +194,14 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
     let lines = "application/geo+json";
     let assets = [
         (DEPTH, "depth", "Depth in metres, positive down", raster),
-        (
-            UNCERTAINTY,
-            "uncertainty",
-            "Standard deviation of the depths in metres",
-            raster,
-        ),
-        (
-            SOURCE,
-            "source",
-            "The source of the depth in a cell",
-            raster,
-        ),
+        (UNCERTAINTY, "uncertainty", "Standard deviation of the depths in metres", raster),
+        (SOURCE, "source", "The source of the depth in a cell", raster),
         (ISOBATHS, "isobaths", "Lines of equal depth", lines),
-        (
-            MOSAIC_FILE,
-            "mosaic",
-            "Side-scan mosaic: echo levels",
-            raster,
-        ),
+        (MOSAIC_FILE, "mosaic", "Side-scan mosaic: echo levels", raster),
     ];
     let there = assets.into_iter().filter(|asset| record.has(asset.0));
-    let assets: Map<String, Value> = there
-        .map(|(file, key, title, kind)| (key.to_owned(), asset(file, title, kind)))
-        .collect();
+    let assets: Map<String, Value> =
+        there.map(|(file, key, title, kind)| (key.to_owned(), asset(file, title, kind))).collect();
     json!({
         "type": "Feature",
         "stac_version": "1.1.0",
@@ -262,10 +226,7 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
 
 fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
     let tiles: Vec<TileId> = spans_unix_s.keys().copied().collect();
-    let span = spans_unix_s
-        .values()
-        .copied()
-        .reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
+    let span = spans_unix_s.values().copied().reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
     let interval = span.map(|span| span.map(whole_seconds));
     let items = tiles.iter().map(|tile| {
         json!({ "rel": "item", "href": format!("./{tile}.json"), "type": "application/geo+json" })

@@ -1,4 +1,5 @@
-//! How much brighter or darker the echoes of each log are than those of the others, from what their parts of the mosaic show of the same ground.
+//! How much brighter or darker the echoes of each log are than those of the others, from what their
+//! parts of the mosaic show of the same ground.
 
 use super::error::ArchiveError;
 use super::folders::MOSAIC;
@@ -16,8 +17,9 @@ use bathyscope_log::support::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The factors of all logs. Logs that are known keep theirs, and new ones are brought to these, so that a log that is added makes no mosaic
-/// stale but those of its own tiles. Levels that are shown as recorded stay as they are.
+/// The factors of all logs. Logs that are known keep theirs, and new ones are brought to these, so
+/// that a log that is added makes no mosaic stale but those of its own tiles. Levels that are shown
+/// as recorded stay as they are.
 ///
 /// # Errors
 /// When a part cannot be read, or the work was cancelled.
@@ -58,9 +60,8 @@ pub(super) fn level_factors(
     for log in log_overlaps.iter().flat_map(|log_overlap| log_overlap.logs) {
         ties[log] += 1;
     }
-    let pinned: Vec<Option<f64>> = (held.iter())
-        .map(|level| level.map(|level| level.factor.ln()))
-        .collect();
+    let pinned: Vec<Option<f64>> =
+        (held.iter()).map(|level| level.map(|level| level.factor.ln())).collect();
     let solved = solve(&log_overlaps, &pinned);
     let factor = |(log, held): (usize, &Option<LevelFactor>)| {
         held.unwrap_or_else(|| LevelFactor {
@@ -71,7 +72,8 @@ pub(super) fn level_factors(
     Ok(held.iter().enumerate().map(factor).collect())
 }
 
-/// Where the logs of a tile show the same ground, in cells of about a metre. The logs are named by their places among those given.
+/// Where the logs of a tile show the same ground, in cells of about a metre. The logs are named by
+/// their places among those given.
 fn log_overlaps<'a>(
     archive: &Archive,
     tile: TileId,
@@ -95,7 +97,8 @@ fn log_overlaps<'a>(
     Ok(level_differences(&levels, &grid))
 }
 
-/// How often cells are halved to be about a metre, among the overviews that a raster of so many has.
+/// How often cells are halved to be about a metre, among the overviews that a raster of so many
+/// has.
 fn halvings(cell_m: f64, cells: usize) -> usize {
     let wanted = (LEVEL_CELL_M / cell_m).log2().round().max(0.0) as usize;
     let there = (cells as f64 / RASTER_TILE as f64).log2().ceil().max(0.0) as usize;

@@ -1,4 +1,5 @@
-//! The depths of a tile with those from echo levels: they depend on what lies around the tile, in its eight neighbours.
+//! The depths of a tile with those from echo levels: they depend on what lies around the tile, in
+//! its eight neighbours.
 
 use super::echo_rows::StoredEchoes;
 use super::error::ArchiveError;
@@ -43,14 +44,7 @@ pub(super) fn surface_from_levels(
     let stored = echoes_around(archive, &tiles, tile, logs, offsets, progress)?;
     let (laid_out, learnt): (Vec<_>, Vec<_>) =
         stored.iter().filter_map(StoredEchoes::laid_out).unzip();
-    correct_part(
-        &mut made,
-        tile.bounds_m(),
-        &laid_out,
-        &learnt,
-        &points,
-        progress,
-    )?;
+    correct_part(&mut made, tile.bounds_m(), &laid_out, &learnt, &points, progress)?;
     Ok(made.part(grid))
 }
 
@@ -70,9 +64,7 @@ fn echoes_around(
             let rows = log.rows_in(**tile);
             rows.is_some_and(|rows| !rows.sha256_of(ECHOES).is_empty())
         });
-        let paths: Vec<_> = files
-            .map(|tile| archive.rows_path(ECHOES, *tile, &log.log))
-            .collect();
+        let paths: Vec<_> = files.map(|tile| archive.rows_path(ECHOES, *tile, &log.log)).collect();
         stored.push(StoredEchoes::read(&paths, log, offsets, within_m)?);
     }
     Ok(stored)

@@ -1,5 +1,7 @@
-//! A log's part of the mosaic, a picture of every tile that its echoes lie in: `mosaic/tile=.../SHA256.tif`, and, where `mosaic.overlap` weighs
-//! echoes, `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join without being drawn anew.
+//! A log's part of the mosaic, a picture of every tile that its echoes lie in:
+//! `mosaic/tile=.../SHA256.tif`, and, where `mosaic.overlap` weighs echoes,
+//! `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join
+//! without being drawn anew.
 
 use super::error::ArchiveError;
 use super::folders::{MOSAIC, WEIGHTS};
@@ -23,11 +25,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
 /// What a cell of the weights holds.
-const WEIGHT: Band = Band {
-    name: "weight of the echo level",
-    unit: "",
-    positive_down: false,
-};
+const WEIGHT: Band = Band { name: "weight of the echo level", unit: "", positive_down: false };
 
 /// The mosaic of a log, laid out in every zone that it has rows in.
 pub(super) struct LogMosaic {
@@ -39,7 +37,8 @@ pub(super) struct LogMosaic {
 }
 
 impl LogMosaic {
-    /// Of a log in some zones; without any tile where it has no side-scan, or nothing of it is known to lie on the ground.
+    /// Of a log in some zones; without any tile where it has no side-scan, or nothing of it is
+    /// known to lie on the ground.
     pub(super) fn new(
         log: &ProcessedLog,
         zones: BTreeSet<UtmZone>,
@@ -59,14 +58,10 @@ impl LogMosaic {
             return Ok(made);
         };
         for zone in zones {
-            let plane = MapPlane {
-                crs: Crs::of_zone(zone),
-                units: [1.0; 2],
-            };
+            let plane = MapPlane { crs: Crs::of_zone(zone), units: [1.0; 2] };
             let layout = mosaic_layout(&log.survey, &log.products, &plane);
             let touched = layout.strip_bounds();
-            made.tiles
-                .extend(touched.flat_map(|bounds| TileId::touched(zone, bounds)));
+            made.tiles.extend(touched.flat_map(|bounds| TileId::touched(zone, bounds)));
             let of_zone = MosaicLog {
                 survey: log.survey.clone(),
                 layout: layout.into(),
@@ -93,13 +88,8 @@ impl LogMosaic {
         };
         let grid = archive.record.mosaic_grid(tile)?;
         let index = of_zone.layout.index(&grid);
-        let tile_part = TilePart {
-            log: of_zone,
-            index: &index,
-            settings: &self.settings,
-            tile,
-            grid,
-        };
+        let tile_part =
+            TilePart { log: of_zone, index: &index, settings: &self.settings, tile, grid };
         let places: Vec<[usize; 2]> = (index.tiles()).map(|(row, column)| [row, column]).collect();
         if places.iter().all(|place| tile_part.draw(*place).is_empty()) {
             return Ok(0);
@@ -109,10 +99,7 @@ impl LogMosaic {
             make_folder(path.parent().unwrap_or(archive.folder()))?;
             Ok::<_, ArchiveError>(path)
         };
-        let description = format!(
-            "side-scan mosaic of {}; tile {tile} of an archive",
-            self.name
-        );
+        let description = format!("side-scan mosaic of {}; tile {tile} of an archive", self.name);
         if self.settings.overlap.is_weighted() {
             tile_part.write_weights(&path(WEIGHTS)?, &places, &description, progress)?;
         }
@@ -198,11 +185,7 @@ impl TilePart<'_> {
         let spec = RasterSpec {
             cells: CellFormat::Metres,
             band: Some(WEIGHT),
-            ..levels_spec(
-                self.tile,
-                &self.grid,
-                format!("What levels count in the {description}"),
-            )
+            ..levels_spec(self.tile, &self.grid, format!("What levels count in the {description}"))
         };
         Ok(geotiff(path, &spec, places, draw, progress)?)
     }

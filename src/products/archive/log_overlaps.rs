@@ -15,7 +15,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
-/// Where logs cross or overlap in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
+/// Where logs cross or overlap in all tiles: their tracks cross, or, of pairs that hardly do, run
+/// along each other. By pair.
 pub(super) fn log_overlaps(
     archive: &Archive,
     logs: &[LogRecord],
@@ -25,10 +26,8 @@ pub(super) fn log_overlaps(
     let shifts = shifts.iter().map(|found| found.shift).collect();
     let search = OverlapSearch::new(archive, logs, shifts, false, progress);
     let relabelled = |found: Vec<LogOverlap>, inside: &[usize]| -> Vec<LogOverlap> {
-        let logs = |one: LogOverlap| LogOverlap {
-            logs: one.logs.map(|track| inside[track]),
-            ..one
-        };
+        let logs =
+            |one: LogOverlap| LogOverlap { logs: one.logs.map(|track| inside[track]), ..one };
         found.into_iter().map(logs).collect()
     };
     let mut all = search.in_tiles(
@@ -92,17 +91,11 @@ impl<'a> OverlapSearch<'a> {
         }
         tiles.retain(|_, inside| with_alone || inside.len() > 1);
         progress.start(2 * tiles.len() as u64);
-        Self {
-            archive,
-            logs,
-            shifts,
-            tiles,
-            progress,
-        }
+        Self { archive, logs, shifts, tiles, progress }
     }
 
-    /// What `find` gives for the tracks of the logs of every tile and the logs that they are of; what lies in the halo of a tile
-    /// is left to the tile beside it.
+    /// What `find` gives for the tracks of the logs of every tile and the logs that they are of;
+    /// what lies in the halo of a tile is left to the tile beside it.
     pub(super) fn in_tiles<T: Send>(
         &self,
         is_wanted: impl Fn(&[usize]) -> bool + Sync,
@@ -134,8 +127,8 @@ impl<'a> OverlapSearch<'a> {
     }
 }
 
-/// The depths under the boat of a log in a tile and its halo, in the order of time: its soundings, or where the log has none, the depths
-/// that its first returns give.
+/// The depths under the boat of a log in a tile and its halo, in the order of time: its soundings,
+/// or where the log has none, the depths that its first returns give.
 fn track(
     archive: &Archive,
     tile: TileId,

@@ -1,4 +1,5 @@
-//! What is known of one log of an archive: `logs/SHA256.json`, written when all of its rows are in place.
+//! What is known of one log of an archive: `logs/SHA256.json`, written when all of its rows are in
+//! place.
 
 use super::error::ArchiveError;
 use super::folders::LONGEST_RECORD;
@@ -31,7 +32,8 @@ pub struct LogRecord {
     pub start_unix_s: Option<f64>,
     /// Its points, those in halos not counted again.
     pub points: usize,
-    /// Those of them that are soundings of its recorder and count for maps: crossings compare these.
+    /// Those of them that are soundings of its recorder and count for maps: crossings compare
+    /// these.
     pub soundings: usize,
     /// Its side-scan pings that have a place.
     pub pings: usize,
@@ -73,7 +75,8 @@ pub struct TileRows {
     pub pings: usize,
     /// Cells of its part of the mosaic; 0 where there is none.
     pub mosaic_cells: usize,
-    /// West, south, east and north of the ground that they saw, metres of the zone; empty without pings.
+    /// West, south, east and north of the ground that they saw, metres of the zone; empty without
+    /// pings.
     pub seen_m: Vec<f64>,
     /// Unix seconds of the first and the last row; empty where the recorder did not know the time.
     pub unix_s: Vec<f64>,
@@ -104,7 +107,8 @@ mod as_text {
     }
 }
 
-/// All settings but the name of the area of the isobaths: no row depends on it, and the archive has its own copy.
+/// All settings but the name of the area of the isobaths: no row depends on it, and the archive has
+/// its own copy.
 fn of_rows(settings: &Settings) -> SettingValues {
     let mut values = setting_values(settings);
     values.remove(AREA);
@@ -134,17 +138,14 @@ impl LogRecord {
         }
     }
 
-    /// Whether another record is of the same log, made with the same settings by the same program. The names of files do not
-    /// matter.
+    /// Whether another record is of the same log, made with the same settings by the same program.
+    /// The names of files do not matter.
     pub(super) fn is_made_alike(&self, other: &Self) -> bool {
         let hashes = |record: &Self| -> Vec<String> {
             let files = record.made.files.iter();
             files.map(|file| file.sha256.clone()).collect()
         };
-        let of_names = |record: &Self| Origin {
-            files: Vec::new(),
-            ..record.made.clone()
-        };
+        let of_names = |record: &Self| Origin { files: Vec::new(), ..record.made.clone() };
         self.log == other.log && hashes(self) == hashes(other) && of_names(self) == of_names(other)
     }
 

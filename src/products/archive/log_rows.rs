@@ -13,7 +13,8 @@ pub(super) struct LogRows<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub sha256: &'a str,
-    /// The boat's place in the log's plane by time, of every sounding or, in a log without any, of every ping; no two at one time.
+    /// The boat's place in the log's plane by time, of every sounding or, in a log without any, of
+    /// every ping; no two at one time.
     pub track: &'a [TrackDepth],
 }
 
@@ -43,10 +44,7 @@ pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
 impl LogRows<'_> {
     /// A point of the cloud and its class.
     pub(super) fn point(&self, index: usize) -> (&CloudPoint, PointClass) {
-        (
-            &self.products.cloud.points[index],
-            self.products.classes[index],
-        )
+        (&self.products.cloud.points[index], self.products.classes[index])
     }
 
     /// What a point counts for maps.
@@ -68,7 +66,8 @@ impl LogRows<'_> {
         unix_us.is_finite().then_some(unix_us.round() as i64)
     }
 
-    /// Unix seconds of the first and the last of some rows of points and pings; empty where the recorder did not know the time.
+    /// Unix seconds of the first and the last of some rows of points and pings; empty where the
+    /// recorder did not know the time.
     pub(super) fn span_unix_s(
         &self,
         points: Option<&Vec<TileRow>>,
@@ -77,28 +76,22 @@ impl LogRows<'_> {
         let Some(start_unix_s) = self.survey.start_unix_s else {
             return Vec::new();
         };
-        let of_points = points
-            .into_iter()
-            .flatten()
-            .map(|row| self.time_of(self.point(row.index).0));
-        let of_pings = pings
-            .into_iter()
-            .flatten()
-            .map(|row| self.survey.side_scan[row.index].time_s);
-        let span = of_points
-            .chain(of_pings)
-            .filter(|time_s| time_s.is_finite())
-            .fold(None, |span, time_s| {
+        let of_points =
+            points.into_iter().flatten().map(|row| self.time_of(self.point(row.index).0));
+        let of_pings =
+            pings.into_iter().flatten().map(|row| self.survey.side_scan[row.index].time_s);
+        let span = of_points.chain(of_pings).filter(|time_s| time_s.is_finite()).fold(
+            None,
+            |span, time_s| {
                 let [from_s, to_s]: [f64; 2] = span.unwrap_or([time_s; 2]);
                 Some([from_s.min(time_s), to_s.max(time_s)])
-            });
-        span.map_or(Vec::new(), |span| {
-            span.map(|time_s| start_unix_s + time_s).to_vec()
-        })
+            },
+        );
+        span.map_or(Vec::new(), |span| span.map(|time_s| start_unix_s + time_s).to_vec())
     }
 
-    /// What the rows of points and of pings end with: whether they lie in the halo, when they were recorded (`times_s`, seconds after the
-    /// log's time zero), and of which log they are.
+    /// What the rows of points and of pings end with: whether they lie in the halo, when they were
+    /// recorded (`times_s`, seconds after the log's time zero), and of which log they are.
     pub(super) fn common_columns(&self, rows: &[TileRow], times_s: Vec<f64>) -> [Column; 5] {
         let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
         [
@@ -110,13 +103,11 @@ impl LogRows<'_> {
         ]
     }
 
-    /// Velocity of the boat at a time of the log, metres a second along the axes of a zone; zero where it is not known.
+    /// Velocity of the boat at a time of the log, metres a second along the axes of a zone; zero
+    /// where it is not known.
     pub(super) fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
         let after = self.track.partition_point(|one| one.time_s < time_s);
-        let Some(here) = self
-            .track
-            .get(after.min(self.track.len().saturating_sub(1)))
-        else {
+        let Some(here) = self.track.get(after.min(self.track.len().saturating_sub(1))) else {
             return [0.0; 2];
         };
         let index = after.min(self.track.len() - 1);

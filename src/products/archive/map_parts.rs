@@ -1,5 +1,6 @@
-//! Parts of the map of the web that were drawn before: `map_parts/ZOOM_X_Y_HASH.parquet`. What a part was drawn from is in the hash of its name, so
-//! that a file is used exactly where the same would be drawn again.
+//! Parts of the map of the web that were drawn before: `map_parts/ZOOM_X_Y_HASH.parquet`. What a
+//! part was drawn from is in the hash of its name, so that a file is used exactly where the same
+//! would be drawn again.
 
 use super::error::ArchiveError;
 use super::folders::{names_in, remove};
@@ -24,7 +25,8 @@ const ENDING: &str = ".parquet";
 const HASH: usize = 12;
 /// Names of the columns: what a row is, the tile of a picture, and the bytes.
 const COLUMNS: [&str; 5] = ["content", "zoom", "x", "y", "bytes"];
-/// What a row is: a picture, by its place in [`TileStyle::ALL`], or what is known of the tile itself.
+/// What a row is: a picture, by its place in [`TileStyle::ALL`], or what is known of the tile
+/// itself.
 const PIXELS: i32 = 3;
 const LINE: i32 = 4;
 /// No tile has more bytes of pixels; a damaged file may say that it has.
@@ -64,15 +66,11 @@ impl MapParts {
         drawn_with: DrawnWith,
         maps: BTreeMap<TileId, Vec<Fingerprint>>,
     ) -> Self {
-        Self {
-            folder,
-            drawn_with,
-            maps,
-            used: Mutex::default(),
-        }
+        Self { folder, drawn_with, maps, used: Mutex::default() }
     }
 
-    /// The part that was drawn of a tile of the web, where the tiles of the archive under it and all else is as it was; a damaged file is none.
+    /// The part that was drawn of a tile of the web, where the tiles of the archive under it and
+    /// all else is as it was; a damaged file is none.
     pub(super) fn read(&self, tile: WebTile, under: &[TileId]) -> Option<MapPart> {
         let name = self.name(tile, under);
         let part = read(&self.folder.join(&name))?;
@@ -85,10 +83,8 @@ impl MapParts {
         make_folder(&self.folder).map_err(io::Error::other)?;
         let name = self.name(tile, under);
         let columns = columns(part)?;
-        write_atomically(&self.folder.join(&name), |file| {
-            write_parquet(file, &columns, &[])
-        })
-        .map_err(io::Error::other)?;
+        write_atomically(&self.folder.join(&name), |file| write_parquet(file, &columns, &[]))
+            .map_err(io::Error::other)?;
         self.use_file(name);
         Ok(())
     }
@@ -108,9 +104,8 @@ impl MapParts {
     }
 
     fn name(&self, tile: WebTile, under: &[TileId]) -> String {
-        let maps: BTreeMap<String, Option<&Vec<Fingerprint>>> = (under.iter())
-            .map(|one| (one.to_string(), self.maps.get(one)))
-            .collect();
+        let maps: BTreeMap<String, Option<&Vec<Fingerprint>>> =
+            (under.iter()).map(|one| (one.to_string(), self.maps.get(one))).collect();
         let from = serde_json::json!({ "with": self.drawn_with, "maps": maps }).to_string();
         let hash = in_hexadecimal(&Sha256::digest(from.as_bytes())[..HASH]);
         format!("{}_{}_{}_{hash}{ENDING}", tile.zoom, tile.x, tile.y)
@@ -146,19 +141,12 @@ fn columns(part: &MapPart) -> io::Result<Vec<Column>> {
         let values = rows.iter().map(|row| row.1.map(|tile| value(tile) as i32));
         Values::Whole(values.collect())
     };
-    let [zoom, x, y] = [
-        of_tiles(|tile| tile.zoom.into()),
-        of_tiles(|tile| tile.x),
-        of_tiles(|tile| tile.y),
-    ];
+    let [zoom, x, y] =
+        [of_tiles(|tile| tile.zoom.into()), of_tiles(|tile| tile.x), of_tiles(|tile| tile.y)];
     let content = Values::Whole(rows.iter().map(|row| Some(row.0)).collect());
     let bytes = Values::Bytes(rows.into_iter().map(|row| row.2).collect());
     let values = [content, zoom, x, y, bytes];
-    Ok(COLUMNS
-        .into_iter()
-        .zip(values)
-        .map(|(name, values)| Column::new(name, values))
-        .collect())
+    Ok(COLUMNS.into_iter().zip(values).map(|(name, values)| Column::new(name, values)).collect())
 }
 
 fn read(path: &Path) -> Option<MapPart> {
@@ -202,7 +190,8 @@ fn unpacked(bytes: &[u8]) -> Option<Pixels> {
     Pixels::of_bytes(&values)
 }
 
-/// Depth and places of a line, all in 8 bytes, the lowest first: as text they would not come back to the bit.
+/// Depth and places of a line, all in 8 bytes, the lowest first: as text they would not come back
+/// to the bit.
 fn line_bytes(line: &Isobath) -> Vec<u8> {
     let values = std::iter::once(line.depth_m).chain(line.points.iter().flatten().copied());
     values.flat_map(f64::to_le_bytes).collect()
@@ -213,10 +202,8 @@ fn line_of(bytes: &[u8]) -> Option<Isobath> {
     let values: Vec<f64> = values.iter().copied().map(f64::from_le_bytes).collect();
     let (depth_m, places) = values.split_first()?;
     let (points, odd) = places.as_chunks::<2>();
-    (rest.is_empty() && odd.is_empty()).then(|| Isobath {
-        depth_m: *depth_m,
-        points: points.to_vec(),
-    })
+    (rest.is_empty() && odd.is_empty())
+        .then(|| Isobath { depth_m: *depth_m, points: points.to_vec() })
 }
 
 #[cfg(test)]
@@ -226,23 +213,13 @@ mod tests {
     use bathyscope_log::support::geo::UtmZone;
     use std::fs;
 
-    const TILE: WebTile = WebTile {
-        zoom: 16,
-        x: 34_567,
-        y: 22_222,
-    };
+    const TILE: WebTile = WebTile { zoom: 16, x: 34_567, y: 22_222 };
 
     fn parts(folder: &Path, range_m: [f32; 2], sha256: &str) -> (MapParts, TileId) {
-        let zone = UtmZone {
-            number: 17,
-            north: true,
-        };
+        let zone = UtmZone { number: 17, north: true };
         let under = TileId::at(zone, [393_000.0, 3_254_000.0]);
-        let file = Fingerprint {
-            file: "depth.tif".to_owned(),
-            bytes: 7,
-            sha256: sha256.to_owned(),
-        };
+        let file =
+            Fingerprint { file: "depth.tif".to_owned(), bytes: 7, sha256: sha256.to_owned() };
         let with = DrawnWith {
             program: "bathyscope".to_owned(),
             finest_zoom: 18,
@@ -258,21 +235,13 @@ mod tests {
     fn part() -> MapPart {
         let pixels = Pixels::draw(|[column, row]| {
             let depth_m = (1.0 / 3.0 + 1e-2 * (column + row) as f64) as f32;
-            (depth_m < 2.0).then_some(Pixel {
-                depth_m,
-                light: 0.7 / depth_m,
-            })
+            (depth_m < 2.0).then_some(Pixel { depth_m, light: 0.7 / depth_m })
         });
-        let line = Isobath {
-            depth_m: 0.1 + 0.2,
-            points: vec![[1.0 / 3.0, 2e7 / 7.0], [0.1, 1e7 / 3.0]],
-        };
+        let line =
+            Isobath { depth_m: 0.1 + 0.2, points: vec![[1.0 / 3.0, 2e7 / 7.0], [0.1, 1e7 / 3.0]] };
         let pictures = TileStyle::ALL.map(|picture| (picture, TILE, vec![picture as u8; 9]));
         MapPart {
-            known: pixels.map(|pixels| KnownTile {
-                pixels,
-                lines: vec![line],
-            }),
+            known: pixels.map(|pixels| KnownTile { pixels, lines: vec![line] }),
             pictures: pictures.to_vec(),
         }
     }
@@ -280,10 +249,7 @@ mod tests {
     #[test]
     fn a_part_comes_back_to_the_bit_where_nothing_is_another() {
         let folder = tempfile::tempdir().unwrap();
-        let empty = MapPart {
-            known: None,
-            pictures: Vec::new(),
-        };
+        let empty = MapPart { known: None, pictures: Vec::new() };
         for part in [part(), empty] {
             let (parts, under) = parts(folder.path(), [1.0, 3.0], "a");
             parts.write(TILE, &[under], &part).unwrap();

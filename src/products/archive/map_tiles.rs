@@ -1,5 +1,6 @@
-//! The maps of all tiles of an archive as one map of the web: `map_tiles/depth.mbtiles`, `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last,
-//! `map_tiles.json`, which says what they were made from. Parts of the map over tiles that are as they were are not drawn again.
+//! The maps of all tiles of an archive as one map of the web: `map_tiles/depth.mbtiles`,
+//! `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last, `map_tiles.json`, which says
+//! what they were made from. Parts of the map over tiles that are as they were are not drawn again.
 
 use super::error::ArchiveError;
 use super::folders::{LONGEST_RECORD, fingerprint, remove};
@@ -40,10 +41,11 @@ const PARTS: &str = "map_parts";
 const FILES: [&str; 5] = [RECORD, CHART, PMTILES[0], PMTILES[1], PAGE];
 /// Maps of tiles that the light is chosen by: evenly spread over the archive.
 const LIT_BY: usize = 16;
-/// Cells around a web tile that its hill-shade depends on, and around the cells with a depth that a pixel may show one of.
+/// Cells around a web tile that its hill-shade depends on, and around the cells with a depth that a
+/// pixel may show one of.
 const MARGIN_CELLS: f64 = 2.0;
-/// Steps of the scale of colours, of which its ends are multiples: a new log that is a little shallower or deeper than all others leaves the
-/// colours of the map as they are.
+/// Steps of the scale of colours, of which its ends are multiples: a new log that is a little
+/// shallower or deeper than all others leaves the colours of the map as they are.
 const SCALE_STEPS: f64 = 10.0;
 /// What the map is called, whatever its folder.
 const NAME: &str = "Depth map of an archive";
@@ -91,9 +93,7 @@ pub fn write_map_tiles(
     });
     let maps: BTreeMap<TileId, TileRecord> = maps.collect();
     if maps.is_empty() {
-        FILES
-            .iter()
-            .try_for_each(|name| remove(&folder.join(name)))?;
+        FILES.iter().try_for_each(|name| remove(&folder.join(name)))?;
         remove_parts(&archive.folder().join(PARTS), |_| true)?;
         return Ok(MapTilesState::None);
     }
@@ -130,9 +130,7 @@ fn depth_files(record: &TileRecord) -> Vec<Fingerprint> {
 
 fn is_up_to_date(folder: &Path, made: &MadeFrom) -> bool {
     let text = regular_file::read_text(&folder.join(RECORD), LONGEST_RECORD);
-    let record = text
-        .ok()
-        .and_then(|text| serde_json::from_str::<Record>(&text).ok());
+    let record = text.ok().and_then(|text| serde_json::from_str::<Record>(&text).ok());
     record.is_some_and(|record| {
         let is_there = |file: &Fingerprint| file.is_as_long_in(folder);
         record.made == *made && record.files.iter().all(is_there)
@@ -157,10 +155,7 @@ fn write_files(
         scales: source.scales,
     };
     mbtiles(&folder.join(CHART), &store, TileStyle::Chart, &set)?;
-    for (name, picture) in PMTILES
-        .iter()
-        .zip([TileStyle::Colours, TileStyle::Elevations])
-    {
+    for (name, picture) in PMTILES.iter().zip([TileStyle::Colours, TileStyle::Elevations]) {
         pmtiles(&folder.join(name), &store, picture, &set)?;
     }
     map_page(&folder.join(PAGE), &set, PMTILES)?;
@@ -184,10 +179,7 @@ impl ArchiveTiles {
         let boxes = || {
             let maps = maps.iter();
             maps.map(|(tile, map)| {
-                (
-                    *tile,
-                    beside(map.depth_bounds_m(*tile), MARGIN_CELLS * cell_m),
-                )
+                (*tile, beside(map.depth_bounds_m(*tile), MARGIN_CELLS * cell_m))
             })
         };
         let tiles = boxes().map(|(tile, bounds_m)| {
@@ -221,18 +213,9 @@ impl ArchiveTiles {
             interval_m: scales.interval_m().map(|interval_m| interval_m as f32),
             isobaths: scales.isobaths.clone(),
         };
-        let files = maps
-            .iter()
-            .map(|(tile, record)| (*tile, depth_files(record)));
+        let files = maps.iter().map(|(tile, record)| (*tile, depth_files(record)));
         let parts = MapParts::new(archive.folder().join(PARTS), drawn_with, files.collect());
-        Ok(Self {
-            light,
-            scales,
-            contents,
-            tiles,
-            cell_m,
-            parts,
-        })
+        Ok(Self { light, scales, contents, tiles, cell_m, parts })
     }
 
     /// The tiles of the archive over a tile of the web.
@@ -262,23 +245,19 @@ impl ArchiveTiles {
     }
 }
 
-/// Ends of the scale of colours for depths from the least to the greatest: round numbers beyond them.
+/// Ends of the scale of colours for depths from the least to the greatest: round numbers beyond
+/// them.
 fn colour_range_m([least_m, most_m]: [f64; 2]) -> [f32; 2] {
     let step_m = round_up((most_m - least_m) / SCALE_STEPS);
-    [
-        (least_m / step_m).floor() * step_m,
-        (most_m / step_m).ceil() * step_m,
-    ]
-    .map(|depth_m| depth_m as f32)
+    [(least_m / step_m).floor() * step_m, (most_m / step_m).ceil() * step_m]
+        .map(|depth_m| depth_m as f32)
 }
 
 /// The grid of a zone's cells over a tile of the web and a little around it.
 fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
     let [west, south, east, north] = tile.bounds_deg();
     let steps = [0.0, 0.5, 1.0];
-    let places = steps
-        .iter()
-        .flat_map(|across| steps.map(|up| [*across, up]));
+    let places = steps.iter().flat_map(|across| steps.map(|up| [*across, up]));
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     let [west_m, south_m, east_m, north_m] = places.fold(start, |[w, s, e, n], [across, up]| {
         let [x, y] = zone.to_metres(LonLat {
@@ -288,10 +267,7 @@ fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
         [w.min(x), s.min(y), e.max(x), n.max(y)]
     });
     let [first, last] = [[west_m, north_m], [east_m, south_m]].map(|at| at.map(|m| m / cell_m));
-    let (column, row) = (
-        (first[0] - MARGIN_CELLS).floor(),
-        (first[1] + MARGIN_CELLS).ceil(),
-    );
+    let (column, row) = ((first[0] - MARGIN_CELLS).floor(), (first[1] + MARGIN_CELLS).ceil());
     Grid {
         west_m: column * cell_m,
         north_m: row * cell_m,
@@ -342,10 +318,7 @@ impl PyramidSource for ArchiveTiles {
                 (places, LitSurface::new(window, shade, &self.light))
             })
             .collect();
-        Ok(Pixels::draw(|pixel| {
-            lit.iter()
-                .find_map(|(places, lit)| lit.at(places.of(pixel)))
-        }))
+        Ok(Pixels::draw(|pixel| lit.iter().find_map(|(places, lit)| lit.at(places.of(pixel)))))
     }
 
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {

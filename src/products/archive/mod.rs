@@ -1,4 +1,5 @@
-//! An archive: a folder with the tiles of many logs over one water, and one map of all of them, which is kept up to date.
+//! An archive: a folder with the tiles of many logs over one water, and one map of all of them,
+//! which is kept up to date.
 //!
 //! In: results of logs, and the files of an archive. Out: rows, offsets, maps and mosaics by tile.
 //! It uses `pipeline`, `imagery`, `bottom`, `formats`, `survey` and `support`.
@@ -8,14 +9,20 @@
 //!                              '--coverage--> which pings cover a place
 //! ```
 //!
-//! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other, and those of its neighbours where depths are
-//! that come from echo levels. `tile` names the squares,
-//! `record` holds what all logs of an archive share, `log_record` what is known of one, `folders` the names of its folders and files, `add` writes a log's rows (`log_rows`): `point_rows`, `ping_rows` and
-//! `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping insonified, from which `coverage` says which logs cover a place. `adjust` finds the heights of logs
-//! against each other from their `overlaps` (`solve`), how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
-//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, of `tile_points`, with `levels_map` where they come from echo levels, which has a greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
-//! both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content` and whose parts are kept by `map_parts`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
-//! that what a killed program leaves is no part of the archive.
+//! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no
+//! other, and those of its neighbours where depths are that come from echo levels. `tile` names the
+//! squares, `record` holds what all logs of an archive share, `log_record` what is known of one,
+//! `folders` the names of its folders and files, `add` writes a log's rows (`log_rows`):
+//! `point_rows`, `ping_rows` and `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of
+//! the mosaic. `footprint` is the ground that a ping insonified, from which `coverage` says which
+//! logs cover a place. `adjust` finds the heights of logs against each other from their `overlaps`
+//! (`solve`), how their `positions` are corrected and, by `level_factors`, the levels of their
+//! echoes; `offsets` is the table of all three. `tile_map` makes the map of a tile, its lines cut
+//! at its edges, of `tile_points`, with `levels_map` where they come from echo levels, which has a
+//! greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes both;
+//! `map_tiles` joins all maps to one of the web, which it reads back by `tile_content` and whose
+//! parts are kept by `map_parts`; `list` says what there is. Files are written aside, then renamed,
+//! and a log's record last, so that what a killed program leaves is no part of the archive.
 
 mod add;
 mod adjust;

@@ -1,5 +1,5 @@
-//! What the logs of an archive are off by against each other, in height, position and the levels of their echoes: `offsets.csv`, a table that people
-//! read, edit and pin.
+//! What the logs of an archive are off by against each other, in height, position and the levels of
+//! their echoes: `offsets.csv`, a table that people read, edit and pin.
 
 use super::error::ArchiveError;
 use super::log_record::LogRecord;
@@ -35,7 +35,8 @@ const FACTORS: [f64; 2] = [0.05, 20.0];
 /// No log is higher or lower than others by more, metres, as `height_offset_m`.
 const MOST_M: f64 = 100.0;
 
-/// Nor are its positions farther off than this to the east or north, metres, or later by more, seconds.
+/// Nor are its positions farther off than this to the east or north, metres, or later by more,
+/// seconds.
 const MOST_SHIFT_M: f64 = 6.0;
 const MOST_LATENCY_S: f64 = 2.0;
 
@@ -71,16 +72,14 @@ pub struct OffsetRow {
 pub(super) struct LevelFactor {
     /// To a thousandth; 1 of a log that shows no ground with others.
     pub factor: f64,
-    /// Blocks of ground that it showed with others when the factor was found; once there are any it stays.
+    /// Blocks of ground that it showed with others when the factor was found; once there are any it
+    /// stays.
     pub ties: usize,
 }
 
 impl LevelFactor {
     /// Of a log that nothing is known of.
-    pub(super) const NONE: Self = Self {
-        factor: 1.0,
-        ties: 0,
-    };
+    pub(super) const NONE: Self = Self { factor: 1.0, ties: 0 };
 }
 
 /// A shift within the limits of the table, as the table writes it.
@@ -94,7 +93,8 @@ pub(super) fn as_written(shift: Shift) -> Shift {
 }
 
 impl OffsetRow {
-    /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of the others.
+    /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of
+    /// the others.
     pub fn level_factor(&self) -> f64 {
         self.level.factor
     }
@@ -137,22 +137,15 @@ impl Offsets {
     pub(super) fn write(&self, archive: &Archive) -> Result<(), ArchiveError> {
         let path = path_of(archive);
         let fail = |error: String| {
-            format!(
-                "cannot write the table of offsets: {error}: {}",
-                path.display()
-            )
+            format!("cannot write the table of offsets: {error}: {}", path.display())
         };
         let mut table = csv::Writer::from_writer(Vec::new());
         let mut lines = vec![COLUMNS.map(str::to_owned)];
         lines.extend(self.rows().into_iter().map(fields));
         for line in lines {
-            table
-                .write_record(&line)
-                .map_err(|error| fail(error.to_string()))?;
+            table.write_record(&line).map_err(|error| fail(error.to_string()))?;
         }
-        let text = table
-            .into_inner()
-            .map_err(|error| fail(error.to_string()))?;
+        let text = table.into_inner().map_err(|error| fail(error.to_string()))?;
         if regular_file::read(&path, LONGEST).is_ok_and(|there| there == text) {
             return Ok(());
         }
@@ -189,16 +182,12 @@ impl Offsets {
     /// The logs that nothing ties to another, by name.
     pub fn untied(&self) -> Vec<&str> {
         let rows = self.rows().into_iter();
-        rows.filter(|row| row.ties == 0)
-            .map(|row| row.name.as_str())
-            .collect()
+        rows.filter(|row| row.ties == 0).map(|row| row.name.as_str()).collect()
     }
 
     /// Logs that have no row yet.
     pub fn missing<'a>(&self, logs: &'a [LogRecord]) -> Vec<&'a LogRecord> {
-        logs.iter()
-            .filter(|log| self.row(&log.log).is_none())
-            .collect()
+        logs.iter().filter(|log| self.row(&log.log).is_none()).collect()
     }
 }
 
@@ -211,11 +200,7 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
         true => String::new(),
         false => format!("{value:.decimals$}"),
     };
-    let Shift {
-        east_m,
-        north_m,
-        latency_s,
-    } = row.shift;
+    let Shift { east_m, north_m, latency_s } = row.shift;
     [
         row.name.clone(),
         row.log.clone(),
@@ -269,7 +254,8 @@ pub(super) fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
     Ok(rows)
 }
 
-/// The row that these fields are of; `None` where one of them is out of its bounds. Empty are those that the table lacks.
+/// The row that these fields are of; `None` where one of them is out of its bounds. Empty are those
+/// that the table lacks.
 fn row_of(fields: [&str; COLUMNS.len()]) -> Option<OffsetRow> {
     let [
         name,
@@ -316,9 +302,6 @@ fn row_of(fields: [&str; COLUMNS.len()]) -> Option<OffsetRow> {
         },
         shift_error_m: number(shift_error_m).unwrap_or(f64::NAN),
         latency_error_s: number(latency_error_s).unwrap_or(f64::NAN),
-        level: LevelFactor {
-            factor: factor?,
-            ties: level_ties.parse().unwrap_or(0),
-        },
+        level: LevelFactor { factor: factor?, ties: level_ties.parse().unwrap_or(0) },
     })
 }

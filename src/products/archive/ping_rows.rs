@@ -1,5 +1,6 @@
-//! The side-scan pings of a log, a row each in every tile whose ground they saw: `pings/tile=.../SHA256.parquet`. They answer
-//! which ping, side and sample saw a place, without the log.
+//! The side-scan pings of a log, a row each in every tile whose ground they saw:
+//! `pings/tile=.../SHA256.parquet`. They answer which ping, side and sample saw a place, without
+//! the log.
 
 use super::error::ArchiveError;
 use super::footprint::{Footprint, SideRange};
@@ -58,18 +59,11 @@ pub(super) fn by_tile(log: &LogRows<'_>) -> PingsByTile {
             altitude_m: *altitudes_m.get(index)?,
             behind_m,
             ahead_m,
-            sides: Side::BOTH.map(|side| {
-                log.survey
-                    .span(index, side)
-                    .map(|span| side_range(log, span))
-            }),
+            sides: Side::BOTH
+                .map(|side| log.survey.span(index, side).map(|span| side_range(log, span))),
         })
     });
-    let mut made = PingsByTile {
-        rows: RowsByTile::new(),
-        footprints: BTreeMap::new(),
-        count: 0,
-    };
+    let mut made = PingsByTile { rows: RowsByTile::new(), footprints: BTreeMap::new(), count: 0 };
     for ping in pings {
         made.count += 1;
         made.add(&ping);
@@ -83,9 +77,8 @@ impl PingsByTile {
         let reach_m = ping.sides.iter().flatten().map(far).fold(0.0, f64::max);
         for (rank, zone) in UtmZone::near(ping.at, reach_m).into_iter().enumerate() {
             let footprint = ping.in_zone(zone);
-            let Some(bounds) = footprint
-                .bounds_m()
-                .filter(|bounds| bounds.iter().all(|m| m.is_finite()))
+            let Some(bounds) =
+                footprint.bounds_m().filter(|bounds| bounds.iter().all(|m| m.is_finite()))
             else {
                 continue;
             };
@@ -130,8 +123,8 @@ fn side_range(log: &LogRows<'_>, span: &SideSpan) -> SideRange {
     }
 }
 
-/// Height of the transducer over the ground at every ping; where no depth is known, that of the last ping before, or the first
-/// after; 0 in a log without any.
+/// Height of the transducer over the ground at every ping; where no depth is known, that of the
+/// last ping before, or the first after; 0 in a log without any.
 fn altitudes_m(log: &LogRows<'_>) -> Vec<f64> {
     let pings = log.survey.side_scan.iter().zip(log.products.depths.iter());
     let known: Vec<f64> = pings
@@ -151,7 +144,8 @@ fn altitudes_m(log: &LogRows<'_>) -> Vec<f64> {
     filled.collect()
 }
 
-/// Half of the ways to the pings before and behind, metres; where one is not joined, that to the other.
+/// Half of the ways to the pings before and behind, metres; where one is not joined, that to the
+/// other.
 fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
     let half_m = |from: usize| {
         let way_m = joined_way_m(log.survey, &log.products.navigation, from)?;
@@ -183,10 +177,7 @@ pub(super) fn columns(
         let ranges = footprints.iter().map(move |ping| ping.sides[side]);
         Column::wholes(name, ranges.map(|range| Some(range?.count)))
     };
-    let times_s: Vec<f64> = rows
-        .iter()
-        .map(|row| log.survey.side_scan[row.index].time_s)
-        .collect();
+    let times_s: Vec<f64> = rows.iter().map(|row| log.survey.side_scan[row.index].time_s).collect();
     let depths_m = (rows.iter()).map(|row| f64::from(log.products.depths[row.index].depth_m));
     let numbers = rows.iter().map(|row| i32::try_from(row.index).ok());
     let excluded = (rows.iter()).map(|row| log.products.exclusions.ping(row.index).is_some());
@@ -207,7 +198,8 @@ pub(super) fn columns(
         side("starboard_sample_m", 1, |range| range.sample_m),
         samples("starboard_samples", 1),
         Column::wholes("ping", numbers),
-        // Whether the settings exclude the ping. The column keeps its old name: archives hold files of many years.
+        // Whether the settings exclude the ping. The column keeps its old name: archives hold files
+        // of many years.
         Column::flags("left_out", excluded),
     ];
     columns.extend(log.common_columns(rows, times_s));
@@ -251,14 +243,7 @@ const NUMBERS: [&str; 13] = [
 ];
 
 /// The other columns that are read, in the order of the fields of [`PingColumns`].
-const OTHERS: [&str; 6] = [
-    "port_samples",
-    "starboard_samples",
-    "ping",
-    "halo",
-    "left_out",
-    "time",
-];
+const OTHERS: [&str; 6] = ["port_samples", "starboard_samples", "ping", "halo", "left_out", "time"];
 
 /// The rows of a file, in the order of the log.
 ///
@@ -312,13 +297,7 @@ impl PingColumns {
         else {
             return None;
         };
-        let lengths = [
-            port.len(),
-            starboard.len(),
-            halo.len(),
-            excluded.len(),
-            times.len(),
-        ];
+        let lengths = [port.len(), starboard.len(), halo.len(), excluded.len(), times.len()];
         let mut lengths = numbers.iter().map(Vec::len).chain(lengths);
         lengths.all(|length| length == pings.len()).then_some(Self {
             numbers,

@@ -24,9 +24,7 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
     let sounding = |point: &CloudPoint| point.sounding().and_then(|one| i32::try_from(one).ok());
     let each = || points.iter().map(|(point, _)| *point);
     let classes = || points.iter().map(|(_, class)| *class);
-    let weights = points
-        .iter()
-        .map(|(point, class)| log.weight(point, *class));
+    let weights = points.iter().map(|(point, class)| log.weight(point, *class));
     let velocities: Vec<[f32; 2]> = (rows.iter().zip(&times_s))
         .map(|(row, time_s)| log.velocity_mps(*time_s, row.zone).map(|part| part as f32))
         .collect();

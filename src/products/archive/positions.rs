@@ -1,4 +1,5 @@
-//! How far the positions of the logs of an archive are off and how late they are, from where tracks cross within tiles.
+//! How far the positions of the logs of an archive are off and how late they are, from where tracks
+//! cross within tiles.
 
 use super::error::ArchiveError;
 use super::log_overlaps::OverlapSearch;
@@ -11,12 +12,13 @@ use bathyscope_bottom::bathymetry::position_offsets::{
 };
 use bathyscope_log::support::progress::Progress;
 
-/// A correction that new logs move by less than this stays as it is, metres to the east or north and seconds, lest a log that is added make every
-/// map stale.
+/// A correction that new logs move by less than this stays as it is, metres to the east or north
+/// and seconds, lest a log that is added make every map stale.
 const KEPT_SHIFT_M: f64 = 0.1;
 const KEPT_LATENCY_S: f64 = 0.05;
 
-/// How the positions of the logs are corrected: as the table has it, and as far as `wanted` as crossings show.
+/// How the positions of the logs are corrected: as the table has it, and as far as `wanted` as
+/// crossings show.
 pub(super) fn shifts(
     archive: &Archive,
     logs: &[LogRecord],
@@ -46,10 +48,7 @@ pub(super) fn shifts(
     let placed = before
         .iter()
         .zip(pinned)
-        .map(|(before, pinned_m)| CorrectedLog {
-            shift: before.shift,
-            pinned_m: *pinned_m,
-        });
+        .map(|(before, pinned_m)| CorrectedLog { shift: before.shift, pinned_m: *pinned_m });
     let placed: Vec<CorrectedLog> = placed.collect();
     let found = settled_offsets(&placed, wanted, |placed| {
         let shifts = placed.iter().map(|placed| placed.shift).collect();
@@ -85,9 +84,7 @@ pub(super) fn moved(place: [f64; 2], shift: Shift, velocity_mps: [f64; 2]) -> [f
 fn kept_shift(known: &FoundShift, found: Shift) -> Shift {
     let is_known = !(known.shift_error_m.is_nan() && known.latency_error_s.is_nan());
     let [east_m, north_m, latency_s] = known.shift.values();
-    let moved_m = (found.east_m - east_m)
-        .abs()
-        .max((found.north_m - north_m).abs());
+    let moved_m = (found.east_m - east_m).abs().max((found.north_m - north_m).abs());
     let is_near = moved_m <= KEPT_SHIFT_M && (found.latency_s - latency_s).abs() <= KEPT_LATENCY_S;
     match is_known && is_near {
         true => known.shift,

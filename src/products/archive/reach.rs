@@ -7,7 +7,8 @@ use bathyscope_bottom::bathymetry::SwathDepth;
 use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_STEP_M};
 
 const _: () = assert!(TILE_M % PART_STEP_M == 0.0);
-/// Largest cells of an archive with depths from levels, metres: larger ones would not show what these tell.
+/// Largest cells of an archive with depths from levels, metres: larger ones would not show what
+/// these tell.
 const MOST_CELL_M: f64 = 2.0;
 
 /// Refuses settings whose maps depend on more than a tile and its neighbours.
@@ -32,7 +33,8 @@ pub(super) fn check(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(),
     Ok(())
 }
 
-/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where depths come from echo levels.
+/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where
+/// depths come from echo levels.
 pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
     match swath {
         SwathDepth::Off | SwathDepth::Auto => vec![tile],

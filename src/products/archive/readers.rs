@@ -15,13 +15,11 @@ pub fn rows(path: &Path) -> Vec<ArchiveError> {
     let points = point_rows::read(path).map(drop);
     let pings = ping_rows::read(path).map(drop);
     let echoes = echo_rows::read(path).map(drop);
-    [points, pings, echoes]
-        .into_iter()
-        .filter_map(Result::err)
-        .collect()
+    [points, pings, echoes].into_iter().filter_map(Result::err).collect()
 }
 
-/// Reads a file as the record of an archive, of a log and of a tile, and as a table of offsets; why it is none of them.
+/// Reads a file as the record of an archive, of a log and of a tile, and as a table of offsets; why
+/// it is none of them.
 pub fn records(path: &Path) -> Vec<ArchiveError> {
     let text = regular_file::read_text(path, u64::MAX).unwrap_or_default();
     let refused = |error: serde_json::Error| ArchiveError::Refused(error.to_string());
@@ -36,15 +34,9 @@ pub fn records(path: &Path) -> Vec<ArchiveError> {
 
 /// The record of an archive, and that of a log without rows.
 pub fn record_seeds(settings: &Settings) -> Vec<String> {
-    let files = LogFiles {
-        sha256: "0a1b".to_owned(),
-        files: Vec::new(),
-    };
+    let files = LogFiles { sha256: "0a1b".to_owned(), files: Vec::new() };
     let log = LogRecord::new(&Survey::default(), settings, &files);
     let archive = ArchiveRecord::new(settings).ok();
     let archive = archive.and_then(|record| serde_json::to_string(&record).ok());
-    archive
-        .into_iter()
-        .chain(serde_json::to_string(&log).ok())
-        .collect()
+    archive.into_iter().chain(serde_json::to_string(&log).ok()).collect()
 }

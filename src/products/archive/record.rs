@@ -19,7 +19,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The record's name. Its old word stays: archives that exist are opened by it, also by older versions of the program.
+/// The record's name. Its old word stays: archives that exist are opened by it, also by older
+/// versions of the program.
 const RECORD: &str = "lake.json";
 /// What the copy of the area of the isobaths is called before its ending.
 const AREA_STEM: &str = "isobath_area";
@@ -27,7 +28,8 @@ const AREA_STEM: &str = "isobath_area";
 const FORMAT: u32 = 4;
 /// Side of a cell where the settings name none, metres.
 const USUAL_CELL_M: f64 = 0.5;
-/// Least and greatest cell, metres: powers of two, so that the places of cells are the same number in every tile.
+/// Least and greatest cell, metres: powers of two, so that the places of cells are the same number
+/// in every tile.
 const CELLS_M: [f64; 2] = [0.125, 8.0];
 /// More cells along the side of a tile's mosaic are refused: it would pass what a TIFF can hold.
 const MOST_MOSAIC_CELLS: f64 = 51_200.0;
@@ -52,10 +54,12 @@ pub struct ArchiveRecord {
     pub halo_m: f64,
     /// Side of a cell of the maps, metres.
     pub cell_m: f64,
-    /// The settings that rows and maps depend on, but for those that belong to one log: draft, water level, mounting.
+    /// The settings that rows and maps depend on, but for those that belong to one log: draft,
+    /// water level, mounting.
     #[serde(deserialize_with = "deserialize_values")]
     settings: SettingValues,
-    /// The file of the area that isobaths end at, in the folder of the archive: its content is the setting, not where it once lay.
+    /// The file of the area that isobaths end at, in the folder of the archive: its content is the
+    /// setting, not where it once lay.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     isobath_area: Option<Fingerprint>,
 }
@@ -116,7 +120,8 @@ impl ArchiveRecord {
         }
     }
 
-    /// The settings that maps are made with, without the area of the isobaths ([`Archive::settings`]).
+    /// The settings that maps are made with, without the area of the isobaths
+    /// ([`Archive::settings`]).
     ///
     /// # Errors
     /// A sentence where somebody has changed the record to what cannot be.
@@ -132,15 +137,10 @@ impl ArchiveRecord {
             let value = record.settings.get(key);
             value.map_or("not given".to_owned(), ToString::to_string)
         };
-        let differs = keys
-            .into_iter()
-            .find(|key| self.settings.get(*key) != other.settings.get(*key));
+        let differs =
+            keys.into_iter().find(|key| self.settings.get(*key) != other.settings.get(*key));
         let in_settings = differs.map(|key| {
-            format!(
-                "{key} is {} there, and {} here",
-                value(self, key),
-                value(other, key)
-            )
+            format!("{key} is {} there, and {} here", value(self, key), value(other, key))
         });
         let areas = (self.isobath_area != other.isobath_area).then(|| {
             let [there, here] = [self, other].map(|one| area_in_words(one.isobath_area.as_ref()));
@@ -157,7 +157,8 @@ fn is_shared(key: &str) -> bool {
     !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && ![AREA, COLOURS].contains(&key)
 }
 
-/// Whether cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles then meet at whole cells.
+/// Whether cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles then meet
+/// at whole cells.
 fn divides_tiles(cell_m: f64) -> bool {
     let side = TILE_M / cell_m;
     (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side)
@@ -171,11 +172,7 @@ fn fingerprint_of(area: &WaterArea) -> Fingerprint {
         ending if !ending.is_empty() && is_plain(&ending) => format!("{AREA_STEM}.{ending}"),
         _ => AREA_STEM.to_owned(),
     };
-    Fingerprint {
-        file,
-        bytes: area.bytes as u64,
-        sha256: area.sha256.clone(),
-    }
+    Fingerprint { file, bytes: area.bytes as u64, sha256: area.sha256.clone() }
 }
 
 /// A file by its first hexadecimal digits: two of one name may differ.
@@ -212,10 +209,7 @@ impl Archive {
             )
         })?;
         let record: ArchiveRecord = serde_json::from_str(&text).map_err(|error| {
-            format!(
-                "the record of the archive cannot be used: {error}: {}",
-                path.display()
-            )
+            format!("the record of the archive cannot be used: {error}: {}", path.display())
         })?;
         if record.format != FORMAT || record.tile_m != TILE_M {
             return Err(ArchiveError::Refused(format!(
@@ -224,18 +218,15 @@ impl Archive {
             )));
         }
         record.settings()?;
-        Ok(Self {
-            folder: folder.to_owned(),
-            record,
-            begun: Arc::default(),
-            area: Arc::default(),
-        })
+        Ok(Self { folder: folder.to_owned(), record, begun: Arc::default(), area: Arc::default() })
     }
 
-    /// The archive of a folder for logs that are processed with some settings; made when there is none.
+    /// The archive of a folder for logs that are processed with some settings; made when there is
+    /// none.
     ///
     /// # Errors
-    /// A sentence: the folder holds something else, an archive of other settings, or cannot be written into.
+    /// A sentence: the folder holds something else, an archive of other settings, or cannot be
+    /// written into.
     pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
         let record = ArchiveRecord::new(settings)?;
         if !folder.join(RECORD).exists() {
@@ -249,7 +240,8 @@ impl Archive {
         Ok(archive)
     }
 
-    /// Refuses settings that rows of other logs of the archive were not made with, but for those that belong to one log.
+    /// Refuses settings that rows of other logs of the archive were not made with, but for those
+    /// that belong to one log.
     ///
     /// # Errors
     /// A sentence that names the first setting, with both values.
@@ -263,7 +255,8 @@ impl Archive {
         }
     }
 
-    /// Copies the area of the isobaths into the archive, if it is not there: a run that made the archive may have ended before.
+    /// Copies the area of the isobaths into the archive, if it is not there: a run that made the
+    /// archive may have ended before.
     fn keep_area(&self, settings: &Settings) -> Result<(), ArchiveError> {
         let (Some(kept), Some(area)) = (&self.record.isobath_area, &settings.isobaths.area) else {
             return Ok(());
@@ -279,7 +272,8 @@ impl Archive {
     /// The settings that maps are made with.
     ///
     /// # Errors
-    /// A sentence where somebody has changed the record, or the copy of the area of the isobaths, to what cannot be.
+    /// A sentence where somebody has changed the record, or the copy of the area of the isobaths,
+    /// to what cannot be.
     pub fn settings(&self) -> Result<Settings, ArchiveError> {
         let mut settings = self.record.settings()?;
         let Some(kept) = &self.record.isobath_area else {
@@ -309,7 +303,8 @@ impl Archive {
         }
     }
 
-    /// Whether a log is added for the first time through this value or a copy of it: two names of one log must not be written at once.
+    /// Whether a log is added for the first time through this value or a copy of it: two names of
+    /// one log must not be written at once.
     pub(super) fn begins(&self, log: &str) -> bool {
         let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         begun.insert(log.to_owned())
@@ -323,10 +318,7 @@ impl Archive {
     /// The name of what a log gives to a tile, of a kind of [`KINDS`], with `/` between folders.
     pub(super) fn rows_name(kind: &str, tile: TileId, log: &str) -> String {
         let ending = KINDS.iter().find(|(one, _)| *one == kind);
-        format!(
-            "{kind}/tile={tile}/{log}.{}",
-            ending.map_or("parquet", |(_, ending)| ending)
-        )
+        format!("{kind}/tile={tile}/{log}.{}", ending.map_or("parquet", |(_, ending)| ending))
     }
 
     /// Where that lies.
@@ -340,14 +332,12 @@ impl Archive {
     /// A sentence where one cannot be used.
     pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
         let swath = self.record.settings()?.surface.swath;
-        let read = tiles
-            .iter()
-            .flat_map(|tile| reach::tiles_read(swath, *tile));
+        let read = tiles.iter().flat_map(|tile| reach::tiles_read(swath, *tile));
         self.logs_in(read)
     }
 
-    /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so that a tile takes no longer for logs
-    /// elsewhere.
+    /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so
+    /// that a tile takes no longer for logs elsewhere.
     ///
     /// # Errors
     /// A sentence where one cannot be used.
@@ -366,16 +356,12 @@ impl Archive {
                 logs.extend(logs_of);
             }
         }
-        let paths = logs
-            .iter()
-            .map(|log| self.folder.join(LOGS).join(format!("{log}.json")));
-        paths
-            .filter(|path| path.is_file())
-            .map(|path| LogRecord::read(&path))
-            .collect()
+        let paths = logs.iter().map(|log| self.folder.join(LOGS).join(format!("{log}.json")));
+        paths.filter(|path| path.is_file()).map(|path| LogRecord::read(&path)).collect()
     }
 
-    /// The records of all logs, by their hashes. A log that is being written, or was when the program ended, has none.
+    /// The records of all logs, by their hashes. A log that is being written, or was when the
+    /// program ended, has none.
     ///
     /// # Errors
     /// A sentence where one cannot be used.
@@ -388,7 +374,8 @@ impl Archive {
     }
 }
 
-/// A folder of a run, or of anything else, is not mixed with an archive; another job may have made the archive at this moment.
+/// A folder of a run, or of anything else, is not mixed with an archive; another job may have made
+/// the archive at this moment.
 fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
     let names = names_in(folder)?;
     let other = names.iter().find(|name| !name.starts_with('.'));

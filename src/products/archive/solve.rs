@@ -3,8 +3,9 @@
 use bathyscope_bottom::bathymetry::height_offsets as solver;
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOverlap};
 
-/// The offsets that the overlaps give. Logs that are pinned are taken together as one more log, whose offset is zero: an overlap with one of
-/// them is one with that, its difference corrected by the offset that is pinned.
+/// The offsets that the overlaps give. Logs that are pinned are taken together as one more log,
+/// whose offset is zero: an overlap with one of them is one with that, its difference corrected by
+/// the offset that is pinned.
 pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> HeightOffsets {
     let count = pinned.len();
     if pinned.iter().all(Option::is_none) {
@@ -14,16 +15,10 @@ pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> Heig
     let held = log_overlaps.iter().filter_map(|log_overlap| {
         let [first, second] = log_overlap.logs;
         let (logs, difference_m, lines) = match (of(first), of(second)) {
-            (None, None) => (
-                log_overlap.logs,
-                log_overlap.difference_m,
-                log_overlap.lines,
-            ),
-            (None, Some(offset_m)) => (
-                [first, count],
-                log_overlap.difference_m + offset_m,
-                log_overlap.lines,
-            ),
+            (None, None) => (log_overlap.logs, log_overlap.difference_m, log_overlap.lines),
+            (None, Some(offset_m)) => {
+                ([first, count], log_overlap.difference_m + offset_m, log_overlap.lines)
+            }
             (Some(offset_m), None) => (
                 [second, count],
                 offset_m - log_overlap.difference_m,
@@ -31,12 +26,7 @@ pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> Heig
             ),
             (Some(_), Some(_)) => return None,
         };
-        Some(LogOverlap {
-            logs,
-            difference_m,
-            lines,
-            ..*log_overlap
-        })
+        Some(LogOverlap { logs, difference_m, lines, ..*log_overlap })
     });
     let mut held: Vec<LogOverlap> = held.collect();
     held.sort_by_key(|log_overlap| log_overlap.logs);
@@ -62,8 +52,8 @@ mod tests {
 
     #[test]
     fn pinned_logs_hold_the_others_and_each_other() {
-        // True offsets of five logs, of which the first and the last are pinned 10 cm away from where the overlaps have them, and the
-        // fourth crosses nobody.
+        // True offsets of five logs, of which the first and the last are pinned 10 cm away from
+        // where the overlaps have them, and the fourth crosses nobody.
         let true_m = [0.3, -0.2, 0.5, 0.0, 0.1];
         let pairs = [[0, 1], [1, 2], [2, 4], [0, 4]];
         let log_overlaps: Vec<LogOverlap> = pairs
@@ -73,10 +63,7 @@ mod tests {
         let pinned = [Some(0.4), None, None, None, Some(0.2)];
         let solved = solve(&log_overlaps, &pinned);
         for (log, offset_m) in [(1, -0.1), (2, 0.6)] {
-            assert!(
-                (solved.logs[log].offset_m - offset_m).abs() < 1e-9,
-                "{solved:?}"
-            );
+            assert!((solved.logs[log].offset_m - offset_m).abs() < 1e-9, "{solved:?}");
             assert_eq!(solved.logs[log].group, solved.logs[0].group);
         }
         assert_eq!(solved.logs[4].group, solved.logs[0].group);

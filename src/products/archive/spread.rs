@@ -29,7 +29,8 @@ pub(super) fn geometry(rows: &[TileRow]) -> Column {
 /// Rows by tile, those of a tile in the order of the log.
 pub(super) type RowsByTile = BTreeMap<TileId, Vec<TileRow>>;
 
-/// Points, each in the tile that holds it and in those whose halo does, in the neighbouring zone too.
+/// Points, each in the tile that holds it and in those whose halo does, in the neighbouring zone
+/// too.
 pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64) -> RowsByTile {
     let mut tiles = RowsByTile::new();
     for (index, at) in points {
@@ -62,15 +63,10 @@ mod tests {
 
     #[test]
     fn a_point_is_in_one_core_and_in_halos_across_the_meridian() {
-        let at = LonLat {
-            lon_deg: 11.9999,
-            lat_deg: 47.5,
-        };
+        let at = LonLat { lon_deg: 11.9999, lat_deg: 47.5 };
         let tiles = by_tile([(7, at)].into_iter(), 64.0);
-        let rows: Vec<(TileId, TileRow)> = tiles
-            .into_iter()
-            .map(|(tile, rows)| (tile, rows[0]))
-            .collect();
+        let rows: Vec<(TileId, TileRow)> =
+            tiles.into_iter().map(|(tile, rows)| (tile, rows[0])).collect();
         assert_eq!(rows.iter().filter(|(_, row)| row.is_core).count(), 1);
         let zones: Vec<u8> = rows.iter().map(|(tile, _)| tile.zone.number).collect();
         assert!(zones.contains(&32) && zones.contains(&33), "{zones:?}");

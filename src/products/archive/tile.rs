@@ -13,8 +13,8 @@ const TILE: i64 = 512;
 /// No northing or easting of a zone reaches farther, metres.
 const FARTHEST: i64 = 20_000_000;
 
-/// A square of 512 m of a UTM zone, aligned to its grid. It is written as zone, easting and northing of its south-west corner in metres:
-/// `12N_455680_4077568`.
+/// A square of 512 m of a UTM zone, aligned to its grid. It is written as zone, easting and
+/// northing of its south-west corner in metres: `12N_455680_4077568`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TileId {
     /// The zone.
@@ -26,10 +26,7 @@ pub struct TileId {
 impl TileId {
     /// The tile that holds a place of a zone; of a place on an edge, that to the east or north.
     pub fn at(zone: UtmZone, place: [f64; 2]) -> Self {
-        Self {
-            zone,
-            index: place.map(|metres| (metres / TILE_M).floor() as i64),
-        }
+        Self { zone, index: place.map(|metres| (metres / TILE_M).floor() as i64) }
     }
 
     /// The tiles of a zone that a box touches: west, south, east and north, metres.
@@ -41,10 +38,7 @@ impl TileId {
         let to = Self::at(zone, [east, north]).index;
         let columns = from[0]..=to[0];
         columns.flat_map(move |column| {
-            (from[1]..=to[1]).map(move |row| Self {
-                zone,
-                index: [column, row],
-            })
+            (from[1]..=to[1]).map(move |row| Self { zone, index: [column, row] })
         })
     }
 
@@ -54,7 +48,8 @@ impl TileId {
         [west, south, west + TILE_M, south + TILE_M]
     }
 
-    /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to the other zone.
+    /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to
+    /// the other zone.
     pub(crate) fn is_within_zone(&self) -> bool {
         let [west, south, east, north] = self.bounds_m();
         let middle = [0.5 * (west + east), 0.5 * (south + north)];
@@ -118,10 +113,7 @@ impl FromStr for TileId {
             let mut parts = text.trim_start_matches("tile=").split('_');
             let zone = parts.next()?;
             let (number, hemisphere) = zone.split_at_checked(zone.len().checked_sub(1)?)?;
-            let number: u8 = number
-                .parse()
-                .ok()
-                .filter(|number| (1..=60).contains(number))?;
+            let number: u8 = number.parse().ok().filter(|number| (1..=60).contains(number))?;
             let north = match hemisphere {
                 "N" => true,
                 "S" => false,
@@ -140,16 +132,10 @@ impl FromStr for TileId {
     }
 }
 
-/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees, closed.
+/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees,
+/// closed.
 pub(super) fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64; 2]; 5] {
-    [
-        [west, south],
-        [east, south],
-        [east, north],
-        [west, north],
-        [west, south],
-    ]
-    .map(|place| {
+    [[west, south], [east, south], [east, north], [west, north], [west, south]].map(|place| {
         let at = zone.to_lon_lat(place);
         [at.lon_deg, at.lat_deg].map(|degrees| (degrees * 1e8).round() / 1e8)
     })
@@ -170,10 +156,7 @@ pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) 
 mod tests {
     use super::*;
 
-    const ZONE: UtmZone = UtmZone {
-        number: 32,
-        north: true,
-    };
+    const ZONE: UtmZone = UtmZone { number: 32, north: true };
 
     #[test]
     fn a_tile_is_named_after_its_corner_and_found_by_its_name() {
@@ -181,20 +164,10 @@ mod tests {
         assert_eq!(tile.to_string(), "32N_512000_5260800");
         assert_eq!(tile.to_string().parse(), Ok(tile));
         assert_eq!("tile=32N_512000_5260800".parse(), Ok(tile));
-        assert_eq!(
-            tile.bounds_m(),
-            [512_000.0, 5_260_800.0, 512_512.0, 5_261_312.0]
-        );
-        for wrong in [
-            "",
-            "N_0_0",
-            "32N_512001_0",
-            "61N_0_0",
-            "32X_0_0",
-            "32N_0",
-            "32N_0_0_0",
-            "é_0_0",
-        ] {
+        assert_eq!(tile.bounds_m(), [512_000.0, 5_260_800.0, 512_512.0, 5_261_312.0]);
+        for wrong in
+            ["", "N_0_0", "32N_512001_0", "61N_0_0", "32X_0_0", "32N_0", "32N_0_0_0", "é_0_0"]
+        {
             assert!(wrong.parse::<TileId>().is_err(), "{wrong}");
         }
     }

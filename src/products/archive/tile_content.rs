@@ -1,4 +1,5 @@
-//! The map of a tile as it lies in its files, read again; a few of them are kept, since neighbours ask for the same.
+//! The map of a tile as it lies in its files, read again; a few of them are kept, since neighbours
+//! ask for the same.
 
 use super::folders::LONGEST_RECORD;
 use super::record::Archive;
@@ -22,7 +23,8 @@ const KEPT: usize = 24;
 pub(super) struct TileDepths {
     /// Its cells.
     grid: Grid,
-    /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface is kept: it would take three times the memory.
+    /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface
+    /// is kept: it would take three times the memory.
     depth_m: Vec<f32>,
     /// Its isobaths, in pixels of a zoom of the web.
     pub lines: Vec<Isobath>,
@@ -40,11 +42,7 @@ pub(super) struct TileContents {
 impl TileContents {
     /// Of an archive, with lines in pixels of a zoom.
     pub(super) fn new(archive: &Archive, zoom: u8) -> Self {
-        Self {
-            archive: archive.clone(),
-            zoom,
-            kept: Mutex::default(),
-        }
+        Self { archive: archive.clone(), zoom, kept: Mutex::default() }
     }
 
     /// The map of a tile.
@@ -132,10 +130,7 @@ impl TileDepths {
     pub(super) fn copy_into(&self, grid: &Grid, depth_m: &mut [f32]) {
         let own = &self.grid;
         let offset = |from_m: f64| (from_m / own.cell_m).round() as i64;
-        let (east, south) = (
-            offset(own.west_m - grid.west_m),
-            offset(grid.north_m - own.north_m),
-        );
+        let (east, south) = (offset(own.west_m - grid.west_m), offset(grid.north_m - own.north_m));
         let span = |offset: i64, own: usize, count: usize| {
             let end = (count as i64 - offset).clamp(0, own as i64) as usize;
             (-offset).clamp(0, own as i64) as usize..end

@@ -1,5 +1,5 @@
-//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`, `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which
-//! says what they were made from.
+//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`,
+//! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which says what they were made from.
 
 use super::error::ArchiveError;
 use super::folders::{
@@ -148,14 +148,10 @@ fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> 
         SwathDepth::Always => &[POINTS, ECHOES],
     };
     let tiles = tiles_read(swath, tile);
-    let rows = tiles
-        .iter()
-        .filter_map(|one| Some((one, log.rows_in(*one)?)));
+    let rows = tiles.iter().filter_map(|one| Some((one, log.rows_in(*one)?)));
     rows.flat_map(|(one, rows)| {
         let hashes = kinds.iter().map(|kind| rows.sha256_of(kind));
-        hashes
-            .filter(|hash| !hash.is_empty())
-            .map(move |hash| format!("{one} {hash}"))
+        hashes.filter(|hash| !hash.is_empty()).map(move |hash| format!("{one} {hash}"))
     })
     .collect()
 }
@@ -167,7 +163,8 @@ impl TileRecord {
         serde_json::from_str(&text.ok()?).ok()
     }
 
-    /// West, south, east and north edge of the cells with a depth, metres of the zone; of a record that does not say, those of the tile.
+    /// West, south, east and north edge of the cells with a depth, metres of the zone; of a record
+    /// that does not say, those of the tile.
     pub(super) fn depth_bounds_m(&self, tile: TileId) -> [f64; 4] {
         <[f64; 4]>::try_from(self.bounds_m.as_slice()).unwrap_or(tile.bounds_m())
     }
@@ -224,8 +221,8 @@ pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileI
 /// Makes the map and the mosaic of a tile and writes their files, the record last.
 ///
 /// # Errors
-/// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was cancelled; the tile is then one whose map is
-/// missing, or as it was.
+/// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was
+/// cancelled; the tile is then one whose map is missing, or as it was.
 pub fn write_tile(
     archive: &Archive,
     tile: TileId,
@@ -261,12 +258,7 @@ pub fn write_tile(
         files: Vec::new(),
     };
     if let Some(made) = made {
-        record.cells = made
-            .surface
-            .depth_m
-            .iter()
-            .filter(|depth| !depth.is_nan())
-            .count();
+        record.cells = made.surface.depth_m.iter().filter(|depth| !depth.is_nan()).count();
         record.depth_m = Vec::from(made.surface.range_m());
         record.bounds_m = (made.surface.known_bounds_m()).map_or_else(Vec::new, Vec::from);
         record.isobaths = made.isobaths.len();
@@ -297,13 +289,7 @@ fn write_files(
     let surface = &made.surface;
     let how = how(archive, surface)?;
     let layers = [
-        (
-            DEPTH,
-            "depth",
-            true,
-            "Depth in metres, positive down",
-            &surface.depth_m,
-        ),
+        (DEPTH, "depth", true, "Depth in metres, positive down", &surface.depth_m),
         (
             UNCERTAINTY,
             "standard deviation of depth",
@@ -315,11 +301,7 @@ fn write_files(
     let grid = &surface.grid;
     for (file, name, positive_down, what, values_m) in layers {
         let spec = RasterSpec {
-            band: Some(Band {
-                name,
-                unit: "metre",
-                positive_down,
-            }),
+            band: Some(Band { name, unit: "metre", positive_down }),
             description: format!("{what}; tile {tile} of an archive. {how}"),
             ..tile.raster(grid)
         };
@@ -347,10 +329,7 @@ fn how(archive: &Archive, surface: &Surface) -> Result<String, ArchiveError> {
     let method = surface.method_in_words();
     let instead = match settings.method {
         SurfaceMethod::Linear => String::new(),
-        other => format!(
-            " in place of {}, which reaches beyond a tile",
-            other.in_words()
-        ),
+        other => format!(" in place of {}, which reaches beyond a tile", other.in_words()),
     };
     Ok(format!(
         "By {method}{instead} in cells of {} m, none farther than {} m from a depth.",

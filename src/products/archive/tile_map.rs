@@ -15,7 +15,8 @@ use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDept
 use bathyscope_log::support::geo::UtmZone;
 use bathyscope_log::support::progress::Progress;
 
-/// Metres from one isobath to the next where the settings name none: the same in all tiles, so that lines meet.
+/// Metres from one isobath to the next where the settings name none: the same in all tiles, so that
+/// lines meet.
 const USUAL_INTERVAL_M: f64 = 0.5;
 
 /// The depth map of a tile.
@@ -26,8 +27,9 @@ pub struct TileMap {
     pub isobaths: Vec<Isobath>,
 }
 
-/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Its depths are corrected
-/// by echo levels where `surface.swath` says so. Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
+/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach
+/// farther than a halo. Its depths are corrected by echo levels where `surface.swath` says so.
+/// Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -56,8 +58,8 @@ pub fn tile_map(
     Ok(Some(TileMap { surface, isobaths }))
 }
 
-/// The depths of a tile and of some cells around it, on a grid of the archive's cells that reaches no farther than a few metres beyond the tile: what the
-/// map of a neighbour has there, to the bit.
+/// The depths of a tile and of some cells around it, on a grid of the archive's cells that reaches
+/// no farther than a few metres beyond the tile: what the map of a neighbour has there, to the bit.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -87,9 +89,7 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
     }
     let grid = surface.grid;
     for cell in 0..grid.len() {
-        let at = tile
-            .zone
-            .to_lon_lat(grid.centre(cell / grid.columns, cell % grid.columns));
+        let at = tile.zone.to_lon_lat(grid.centre(cell / grid.columns, cell % grid.columns));
         if UtmZone::of(at) != tile.zone {
             surface.depth_m[cell] = f32::NAN;
             surface.spread_m[cell] = f32::NAN;
@@ -113,19 +113,13 @@ fn lines(
     tile: TileId,
     progress: &Progress,
 ) -> Result<Vec<Isobath>, ArchiveError> {
-    let levels_m = isobath_settings(settings)
-        .levels_m(window.range_m())
-        .map_err(|error| error.to_string())?;
-    let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| {
-        tile.zone.to_metres(at)
-    });
+    let levels_m =
+        isobath_settings(settings).levels_m(window.range_m()).map_err(|error| error.to_string())?;
+    let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| tile.zone.to_metres(at));
     let area = area.map_err(|error| error.to_string())?;
     let drawn = isobaths(window, &levels_m, progress)?;
     let cut = drawn.into_iter().flat_map(|line| {
-        let rounded = Isobath {
-            points: smoothed(&line.points, settings.smoothing()),
-            ..line
-        };
+        let rounded = Isobath { points: smoothed(&line.points, settings.smoothing()), ..line };
         let parts = match &area {
             Some(area) => area.parts_of(&rounded),
             None => vec![rounded],

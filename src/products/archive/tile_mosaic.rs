@@ -16,8 +16,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The logs that have a part in the mosaic of a tile, in the order in which they are laid over each other: that of their recording, as
-/// `bathyscope process` takes them. Logs that do not know the time come first; of two that began at once the hash decides.
+/// The logs that have a part in the mosaic of a tile, in the order in which they are laid over each
+/// other: that of their recording, as `bathyscope process` takes them. Logs that do not know the
+/// time come first; of two that began at once the hash decides.
 pub(super) fn logs_in_order(tile: TileId, logs: &[LogRecord]) -> Vec<&LogRecord> {
     let has_part = |log: &&LogRecord| log.rows_in(tile).is_some_and(|rows| rows.mosaic_cells > 0);
     let mut with_part: Vec<&LogRecord> = logs.iter().filter(has_part).collect();
@@ -29,8 +30,8 @@ pub(super) fn logs_in_order(tile: TileId, logs: &[LogRecord]) -> Vec<&LogRecord>
     with_part
 }
 
-/// Writes the mosaic of a tile; how many cells show something. Without any there is no file. Memory grows neither with the cells nor with
-/// the logs.
+/// Writes the mosaic of a tile; how many cells show something. Without any there is no file. Memory
+/// grows neither with the cells nor with the logs.
 ///
 /// # Errors
 /// When a part cannot be read, the file cannot be written, or the work was cancelled.

@@ -1,4 +1,5 @@
-//! The depths that the map of a tile is made of, each log at its height and its corrected positions.
+//! The depths that the map of a tile is made of, each log at its height and its corrected
+//! positions.
 
 use super::error::ArchiveError;
 use super::folders::POINTS;
@@ -11,7 +12,8 @@ use super::tile::TileId;
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_log::support::progress::Progress;
 
-/// The points that count in a tile and its halo, the logs in the order of their hashes, with their offsets and their positions corrected.
+/// The points that count in a tile and its halo, the logs in the order of their hashes, with their
+/// offsets and their positions corrected.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -30,7 +32,8 @@ pub(super) fn depth_points(
     Ok(points)
 }
 
-/// The rows of points of a log in a tile that lie where they are asked for, with its offset and its positions corrected.
+/// The rows of points of a log in a tile that lie where they are asked for, with its offset and its
+/// positions corrected.
 ///
 /// # Errors
 /// When rows cannot be read.

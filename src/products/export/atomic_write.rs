@@ -12,7 +12,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// How a file on its way is named at the end, after its own name and the writer's number.
 const PASSING: &str = ".bathyscope-part";
-/// How a file for passing data is named at the end, after the name that it is for and the writer's number.
+/// How a file for passing data is named at the end, after the name that it is for and the writer's
+/// number.
 const SCRATCH: &str = ".scratch.part";
 
 /// A file that could not be written.
@@ -29,10 +30,7 @@ impl ExportError {
     /// What makes the error of this file of why it cannot be written.
     pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
         let path = path.to_path_buf();
-        move |source| Self {
-            path: path.clone(),
-            source,
-        }
+        move |source| Self { path: path.clone(), source }
     }
 }
 
@@ -42,9 +40,9 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!(there, [Ok(one), Ok(other)] if one == other)
 }
 
-/// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
-/// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
-/// handed on.
+/// Writes a file under a passing name beside its place and renames it when `write` has succeeded,
+/// so that a reader never sees half a file and an old one stays until the new one is whole. `write`
+/// must flush what it buffers; what it returns is handed on.
 pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
@@ -56,7 +54,8 @@ pub fn write_atomically<T>(
     })
 }
 
-/// As [`write_atomically`], for what opens a file by its path. There is none yet under the passing name that `write` gets.
+/// As [`write_atomically`], for what opens a file by its path. There is none yet under the passing
+/// name that `write` gets.
 pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
@@ -75,9 +74,7 @@ pub(super) fn write_atomically_at<T>(
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => write(&passing),
     };
-    written
-        .and_then(|made| patiently(|| fs::rename(&passing, path)).map(|()| made))
-        .map_err(fail)
+    written.and_then(|made| patiently(|| fs::rename(&passing, path)).map(|()| made)).map_err(fail)
 }
 
 /// A folder that cannot be made.
@@ -102,7 +99,8 @@ pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), ExportErro
     write_bytes(path, text + "\n")
 }
 
-/// A file under its passing name, which goes whatever way the writing ends; once it has its own name, nothing is left to go.
+/// A file under its passing name, which goes whatever way the writing ends; once it has its own
+/// name, nothing is left to go.
 struct Leftover<'a>(&'a Path);
 
 impl Drop for Leftover<'_> {
@@ -112,8 +110,8 @@ impl Drop for Leftover<'_> {
     }
 }
 
-/// Renames a file that is not to be written over: `pond.bottom.toml` becomes `pond.bottom-older.toml`, or `-older-2` and so on where
-/// that is taken. Gives back the new name.
+/// Renames a file that is not to be written over: `pond.bottom.toml` becomes
+/// `pond.bottom-older.toml`, or `-older-2` and so on where that is taken. Gives back the new name.
 ///
 /// # Errors
 /// When it cannot be renamed.
@@ -135,8 +133,9 @@ pub fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     Ok(aside)
 }
 
-/// Removes what a killed program left in a folder, when the first file is written there: files on their way of processes that are no
-/// more, and their passing data. Best effort: what cannot be removed stays.
+/// Removes what a killed program left in a folder, when the first file is written there: files on
+/// their way of processes that are no more, and their passing data. Best effort: what cannot be
+/// removed stays.
 fn tidy(folder: &Path) {
     static TIDIED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let mut tidied = TIDIED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -148,8 +147,8 @@ fn tidy(folder: &Path) {
     }
 }
 
-/// Removes files of processes that are no more; `passing` gives what of a name stands before the passing name's end, `NAME.PID`, of a
-/// file that may go.
+/// Removes files of processes that are no more; `passing` gives what of a name stands before the
+/// passing name's end, `NAME.PID`, of a file that may go.
 pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
     let here = match folder.as_os_str().is_empty() {
         true => Path::new("."),
@@ -166,11 +165,12 @@ pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&
     }
 }
 
-/// Whether the process that wrote a file is no more. Where the system does not say, a file that nobody has touched for an hour is
-/// taken as left.
+/// Whether the process that wrote a file is no more. Where the system does not say, a file that
+/// nobody has touched for an hour is taken as left.
 fn is_dead(writer: u32, file: &Path) -> bool {
     if cfg!(target_os = "linux") {
-        // A killed process has an entry until its parent has asked for its end, which may be seconds later or never.
+        // A killed process has an entry until its parent has asked for its end, which may be
+        // seconds later or never.
         let stat = fs::read_to_string(format!("/proc/{writer}/stat"));
         return stat.map_or(true, |stat| has_ended(&stat));
     }
@@ -179,16 +179,16 @@ fn is_dead(writer: u32, file: &Path) -> bool {
     age.is_some_and(|age| age.as_secs() > 3600)
 }
 
-/// Whether `/proc/PID/stat` is that of a process that has ended: its state, behind the name in brackets, is `Z` or `X` (proc(5)).
+/// Whether `/proc/PID/stat` is that of a process that has ended: its state, behind the name in
+/// brackets, is `Z` or `X` (proc(5)).
 fn has_ended(stat: &str) -> bool {
-    let state = stat
-        .rsplit_once(") ")
-        .and_then(|(_, rest)| rest.chars().next());
+    let state = stat.rsplit_once(") ").and_then(|(_, rest)| rest.chars().next());
     matches!(state, Some('Z' | 'X'))
 }
 
-/// A file for passing data beside the place of another, where there is room for that one too. It has no name any more as soon as it is
-/// open, so that nothing is left of it however the program ends.
+/// A file for passing data beside the place of another, where there is room for that one too. It
+/// has no name any more as soon as it is open, so that nothing is left of it however the program
+/// ends.
 pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}{SCRATCH}", std::process::id()));
@@ -210,10 +210,7 @@ mod tests {
         let [log, other] = ["pond.sl2", "bay.sl2"].map(|name| folder.path().join(name));
         fs::write(&log, b"log").unwrap();
         fs::write(&other, b"log").unwrap();
-        assert!(is_same_file(
-            &log,
-            &folder.path().join(".").join("pond.sl2")
-        ));
+        assert!(is_same_file(&log, &folder.path().join(".").join("pond.sl2")));
         assert!(!is_same_file(&log, &other));
         let missing = folder.path().join("none");
         assert!(!is_same_file(&missing, &missing));
@@ -223,10 +220,9 @@ mod tests {
     fn a_file_is_kept_under_a_name_that_is_free() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("pond.bottom.toml");
-        for (content, name) in [
-            ("one", "pond.bottom-older.toml"),
-            ("two", "pond.bottom-older-2.toml"),
-        ] {
+        for (content, name) in
+            [("one", "pond.bottom-older.toml"), ("two", "pond.bottom-older-2.toml")]
+        {
             fs::write(&path, content).unwrap();
             let aside = rename_older(&path).unwrap();
             assert_eq!(aside, folder.path().join(name));
@@ -266,17 +262,9 @@ mod tests {
     fn a_killed_process_has_ended_before_its_parent_asks_for_its_end() {
         let stat = |state: &str| format!("4711 (bathy) (scope) {state} 4710 4711 4711 0 -1");
         assert!(["Z", "X"].map(stat).iter().all(|stat| has_ended(stat)));
-        assert!(
-            !["R", "S", "D", "T"]
-                .map(stat)
-                .iter()
-                .any(|stat| has_ended(stat))
-        );
+        assert!(!["R", "S", "D", "T"].map(stat).iter().any(|stat| has_ended(stat)));
         if cfg!(target_os = "linux") {
-            let mut killed = std::process::Command::new("sleep")
-                .arg("60")
-                .spawn()
-                .unwrap();
+            let mut killed = std::process::Command::new("sleep").arg("60").spawn().unwrap();
             let no_file = Path::new("none");
             assert!(!is_dead(killed.id(), no_file));
             killed.kill().unwrap();

@@ -1,5 +1,6 @@
-//! A film as Motion JPEG in AVI: every frame is a picture of its own, which every player opens and no patent covers, and the file is
-//! written as it grows. Layout after Microsoft's AVI RIFF File Reference and OpenDML's `MJPG`.
+//! A film as Motion JPEG in AVI: every frame is a picture of its own, which every player opens and
+//! no patent covers, and the file is written as it grows. Layout after Microsoft's AVI RIFF File
+//! Reference and OpenDML's `MJPG`.
 
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
@@ -97,9 +98,7 @@ impl<W: Write + Seek> AviWriter<W> {
         let mut head = Vec::with_capacity(HEAD as usize);
         let name = |head: &mut Vec<u8>, name: &[u8; 4]| head.extend_from_slice(name);
         let words = |head: &mut Vec<u8>, words: &[u32]| {
-            words
-                .iter()
-                .for_each(|word| head.extend_from_slice(&word.to_le_bytes()));
+            words.iter().for_each(|word| head.extend_from_slice(&word.to_le_bytes()));
         };
         let [width, height] = self.size;
         let count = self.frames.len() as u32;
@@ -141,22 +140,9 @@ impl<W: Write + Seek> AviWriter<W> {
         words(&mut head, &[56]);
         name(&mut head, b"vids");
         name(&mut head, b"MJPG");
-        // Flags, priority, initial frames, scale, rate, start, length, buffer, quality, sample size.
-        words(
-            &mut head,
-            &[
-                0,
-                0,
-                0,
-                1,
-                self.frames_per_s,
-                0,
-                count,
-                largest,
-                u32::MAX,
-                0,
-            ],
-        );
+        // Flags, priority, initial frames, scale, rate, start, length, buffer, quality, sample
+        // size.
+        words(&mut head, &[0, 0, 0, 1, self.frames_per_s, 0, count, largest, u32::MAX, 0]);
         for side in [0, 0, width as u16, height as u16] {
             head.extend_from_slice(&side.to_le_bytes());
         }
@@ -200,10 +186,7 @@ mod tests {
         // The lists follow each other: head, frames, index.
         assert_eq!(&bytes[12..16], b"LIST");
         let movi = 20 + word(&bytes, 16);
-        assert_eq!(
-            (&bytes[20..24], &bytes[movi..movi + 4]),
-            (&b"hdrl"[..], &b"LIST"[..])
-        );
+        assert_eq!((&bytes[20..24], &bytes[movi..movi + 4]), (&b"hdrl"[..], &b"LIST"[..]));
         assert_eq!(&bytes[movi + 8..movi + 12], b"movi");
         assert_eq!(movi + 12, HEAD as usize);
         let index = movi + 8 + word(&bytes, movi + 4);
@@ -220,7 +203,8 @@ mod tests {
             assert_eq!(frame.dimensions(), (33, 17));
             assert!(frame.get_pixel(16, 8).0[0].abs_diff(shade) < 4);
         }
-        // What a player goes by: microseconds a frame, frames, width and height; and of the stream its rate and length.
+        // What a player goes by: microseconds a frame, frames, width and height; and of the stream
+        // its rate and length.
         assert_eq!(word(&bytes, 32), 40_000);
         assert_eq!([48, 64, 68].map(|at| word(&bytes, at)), [3, 33, 17]);
         assert_eq!([132, 140].map(|at| word(&bytes, at)), [25, 3]);

@@ -1,4 +1,5 @@
-//! `bottom.copc.laz`: the cells of the depth map as points, for programs that know point clouds and no rasters.
+//! `bottom.copc.laz`: the cells of the depth map as points, for programs that know point clouds and
+//! no rasters.
 
 use super::extra_bytes::{Dimension, DimensionType};
 use super::las::{LasPacking, LasSpec, write_las};
@@ -14,24 +15,14 @@ const NO_SIGMA: f32 = -1.0;
 
 /// What a point carries, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 3] = [
-    Dimension::new(
-        "source",
-        DimensionType::U8,
-        None,
-        "numbers of depth/source.tif",
-    ),
+    Dimension::new("source", DimensionType::U8, None, "numbers of depth/source.tif"),
     Dimension::new(
         "sigma_m",
         DimensionType::F32,
         Some(NO_SIGMA as f64),
         "standard deviation, metres",
     ),
-    Dimension::new(
-        "distance_m",
-        DimensionType::F32,
-        None,
-        "to the nearest depth, metres",
-    ),
+    Dimension::new("distance_m", DimensionType::F32, None, "to the nearest depth, metres"),
 ];
 
 /// A cell of the depth map.
@@ -53,8 +44,8 @@ pub(crate) struct BottomCell {
     pub rgb: [u8; 3],
 }
 
-/// Writes cells as COPC, in a system (its WKT in the header), with `origin` near them. z is minus the depth. Points that nothing measured have the
-/// flag of synthetic points.
+/// Writes cells as COPC, in a system (its WKT in the header), with `origin` near them. z is minus
+/// the depth. Points that nothing measured have the flag of synthetic points.
 pub(crate) fn bottom_las(
     path: &Path,
     crs: &Crs,

@@ -36,11 +36,7 @@ impl ChipFolder {
     pub(crate) fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = output.join(FOLDER);
         fs::create_dir_all(&folder).map_err(ExportError::at(&folder))?;
-        Ok(Self {
-            folder,
-            classes: classes.iter().map(|name| file_safe(name)).collect(),
-            count: 0,
-        })
+        Ok(Self { folder, classes: classes.iter().map(|name| file_safe(name)).collect(), count: 0 })
     }
 
     /// Writes the next chip, `0001-rock.png` and so on.
@@ -48,11 +44,8 @@ impl ChipFolder {
         let class = self.classes.get(class).map_or(UNNAMED, String::as_str);
         self.count += 1;
         let path = self.folder.join(format!("{:04}-{class}.png", self.count));
-        let colour = if chip.channels == 3 {
-            ExtendedColorType::Rgb8
-        } else {
-            ExtendedColorType::L8
-        };
+        let colour =
+            if chip.channels == 3 { ExtendedColorType::Rgb8 } else { ExtendedColorType::L8 };
         let write = |file: File| {
             let mut out = BufWriter::new(file);
             PngEncoder::new(&mut out)
@@ -60,14 +53,13 @@ impl ChipFolder {
                 .map_err(io::Error::other)?;
             out.flush()
         };
-        File::create(&path)
-            .and_then(write)
-            .map_err(ExportError::at(&path))
+        File::create(&path).and_then(write).map_err(ExportError::at(&path))
     }
 }
 
-/// Chips in the subfolder `of` of a folder of products that go with its table of boxes, when that is in `removed` or gives way to one
-/// in `new`: those with a number and a class of either table for a name. Other files in there are somebody's own.
+/// Chips in the subfolder `of` of a folder of products that go with its table of boxes, when that
+/// is in `removed` or gives way to one in `new`: those with a number and a class of either table
+/// for a name. Other files in there are somebody's own.
 pub(crate) fn earlier_chips(
     output: &Path,
     of: &str,
@@ -117,8 +109,7 @@ fn classes_in(table: &Path) -> HashSet<String> {
         header.position(|name| name == "class")
     });
     let rows = table.records().map_while(Result::ok);
-    rows.filter_map(|row| row.get(column?).map(file_safe))
-        .collect()
+    rows.filter_map(|row| row.get(column?).map(file_safe)).collect()
 }
 
 fn class_of(name: &OsStr) -> Option<&str> {
@@ -132,18 +123,11 @@ fn class_in(name: &str) -> Option<&str> {
     (numbered && class == file_safe(class)).then_some(class)
 }
 
-/// A class name, which a model's file may have chosen, as part of a file name: letters, digits and hyphens.
+/// A class name, which a model's file may have chosen, as part of a file name: letters, digits and
+/// hyphens.
 fn file_safe(name: &str) -> String {
     let letters = name.chars().take(40);
-    letters
-        .map(|letter| {
-            if letter.is_alphanumeric() {
-                letter
-            } else {
-                '-'
-            }
-        })
-        .collect()
+    letters.map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
 }
 
 #[cfg(test)]
@@ -152,9 +136,8 @@ mod tests {
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -172,12 +155,7 @@ mod tests {
         assert_eq!(names(&output.join(FOLDER)), ours);
         let table = "id,class\n1,rock\n2,sunken boat\n";
         fs::write(output.join(TABLE), table).unwrap();
-        for name in [
-            "0003-best.png",
-            "0003-rock copy.png",
-            "3-rock.png",
-            "rock.png",
-        ] {
+        for name in ["0003-best.png", "0003-rock copy.png", "3-rock.png", "rock.png"] {
             fs::write(output.join(FOLDER).join(name), "mine").unwrap();
         }
         fs::create_dir(output.join(FOLDER).join("0004-rock.png")).unwrap();
@@ -192,9 +170,6 @@ mod tests {
         assert_eq!(earlier(&[]).len(), 3);
         // Those of a version without subfolders go with their own table only.
         assert!(earlier_chips(&output, "", None, &[]).is_empty());
-        assert_eq!(
-            earlier_chips(&output, "", None, &[TABLE.to_owned()]).len(),
-            3
-        );
+        assert_eq!(earlier_chips(&output, "", None, &[TABLE.to_owned()]).len(), 3);
     }
 }

@@ -30,7 +30,8 @@ pub struct ChipLog<'a> {
     pub found: &'a [Detection],
 }
 
-/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of the logs, one log after the other.
+/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of the logs, one log
+/// after the other.
 ///
 /// # Errors
 /// When a picture cannot be written, or the work was cancelled.
@@ -53,8 +54,9 @@ pub fn chips(
     Ok(chips)
 }
 
-/// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A pixel is the raster's, and
-/// larger where the box would not fit into a tile: a hull is shown as a whole.
+/// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A
+/// pixel is the raster's, and larger where the box would not fit into a tile: a hull is shown as a
+/// whole.
 pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     let rect = raster.rect_of(mark);
     let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;

@@ -1,4 +1,5 @@
-//! `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates, for survey programs.
+//! `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates, for
+//! survey programs.
 
 use super::extra_bytes::{Dimension, DimensionType};
 use super::gps_time::adjusted_standard_s;
@@ -22,12 +23,7 @@ const SOURCES_WITH_SWATH: &str = "0 depth, 1 side-scan, 2 swath";
 const DIMENSIONS: [Dimension; 5] = [
     Dimension::new("source", DimensionType::U8, None, SOURCES),
     Dimension::new("ping", DimensionType::U32, None, "side-scan ping, from 0"),
-    Dimension::new(
-        "side",
-        DimensionType::U8,
-        None,
-        "0 below, 1 port, 2 starboard",
-    ),
+    Dimension::new("side", DimensionType::U8, None, "0 below, 1 port, 2 starboard"),
     Dimension::new(
         "confidence",
         DimensionType::F32,
@@ -37,16 +33,20 @@ const DIMENSIONS: [Dimension; 5] = [
     Dimension::new("range_m", DimensionType::F32, None, "slant range, metres"),
 ];
 
-/// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
-/// a point lies there. z is elevation in metres above the transducer, so negative.
+/// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of
+/// the cloud; `place` gives where a point lies there. z is elevation in metres above the
+/// transducer, so negative.
 ///
-/// Points that do not count for the map are withheld; the class says why, and the header names the classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings and the swath, of which the level is not known. Colours are
-/// the paper's; the extra dimensions are source, ping, side, confidence of the first return and slant range; the user data are 0
-/// for soundings, 1 for port, 2 for starboard, 3 for the swath. The GPS time field holds adjusted standard GPS time, and the header says so, where
-/// the log knows when it was; otherwise seconds after the log's time zero.
+/// Points that do not count for the map are withheld; the class says why, and the header names the
+/// classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings
+/// and the swath, of which the level is not known. Colours are the paper's; the extra dimensions
+/// are source, ping, side, confidence of the first return and slant range; the user data are 0 for
+/// soundings, 1 for port, 2 for starboard, 3 for the swath. The GPS time field holds adjusted
+/// standard GPS time, and the header says so, where the log knows when it was; otherwise seconds
+/// after the log's time zero.
 ///
-/// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
-/// where one of them does not know when it was.
+/// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are
+/// seconds after each log's time zero where one of them does not know when it was.
 pub(crate) fn cloud_las(
     path: &Path,
     packing: LasPacking,
@@ -68,13 +68,7 @@ pub(crate) fn cloud_las(
     if logs.iter().any(|log| !log.survey.swath.is_empty()) {
         dimensions[0] = Dimension::new("source", DimensionType::U8, None, SOURCES_WITH_SWATH);
     }
-    let spec = LasSpec {
-        packing,
-        crs,
-        origin,
-        knows_time,
-        dimensions: &dimensions,
-    };
+    let spec = LasSpec { packing, crs, origin, knows_time, dimensions: &dimensions };
     let places = (points.iter()).map(|(_, _, (point, _), [x, y])| [*x, *y, point.z_m]);
     let records = points.iter().map(|(source, log, point, at)| {
         let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
@@ -96,9 +90,8 @@ fn las_point(
     let survey = log.survey;
     let range_m = log.reduction().point_range_m(survey, point);
     let time_s = point.record().time_s(survey).unwrap_or(0.0);
-    let gps_time_s = start_unix_s.map_or(time_s, |start_unix_s| {
-        adjusted_standard_s(start_unix_s + time_s)
-    });
+    let gps_time_s =
+        start_unix_s.map_or(time_s, |start_unix_s| adjusted_standard_s(start_unix_s + time_s));
     let [red, green, blue] = colour(point.source).map(|value| u16::from(value) * 257);
     Ok(Point {
         x,
@@ -130,11 +123,7 @@ fn extra_bytes_of(survey: &Survey, point: &CloudPoint, range_m: f64) -> Vec<u8> 
         Some(Side::Port) => 1,
         Some(Side::Starboard) => 2,
     };
-    let confidence = if point.confidence.is_nan() {
-        NO_CONFIDENCE
-    } else {
-        point.confidence
-    };
+    let confidence = if point.confidence.is_nan() { NO_CONFIDENCE } else { point.confidence };
     let mut bytes = Vec::with_capacity(14);
     bytes.push(source);
     bytes.extend(point.ping.to_le_bytes());

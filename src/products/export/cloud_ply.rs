@@ -4,9 +4,10 @@ use super::{ExportError, LogPoints, Summary, colour, write_summed};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes all points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
-/// plane of the cloud, as doubles; red, green, blue, the level of the echo (`intensity`, 0 for soundings) and the class
-/// (`classification`) as bytes; the slant range in metres as a float.
+/// Writes all points as binary little-endian PLY: x east, y north, z up, metres from the survey's
+/// origin in the plane of the cloud, as doubles; red, green, blue, the level of the echo
+/// (`intensity`, 0 for soundings) and the class (`classification`) as bytes; the slant range in
+/// metres as a float.
 pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     write_summed(path, |out, summary| {
         write!(

@@ -6,8 +6,9 @@ use bathyscope_bottom::cloud::CloudPoint;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes the points of the class of the bottom as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` gives where a
-/// point of a log lies. z is elevation in metres above the transducer, so negative.
+/// Writes the points of the class of the bottom as lines of x, y and z with spaces between,
+/// `decimals` of them for x and y; `place` gives where a point of a log lies. z is elevation in
+/// metres above the transducer, so negative.
 pub(crate) fn cloud_xyz(
     path: &Path,
     decimals: usize,

@@ -1,4 +1,5 @@
-//! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
+//! The folder of pictures and labels that a detector is trained on
+//! (`assets/detector/training/data.py` reads it).
 
 use super::{ExportError, write_bytes};
 use bathyscope_objects::dataset::{Chip, Coco, PictureBoxes, voc_xml, yolo_lines};
@@ -47,8 +48,8 @@ pub struct PartSummary {
     pub ignored: usize,
 }
 
-/// A folder `images/PART/NNNNNN.png` with `labels/PART/NNNNNN.txt` (YOLO), `PART.json` (COCO), `classes.txt` and
-/// `manifest.json`.
+/// A folder `images/PART/NNNNNN.png` with `labels/PART/NNNNNN.txt` (YOLO), `PART.json` (COCO),
+/// `classes.txt` and `manifest.json`.
 #[derive(Clone, Debug)]
 pub struct DatasetFolder {
     root: PathBuf,
@@ -58,10 +59,7 @@ pub struct DatasetFolder {
 impl DatasetFolder {
     /// Makes the folders and the class names.
     pub fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
-        let folder = Self {
-            root: root.to_owned(),
-            classes: classes.to_vec(),
-        };
+        let folder = Self { root: root.to_owned(), classes: classes.to_vec() };
         for kind in ["images", "labels"] {
             for part in DatasetPart::ALL {
                 make(&root.join(kind).join(part.name()))?;

@@ -6,7 +6,8 @@ use bathyscope_bottom::bathymetry::compare::Match;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes the points that differences are of, log by log: their `measured` is the index in the log's cloud.
+/// Writes the points that differences are of, log by log: their `measured` is the index in the
+/// log's cloud.
 pub(crate) fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],

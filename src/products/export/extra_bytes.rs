@@ -1,4 +1,5 @@
-//! What LAS points carry beyond its own fields: the Extra Bytes record of LAS 1.4 R15 (section 2.7.1 "Extra Bytes").
+//! What LAS points carry beyond its own fields: the Extra Bytes record of LAS 1.4 R15 (section
+//! 2.7.1 "Extra Bytes").
 
 use las::Vlr;
 
@@ -26,12 +27,7 @@ impl Dimension {
         what: &'static str,
     ) -> Self {
         assert!(name.len() <= LONGEST && what.len() <= LONGEST);
-        Self {
-            name,
-            kind,
-            no_data,
-            what,
-        }
+        Self { name, kind, no_data, what }
     }
 }
 
@@ -68,13 +64,15 @@ pub(super) fn record(dimensions: &[Dimension]) -> Vlr {
     }
 }
 
-/// Two reserved bytes, type, options, name, four unused; "no data", least, most, scale and offset, 24 bytes each; description.
+/// Two reserved bytes, type, options, name, four unused; "no data", least, most, scale and offset,
+/// 24 bytes each; description.
 fn described(dimension: &Dimension) -> Vec<u8> {
     let mut bytes = vec![0; DESCRIPTION];
     bytes[2] = dimension.kind as u8;
     bytes[4..4 + dimension.name.len()].copy_from_slice(dimension.name.as_bytes());
     if let Some(no_data) = dimension.no_data {
-        // The first option says that this field means something; floating types store it in eight bytes.
+        // The first option says that this field means something; floating types store it in eight
+        // bytes.
         bytes[3] = 1;
         bytes[40..48].copy_from_slice(&no_data.to_le_bytes());
     }

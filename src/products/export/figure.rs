@@ -24,11 +24,13 @@ pub struct MeasuredFigure {
     pub area_m2: Option<f64>,
     /// What a height from a shadow follows from.
     pub shadow: Option<ShadowHeight>,
-    /// Places along a profile: distance from the start and depth, metres; no depth where nothing is known.
+    /// Places along a profile: distance from the start and depth, metres; no depth where nothing is
+    /// known.
     pub stations: Vec<(LonLat, f64, Option<f32>)>,
 }
 
-/// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a profile.
+/// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a
+/// profile.
 pub fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
     let features = std::iter::once(None).chain(points);
@@ -93,41 +95,30 @@ fn thousandths(metres: f64) -> f64 {
 /// Whether a ring runs clockwise, by its signed area.
 fn turns_right(ring: &[[f64; 2]]) -> bool {
     let next = ring.iter().cycle().skip(1);
-    let doubled: f64 = ring
-        .iter()
-        .zip(next)
-        .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
-        .sum();
+    let doubled: f64 = ring.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
     doubled < 0.0
 }
 
-/// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them, and its first corner again at
-/// the end of its way around; a height has `height_m` and what it follows from.
+/// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them,
+/// and its first corner again at the end of its way around; a height has `height_m` and what it
+/// follows from.
 pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();
     let mut whole = String::new();
     let area_column = area.map(|area_m2| ("area_m2", area_m2));
     let shadow_columns = figure.shadow.as_ref().map(shadow_columns);
-    for (name, value) in area_column
-        .into_iter()
-        .chain(shadow_columns.into_iter().flatten())
-    {
+    for (name, value) in area_column.into_iter().chain(shadow_columns.into_iter().flatten()) {
         text += &format!(",{name}");
         whole += &format!(",{value:.3}");
     }
     text.push('\n');
     let corners = figure.corners.iter().zip(&figure.distances_m);
-    let closing = area
-        .and(figure.corners.first())
-        .map(|first| (first, &figure.length_m));
+    let closing = area.and(figure.corners.first()).map(|first| (first, &figure.length_m));
     for (index, (at, distance_m)) in corners.chain(closing).enumerate() {
         let corner = index % figure.corners.len() + 1;
         // Writing to a string does not fail.
-        text += &format!(
-            "{corner},{:.9},{:.9},{distance_m:.3}{whole}\n",
-            at.lon_deg, at.lat_deg
-        );
+        text += &format!("{corner},{:.9},{:.9},{distance_m:.3}{whole}\n", at.lon_deg, at.lat_deg);
     }
     write_bytes(path, text)
 }
@@ -174,10 +165,7 @@ mod tests {
         assert!(text.starts_with(
             "corner,lon,lat,distance_m,area_m2\n1,8.000000000,47.000000000,0.000,4227.000\n"
         ));
-        assert!(
-            text.ends_with("1,8.000000000,47.000000000,322.700,4227.000\n"),
-            "{text}"
-        );
+        assert!(text.ends_with("1,8.000000000,47.000000000,322.700,4227.000\n"), "{text}");
         figure_csv(&path, &triangle(None)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(text.lines().count(), 4, "{text}");

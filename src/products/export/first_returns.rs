@@ -12,9 +12,9 @@ use std::path::Path;
 const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
      port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,excluded";
 
-/// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
-/// from the middle, `*_range_m` is after calibration, `excluded` why a ping counts for nothing. Of several logs the column `log` stands
-/// before the others.
+/// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample`
+/// counts u8 samples outward from the middle, `*_range_m` is after calibration, `excluded` why a
+/// ping counts for nothing. Of several logs the column `log` stands before the others.
 pub(crate) fn first_returns_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
@@ -39,9 +39,7 @@ fn write_ping(
     out: &mut impl Write,
     summary: &mut Summary,
 ) -> io::Result<()> {
-    let LogPoints {
-        survey, navigation, ..
-    } = log;
+    let LogPoints { survey, navigation, .. } = log;
     let (ping, place) = (&survey.side_scan[index], &navigation.pings[index]);
     let at = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
     summary.add([at.lon_deg, at.lat_deg], f64::from(ping.depth_m));
@@ -68,9 +66,5 @@ fn write_ping(
 
 /// A comma and the number, or a comma alone where there is none.
 fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
-    if value.is_finite() {
-        write!(out, ",{}", Fixed(value, decimals))
-    } else {
-        write!(out, ",")
-    }
+    if value.is_finite() { write!(out, ",{}", Fixed(value, decimals)) } else { write!(out, ",") }
 }

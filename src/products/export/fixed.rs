@@ -2,26 +2,18 @@
 
 use std::fmt::{self, Display, Formatter};
 
-/// A number that is written with so many decimals: the same text as that of `{:.decimals$}`, in a third of the time.
+/// A number that is written with so many decimals: the same text as that of `{:.decimals$}`, in a
+/// third of the time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fixed(pub f64, pub usize);
 
 /// 10 to the number of decimals, as far as numbers are written without the standard library.
-const POWERS: [u64; 10] = [
-    1,
-    10,
-    100,
-    1_000,
-    10_000,
-    100_000,
-    1_000_000,
-    10_000_000,
-    100_000_000,
-    1_000_000_000,
-];
+const POWERS: [u64; 10] =
+    [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
 /// Below it a scaled number is off by less than [`NEAR_HALF`], as its own digits are.
 const MOST_SCALED: f64 = 1e12;
-/// Nearer than this to the middle between two last digits, only all digits of the number tell which is nearer.
+/// Nearer than this to the middle between two last digits, only all digits of the number tell which
+/// is nearer.
 const NEAR_HALF: f64 = 1e-3;
 /// Digits of a number below [`MOST_SCALED`], a point, a zero before it, and a sign.
 const MOST_BYTES: usize = 24;
@@ -37,7 +29,8 @@ impl Display for Fixed {
     }
 }
 
-/// The text of a number, written to the end of some bytes; `None` where it takes more than a product and a division to know it.
+/// The text of a number, written to the end of some bytes; `None` where it takes more than a
+/// product and a division to know it.
 fn digits(value: f64, decimals: usize, bytes: &mut [u8; MOST_BYTES]) -> Option<&str> {
     let power = *POWERS.get(decimals)?;
     let scaled = value.abs() * power as f64;

@@ -46,7 +46,8 @@ pub(super) fn positions(places: impl Iterator<Item = LonLat>) -> Vec<[f64; 2]> {
     positions
 }
 
-/// The coordinates of a `MultiPolygon`: polygons, each an outline and its holes, valid after rounding.
+/// The coordinates of a `MultiPolygon`: polygons, each an outline and its holes, valid after
+/// rounding.
 pub(super) fn areas(
     shapes: &[Polygon],
     place: &impl Fn([f64; 2]) -> LonLat,

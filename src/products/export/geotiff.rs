@@ -17,11 +17,12 @@ pub enum RasterError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Writes a GeoTIFF as [`geotiff::write`] lays it out. On the way its tiles lie in a second file beside the first, where there is room
-/// for them.
+/// Writes a GeoTIFF as [`geotiff::write`] lays it out. On the way its tiles lie in a second file
+/// beside the first, where there is room for them.
 ///
 /// # Errors
-/// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; none of them leaves a file.
+/// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; none of them
+/// leaves a file.
 pub fn geotiff(
     path: &Path,
     spec: &RasterSpec,

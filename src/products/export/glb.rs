@@ -1,7 +1,8 @@
-//! `bottom.glb`: a mesh with pictures over it as binary glTF 2.0 (ISO/IEC 12113), for any 3D program and a browser.
+//! `bottom.glb`: a mesh with pictures over it as binary glTF 2.0 (ISO/IEC 12113), for any 3D
+//! program and a browser.
 //!
-//! In glTF y is up: x is east, y up and z south, metres. Pictures are variants of the material (`KHR_materials_variants`): programs that do
-//! not know them show the first.
+//! In glTF y is up: x is east, y up and z south, metres. Pictures are variants of the material
+//! (`KHR_materials_variants`): programs that do not know them show the first.
 
 use super::{ExportError, write_atomically};
 use serde_json::{Value, json};

@@ -2,10 +2,11 @@
 
 /// Unix seconds of GPS time zero, 1980-01-06.
 const GPS_ZERO_UNIX_S: f64 = 315_964_800.0;
-/// What LAS takes off, so that a double keeps its fraction of a second (LAS 1.4 R15, table 3, global encoding bit 0).
+/// What LAS takes off, so that a double keeps its fraction of a second (LAS 1.4 R15, table 3,
+/// global encoding bit 0).
 const ADJUSTED_S: f64 = 1e9;
-/// Unix seconds from which on GPS was one second more ahead of UTC (IERS Bulletin C). `chrono` knows no leap seconds, and none has
-/// been announced since 2016.
+/// Unix seconds from which on GPS was one second more ahead of UTC (IERS Bulletin C). `chrono`
+/// knows no leap seconds, and none has been announced since 2016.
 const LEAPS_UNIX_S: [f64; 18] = [
     362_793_600.0,   // 1981-07-01
     394_329_600.0,   // 1982-07-01
@@ -39,7 +40,8 @@ mod tests {
 
     #[test]
     fn gps_time_is_that_of_the_published_conversions() {
-        // UTC as `date -u -d TEXT +%s` has it, GPS seconds as the converters of LIGO and NOAA print them.
+        // UTC as `date -u -d TEXT +%s` has it, GPS seconds as the converters of LIGO and NOAA print
+        // them.
         for (unix_s, gps_s) in [
             (315_964_800.0, 0.0),
             (362_793_599.0, 46_828_799.0),

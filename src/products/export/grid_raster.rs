@@ -6,8 +6,8 @@ use bathyscope_log::formats::geotiff::{Band, CellFormat, NODATA, RASTER_TILE, Ra
 use bathyscope_log::support::progress::Progress;
 use std::path::Path;
 
-/// Writes the cells of a grid; `stored` gives the number of a cell, of `None` that of one of which nothing is known. Tiles without a
-/// cell that `is_known` are left out.
+/// Writes the cells of a grid; `stored` gives the number of a cell, of `None` that of one of which
+/// nothing is known. Tiles without a cell that `is_known` are left out.
 ///
 /// # Errors
 /// When the file cannot be written, or the work was cancelled; neither leaves a file.
@@ -39,17 +39,11 @@ pub fn metres_raster(
         let stored = if value_m.is_nan() { NODATA } else { value_m };
         stored.to_le_bytes()
     };
-    grid_raster(
-        path,
-        spec,
-        grid,
-        |cell| !values_m[cell].is_nan(),
-        stored,
-        progress,
-    )
+    grid_raster(path, spec, grid, |cell| !values_m[cell].is_nan(), stored, progress)
 }
 
-/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is added to the description of the numbers.
+/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is added
+/// to the description of the numbers.
 ///
 /// # Errors
 /// As [`grid_raster`].
@@ -63,15 +57,8 @@ pub(crate) fn source_raster(
     let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
     let spec = RasterSpec {
         cells: CellFormat::Class,
-        band: Some(Band {
-            name: "source of the depth",
-            unit: "",
-            positive_down: false,
-        }),
-        description: format!(
-            "The source of the depth in a cell: {}; {about}",
-            names.join(", ")
-        ),
+        band: Some(Band { name: "source of the depth", unit: "", positive_down: false }),
+        description: format!("The source of the depth in a cell: {}; {about}", names.join(", ")),
         ..spec
     };
     let is_known = |cell: usize| !surface.depth_m[cell].is_nan();

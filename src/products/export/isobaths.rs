@@ -1,4 +1,5 @@
-//! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and `storage.csv`.
+//! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and
+//! `storage.csv`.
 
 use super::geojson::{areas as areas_of, collection, feature_at, position, positions};
 use super::{ExportError, Summary, millimetres, write_summed};
@@ -52,7 +53,8 @@ pub(crate) fn isobaths_geojson(
     collection(path, drawn.lines.iter(), feature)
 }
 
-/// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
+/// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the
+/// ground.
 pub(crate) fn depth_areas_geojson(
     path: &Path,
     areas: &[DepthArea],
@@ -101,7 +103,8 @@ pub(crate) fn spot_soundings_geojson(
     collection(path, soundings.iter(), feature)
 }
 
-/// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
+/// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground`
+/// square metres on the ground.
 pub(crate) fn storage_csv(
     path: &Path,
     table: &[Storage],

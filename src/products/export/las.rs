@@ -20,7 +20,8 @@ const FORMAT: u8 = 7;
 /// Whether points are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LasPacking {
-    /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where somebody looks.
+    /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where
+    /// somebody looks.
     Copc,
     /// LAS, for programs that cannot unpack.
     Plain,
@@ -51,9 +52,7 @@ pub(super) fn write_las(
             true => RESOLUTION_DEG,
             false => RESOLUTION_M,
         };
-        let [x, y] = spec
-            .origin
-            .map_or([0.0; 2], |origin| spec.crs.place(origin));
+        let [x, y] = spec.origin.map_or([0.0; 2], |origin| spec.crs.place(origin));
         let finest = [resolution, resolution, RESOLUTION_M];
         let transforms = transforms(places.clone(), [x, y, 0.0], finest)?;
         let header = header(spec, transforms).map_err(io::Error::other)?;
@@ -97,12 +96,12 @@ fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Head
     Ok(header)
 }
 
-/// The record "Classification lookup", which names the classes: number and 15 letters for each of 256.
+/// The record "Classification lookup", which names the classes: number and 15 letters for each
+/// of 256.
 fn class_names() -> Vlr {
     const ENTRY: usize = 16;
-    let mut data: Vec<u8> = (0..=u8::MAX)
-        .flat_map(|code| [&[code][..], &[0; ENTRY - 1]].concat())
-        .collect();
+    let mut data: Vec<u8> =
+        (0..=u8::MAX).flat_map(|code| [&[code][..], &[0; ENTRY - 1]].concat()).collect();
     for class in PointClass::ALL {
         let name = class.name().as_bytes();
         let start = usize::from(class.code()) * ENTRY + 1;

@@ -43,7 +43,8 @@ impl<'a> LogPoints<'a> {
     }
 }
 
-/// The column of the log's name and what stands in it, each with its comma: only a table of several logs has one.
+/// The column of the log's name and what stands in it, each with its comma: only a table of several
+/// logs has one.
 pub(super) struct LogColumn {
     /// `log,`, or nothing.
     pub header: &'static str,
@@ -53,10 +54,7 @@ pub(super) struct LogColumn {
 impl LogColumn {
     pub(super) fn of(logs: &[LogPoints<'_>]) -> Self {
         let is_shown = logs.len() > 1;
-        Self {
-            header: if is_shown { "log," } else { "" },
-            is_shown,
-        }
+        Self { header: if is_shown { "log," } else { "" }, is_shown }
     }
 
     /// The field of a log, quoted where its name holds what ends a field.

@@ -1,11 +1,16 @@
-//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
+//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles;
+//! written aside, then renamed.
 //!
 //! In: results. Out: one file for each.
 //! It uses `detection`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
-//! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes` names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
-//! `rings` keeps polygons valid, `summary` counts what a file holds; `fixed` writes numbers; `log_copy` copies a log; `dataset` is the folder that detectors are trained
-//! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
+//! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes`
+//! names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the
+//! cells of a grid, `qgis_style` its colours, `vector` lines and areas, `rings` keeps polygons
+//! valid, `summary` counts what a file holds; `fixed` writes numbers; `log_copy` copies a log;
+//! `dataset` is the folder that detectors are trained on, `tile_sets` maps as tiles, `points` what
+//! `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and
+//! point files are laid out is known to `formats`, which also reads them.
 
 mod atomic_write;
 pub mod avi;

@@ -5,11 +5,11 @@ use bathyscope_objects::Scored;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-const HEADER: [&str; 9] = [
-    "id", "file", "class", "score", "state", "x_from", "x_to", "y_from", "y_to",
-];
+const HEADER: [&str; 9] =
+    ["id", "file", "class", "score", "state", "x_from", "x_to", "y_from", "y_to"];
 
-/// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class names.
+/// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class
+/// names.
 pub(crate) fn picture_boxes_csv(
     path: &Path,
     file: &str,
@@ -28,8 +28,6 @@ pub(crate) fn picture_boxes_csv(
             out.write_record(fields)?;
         }
         out.flush()?;
-        out.into_inner()
-            .map_err(|error| error.into_error())?
-            .flush()
+        out.into_inner().map_err(|error| error.into_error())?.flush()
     })
 }

@@ -5,8 +5,9 @@ use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::survey::{Navigation, Survey};
 use std::path::Path;
 
-/// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the start, WGS84, the survey's
-/// local metres as in `cloud.csv`, and the depth, empty where nothing is known.
+/// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the
+/// start, WGS84, the survey's local metres as in `cloud.csv`, and the depth, empty where nothing is
+/// known.
 pub fn profile_csv(
     survey: &Survey,
     navigation: &Navigation,
@@ -16,9 +17,7 @@ pub fn profile_csv(
     for station in stations {
         let [east_m, north_m] = station.place;
         let at = navigation.to_lon_lat(&survey.track, east_m, north_m);
-        let depth = station
-            .depth_m
-            .map_or_else(String::new, |depth_m| format!("{depth_m:.3}"));
+        let depth = station.depth_m.map_or_else(String::new, |depth_m| format!("{depth_m:.3}"));
         // Writing to a string does not fail.
         text += &format!(
             "{:.3},{:.9},{:.9},{east_m:.4},{north_m:.4},{depth}\n",

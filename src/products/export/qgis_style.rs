@@ -4,8 +4,9 @@ use super::{ExportError, write_bytes};
 use bathyscope_log::support::printable::xml;
 use std::path::Path;
 
-/// Writes the style of a raster of one band in metres: `colour` of a share of the way from the least to the greatest value, in
-/// `steps` even steps, linear between them. What is not known is clear.
+/// Writes the style of a raster of one band in metres: `colour` of a share of the way from the
+/// least to the greatest value, in `steps` even steps, linear between them. What is not known is
+/// clear.
 pub fn qgis_style(
     path: &Path,
     [least_m, most_m]: [f64; 2],

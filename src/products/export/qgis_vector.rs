@@ -20,7 +20,8 @@ const THIN_MM: f64 = 0.25;
 const THICK_MM: f64 = 0.5;
 /// What a light edge adds to a line, so that it stays visible on dark water.
 const EDGE_MM: f64 = 0.4;
-/// How much of an area of depth covers what lies below it: pale enough for the lines and figures above it, as on charts.
+/// How much of an area of depth covers what lies below it: pale enough for the lines and figures
+/// above it, as on charts.
 const AREA_OPACITY: f64 = 0.6;
 /// Lines that are shorter on the sheet have no label, millimetres.
 const LEAST_LABELLED_MM: f64 = 12.0;
@@ -49,7 +50,8 @@ pub(super) fn isobath_style() -> String {
     document(&renderer, Some(&label), 1.0)
 }
 
-/// Spot soundings: their figures alone, upright, in the place of the depth; of two that would overlap the shallower stands.
+/// Spot soundings: their figures alone, upright, in the place of the depth; of two that would
+/// overlap the shallower stands.
 pub(super) fn spot_sounding_style() -> String {
     let label = FeatureLabel {
         expression: "label",
@@ -82,13 +84,10 @@ pub(super) fn track_style() -> String {
     document(&single(&line_symbol("0", RED, THIN_MM)), None, 1.0)
 }
 
-/// Ground that was insonified: its edge, dashed, and nothing within, so that maps below stay visible.
+/// Ground that was insonified: its edge, dashed, and nothing within, so that maps below stay
+/// visible.
 pub(super) fn footprint_style() -> String {
-    document(
-        &single(&fill_symbol("0", None, Some((GREY, true)))),
-        None,
-        1.0,
-    )
+    document(&single(&fill_symbol("0", None, Some((GREY, true)))), None, 1.0)
 }
 
 /// Objects: a mark, and what they are called, once for all sightings of one.
@@ -105,11 +104,7 @@ pub(super) fn target_style() -> String {
 
 /// Outlines of objects on the ground.
 pub(super) fn target_outline_style() -> String {
-    document(
-        &single(&fill_symbol("0", None, Some((RED, false)))),
-        None,
-        1.0,
-    )
+    document(&single(&fill_symbol("0", None, Some((RED, false)))), None, 1.0)
 }
 
 /// Where a label stands.
@@ -141,19 +136,13 @@ fn document(renderer: &str, label: Option<&FeatureLabel>, opacity: f64) -> Strin
 }
 
 fn labelling(label: &FeatureLabel) -> String {
-    let FeatureLabel {
-        expression,
-        size_pt,
-        colour,
-        halo_mm,
-        placement,
-    } = label;
+    let FeatureLabel { expression, size_pt, colour, halo_mm, placement } = label;
     let least_mm = match placement {
         Placement::OnLine => LEAST_LABELLED_MM,
         _ => 0.0,
     };
-    // QGIS's numbers: 2 beside a line or, by its flags, on it; 0 around a point. Labels on a line stay upright, and one part of a
-    // line that was broken has its own.
+    // QGIS's numbers: 2 beside a line or, by its flags, on it; 0 around a point. Labels on a line
+    // stay upright, and one part of a line that was broken has its own.
     let placed = match placement {
         Placement::OnLine => format!(
             "placement=\"2\" placementFlags=\"1\" repeatDistance=\"{REPEAT_MM}\" repeatDistanceUnits=\"MM\""
@@ -198,7 +187,8 @@ fn line_layer(colour: Rgb, alpha: u8, width_mm: f64) -> String {
     symbol_layer("SimpleLine", &options)
 }
 
-/// A filled area; without a fill its edge alone, with a colour and perhaps dashed; without an edge its fill alone.
+/// A filled area; without a fill its edge alone, with a colour and perhaps dashed; without an edge
+/// its fill alone.
 fn fill_symbol(name: &str, fill: Option<Rgb>, edge: Option<(Rgb, bool)>) -> String {
     let edge_style = match edge {
         Some((_, true)) => "dash",
@@ -208,10 +198,7 @@ fn fill_symbol(name: &str, fill: Option<Rgb>, edge: Option<(Rgb, bool)>) -> Stri
     let (edge_colour, _) = edge.unwrap_or((GREY, false));
     let options = [
         ("color", with_alpha(fill.unwrap_or(WHITE), 255)),
-        (
-            "style",
-            if fill.is_some() { "solid" } else { "no" }.to_owned(),
-        ),
+        ("style", if fill.is_some() { "solid" } else { "no" }.to_owned()),
         ("outline_color", with_alpha(edge_colour, 255)),
         ("outline_style", edge_style.to_owned()),
         ("outline_width", THIN_MM.to_string()),
@@ -261,10 +248,7 @@ mod tests {
     fn every_style_is_well_formed_and_names_the_columns_that_it_uses() {
         let styles = [
             (isobath_style(), "is_index"),
-            (
-                depth_area_style(&[([1.0, 1.5], [1, 2, 3]), ([1.5, 2.0], [4, 5, 6])]),
-                "from_m",
-            ),
+            (depth_area_style(&[([1.0, 1.5], [1, 2, 3]), ([1.5, 2.0], [4, 5, 6])]), "from_m"),
             (target_style(), "object"),
             (track_style(), ""),
             (footprint_style(), ""),
@@ -290,10 +274,7 @@ mod tests {
     #[test]
     fn an_area_has_the_colour_of_its_depths() {
         let style = depth_area_style(&[([1.0, 1.5], [1, 2, 3]), ([1.5, 2.0], [4, 5, 6])]);
-        assert!(
-            style.contains("upper=\"1.5\" label=\"1.00 to 1.50 m\""),
-            "{style}"
-        );
+        assert!(style.contains("upper=\"1.5\" label=\"1.00 to 1.50 m\""), "{style}");
         assert!(style.contains("value=\"4,5,6,255\""));
         assert_eq!(style.matches("<symbol ").count(), 2);
     }

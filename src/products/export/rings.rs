@@ -1,5 +1,5 @@
-//! Polygons as the exchange formats want them (OGC 06-103r4, RFC 7946): once corners are rounded, rings must still neither cross
-//! nor touch themselves.
+//! Polygons as the exchange formats want them (OGC 06-103r4, RFC 7946): once corners are rounded,
+//! rings must still neither cross nor touch themselves.
 
 use bathyscope_bottom::bathymetry::isobaths::{Polygon, polygons};
 use std::ops::Range;
@@ -7,7 +7,8 @@ use std::ops::Range;
 /// A corner, counted in steps of the lattice that corners are rounded to.
 type LatticeCorner = [i64; 2];
 
-/// Polygons with their corners rounded to so many steps a unit, each an outline and its holes; `place` gives where a corner lies.
+/// Polygons with their corners rounded to so many steps a unit, each an outline and its holes;
+/// `place` gives where a corner lies.
 pub(super) fn rounded(
     shapes: &[Polygon],
     steps: f64,
@@ -16,21 +17,19 @@ pub(super) fn rounded(
     let corner = |at| place(at).map(|value| (value * steps).round() as i64);
     let back = |ring: Vec<LatticeCorner>| {
         let corners = ring.into_iter();
-        corners
-            .map(|at| at.map(|value| value as f64 / steps))
-            .collect()
+        corners.map(|at| at.map(|value| value as f64 / steps)).collect()
     };
     let polygons = on_lattice(shapes, corner).into_iter();
-    polygons
-        .map(|rings| rings.into_iter().map(back).collect())
-        .collect()
+    polygons.map(|rings| rings.into_iter().map(back).collect()).collect()
 }
 
-/// Puts polygons on a lattice and makes them valid again: sides that fall onto each other go, and a ring that touches itself
-/// becomes several, whose areas touch in that corner. Rings stay counter-clockwise around the area, holes clockwise.
+/// Puts polygons on a lattice and makes them valid again: sides that fall onto each other go, and a
+/// ring that touches itself becomes several, whose areas touch in that corner. Rings stay
+/// counter-clockwise around the area, holes clockwise.
 ///
-/// The sides that are left are walked with the area on the left, turning left as sharply as possible where several meet, so that
-/// a ring bounds one connected area; what a ring closes on its way at a corner it has been at is a ring of its own.
+/// The sides that are left are walked with the area on the left, turning left as sharply as
+/// possible where several meet, so that a ring bounds one connected area; what a ring closes on its
+/// way at a corner it has been at is a ring of its own.
 fn on_lattice(
     shapes: &[Polygon],
     corner: impl Fn([f64; 2]) -> LatticeCorner,
@@ -79,10 +78,7 @@ impl Sides {
         ways.sort_unstable();
         let count = |way: [LatticeCorner; 2]| {
             let first = ways.partition_point(|other| *other < way);
-            ways[first..]
-                .iter()
-                .take_while(|other| **other == way)
-                .count()
+            ways[first..].iter().take_while(|other| **other == way).count()
         };
         let runs = ways.chunk_by(|one, other| one == other);
         let left = runs.filter_map(|run| {
@@ -93,20 +89,11 @@ impl Sides {
         let left: Vec<(LatticeCorner, LatticeCorner, u32)> = left.collect();
         let leaving = |corner: LatticeCorner| {
             let first = left.partition_point(|(from, ..)| *from < corner);
-            let more = left[first..]
-                .iter()
-                .take_while(|(from, ..)| *from == corner);
+            let more = left[first..].iter().take_while(|(from, ..)| *from == corner);
             first as u32..(first + more.count()) as u32
         };
-        let sides = left.iter().map(|&(from, to, left)| Side {
-            from,
-            to,
-            left,
-            next: leaving(to),
-        });
-        Self {
-            sides: sides.collect(),
-        }
+        let sides = left.iter().map(|&(from, to, left)| Side { from, to, left, next: leaving(to) });
+        Self { sides: sides.collect() }
     }
 
     /// Closed rings without a corner twice.
@@ -136,12 +123,7 @@ impl Sides {
         let mut side = first;
         loop {
             self.sides[side].left -= 1;
-            let Side {
-                from: last,
-                to: at,
-                ref next,
-                ..
-            } = self.sides[side];
+            let Side { from: last, to: at, ref next, .. } = self.sides[side];
             let (next, corner) = (next.clone(), next.start as usize);
             if next.is_empty() {
                 break;
@@ -196,21 +178,10 @@ mod tests {
     #[test]
     fn a_pinched_ring_becomes_two_areas() {
         // A sandglass, its neck rounded shut.
-        let glass = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [2.1, 2.0],
-            [4.0, 4.0],
-            [0.0, 4.0],
-            [1.9, 2.0],
-        ];
+        let glass = [[0.0, 0.0], [4.0, 0.0], [2.1, 2.0], [4.0, 4.0], [0.0, 4.0], [1.9, 2.0]];
         let areas = made(&glass, &[]);
         assert_eq!(areas.len(), 2, "{areas:?}");
-        assert!(
-            areas
-                .iter()
-                .all(|area| area.len() == 1 && area[0].len() == 4)
-        );
+        assert!(areas.iter().all(|area| area.len() == 1 && area[0].len() == 4));
     }
 
     #[test]
@@ -224,14 +195,7 @@ mod tests {
 
     #[test]
     fn spikes_and_slivers_go() {
-        let spiked = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [4.0, 4.0],
-            [9.0, 4.2],
-            [4.0, 4.3],
-            [0.0, 4.0],
-        ];
+        let spiked = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [9.0, 4.2], [4.0, 4.3], [0.0, 4.0]];
         assert_eq!(made(&spiked, &[])[0][0].len(), 5);
         assert!(made(&[[0.0, 0.0], [5.0, 0.1], [9.0, 0.2]], &[]).is_empty());
     }

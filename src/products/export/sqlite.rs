@@ -26,7 +26,8 @@ pub(super) fn text(text: &str) -> Value {
     Value::Text(text.to_owned())
 }
 
-/// Writes a database that `fill` fills under a passing name, and renames it. The same rows give the same bytes.
+/// Writes a database that `fill` fills under a passing name, and renames it. The same rows give the
+/// same bytes.
 pub(super) fn database<T>(
     path: &Path,
     kind: DatabaseKind,
@@ -42,9 +43,7 @@ pub(super) fn database<T>(
         run(&connection, &start)?;
         let made = fill(&connection)?;
         run(&connection, "COMMIT;")?;
-        connection
-            .close()
-            .map_err(|(_, error)| io::Error::other(error))?;
+        connection.close().map_err(|(_, error)| io::Error::other(error))?;
         Ok(made)
     })
 }
@@ -54,9 +53,7 @@ pub(super) fn database<T>(
 /// # Errors
 /// What SQLite says.
 pub(super) fn run(connection: &Connection, statements: &str) -> io::Result<()> {
-    connection
-        .execute_batch(statements)
-        .map_err(io::Error::other)
+    connection.execute_batch(statements).map_err(io::Error::other)
 }
 
 /// Adds rows to a table, each with a value for every column. NaN is written as nothing.
@@ -77,9 +74,7 @@ pub(super) fn insert(
             statement = Some(connection.prepare(&insert).map_err(io::Error::other)?);
         }
         if let Some(statement) = &mut statement {
-            statement
-                .execute(params_from_iter(row))
-                .map_err(io::Error::other)?;
+            statement.execute(params_from_iter(row)).map_err(io::Error::other)?;
         }
     }
     Ok(())

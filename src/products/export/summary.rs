@@ -5,12 +5,14 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-/// How many points, lines or cells a file holds, and the box around them in the file's own coordinates.
+/// How many points, lines or cells a file holds, and the box around them in the file's own
+/// coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// How many.
     pub count: usize,
-    /// Least and most of x (east, longitude) and y (north, latitude); `None` where nothing has a place.
+    /// Least and most of x (east, longitude) and y (north, latitude); `None` where nothing has a
+    /// place.
     pub extent: Option<[[f64; 2]; 2]>,
     /// Least and most value; `None` where there are none.
     pub values: Option<[f64; 2]>,

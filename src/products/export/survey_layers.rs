@@ -1,4 +1,5 @@
-//! The layers of `survey.gpkg`: where the boat went, what was insonified, and what is drawn of the depth map.
+//! The layers of `survey.gpkg`: where the boat went, what was insonified, and what is drawn of the
+//! depth map.
 
 use super::geopackage::{FeatureGeometry, Layer, Ring};
 use super::isobaths::DrawnLines;
@@ -55,10 +56,7 @@ impl<'a> MapGeometry<'a> {
 /// The way of the boat, a line a piece.
 pub(crate) fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> Layer {
     let feature = |piece: &TrackPiece| {
-        let places = piece
-            .points
-            .iter()
-            .map(|point| placed.position(point.position));
+        let places = piece.points.iter().map(|point| placed.position(point.position));
         let ends = [piece.points.first(), piece.points.last()];
         let pings = ends.map(|end| end.map_or(Value::Null, |end| count(end.ping)));
         let times = ends.map(|end| Value::Real(end.map_or(f64::NAN, |end| end.time_s)));
@@ -128,8 +126,9 @@ pub(crate) fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, sc
     }
 }
 
-/// The areas between depths, coloured by how deep they are: `colour` is that of a share of the way from the shallowest to the deepest. A
-/// square metre of the plane is `ground` square metres on the ground.
+/// The areas between depths, coloured by how deep they are: `colour` is that of a share of the way
+/// from the shallowest to the deepest. A square metre of the plane is `ground` square metres on the
+/// ground.
 pub(crate) fn depth_area_layer(
     placed: &MapGeometry<'_>,
     areas: &[DepthArea],
@@ -148,10 +147,7 @@ pub(crate) fn depth_area_layer(
     let classes = filled().map(|area| {
         let middle_m = 0.5 * (area.from_m + area.to_m);
         let share = (middle_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
-        (
-            [area.from_m, area.to_m].map(millimetres),
-            colour(share as f32),
-        )
+        ([area.from_m, area.to_m].map(millimetres), colour(share as f32))
     });
     let style = depth_area_style(&classes.collect::<Vec<_>>());
     Layer {

@@ -29,9 +29,8 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
         rows
     };
     let mut html = String::from("<h2>Area and volume below each level</h2>\n<figure>");
-    let even: Vec<f64> = (0..=STEPS)
-        .map(|step| least_m + step as f64 / STEPS as f64 * (most_m - least_m))
-        .collect();
+    let even: Vec<f64> =
+        (0..=STEPS).map(|step| least_m + step as f64 / STEPS as f64 * (most_m - least_m)).collect();
     html += &curves(&below(&even));
     html += "</figure>\n<table><tr><th>below depth, m</th><th>area, m\u{b2}</th><th>volume, m\u{b3}</th></tr>\n";
     // The levels of the isobaths, as in `storage.csv`; too many were refused with a warning.

@@ -8,7 +8,8 @@ use bathyscope_bottom::presentation::colours::{depth_colour, lit_depth_colour};
 use bathyscope_bottom::presentation::ticks::ticks;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to send.
+/// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to
+/// send.
 const MOST_CELLS: usize = 1200;
 /// Isobaths shorter than this on the page get no depth written on them, pixels.
 const LEAST_LABELLED_PX: f64 = 90.0;
@@ -38,12 +39,7 @@ pub(super) fn depth_plan(
     let over = isobath_lines(&from.isobaths.lines, &frame) + &super::objects::marks(from, &frame);
     let name = "Depth map with isobaths, track and objects";
     let under = under + &super::mosaic_plan::track(from, &frame, "#000000", 0.35);
-    Ok(Some(frame.svg(
-        name,
-        &under,
-        &over,
-        &legend(range_m, &frame),
-    )))
+    Ok(Some(frame.svg(name, &under, &over, &legend(range_m, &frame))))
 }
 
 /// The depths with their hill-shade.

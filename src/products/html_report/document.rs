@@ -55,11 +55,7 @@ fn strips(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelle
     const CAPTION: &str = "All pings from left to right, port above and starboard below, by slant range. The line is the first sonar return, \
          from which the side-scan depths follow.";
     if let [log] = from.logs {
-        return Ok(figure(
-            "The log at a glance",
-            strip(log, progress)?,
-            CAPTION,
-        ));
+        return Ok(figure("The log at a glance", strip(log, progress)?, CAPTION));
     }
     let mut figures = String::new();
     for (log, name) in from.logs.iter().zip(from.names).take(MOST_STRIPS) {
@@ -74,9 +70,7 @@ fn strips(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelle
         0 => String::new(),
         rest => format!(" The last {rest} logs are not drawn."),
     };
-    Ok(format!(
-        "<h2>The logs at a glance</h2>\n<p>{CAPTION}{rest}</p>\n{figures}"
-    ))
+    Ok(format!("<h2>The logs at a glance</h2>\n<p>{CAPTION}{rest}</p>\n{figures}"))
 }
 
 fn figure(title: &str, drawn: Option<String>, caption: &str) -> String {

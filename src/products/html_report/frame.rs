@@ -81,10 +81,7 @@ impl PageTransform {
     }
 
     fn metres(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [
-            self.west_m + (x - LEFT_PX) / self.px_per_m,
-            self.north_m - (y - ABOVE_PX) / self.px_per_m,
-        ]
+        [self.west_m + (x - LEFT_PX) / self.px_per_m, self.north_m - (y - ABOVE_PX) / self.px_per_m]
     }
 
     /// Pixels in a metre.
@@ -102,7 +99,8 @@ impl PageTransform {
         self.height_px
     }
 
-    /// The outline of a line, without steps shorter than half a pixel; it breaks where a place is no number.
+    /// The outline of a line, without steps shorter than half a pixel; it breaks where a place is
+    /// no number.
     pub(super) fn path(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
         let mut path = String::new();
         let (mut last, mut held) = (None::<[f64; 2]>, None::<[f64; 2]>);
@@ -136,10 +134,8 @@ impl PageTransform {
 
     /// The map as an `svg` element: `under` the graticule, `over` it, and `beside` the map.
     pub(super) fn svg(&self, name: &str, under: &str, over: &str, beside: &str) -> String {
-        let (width, height) = (
-            LEFT_PX + self.width_px + RIGHT_PX,
-            ABOVE_PX + self.height_px + BELOW_PX,
-        );
+        let (width, height) =
+            (LEFT_PX + self.width_px + RIGHT_PX, ABOVE_PX + self.height_px + BELOW_PX);
         let (inner_width, inner_height) = (self.width_px, self.height_px);
         // Names of clips belong to the whole page: this one follows from the picture's.
         let clip: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
@@ -163,12 +159,8 @@ impl PageTransform {
             middle_deg: at(0.5 * (LEFT_PX + right), 0.5 * (ABOVE_PX + bottom)).lon_deg,
             format: CoordinateFormat::Degrees,
         };
-        let corners = [
-            at(LEFT_PX, ABOVE_PX),
-            at(right, ABOVE_PX),
-            at(LEFT_PX, bottom),
-            at(right, bottom),
-        ];
+        let corners =
+            [at(LEFT_PX, ABOVE_PX), at(right, ABOVE_PX), at(LEFT_PX, bottom), at(right, bottom)];
         let Some(bounds) = net.bounds(corners) else {
             return String::new();
         };
@@ -176,10 +168,8 @@ impl PageTransform {
         let across_deg = (east - west) * BETWEEN_PX / self.width_px;
         let up_deg = (north - south) * BETWEEN_PX / self.height_px;
         let mut drawn = String::new();
-        for (family, least_deg) in [
-            (LineFamily::Upright, across_deg),
-            (LineFamily::Level, up_deg),
-        ] {
+        for (family, least_deg) in [(LineFamily::Upright, across_deg), (LineFamily::Level, up_deg)]
+        {
             for line in net.lines(family, bounds, least_deg) {
                 // All but straight within a survey.
                 let places = net.places(family, line.value, bounds, 2);
@@ -233,10 +223,7 @@ impl PageTransform {
 
     /// Scale bar below on the left, north arrow above on the right.
     fn furniture(&self) -> String {
-        let middle = self.metres([
-            LEFT_PX + 0.5 * self.width_px,
-            ABOVE_PX + 0.5 * self.height_px,
-        ]);
+        let middle = self.metres([LEFT_PX + 0.5 * self.width_px, ABOVE_PX + 0.5 * self.height_px]);
         let scale = self.map.area_scale_at(middle).sqrt();
         let px_per_ground_m = self.px_per_m * scale;
         let length_m = ticks::round_down(0.25 * self.width_px / px_per_ground_m);
@@ -263,10 +250,7 @@ mod tests {
     use bathyscope_log::support::geo::{CrsChoice, LonLat};
 
     fn zone_12() -> MapPlane {
-        let origin = LonLat {
-            lon_deg: -111.0,
-            lat_deg: 36.9,
-        };
+        let origin = LonLat { lon_deg: -111.0, lat_deg: 36.9 };
         MapPlane::new(CrsChoice::Utm.at(origin).unwrap(), origin)
     }
 

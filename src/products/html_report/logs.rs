@@ -30,24 +30,13 @@ pub(super) fn section(from: &ReportData<'_>) -> String {
 }
 
 fn line(report: &LogReport, log: &ProcessedLog) -> String {
-    let LogOffset {
-        offset_m,
-        standard_error_m,
-        log_overlaps,
-        ..
-    } = report.offset;
+    let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = report.offset;
     let offset = match log_overlaps {
         0 => "unknown".to_owned(),
-        _ => format!(
-            "{} \u{b1} {standard_error_m:.3}",
-            typeset_signed(offset_m, 3)
-        ),
+        _ => format!("{} \u{b1} {standard_error_m:.3}", typeset_signed(offset_m, 3)),
     };
     let (median, p95) = match &report.against_the_others.residuals {
-        Some(found) => (
-            typeset_signed(found.median_m, 3),
-            format!("{:.3}", found.p95_m),
-        ),
+        Some(found) => (typeset_signed(found.median_m, 3), format!("{:.3}", found.p95_m)),
         None => ("apart".to_owned(), String::new()),
     };
     let excluded = match report.counts.excluded_pings {
@@ -74,12 +63,7 @@ fn recorded(survey: &Survey) -> String {
         return "at a time that the log does not state".to_owned();
     };
     let clock = |time_s: f64| calendar::time_of_day(start_s + time_s)[..5].to_owned();
-    format!(
-        "{}, {} to {}",
-        long_date(start_s + begin_s),
-        clock(begin_s),
-        clock(end_s)
-    )
+    format!("{}, {} to {}", long_date(start_s + begin_s), clock(begin_s), clock(end_s))
 }
 
 /// Shallowest and deepest depth that the recorder had the bottom for.
@@ -89,9 +73,7 @@ fn depths(survey: &Survey) -> String {
         let [least, most] = span.unwrap_or([one.depth_m; 2]);
         Some([least.min(one.depth_m), most.max(one.depth_m)])
     });
-    span.map_or_else(String::new, |[least_m, most_m]| {
-        format!("{least_m:.1} to {most_m:.1}")
-    })
+    span.map_or_else(String::new, |[least_m, most_m]| format!("{least_m:.1} to {most_m:.1}"))
 }
 
 /// How the table is read, and what the crossings say.

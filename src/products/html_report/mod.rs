@@ -1,4 +1,5 @@
-//! `report.html`: one page that an analyst attaches to an e-mail, with pictures, figures, settings and warnings in it.
+//! `report.html`: one page that an analyst attaches to an e-mail, with pictures, figures, settings
+//! and warnings in it.
 //!
 //! In: results of the logs, and their report. Out: the text of one HTML file.
 //! It uses `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
@@ -11,7 +12,8 @@
 //! all --page--> one HTML file that asks for nothing from elsewhere
 //! ```
 //!
-//! Everything is drawn on the processor, so that a machine without a graphics adapter writes the same page.
+//! Everything is drawn on the processor, so that a machine without a graphics adapter writes the
+//! same page.
 
 mod chart;
 mod depth_plan;
@@ -40,7 +42,8 @@ use bathyscope_objects::objects::ObjectList;
 use bathyscope_objects::targets::PassCount;
 use std::collections::BTreeMap;
 
-/// What the report shows. Everything but the survey and its results may be missing; the report then says so.
+/// What the report shows. Everything but the survey and its results may be missing; the report then
+/// says so.
 pub(crate) struct ReportData<'a> {
     /// The logs, one or all of a survey, with what the pipeline made of them.
     pub logs: &'a [ProcessedLog],
@@ -64,9 +67,11 @@ pub(crate) struct ReportData<'a> {
     pub mosaic: Option<&'a Mosaic>,
     /// How measured depths agree.
     pub comparisons: &'a [NamedComparison],
-    /// How late the positions of each log are; empty where no track crosses another, `None` of a log whose crossings do not tell.
+    /// How late the positions of each log are; empty where no track crosses another, `None` of a
+    /// log whose crossings do not tell.
     pub latencies: &'a [Option<LogLatency>],
-    /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
+    /// Boxes with their places, and the raster that they were found in; `None` where nobody
+    /// searched.
     pub objects: Option<ReportObjects<'a>>,
     /// Files of the same run, and what they are in a few words.
     pub files: &'a [FileLine],

@@ -37,12 +37,7 @@ pub(super) fn mosaic_plan(
     let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], &address);
     let under = picture + &track(from, &frame, "#e6550d", 0.8);
     let name = "Side-scan mosaic with track and objects";
-    Ok(Some(frame.svg(
-        name,
-        &under,
-        &objects::marks(from, &frame),
-        "",
-    )))
+    Ok(Some(frame.svg(name, &under, &objects::marks(from, &frame), "")))
 }
 
 /// Levels of all cells, row by row.
@@ -81,8 +76,7 @@ pub(super) fn track(
         };
         let places = pings.iter().map(|place| {
             let track = &log.survey.track;
-            from.map
-                .place(navigation.to_lon_lat(track, place.east_m, place.north_m))
+            from.map.place(navigation.to_lon_lat(track, place.east_m, place.north_m))
         });
         frame.path(places)
     };

@@ -24,9 +24,7 @@ pub(super) fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
 /// The boxes that nobody has decided about; none without a review, when they are the targets.
 pub(super) fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
     let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
-    let boxes = reviewed
-        .into_iter()
-        .flat_map(|objects| objects.list.boxes());
+    let boxes = reviewed.into_iter().flat_map(|objects| objects.list.boxes());
     boxes.filter(|one| one.one.state == State::Proposed)
 }
 
@@ -165,7 +163,8 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
         return Ok(html + &seen_table(from, progress)?);
     }
     let mut rows: Vec<&ObjectRow<'_>> = objects.rows.iter().collect();
-    // Sightings of one object beside each other, the surest first; what has no place in the world last.
+    // Sightings of one object beside each other, the surest first; what has no place in the world
+    // last.
     let order = |row: &ObjectRow<'_>| (row.of.object.unwrap_or(u32::MAX), row.of.one.id.0);
     rows.sort_by(|a, b| {
         (order(a).0.cmp(&order(b).0))
@@ -202,7 +201,8 @@ fn not_listed(from: &ReportData<'_>) -> String {
     }
 }
 
-/// What is seen in a box, as an image of so many pixels at most; empty where its log has no pictures.
+/// What is seen in a box, as an image of so many pixels at most; empty where its log has no
+/// pictures.
 pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
     let rasters = from.objects.as_ref().map(|objects| objects.rasters);
     let raster = rasters.and_then(|rasters| rasters.get(of.log)?.as_ref());
@@ -219,8 +219,8 @@ pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> St
     )
 }
 
-/// Width of a picture on the page. In the table it is as wide as it is, up to the room; a larger room is filled, unless pixels would be
-/// larger than four, or the picture higher than wide.
+/// Width of a picture on the page. In the table it is as wide as it is, up to the room; a larger
+/// room is filled, unless pixels would be larger than four, or the picture higher than wide.
 fn shown_width(width: usize, height: usize, room: usize) -> usize {
     match room <= LISTED_WIDTH {
         true => width.min(room),

@@ -14,12 +14,8 @@ pub(super) fn rgba(pixels: &[u8], width: usize, height: usize) -> String {
     let mut png = Vec::new();
     let encoder =
         PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive);
-    let written = encoder.write_image(
-        pixels,
-        width as u32,
-        height as u32,
-        ExtendedColorType::Rgba8,
-    );
+    let written =
+        encoder.write_image(pixels, width as u32, height as u32, ExtendedColorType::Rgba8);
     address("image/png", written.is_ok().then_some(png))
 }
 

@@ -1,4 +1,5 @@
-//! The log at a glance: all echoes beside each other, port above and starboard below, with the first return.
+//! The log at a glance: all echoes beside each other, port above and starboard below, with the
+//! first return.
 
 use super::raster;
 use crate::pipeline::ProcessedLog;
@@ -22,11 +23,7 @@ pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<St
         return Ok(None);
     };
     let columns = COLUMNS.min(axis.pings);
-    let strip = ReportStrip {
-        log,
-        far_m: axis.far_m,
-        columns,
-    };
+    let strip = ReportStrip { log, far_m: axis.far_m, columns };
     let levels = Levels::of(&log.survey);
     progress.start(columns as u64);
     let drawn = (0..columns).into_par_iter().map(|column| {
@@ -68,14 +65,7 @@ impl ReportStrip<'_> {
             read += 1;
             for side in Side::BOTH {
                 let reduction = self.log.products.reduction();
-                add(
-                    &self.log.survey,
-                    reduction,
-                    ping,
-                    side,
-                    self.far_m,
-                    &mut sums,
-                );
+                add(&self.log.survey, reduction, ping, side, self.far_m, &mut sums);
             }
         }
         let shade = |sum: f32| {
@@ -129,9 +119,7 @@ impl ReportStrip<'_> {
         let mut scale = String::new();
         for side in Side::BOTH {
             for share in [0.5, 1.0] {
-                let y = self
-                    .y(side, share * self.far_m)
-                    .clamp(9.0, height as f64 - 2.0);
+                let y = self.y(side, share * self.far_m).clamp(9.0, height as f64 - 2.0);
                 let range_m = share * self.far_m;
                 scale += &format!(
                     "<text x=\"{}\" y=\"{y:.1}\" text-anchor=\"end\">{range_m:.0} m</text>\n",
@@ -168,9 +156,7 @@ fn add(
             sample.clamp(0.0, samples.len() as f64) as usize
         });
         if to > from {
-            let sum: u32 = (from..to)
-                .map(|sample| u32::from(samples.get(sample)))
-                .sum();
+            let sum: u32 = (from..to).map(|sample| u32::from(samples.get(sample))).sum();
             let place = match side {
                 Side::Port => SIDE_ROWS - 1 - row,
                 Side::Starboard => SIDE_ROWS + row,

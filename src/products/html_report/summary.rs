@@ -35,10 +35,8 @@ fn recorded(from: &ReportData<'_>) -> String {
         let formats: BTreeSet<&str> = logs().map(|survey| survey.source.format.as_str()).collect();
         let formats: Vec<&str> = formats.into_iter().collect();
         let known = || logs().filter_map(begin_s);
-        let days = [
-            known().fold(f64::INFINITY, f64::min),
-            known().fold(f64::NEG_INFINITY, f64::max),
-        ];
+        let days =
+            [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)];
         let when = match days.map(|day_s| day_s.is_finite().then(|| long_date(day_s))) {
             [Some(first), Some(last)] if first == last => format!(" on {first}"),
             [Some(first), Some(last)] => format!(" from {first} to {last}"),
@@ -67,11 +65,7 @@ fn recorded(from: &ReportData<'_>) -> String {
             )
         },
     );
-    format!(
-        "Recorded{when} ({}), {}.",
-        long_duration(end_s - begin_s),
-        xml(&survey.source.format)
-    )
+    format!("Recorded{when} ({}), {}.", long_duration(end_s - begin_s), xml(&survey.source.format))
 }
 
 fn sentences(from: &ReportData<'_>) -> String {
@@ -163,10 +157,7 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
         let sum_m: f64 = known.iter().sum();
         figures.extend([
             (format!("{least_m:.2} to {most_m:.2} m"), "depth"),
-            (
-                format!("{:.2} m", sum_m / known.len() as f64),
-                "mean depth of the mapped bottom",
-            ),
+            (format!("{:.2} m", sum_m / known.len() as f64), "mean depth of the mapped bottom"),
             (area(cell_m2 * known.len() as f64), "mapped"),
             (volume(cell_m2 * sum_m), "water above the mapped bottom"),
         ]);

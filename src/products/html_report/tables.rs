@@ -8,12 +8,8 @@ use bathyscope_log::support::printable::xml;
 
 /// Warnings in a box; nothing without any.
 pub(super) fn warnings(from: &ReportData<'_>) -> String {
-    let items: String = from
-        .report
-        .warnings
-        .iter()
-        .map(|warning| format!("<li>{}</li>", xml(warning)))
-        .collect();
+    let items: String =
+        from.report.warnings.iter().map(|warning| format!("<li>{}</li>", xml(warning))).collect();
     match items.is_empty() {
         true => String::new(),
         false => format!("<aside><b>Warnings</b><ul>{items}</ul></aside>\n"),
@@ -95,10 +91,7 @@ fn latencies(from: &ReportData<'_>) -> String {
     for (name, latency) in from.names.iter().zip(from.latencies) {
         let Some(latency) = latency else { continue };
         let advice = match latency.contradicts() {
-            true => format!(
-                "; set <code>mounting.latency_s</code> to {:.2}",
-                latency.latency_s
-            ),
+            true => format!("; set <code>mounting.latency_s</code> to {:.2}", latency.latency_s),
             false => String::new(),
         };
         html += &format!(
@@ -140,12 +133,12 @@ pub(super) fn method(from: &ReportData<'_>) -> String {
     )
 }
 
-/// What became of the corrections of positions and heights that were asked for; nothing where none was.
+/// What became of the corrections of positions and heights that were asked for; nothing where none
+/// was.
 fn corrections(from: &ReportData<'_>) -> String {
     let corrections = from.report.corrections.iter();
-    let items: String = corrections
-        .map(|one| format!("<li>{}</li>\n", xml(&one.to_string())))
-        .collect();
+    let items: String =
+        corrections.map(|one| format!("<li>{}</li>\n", xml(&one.to_string()))).collect();
     match items.is_empty() {
         true => items,
         false => format!("<p>Corrections that were asked for:</p>\n<ul>\n{items}</ul>\n"),
@@ -158,9 +151,7 @@ fn own_settings(from: &ReportData<'_>) -> String {
     let mut lines = String::new();
     for log in logs {
         for (key, value) in &log.own_settings {
-            let value = value
-                .as_ref()
-                .map_or("none".to_owned(), toml::Value::to_string);
+            let value = value.as_ref().map_or("none".to_owned(), toml::Value::to_string);
             lines += &format!("{}: {key} = {value}\n", log.log);
         }
     }
@@ -185,9 +176,7 @@ fn scale(scale: &CalibrationReport) -> String {
         )),
         _ => None,
     };
-    let header = scale
-        .header_px_per_m
-        .map(|header| format!("{header:.2} samples a metre"));
+    let header = scale.header_px_per_m.map(|header| format!("{header:.2} samples a metre"));
     let text = match (scale.mode, flat_spot, header) {
         (ScaleMode::FlatSpot, Some(flat_spot), Some(header)) => {
             format!("at a flat stretch of the bottom: {flat_spot}. The log itself states {header}")
@@ -284,13 +273,8 @@ mod tests {
     #[test]
     fn only_changed_settings_are_listed() {
         assert!(changes(&Settings::preset(Preset::Recommended)).is_empty());
-        let changed = Settings::default()
-            .with_assignment("first_return.threshold=0.41")
-            .unwrap();
-        assert_eq!(
-            changes(&changed),
-            ["first_return.threshold = 0.4099999964237213"]
-        );
+        let changed = Settings::default().with_assignment("first_return.threshold=0.41").unwrap();
+        assert_eq!(changes(&changed), ["first_return.threshold = 0.4099999964237213"]);
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! A section for each target: its picture, where it lies, how large it is, and how its height is known.
+//! A section for each target: its picture, where it lies, how large it is, and how its height is
+//! known.
 
 use super::ReportData;
 use super::objects::{is_reviewed, passes_of, picture, targets, undecided};
@@ -16,7 +17,8 @@ const MOST: usize = 60;
 /// Width of a picture on the page, pixels.
 const PICTURE_WIDTH: usize = 360;
 
-/// The sections; empty where nobody has decided about boxes and the settings do not ask for proposals.
+/// The sections; empty where nobody has decided about boxes and the settings do not ask for
+/// proposals.
 pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let with_proposals = from.products.settings.report.proposals;
     let is_reviewed = is_reviewed(from);
@@ -128,14 +130,14 @@ fn of_proposal(from: &ReportData<'_>, of: &ObjectBox) -> String {
     card(from, &title, of, &facts)
 }
 
-/// Length and width of a sighting, the height of its object, the shadow in the sighting, and the depth there.
+/// Length and width of a sighting, the height of its object, the shadow in the sighting, and the
+/// depth there.
 fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
     let units = Units::default();
     let size = match target.length_m.is_finite() && target.width_m.is_finite() {
-        true => format!(
-            "{:.2} m along the track, {:.2} m across it",
-            target.length_m, target.width_m
-        ),
+        true => {
+            format!("{:.2} m along the track, {:.2} m across it", target.length_m, target.width_m)
+        }
         false => "a point: not known".to_owned(),
     };
     let edges = match target.extent {
@@ -143,15 +145,13 @@ fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
         ObjectExtent::Found | ObjectExtent::Point => "",
     };
     facts.add("Size", &format!("{size}{edges}"));
-    facts.add(
-        "Height",
-        &units.with_sigma(height.mean_m, height.sigma_m, 2),
-    );
+    facts.add("Height", &units.with_sigma(height.mean_m, height.sigma_m, 2));
     facts.add("Shadow", &shadow(target));
     facts.add("Depth there", &units.measure(target.depth_m, 2));
 }
 
-/// `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h = H (r_e - r_t) / r_e`.
+/// `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h = H (r_e - r_t) /
+/// r_e`.
 fn shadow(target: &Target) -> String {
     let [start_m, end_m] = target.shadow_m;
     let measured = match target.measured_shadow {
@@ -188,10 +188,7 @@ fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
         Some(name) if from.logs.len() > 1 => format!("{}, ", xml(name)),
         _ => String::new(),
     };
-    let (first, last) = (
-        of.one.mark.pings.start,
-        of.one.mark.pings.end.saturating_sub(1),
-    );
+    let (first, last) = (of.one.mark.pings.start, of.one.mark.pings.end.saturating_sub(1));
     let pings = match first < last {
         true => format!("pings {first} to {last}"),
         false => format!("ping {first}"),
@@ -199,10 +196,7 @@ fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
     let side = of.one.mark.side.name();
     facts.add(
         "Picture",
-        &format!(
-            "{log}box {}, {side}, {pings}; the boat is to the left",
-            of.one.id.0
-        ),
+        &format!("{log}box {}, {side}, {pings}; the boat is to the left", of.one.id.0),
     );
 }
 

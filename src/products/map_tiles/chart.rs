@@ -1,4 +1,5 @@
-//! Isobaths with their depths over the colours of a tile, for plotters, which draw no lines of their own.
+//! Isobaths with their depths over the colours of a tile, for plotters, which draw no lines of
+//! their own.
 
 use super::TILE_PIXELS;
 use super::label;
@@ -6,26 +7,10 @@ use super::stroke::{TilePen, stroke};
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 
 /// Under a line and a number, so that they show on dark ground.
-const HALO: TilePen = TilePen {
-    width: 2.8,
-    rgb: [255, 255, 255],
-    opacity: 0.35,
-};
-const LINE: TilePen = TilePen {
-    width: 1.1,
-    rgb: [16, 32, 64],
-    opacity: 0.85,
-};
-const NUMBER_HALO: TilePen = TilePen {
-    width: 4.6,
-    opacity: 0.85,
-    ..HALO
-};
-const NUMBER: TilePen = TilePen {
-    width: 1.3,
-    opacity: 1.0,
-    ..LINE
-};
+const HALO: TilePen = TilePen { width: 2.8, rgb: [255, 255, 255], opacity: 0.35 };
+const LINE: TilePen = TilePen { width: 1.1, rgb: [16, 32, 64], opacity: 0.85 };
+const NUMBER_HALO: TilePen = TilePen { width: 4.6, opacity: 0.85, ..HALO };
+const NUMBER: TilePen = TilePen { width: 1.3, opacity: 1.0, ..LINE };
 /// Lines shorter than this in the tile have no number, pixels.
 const LEAST_LABELLED: f64 = 70.0;
 /// Numbers are at least so far from each other, pixels.
@@ -35,7 +20,8 @@ const SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
 /// A line under a number is straight enough when its ends are so much of its length apart.
 const STRAIGHT: f64 = 0.92;
 
-/// Draws lines, given in pixels of the tile, over its picture. A number lies wholly in its tile: neighbours know nothing of it.
+/// Draws lines, given in pixels of the tile, over its picture. A number lies wholly in its tile:
+/// neighbours know nothing of it.
 pub(super) fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &IsobathSettings) {
     let points = || lines.iter().map(|line| line.points.as_slice());
     stroke(picture, points(), HALO);
@@ -49,9 +35,8 @@ pub(super) fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &Is
 /// The strokes of all numbers, those of the longest lines first.
 fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> {
     let lengths = lines.iter().map(|line| (line.length_m(), line));
-    let mut longest: Vec<(f64, &Isobath)> = lengths
-        .filter(|(length, _)| *length >= LEAST_LABELLED)
-        .collect();
+    let mut longest: Vec<(f64, &Isobath)> =
+        lengths.filter(|(length, _)| *length >= LEAST_LABELLED).collect();
     longest.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (mut taken, mut strokes): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
     for (length, line) in longest {
@@ -61,10 +46,7 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
             let inside = at
                 .iter()
                 .all(|place| (half + 2.0..TILE_PIXELS as f64 - half - 2.0).contains(place));
-            inside
-                && taken
-                    .iter()
-                    .all(|other| (other[0] - at[0]).hypot(other[1] - at[1]) > APART)
+            inside && taken.iter().all(|other| (other[0] - at[0]).hypot(other[1] - at[1]) > APART)
         };
         let place = SHARES.iter().find_map(|share| {
             let [before, middle, behind] =
@@ -101,10 +83,7 @@ mod tests {
     use bathyscope_bottom::presentation::units::LengthUnit;
 
     fn line(points: &[[f64; 2]]) -> Isobath {
-        Isobath {
-            depth_m: 2.5,
-            points: points.to_vec(),
-        }
+        Isobath { depth_m: 2.5, points: points.to_vec() }
     }
 
     #[test]
@@ -113,15 +92,9 @@ mod tests {
         let metres = IsobathSettings::default();
         let drawn = numbers(std::slice::from_ref(&straight), &metres);
         assert_eq!(drawn.len(), 3);
-        let feet = IsobathSettings {
-            unit: LengthUnit::Feet,
-            ..metres.clone()
-        };
+        let feet = IsobathSettings { unit: LengthUnit::Feet, ..metres.clone() };
         // Of 3.048 m, in feet: a one and a nought, no point.
-        let ten_feet = Isobath {
-            depth_m: 3.048,
-            ..straight.clone()
-        };
+        let ten_feet = Isobath { depth_m: 3.048, ..straight.clone() };
         assert_eq!(numbers(&[ten_feet], &feet).len(), 2);
         let inside = |place: &f64| (0.0..256.0).contains(place);
         assert!(drawn.iter().flatten().flatten().all(inside));
@@ -129,10 +102,7 @@ mod tests {
             numbers(&[line(&[[100.0, 100.0], [140.0, 100.0]])], &metres).is_empty(),
             "too short"
         );
-        assert!(
-            numbers(&[line(&[[0.0, 3.0], [256.0, 3.0]])], &metres).is_empty(),
-            "at the edge"
-        );
+        assert!(numbers(&[line(&[[0.0, 3.0], [256.0, 3.0]])], &metres).is_empty(), "at the edge");
         let beside = line(&[[0.0, 145.0], [256.0, 175.0]]);
         // The second finds another place along its line, farther from the first.
         assert_eq!(numbers(&[straight, beside], &metres).len(), 6);

@@ -118,11 +118,7 @@ const FIGURES: [(char, f64, &[[f64; 2]]); 11] = [
             [2.0, 2.8],
         ],
     ),
-    (
-        '.',
-        0.7,
-        &[[0.1, 5.4], [0.6, 5.4], [0.6, 5.9], [0.1, 5.9], [0.1, 5.4]],
-    ),
+    ('.', 0.7, &[[0.1, 5.4], [0.6, 5.4], [0.6, 5.9], [0.1, 5.9], [0.1, 5.4]]),
     ('-', 2.8, &[[0.2, 3.2], [2.6, 3.2]]),
 ];
 
@@ -139,14 +135,12 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
 
 /// Pixels that a number is long.
 pub(super) fn width(text: &str) -> f64 {
-    let widths = text
-        .chars()
-        .filter_map(figure)
-        .map(|(_, width)| width + SPACE);
+    let widths = text.chars().filter_map(figure).map(|(_, width)| width + SPACE);
     (widths.sum::<f64>() - SPACE).max(0.0) * SCALE
 }
 
-/// The strokes of a number about its middle, turned into the direction of a line but never upside down; pixels.
+/// The strokes of a number about its middle, turned into the direction of a line but never upside
+/// down; pixels.
 pub(super) fn strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let length = direction[0].hypot(direction[1]).max(f64::MIN_POSITIVE);
     let sign = if direction[0] < 0.0 { -1.0 } else { 1.0 };
@@ -155,10 +149,7 @@ pub(super) fn strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<
     let drawn = text.chars().filter_map(figure).map(|(points, width)| {
         let placed = points.iter().map(|[right, down]| {
             let (along, across) = (left + SCALE * right, SCALE * (down - 3.0));
-            [
-                x + along * cos - across * sin,
-                y + along * sin + across * cos,
-            ]
+            [x + along * cos - across * sin, y + along * sin + across * cos]
         });
         let placed = placed.collect();
         left += SCALE * (width + SPACE);
@@ -177,11 +168,9 @@ mod tests {
         let middle = |direction| {
             let points: Vec<[f64; 2]> = strokes("808", [100.0, 50.0], direction).concat();
             let ends = |axis: usize| {
-                points
-                    .iter()
-                    .fold([f64::MAX, f64::MIN], |[least, most], point| {
-                        [least.min(point[axis]), most.max(point[axis])]
-                    })
+                points.iter().fold([f64::MAX, f64::MIN], |[least, most], point| {
+                    [least.min(point[axis]), most.max(point[axis])]
+                })
             };
             [ends(0), ends(1)]
         };

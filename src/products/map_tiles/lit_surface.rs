@@ -15,15 +15,12 @@ pub(crate) struct LitSurface<'a> {
 impl<'a> LitSurface<'a> {
     /// Lit as `light` says, which the shade was made under.
     pub(crate) fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
-        Self {
-            surface,
-            shade,
-            level_ground: f32::from(light.level_ground()),
-        }
+        Self { surface, shade, level_ground: f32::from(light.level_ground()) }
     }
 
-    /// What is known at a place, metres east and north: the depth between the centres of cells, or that of its cell where one of its
-    /// neighbours has none. Ground whose slope is unknown is as bright as level ground.
+    /// What is known at a place, metres east and north: the depth between the centres of cells, or
+    /// that of its cell where one of its neighbours has none. Ground whose slope is unknown is as
+    /// bright as level ground.
     pub(crate) fn at(&self, place: [f64; 2]) -> Option<Pixel> {
         let cell = self.surface.grid.index_at(place[0], place[1])?;
         let of_cell = self.surface.depth_m.get(cell).copied();
@@ -45,13 +42,7 @@ mod tests {
 
     #[test]
     fn a_place_has_the_depth_and_the_light_of_the_map() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 5.0,
-            cell_m: 1.0,
-            columns: 5,
-            rows: 5,
-        };
+        let grid = Grid { west_m: 0.0, north_m: 5.0, cell_m: 1.0, columns: 5, rows: 5 };
         let mut depth_m: Vec<f32> = (0..25).map(|cell| 2.0 + 0.1 * (cell % 5) as f32).collect();
         depth_m[24] = f32::NAN;
         let surface = Surface::of_depths(grid, depth_m);

@@ -1,4 +1,5 @@
-//! A depth map as the square pictures that web maps and plotters show: Web Mercator, 256 pixels a side, each zoom twice as fine as the one before.
+//! A depth map as the square pictures that web maps and plotters show: Web Mercator, 256 pixels a
+//! side, each zoom twice as fine as the one before.
 //!
 //! In: a depth map, or the parts of one. Out: the pictures of the tiles of each zoom.
 //! It uses `bottom` and `support`.
@@ -7,9 +8,11 @@
 //! depths of a run or an archive --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths
 //! ```
 //!
-//! `web_tile` says where tiles lie, `pixel_places` where their pixels do in the plane of a map, `lit_surface` what is known at a place, `pixels` holds what is known of a tile and colours it, `chart` draws isobaths over that, their depths by `label`
-//! and both by `stroke`; `pyramid` walks from the finest zoom to the coarsest, so that no more than a few tiles are in memory. A source may keep
-//! parts of its map, so that what did not change is not drawn again.
+//! `web_tile` says where tiles lie, `pixel_places` where their pixels do in the plane of a map,
+//! `lit_surface` what is known at a place, `pixels` holds what is known of a tile and colours it,
+//! `chart` draws isobaths over that, their depths by `label` and both by `stroke`; `pyramid` walks
+//! from the finest zoom to the coarsest, so that no more than a few tiles are in memory. A source
+//! may keep parts of its map, so that what did not change is not drawn again.
 
 mod chart;
 mod label;

@@ -3,14 +3,15 @@
 use super::web_tile::{TILE_PIXELS, WebTile};
 use bathyscope_log::support::geo::LonLat;
 
-/// Pixels between two places of the lattice. A projection bends so little over them that a place between is off by a millionth of a pixel
-/// where a pixel is some decimetres long: by `16^2 / 8` of a pixel times its length over the earth's radius.
+/// Pixels between two places of the lattice. A projection bends so little over them that a place
+/// between is off by a millionth of a pixel where a pixel is some decimetres long: by `16^2 / 8` of
+/// a pixel times its length over the earth's radius.
 const STEP: usize = 16;
 /// Places of the lattice along a side.
 const PLACES: usize = TILE_PIXELS / STEP + 1;
 
-/// The middles of a tile's pixels in a plane: projected on a lattice, and linear between its places. A projection at every pixel took
-/// four fifths of the time that a tile takes.
+/// The middles of a tile's pixels in a plane: projected on a lattice, and linear between its
+/// places. A projection at every pixel took four fifths of the time that a tile takes.
 pub(crate) struct PixelPlaces {
     /// Row by row from the north-west, metres.
     lattice: Vec<[f64; 2]>,
@@ -23,9 +24,7 @@ impl PixelPlaces {
             let pixel = [place % PLACES, place / PLACES].map(|number| (STEP * number) as f64);
             project(tile.place(pixel))
         });
-        Self {
-            lattice: lattice.collect(),
-        }
+        Self { lattice: lattice.collect() }
     }
 
     /// The middle of a pixel, given as its column and row, metres east and north.
@@ -49,7 +48,8 @@ mod tests {
     use crate::map_tiles::web_pixel;
     use bathyscope_log::support::geo::UtmZone;
 
-    /// How far a place of a pixel is off at most, in pixels, in the tile of a zoom that holds a place.
+    /// How far a place of a pixel is off at most, in pixels, in the tile of a zoom that holds a
+    /// place.
     fn off(at: LonLat, zoom: u8) -> f64 {
         let tile = WebTile::at_pixel(web_pixel(at, zoom), zoom);
         let zone = UtmZone::of(at);

@@ -27,19 +27,15 @@ impl Pixels {
         Self::collect(pixels)
     }
 
-    /// The tile that four of the next zoom make (in the order of [`WebTile::children`]): each pixel is the mean of what is known of four.
+    /// The tile that four of the next zoom make (in the order of [`WebTile::children`]): each pixel
+    /// is the mean of what is known of four.
     pub(crate) fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
         const HALF: usize = TILE_PIXELS / 2;
         let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
             let (column, row) = (pixel % TILE_PIXELS, pixel / TILE_PIXELS);
             let child = children[2 * (row / HALF) + column / HALF]?;
             let first = 2 * (row % HALF) * TILE_PIXELS + 2 * (column % HALF);
-            let four = [
-                first,
-                first + 1,
-                first + TILE_PIXELS,
-                first + TILE_PIXELS + 1,
-            ];
+            let four = [first, first + 1, first + TILE_PIXELS, first + TILE_PIXELS + 1];
             child.mean(four)
         });
         Self::collect(pixels)
@@ -54,11 +50,7 @@ impl Pixels {
     }
 
     fn mean(&self, pixels: [usize; 4]) -> Option<Pixel> {
-        let known = || {
-            pixels
-                .iter()
-                .filter(|pixel| !self.depth_m[**pixel].is_nan())
-        };
+        let known = || pixels.iter().filter(|pixel| !self.depth_m[**pixel].is_nan());
         let count = known().count() as f32;
         (count > 0.0).then(|| Pixel {
             depth_m: known().map(|pixel| self.depth_m[*pixel]).sum::<f32>() / count,
@@ -83,13 +75,14 @@ impl Pixels {
         Some(Self { depth_m, light })
     }
 
-    /// Colours of depth, lit; clear where nothing is known. Red, green, blue and opacity of each pixel.
+    /// Colours of depth, lit; clear where nothing is known. Red, green, blue and opacity of each
+    /// pixel.
     pub fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
         self.rgba(|pixel| lit_depth_colour(pixel.depth_m, range_m, pixel.light))
     }
 
-    /// Elevations (minus the depths) in the encoding that is called Terrarium: red * 256 + green + blue / 256 - 32768 metres; clear where
-    /// nothing is known.
+    /// Elevations (minus the depths) in the encoding that is called Terrarium: red * 256 + green +
+    /// blue / 256 - 32768 metres; clear where nothing is known.
     pub fn elevations(&self) -> Vec<u8> {
         self.rgba(|pixel| {
             let steps = (256.0 * (32_768.0 - f64::from(pixel.depth_m))).round();
@@ -116,10 +109,7 @@ mod tests {
     use super::*;
 
     fn sloped([column, _]: [usize; 2]) -> Option<Pixel> {
-        Some(Pixel {
-            depth_m: 2.0 + 1e-2 * column as f32,
-            light: 1.0,
-        })
+        Some(Pixel { depth_m: 2.0 + 1e-2 * column as f32, light: 1.0 })
     }
 
     #[test]

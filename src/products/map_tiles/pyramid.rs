@@ -57,12 +57,14 @@ pub trait PyramidSource: Sync {
     /// # Errors
     /// When it cannot be read.
     fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>>;
-    /// The isobaths in a tile of the finest zoom, cut at its edges, in pixels of that zoom from the north-west of the whole earth.
+    /// The isobaths in a tile of the finest zoom, cut at its edges, in pixels of that zoom from the
+    /// north-west of the whole earth.
     ///
     /// # Errors
     /// When they cannot be read.
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>>;
-    /// A part of the map as it was drawn before, where it would be drawn the same now; the source need not keep any.
+    /// A part of the map as it was drawn before, where it would be drawn the same now; the source
+    /// need not keep any.
     fn kept(&self, _tile: WebTile) -> Option<MapPart> {
         None
     }
@@ -103,17 +105,21 @@ impl MapPart {
     }
 }
 
-/// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are 0.5 m, about as long as a tile of an archive:
-/// smaller ones would be too many files, and of larger ones too much would be drawn anew when a tile changes.
+/// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are
+/// 0.5 m, about as long as a tile of an archive: smaller ones would be too many files, and of
+/// larger ones too much would be drawn anew when a tile changes.
 const PART_ZOOMS: u8 = 2;
 
-/// Isobaths that are left, by how many zooms a tile is coarser than the finest: every one, every second, every fifth.
+/// Isobaths that are left, by how many zooms a tile is coarser than the finest: every one, every
+/// second, every fifth.
 const EVERY: [i64; 9] = [1, 1, 2, 2, 5, 5, 10, 10, 20];
-/// Points of a line are at least so far from each other, and a line is at least so long, pixels of its zoom.
+/// Points of a line are at least so far from each other, and a line is at least so long, pixels of
+/// its zoom.
 const LEAST_STEP: f64 = 0.5;
 const LEAST_LENGTH: f64 = 4.0;
 
-/// Makes the pictures of all tiles with something known, and hands each over as PNG, from several threads and in no order.
+/// Makes the pictures of all tiles with something known, and hands each over as PNG, from several
+/// threads and in no order.
 ///
 /// # Errors
 /// What the source or the taker says, or that the work was cancelled.
@@ -124,16 +130,10 @@ pub fn pyramid(
 ) -> io::Result<()> {
     let zooms = source.scales().zooms;
     progress.start(zooms.tiles(zooms.finest).len() as u64);
-    let pyramid = Pyramid {
-        source,
-        zooms,
-        interval_m: source.scales().interval_m(),
-        progress,
-        keep,
-    };
+    let pyramid =
+        Pyramid { source, zooms, interval_m: source.scales().interval_m(), progress, keep };
     let tops = zooms.tiles(zooms.coarsest);
-    tops.par_iter()
-        .try_for_each(|tile| pyramid.tile(*tile).map(drop))
+    tops.par_iter().try_for_each(|tile| pyramid.tile(*tile).map(drop))
 }
 
 type Keep<'a> = &'a (dyn Fn(TileStyle, WebTile, Vec<u8>) -> io::Result<()> + Sync);
@@ -184,14 +184,9 @@ impl<S: PyramidSource> Pyramid<'_, S> {
             pictures.push((picture, tile, bytes));
             Ok(())
         };
-        let inner = Pyramid {
-            keep: &keep,
-            ..*self
-        };
+        let inner = Pyramid { keep: &keep, ..*self };
         let known = inner.drawn(tile)?;
-        let mut pictures = pictures
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut pictures = pictures.into_inner().unwrap_or_else(PoisonError::into_inner);
         // Threads hand them over in any order.
         pictures.sort_unstable_by_key(|(picture, tile, _)| (*picture, *tile));
         Ok(MapPart { known, pictures })
@@ -227,26 +222,18 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         };
         let coarser = self.zooms.finest - tile.zoom;
         let lines = known.into_iter().flatten().flat_map(|one| one.lines);
-        let lines = joined(
-            lines
-                .filter(|line| self.is_shown(line.depth_m, coarser))
-                .collect(),
-        );
+        let lines = joined(lines.filter(|line| self.is_shown(line.depth_m, coarser)).collect());
         let pixel = f64::from(1_u32 << coarser);
-        let thinned = lines
-            .into_iter()
-            .map(|line| thinned(line, LEAST_STEP * pixel));
-        let lines = thinned
-            .filter(|line| line.length_m() >= LEAST_LENGTH * pixel)
-            .collect();
+        let thinned = lines.into_iter().map(|line| thinned(line, LEAST_STEP * pixel));
+        let lines = thinned.filter(|line| line.length_m() >= LEAST_LENGTH * pixel).collect();
         Ok(Some(KnownTile { pixels, lines }))
     }
 
-    /// Whether an isobath is still drawn at a coarser zoom: multiples of so many intervals; all where they are not evenly apart.
+    /// Whether an isobath is still drawn at a coarser zoom: multiples of so many intervals; all
+    /// where they are not evenly apart.
     fn is_shown(&self, depth_m: f64, coarser: u8) -> bool {
         let every = EVERY[usize::from(coarser).min(EVERY.len() - 1)];
-        self.interval_m
-            .is_none_or(|interval_m| (depth_m / interval_m).round() as i64 % every == 0)
+        self.interval_m.is_none_or(|interval_m| (depth_m / interval_m).round() as i64 % every == 0)
     }
 
     fn pictures(&self, tile: WebTile, known: &KnownTile) -> io::Result<()> {
@@ -259,11 +246,8 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         let ([west, north], side) = tile.corner_at(self.zooms.finest);
         let scale = TILE_PIXELS as f64 / side;
         let in_tile = |line: &Isobath| Isobath {
-            points: (line
-                .points
-                .iter()
-                .map(|[x, y]| [scale * (x - west), scale * (y - north)]))
-            .collect(),
+            points: (line.points.iter().map(|[x, y]| [scale * (x - west), scale * (y - north)]))
+                .collect(),
             ..*line
         };
         let lines: Vec<Isobath> = known.lines.iter().map(in_tile).collect();
@@ -283,14 +267,12 @@ fn thinned(line: Isobath, least: f64) -> Isobath {
             points.push(point);
         }
     }
-    Isobath {
-        depth_m: line.depth_m,
-        points,
-    }
+    Isobath { depth_m: line.depth_m, points }
 }
 
-/// The picture of a tile as PNG. Compression as usual took as long as all else of a map: this takes a tenth of that for colours, a third for
-/// elevations, which the fastest would make twice as long, and files are an eighth to a quarter longer.
+/// The picture of a tile as PNG. Compression as usual took as long as all else of a map: this takes
+/// a tenth of that for colours, a third for elevations, which the fastest would make twice as long,
+/// and files are an eighth to a quarter longer.
 fn png(rgba: &[u8], style: TileStyle) -> ImageResult<Vec<u8>> {
     let (compression, filter) = match style {
         TileStyle::Colours | TileStyle::Chart => (CompressionType::Fast, FilterType::Adaptive),
@@ -316,7 +298,8 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Mutex;
 
-    /// A bed that sinks eastwards by a metre from one edge of a box to the other, with an isobath in the middle; it keeps its parts.
+    /// A bed that sinks eastwards by a metre from one edge of a box to the other, with an isobath
+    /// in the middle; it keeps its parts.
     struct Slope {
         scales: MapScales,
         parts: Mutex<BTreeMap<WebTile, MapPart>>,
@@ -346,26 +329,17 @@ mod tests {
             };
             Ok(Pixels::draw(|pixel| {
                 let at = tile.place(pixel.map(|number| number as f64 + 0.5));
-                inside(&at).then(|| Pixel {
-                    depth_m: depth_m(at),
-                    light: 1.0,
-                })
+                inside(&at).then(|| Pixel { depth_m: depth_m(at), light: 1.0 })
             }))
         }
 
         fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
             let middle_deg = 0.5 * (BOX[0] + BOX[2]);
             let points = [BOX[1], BOX[3]].map(|lat_deg| {
-                let at = LonLat {
-                    lon_deg: middle_deg,
-                    lat_deg,
-                };
+                let at = LonLat { lon_deg: middle_deg, lat_deg };
                 web_pixel(at, self.scales.zooms.finest)
             });
-            let line = Isobath {
-                depth_m: 2.5,
-                points: points.to_vec(),
-            };
+            let line = Isobath { depth_m: 2.5, points: points.to_vec() };
             Ok(clipped(&line, tile.pixel_bounds(self.scales.zooms.finest)))
         }
 
@@ -413,9 +387,7 @@ mod tests {
             let mut lined = 0;
             for tile in zooms.tiles(zoom) {
                 let of = |picture| {
-                    image::load_from_memory(&pictures[&(picture, tile)])
-                        .unwrap()
-                        .to_rgba8()
+                    image::load_from_memory(&pictures[&(picture, tile)]).unwrap().to_rgba8()
                 };
                 let [colours, chart, elevations] =
                     [TileStyle::Colours, TileStyle::Chart, TileStyle::Elevations].map(of);
@@ -479,21 +451,11 @@ mod tests {
             keep: &keep,
         };
         let shown = |coarser: u8| {
-            (0..40)
-                .filter(|step| pyramid.is_shown(0.5 * f64::from(*step), coarser))
-                .count()
+            (0..40).filter(|step| pyramid.is_shown(0.5 * f64::from(*step), coarser)).count()
         };
-        assert_eq!(
-            [shown(0), shown(2), shown(4), shown(7), shown(30)],
-            [40, 20, 8, 4, 2]
-        );
-        let line = Isobath {
-            depth_m: 1.0,
-            points: vec![[0.0, 0.0], [0.1, 0.0], [0.6, 0.0], [0.7, 0.0]],
-        };
-        assert_eq!(
-            thinned(line, 0.5).points,
-            [[0.0, 0.0], [0.6, 0.0], [0.7, 0.0]]
-        );
+        assert_eq!([shown(0), shown(2), shown(4), shown(7), shown(30)], [40, 20, 8, 4, 2]);
+        let line =
+            Isobath { depth_m: 1.0, points: vec![[0.0, 0.0], [0.1, 0.0], [0.6, 0.0], [0.7, 0.0]] };
+        assert_eq!(thinned(line, 0.5).points, [[0.0, 0.0], [0.6, 0.0], [0.7, 0.0]]);
     }
 }

@@ -13,7 +13,8 @@ pub(super) struct TilePen {
     pub opacity: f64,
 }
 
-/// Draws lines, given in pixels of the tile, over its picture (red, green, blue, opacity). Where lines meet nothing is drawn twice.
+/// Draws lines, given in pixels of the tile, over its picture (red, green, blue, opacity). Where
+/// lines meet nothing is drawn twice.
 pub(super) fn stroke<'a>(
     picture: &mut [u8],
     lines: impl Iterator<Item = &'a [[f64; 2]]>,
@@ -82,17 +83,9 @@ mod tests {
     #[test]
     fn a_line_covers_its_pixels_once_and_shows_on_a_clear_picture() {
         let mut picture = vec![0; 4 * TILE_PIXELS * TILE_PIXELS];
-        let pen = TilePen {
-            width: 2.0,
-            rgb: [200, 100, 0],
-            opacity: 0.5,
-        };
+        let pen = TilePen { width: 2.0, rgb: [200, 100, 0], opacity: 0.5 };
         let lines = [[[10.0, 20.0], [40.0, 20.0]], [[40.0, 20.0], [10.0, 20.0]]];
-        stroke(
-            &mut picture,
-            lines.iter().map(<[[f64; 2]; 2]>::as_slice),
-            pen,
-        );
+        stroke(&mut picture, lines.iter().map(<[[f64; 2]; 2]>::as_slice), pen);
         let at = |column: usize, row: usize| &picture[4 * (row * TILE_PIXELS + column)..][..4];
         assert_eq!(at(20, 19), [200, 100, 0, 128]);
         assert_eq!(at(20, 20), [200, 100, 0, 128]);

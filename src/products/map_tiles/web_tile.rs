@@ -5,11 +5,13 @@ use bathyscope_log::support::geo::{LonLat, web_mercator, web_mercator_inverse};
 /// Pixels along a side of a tile.
 pub(crate) const TILE_PIXELS: usize = 256;
 
-/// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of its sphere.
+/// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of
+/// its sphere.
 const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;
 /// No zoom is finer: a pixel is some 4 cm.
 const FINEST_ZOOM: u8 = 22;
-/// At the coarsest zoom the map is at least about so many pixels long, or what fits into a tile of zoom 0.
+/// At the coarsest zoom the map is at least about so many pixels long, or what fits into a tile of
+/// zoom 0.
 const LEAST_PIXELS: f64 = 32.0;
 
 /// A tile: its zoom, its column from the west, and its row from the north.
@@ -39,14 +41,11 @@ impl WebTile {
     pub(crate) fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
         let last = (1_u32 << zoom) - 1;
         let number = |pixels: f64| ((pixels / TILE_PIXELS as f64) as u32).min(last);
-        Self {
-            zoom,
-            x: number(x),
-            y: number(y),
-        }
+        Self { zoom, x: number(x), y: number(y) }
     }
 
-    /// The four tiles of the next zoom that it is made of: north-west, north-east, south-west, south-east.
+    /// The four tiles of the next zoom that it is made of: north-west, north-east, south-west,
+    /// south-east.
     pub fn children(&self) -> [Self; 4] {
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[east, south]| Self {
             zoom: self.zoom + 1,
@@ -58,14 +57,11 @@ impl WebTile {
     /// Its north-west corner in pixels of a zoom, its own or a finer one, and its side there.
     pub(crate) fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
         let side = TILE_PIXELS as f64 * f64::from(1_u32 << zoom.saturating_sub(self.zoom));
-        (
-            [self.x, self.y].map(|number| f64::from(number) * side),
-            side,
-        )
+        ([self.x, self.y].map(|number| f64::from(number) * side), side)
     }
 
-    /// Its edges in pixels of a zoom, its own or a finer one: least and most from the west and from the north, in the order of
-    /// [`bathyscope_bottom::bathymetry::isobaths::clipped`].
+    /// Its edges in pixels of a zoom, its own or a finer one: least and most from the west and from
+    /// the north, in the order of [`bathyscope_bottom::bathymetry::isobaths::clipped`].
     pub(crate) fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
         let ([west, north], side) = self.corner_at(zoom);
         [west, north, west + side, north + side]
@@ -82,15 +78,11 @@ impl WebTile {
     pub fn bounds_deg(&self) -> [f64; 4] {
         let side = TILE_PIXELS as f64;
         let [north_west, south_east] = [[0.0, 0.0], [side, side]].map(|corner| self.place(corner));
-        [
-            north_west.lon_deg,
-            south_east.lat_deg,
-            south_east.lon_deg,
-            north_west.lat_deg,
-        ]
+        [north_west.lon_deg, south_east.lat_deg, south_east.lon_deg, north_west.lat_deg]
     }
 
-    /// Its number along Hilbert's curve behind all tiles of coarser zooms, which is how PMTiles orders tiles: neighbours lie near each other.
+    /// Its number along Hilbert's curve behind all tiles of coarser zooms, which is how PMTiles
+    /// orders tiles: neighbours lie near each other.
     pub(crate) fn hilbert_id(&self) -> u64 {
         let coarser = ((1_u64 << (2 * u32::from(self.zoom))) - 1) / 3;
         let (mut x, mut y) = (u64::from(self.x), u64::from(self.y));
@@ -126,7 +118,8 @@ pub struct ZoomRange {
 }
 
 impl ZoomRange {
-    /// From the zoom at which the map is a few pixels long to that whose pixels are no longer than a cell.
+    /// From the zoom at which the map is a few pixels long to that whose pixels are no longer than
+    /// a cell.
     pub(crate) fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
         let [west, south, east, north] = bounds_deg;
         let middle_deg = 0.5 * (south + north);
@@ -137,11 +130,7 @@ impl ZoomRange {
             .map(|[lon_deg, lat_deg]| web_pixel(LonLat { lon_deg, lat_deg }, finest));
         let longer = (x1 - x0).max(y1 - y0);
         let zooms = (longer / LEAST_PIXELS).log2().floor().max(0.0) as u8;
-        Self {
-            coarsest: finest.saturating_sub(zooms),
-            finest,
-            bounds_deg,
-        }
+        Self { coarsest: finest.saturating_sub(zooms), finest, bounds_deg }
     }
 
     /// The tiles of a zoom over the map.
@@ -151,8 +140,7 @@ impl ZoomRange {
             WebTile::at_pixel(web_pixel(LonLat { lon_deg, lat_deg }, zoom), zoom)
         });
         let rows = first.y..=last.y;
-        rows.flat_map(|y| (first.x..=last.x).map(move |x| WebTile { zoom, x, y }))
-            .collect()
+        rows.flat_map(|y| (first.x..=last.x).map(move |x| WebTile { zoom, x, y })).collect()
     }
 }
 
@@ -182,10 +170,7 @@ mod tests {
 
     #[test]
     fn a_place_lies_in_its_tile_and_comes_back_from_its_pixel() {
-        let at = LonLat {
-            lon_deg: -111.48,
-            lat_deg: 36.86,
-        };
+        let at = LonLat { lon_deg: -111.48, lat_deg: 36.86 };
         let pixel = web_pixel(at, 18);
         let tile = WebTile::at_pixel(pixel, 18);
         // mercantile 1.2.1: tile(-111.48, 36.86, 18).
@@ -199,20 +184,14 @@ mod tests {
         let meets = |bounds_deg| boxes_meet(tile.bounds_deg(), bounds_deg);
         assert!(meets([-111.48, 36.86, -111.48, 36.86]));
         assert!(!meets([-111.0, 36.86, -110.9, 36.87]));
-        assert!(
-            tile.children()
-                .iter()
-                .all(|child| child.corner_at(20).0[0] >= 4.0 * west)
-        );
+        assert!(tile.children().iter().all(|child| child.corner_at(20).0[0] >= 4.0 * west));
     }
 
     #[test]
     fn the_finest_pixel_is_no_longer_than_a_cell() {
         let range = ZoomRange::of_map([-111.49, 36.85, -111.48, 36.86], 0.5);
         assert_eq!(range.finest, 18);
-        let tiles: Vec<usize> = (range.coarsest..=18)
-            .map(|zoom| range.tiles(zoom).len())
-            .collect();
+        let tiles: Vec<usize> = (range.coarsest..=18).map(|zoom| range.tiles(zoom).len()).collect();
         assert!(tiles[0] <= 4 && tiles[tiles.len() - 1] > 30, "{tiles:?}");
         let tiny = ZoomRange::of_map([0.0, 0.0, 1e-7, 1e-7], 0.1);
         assert_eq!(tiny.coarsest, tiny.finest);

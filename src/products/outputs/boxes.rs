@@ -1,4 +1,5 @@
-//! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
+//! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures
+//! with labels, for training.
 
 use super::logs::{log_names, survey_name};
 use super::objects::{all_rows, find_shapes, target_rows};
@@ -53,18 +54,22 @@ struct LogBoxes<'a> {
     tiles: Vec<ReviewedTile>,
 }
 
-/// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing; `review` has what was decided about each log,
-/// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.gpkg` those of targets ([`ObjectList::is_target`]), `objects.kml` and `objects.gpx` a point for
-/// each target, `shapes.ply` the solids that those are like; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
-/// each decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are trained on
-/// ([`export::DatasetFolder`]); a whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
-/// label: a hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC `difficult`).
-/// Of several logs each has its review, `NAME.review.json`, and its data set, `dataset/NAME`.
-/// Pictures of an earlier export of the same log are replaced.
+/// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing;
+/// `review` has what was decided about each log, if anything. `objects.csv` and `objects.geojson`
+/// have every box with its state, `objects.gpkg` those of targets ([`ObjectList::is_target`]),
+/// `objects.kml` and `objects.gpx` a point for each target, `shapes.ply` the solids that those are
+/// like; sightings of one object in whatever log have its number. Beside them lie the review
+/// itself, and `dataset/` with a picture around each decided box and its labels as YOLO, COCO and
+/// Pascal VOC, in the layout that detectors are trained on ([`export::DatasetFolder`]); a whole log
+/// is one part of it, for its pictures overlap. A picture in which all was rejected has no label: a
+/// hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC
+/// `difficult`). Of several logs each has its review, `NAME.review.json`, and its data set,
+/// `dataset/NAME`. Pictures of an earlier export of the same log are replaced.
 ///
 /// # Errors
-/// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only; a log that was cut or changed
-/// meanwhile is named when the files are written, and their pictures may show it as it is now.
+/// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole
+/// files only; a log that was cut or changed meanwhile is named when the files are written, and
+/// their pictures may show it as it is now.
 pub fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,
@@ -77,17 +82,10 @@ pub fn write_boxes(
         let review = &*review.as_ref()?.review;
         let raster = Raster::new(&log.survey, &log.products.navigation, PIXEL_M);
         let tiles = review.tiles(&raster);
-        Some(LogBoxes {
-            index,
-            log,
-            review,
-            raster,
-            tiles,
-        })
+        Some(LogBoxes { index, log, review, raster, tiles })
     };
-    let boxes: Vec<LogBoxes<'_>> = (logs.iter().zip(&review.logs).enumerate())
-        .filter_map(of_log)
-        .collect();
+    let boxes: Vec<LogBoxes<'_>> =
+        (logs.iter().zip(&review.logs).enumerate()).filter_map(of_log).collect();
     if boxes.is_empty() {
         return Err("there are no boxes to write".into());
     }
@@ -97,11 +95,7 @@ pub fn write_boxes(
     let list = list_objects(logs, review, progress)?;
     let names = log_names(logs);
     tables(logs, &names, &list, folder, progress)?;
-    let mut written = BoxesWritten {
-        boxes: list.boxes().len(),
-        pictures: 0,
-        negatives: 0,
-    };
+    let mut written = BoxesWritten { boxes: list.boxes().len(), pictures: 0, negatives: 0 };
     for one in &boxes {
         let (root, review) = match logs {
             [_] => (folder.join(DATASET), folder.join(REVIEW)),
@@ -135,10 +129,7 @@ fn tables(
     progress: &Progress,
 ) -> Result<(), OutputError> {
     let named: Vec<ObjectLog<'_>> = (names.iter().zip(logs))
-        .map(|(name, log)| ObjectLog {
-            name,
-            survey: &log.survey,
-        })
+        .map(|(name, log)| ObjectLog { name, survey: &log.survey })
         .collect();
     let shapes = find_shapes(list, logs, progress)?;
     let rows = all_rows(list, &shapes, logs);

@@ -1,4 +1,5 @@
-//! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
+//! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by
+//! point.
 
 use super::content::{FileContent, FileResult};
 use super::logs::{log_names, log_points};
@@ -81,9 +82,7 @@ impl<'a> ComparisonRecord<'a> {
             [log] => format!("{} {how}", log.products.correction.statement()),
             _ => how.to_owned(),
         };
-        let files = logs
-            .iter()
-            .filter_map(|log| log.survey.source.files.first());
+        let files = logs.iter().filter_map(|log| log.survey.source.files.first());
         let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
@@ -91,11 +90,7 @@ impl<'a> ComparisonRecord<'a> {
             statement,
             measured_file: files.join(", "),
             reference_file: reference.path().display().to_string(),
-            reference: ReferenceRecord {
-                kind,
-                inputs,
-                notes: &reference.notes,
-            },
+            reference: ReferenceRecord { kind, inputs, notes: &reference.notes },
             by: agreement.matching.in_words(),
             comparison: &agreement.comparison,
             sources: agreement.by_source(logs),

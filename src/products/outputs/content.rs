@@ -33,11 +33,7 @@ pub(super) type FileResult = Result<FileContent, OutputError>;
 
 impl FileContent {
     fn new(coordinates: Coordinates, summary: Summary) -> Self {
-        Self {
-            coordinates,
-            summary,
-            detail: "",
-        }
+        Self { coordinates, summary, detail: "" }
     }
 
     /// Content in degrees.
@@ -62,9 +58,6 @@ impl FileContent {
 
     /// So many of something, without coordinates.
     pub(super) fn count(count: usize) -> Self {
-        Self::of_table(Summary {
-            count,
-            ..Summary::default()
-        })
+        Self::of_table(Summary { count, ..Summary::default() })
     }
 }

@@ -13,10 +13,12 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::objects::SurveyReview;
 use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
 
-/// Searches a survey and writes what is found, in the place of what an earlier search wrote there; gives back what became of that, too.
+/// Searches a survey and writes what is found, in the place of what an earlier search wrote there;
+/// gives back what became of that, too.
 ///
 /// # Errors
-/// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
+/// A sentence that names the file, or says that the work was cancelled; the folder is then as it
+/// was.
 pub fn write_detected(
     log: &ProcessedLog,
     model: &Model,

@@ -1,4 +1,5 @@
-//! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
+//! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that
+//! may hold the files of one.
 
 use super::content::{FileContent, FileResult};
 use super::objects::all_rows;
@@ -29,11 +30,7 @@ impl Proposed {
         Ok(Some(Self {
             boxes: found.concat(),
             objects: list.objects().len(),
-            unplaced: list
-                .boxes()
-                .iter()
-                .filter(|one| one.object.is_none())
-                .count(),
+            unplaced: list.boxes().iter().filter(|one| one.object.is_none()).count(),
         }))
     }
 }
@@ -91,10 +88,7 @@ pub(super) fn objects_csv(
     path: &Path,
     rows: &[ObjectRow<'_>],
 ) -> FileResult {
-    let summary = Summary {
-        count: rows.len(),
-        ..placed_in(rows)
-    };
+    let summary = Summary { count: rows.len(), ..placed_in(rows) };
     export::objects_csv(path, &results.object_logs(), rows)?;
     Ok(FileContent::in_degrees(summary))
 }

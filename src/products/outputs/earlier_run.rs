@@ -44,11 +44,7 @@ impl EarlierRun {
     /// Of a folder; `None` where no run has written.
     pub fn read(folder: &Path) -> Option<Self> {
         let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
-        let Manifest {
-            settings,
-            files,
-            inputs,
-        } = serde_json::from_slice(&text).ok()?;
+        let Manifest { settings, files, inputs } = serde_json::from_slice(&text).ok()?;
         let files = files.into_iter().map(|named| named.file);
         Some(Self {
             settings: serde_json::from_value(settings).ok(),
@@ -58,15 +54,14 @@ impl EarlierRun {
         })
     }
 
-    /// Files that the same log makes others of with these settings, in the order of writing. Readings of the water level and tracks
-    /// count by the names of their files, the area of the isobaths by what it holds.
+    /// Files that the same log makes others of with these settings, in the order of writing.
+    /// Readings of the water level and tracks count by the names of their files, the area of the
+    /// isobaths by what it holds.
     pub fn out_of_date(&self, settings: &Settings) -> Vec<&'static OutputFile> {
         let written = || {
             let row = |name: &String| row_of(name).map(|row| row.name);
             let rows: BTreeSet<&str> = self.files.iter().filter_map(row).collect();
-            OUTPUT_FILES
-                .iter()
-                .filter(move |row| rows.contains(row.name))
+            OUTPUT_FILES.iter().filter(move |row| rows.contains(row.name))
         };
         let Some(earlier) = &self.settings else {
             return written().collect();
@@ -83,25 +78,22 @@ impl EarlierRun {
     }
 }
 
-/// Whether the run in a folder is of these logs, by the names and sizes of their files, or of some of them and no other, or of them and
-/// others.
+/// Whether the run in a folder is of these logs, by the names and sizes of their files, or of some
+/// of them and no other, or of them and others.
 pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
     let read = |record: &Path| -> Option<Origin> {
         let origin: Origin = serde_json::from_slice(&std::fs::read(record).ok()?).ok()?;
         origin.program.starts_with("bathyscope ").then_some(origin)
     };
     // Versions without subfolders kept the manifest in the report.
-    let mut records = [super::MANIFEST, REPORT]
-        .map(|name| folder.join(name))
-        .into_iter();
+    let mut records = [super::MANIFEST, REPORT].map(|name| folder.join(name)).into_iter();
     let Some(origin) = records.find_map(|record| read(&record)) else {
         return false;
     };
     let name = |path: &Path| path.file_name().unwrap_or_default().to_owned();
     let inputs = origin.inputs.iter();
-    let earlier: HashSet<(OsString, usize)> = inputs
-        .map(|input| (name(Path::new(&input.file)), input.bytes))
-        .collect();
+    let earlier: HashSet<(OsString, usize)> =
+        inputs.map(|input| (name(Path::new(&input.file)), input.bytes)).collect();
     let files = surveys.iter().flat_map(|survey| {
         let lengths = survey.bytes.iter().map(|bytes| bytes.len());
         survey.source.files.iter().zip(lengths)
@@ -129,10 +121,8 @@ fn words_that_differ(one: &Settings, other: &Settings) -> BTreeSet<String> {
     let first = |key: &String| key.split('.').next().unwrap_or(key).to_owned();
     let [values, others] = [one, other].map(setting_values);
     let keys = values.keys().chain(others.keys());
-    let mut words: BTreeSet<String> = keys
-        .filter(|key| values.get(*key) != others.get(*key))
-        .map(first)
-        .collect();
+    let mut words: BTreeSet<String> =
+        keys.filter(|key| values.get(*key) != others.get(*key)).map(first).collect();
     // Which files of points are written changes none of them.
     words.remove("points");
     if one.bottom != other.bottom {

@@ -10,8 +10,9 @@ use crate::outputs::OutputError;
 use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
-/// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths, depth areas and objects. Map programs
-/// draw the layers in the order in which they are named here, the first at the bottom.
+/// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths,
+/// depth areas and objects. Map programs draw the layers in the order in which they are named here,
+/// the first at the bottom.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let map = &results.plane.map;
     let placed = MapGeometry::new(map);
@@ -20,17 +21,8 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     if has(Need::Surface)? && has(Need::Levels)? {
         let drawn = DrawnContours::of(results)?;
         let contours = drawn.contours;
-        layers.push(export::depth_area_layer(
-            &placed,
-            &contours.areas,
-            drawn.ground,
-            depth_colour,
-        ));
-        layers.push(export::isobath_layer(
-            &placed,
-            &drawn.lines(),
-            drawn.ground.sqrt(),
-        ));
+        layers.push(export::depth_area_layer(&placed, &contours.areas, drawn.ground, depth_colour));
+        layers.push(export::isobath_layer(&placed, &drawn.lines(), drawn.ground.sqrt()));
     }
     if has(Need::Footprint)? {
         let ground = results.ground()?;
@@ -43,11 +35,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     }
     if has(Need::Surface)? && has(Need::Area)? {
         let settings = &results.products.settings.isobaths;
-        layers.push(export::spot_sounding_layer(
-            &placed,
-            results.spot_soundings()?,
-            settings,
-        ));
+        layers.push(export::spot_sounding_layer(&placed, results.spot_soundings()?, settings));
     }
     layers.push(export::track_layer(&placed, results.track()));
     if results.objects()?.is_some() {

@@ -18,14 +18,17 @@ use std::thread;
 /// A file that was asked for: what was written, or what it cannot be made without.
 pub(super) type RowFile = (&'static OutputFile, Result<FileContent, Missing>);
 
-/// What is asked for together: its files are written one after the other, for one may hold what was written before it.
+/// What is asked for together: its files are written one after the other, for one may hold what was
+/// written before it.
 type Group = Vec<(&'static OutputFile, WriteFile)>;
 
-/// Groups that are written at once, at most: few of them keep several cores busy, and each takes memory.
+/// Groups that are written at once, at most: few of them keep several cores busy, and each takes
+/// memory.
 const MOST_AT_ONCE: usize = 4;
 
-/// Writes the files that are asked for, several groups at once, and gives them back in the order of their rows. Most writers are one thread's
-/// work. The threads are none of rayon's: they may wait for each other ([`Results`]).
+/// Writes the files that are asked for, several groups at once, and gives them back in the order of
+/// their rows. Most writers are one thread's work. The threads are none of rayon's: they may wait
+/// for each other ([`Results`]).
 ///
 /// # Errors
 /// Of the file that failed first, or that the work was cancelled.
@@ -65,9 +68,8 @@ pub(super) fn write_groups(
     results.progress.check()?;
     // What failed first has cancelled the others.
     written.sort_unstable_by_key(|(index, _)| (Some(index) != first_failed.get(), *index));
-    let groups: Vec<Vec<RowFile>> = (written.into_iter())
-        .map(|(_, files)| files)
-        .collect::<Result<_, _>>()?;
+    let groups: Vec<Vec<RowFile>> =
+        (written.into_iter()).map(|(_, files)| files).collect::<Result<_, _>>()?;
     Ok(groups.into_iter().flatten().collect())
 }
 

@@ -1,4 +1,5 @@
-//! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent and hash.
+//! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent
+//! and hash.
 
 use super::content::{Coordinates, FileContent};
 use super::need::Need;
@@ -53,8 +54,9 @@ struct ContentEntry<'a> {
     regardless_of: &'static [&'static str],
 }
 
-/// Writes `manifest.json`: the fingerprints of all other files of the run, in the order of their names, with what those hold
-/// that were made of results. `more_inputs` are the files that the reference was read from.
+/// Writes `manifest.json`: the fingerprints of all other files of the run, in the order of their
+/// names, with what those hold that were made of results. `more_inputs` are the files that the
+/// reference was read from.
 ///
 /// # Errors
 /// A sentence that names the file.
@@ -85,12 +87,7 @@ fn entry<'a>(
     made: &[(&'static OutputFile, FileContent)],
     more_inputs: &'a [Input],
 ) -> ManifestEntry<'a> {
-    let bare = |what, belongs_to| ManifestEntry {
-        file,
-        what,
-        belongs_to,
-        content: None,
-    };
+    let bare = |what, belongs_to| ManifestEntry { file, what, belongs_to, content: None };
     let Some(row) = row_of(&file.file) else {
         return bare(None, None);
     };
@@ -114,11 +111,7 @@ fn entry<'a>(
 }
 
 fn content_entry(described: Described, content: &FileContent) -> ContentEntry<'static> {
-    let Summary {
-        count,
-        extent,
-        values,
-    } = content.summary;
+    let Summary { count, extent, values } = content.summary;
     let extent = extent.map(|[[west, east], [south, north]]| {
         json!({ "west": west, "south": south, "east": east, "north": north })
     });

@@ -3,13 +3,16 @@
 //! In: the results of a survey, and what is ordered. Out: the files of a run, with their manifest.
 //! It uses `pipeline`, `detection`, `imagery`, `bottom`, `formats`, `survey` and `support`.
 //!
-//! `registry` has a row for each file; `write` makes all files of a run from `results`, those of several `groups` at once, `run_folder` puts them in place together,
-//! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
-//! out of date. `order` is what is asked for, `content` and `need` what a file holds and what it cannot be made without, `run` a run
-//! while its files are written. `clouds` writes the files of points, `track` those of the
-//! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
-//! side-scan mosaic, `detections` what a search proposes, `targets` what a review decided, `objects` makes one object of its sightings in all logs, `page` writes the report; `manifest` lists the files with what each is. `boxes` writes
-//! what was decided about boxes, `training_tiles` as pictures for training, `raster` says where a raster lies.
+//! `registry` has a row for each file; `write` makes all files of a run from `results`, those of
+//! several `groups` at once, `run_folder` puts them in place together, `overwrite` keeps them from
+//! taking the place of what they are made from, `earlier_run` tells which are out of date. `order`
+//! is what is asked for, `content` and `need` what a file holds and what it cannot be made without,
+//! `run` a run while its files are written. `clouds` writes the files of points, `track` those of
+//! the boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how
+//! the depths agree, `mosaic` the side-scan mosaic, `detections` what a search proposes, `targets`
+//! what a review decided, `objects` makes one object of its sightings in all logs, `page` writes
+//! the report; `manifest` lists the files with what each is. `boxes` writes what was decided about
+//! boxes, `training_tiles` as pictures for training, `raster` says where a raster lies.
 
 mod boxes;
 mod clouds;

@@ -12,8 +12,8 @@ use bathyscope_log::support::geo::MapPlane;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band of levels with a mask, or colours
-/// with opacity. Memory does not grow with the area.
+/// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band
+/// of levels with a mask, or colours with opacity. Memory does not grow with the area.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
     let mosaic = results.mosaic()?;
@@ -22,16 +22,14 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let indices: Vec<TileIndex> = logs.iter().map(|log| log.layout.index(&grid)).collect();
     let parts: Vec<(&MosaicLog, &TileIndex)> = logs.iter().zip(&indices).collect();
     let places: BTreeSet<(usize, usize)> = indices.iter().flat_map(TileIndex::tiles).collect();
-    let places: Vec<[usize; 2]> = (places.into_iter())
-        .map(|(row, column)| [row, column])
-        .collect();
+    let places: Vec<[usize; 2]> = (places.into_iter()).map(|(row, column)| [row, column]).collect();
     let draw = |place: [usize; 2]| {
         let levels = joint_tile(&parts, &grid, settings, place).levels;
         Ok(match settings.colours {
             Colours::Grey => levels,
-            Colours::Copper => (levels.iter())
-                .flat_map(|&level| settings.colours.rgba(level))
-                .collect(),
+            Colours::Copper => {
+                (levels.iter()).flat_map(|&level| settings.colours.rgba(level)).collect()
+            }
         })
     };
     let spec = spec(&grid, map, &results.name(), settings.colours);
@@ -40,10 +38,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn summary(grid: &Grid, map: &MapPlane) -> Summary {
-    let mut summary = Summary {
-        count: grid.len(),
-        ..Summary::default()
-    };
+    let mut summary = Summary { count: grid.len(), ..Summary::default() };
     let [west_m, south_m, east_m, north_m] = grid.bounds_m();
     summary.reach(map.in_crs([west_m, north_m]));
     summary.reach(map.in_crs([east_m, south_m]));

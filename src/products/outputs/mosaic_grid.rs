@@ -4,7 +4,8 @@ use crate::pipeline::Mosaic;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{TILE_CELLS, joint_grid};
 
-/// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
+/// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a
+/// huge, empty map.
 const MOST_TILES: usize = 1_000_000;
 
 /// Why there is no mosaic.
@@ -34,10 +35,7 @@ pub(super) fn mosaic_grid(mosaic: Option<&Mosaic>, cell_m: f64) -> Result<Grid, 
     let grid = grid.ok_or(NoMosaic::NoPings)?;
     let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
     if down.saturating_mul(across) > MOST_TILES {
-        return Err(NoMosaic::TooManyCells {
-            columns: grid.columns,
-            rows: grid.rows,
-        });
+        return Err(NoMosaic::TooManyCells { columns: grid.columns, rows: grid.rows });
     }
     Ok(grid)
 }

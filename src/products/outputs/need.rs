@@ -19,7 +19,8 @@ pub enum Need {
     Levels,
     /// A line of equal depth.
     Isobaths,
-    /// The area that isobaths end at, where one is named: their own files say what is wrong with it.
+    /// The area that isobaths end at, where one is named: their own files say what is wrong with
+    /// it.
     Area,
     /// Side-scan points over soundings, or a track that crosses itself.
     Agreement,

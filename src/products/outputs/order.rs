@@ -24,7 +24,8 @@ pub enum When {
 
 /// What is to be written.
 pub struct Order<'a> {
-    /// The logs that the files are of, with what the pipeline made of them: one, or all of a survey, in the frame of the first.
+    /// The logs that the files are of, with what the pipeline made of them: one, or all of a
+    /// survey, in the frame of the first.
     pub logs: &'a [ProcessedLog],
     /// What is made of all logs together, each once.
     pub derived: &'a Derived,
@@ -34,7 +35,8 @@ pub struct Order<'a> {
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
     /// What searches for objects: they are written as `detections.*` and `chips`.
     pub search: Option<&'a Model>,
-    /// Boxes of each log that were found before and decided about: the report shows them, before those of a search.
+    /// Boxes of each log that were found before and decided about: the report shows them, before
+    /// those of a search.
     pub review: &'a SurveyReview,
     /// What became of corrections of positions and heights that were asked for: the report says it.
     pub corrections: &'a [RequestedCorrection],
@@ -56,7 +58,8 @@ impl Order<'_> {
     }
 }
 
-/// Whether logs still hold what files were made of: looked at when all are made, before they are put in place.
+/// Whether logs still hold what files were made of: looked at when all are made, before they are
+/// put in place.
 ///
 /// # Errors
 /// Names a log that does not.

@@ -12,24 +12,18 @@ use std::path::{Path, PathBuf};
 
 /// Subfolders in which a run may write a file whose name, without its ending, is this one.
 fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
-    let rows = OUTPUT_FILES
-        .iter()
-        .filter(move |row| row.stem().eq_ignore_ascii_case(stem));
-    rows.map(OutputFile::folder)
-        .filter(|folder| !folder.is_empty())
+    let rows = OUTPUT_FILES.iter().filter(move |row| row.stem().eq_ignore_ascii_case(stem));
+    rows.map(OutputFile::folder).filter(|folder| !folder.is_empty())
 }
 
-/// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another receiver, `depth.tif` that the
-/// survey is compared with.
+/// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another
+/// receiver, `depth.tif` that the survey is compared with.
 ///
 /// # Errors
 /// A sentence that names the input.
 pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), OutputError> {
     let reference = order.reference.map(|(reference, _)| reference.path());
-    let gauges = order
-        .logs
-        .iter()
-        .filter_map(|log| log.products.correction.gauge());
+    let gauges = order.logs.iter().filter_map(|log| log.products.correction.gauge());
     let gauges = gauges.map(|gauge| gauge.path.as_path());
     let areas = order.logs.iter().filter_map(|log| {
         let area = log.products.settings.isobaths.area.as_deref();
@@ -45,8 +39,9 @@ fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<
     files.map(PathBuf::as_path)
 }
 
-/// Gets a folder ready for the files of a survey of one or several logs, before the work that they take: a folder that cannot be written into, or in which a file
-/// would be written over the survey or what it is to be compared with, should not cost minutes first.
+/// Gets a folder ready for the files of a survey of one or several logs, before the work that they
+/// take: a folder that cannot be written into, or in which a file would be written over the survey
+/// or what it is to be compared with, should not cost minutes first.
 ///
 /// # Errors
 /// A sentence that names the folder or the input.

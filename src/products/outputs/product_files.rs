@@ -13,7 +13,8 @@ impl Product {
     }
 }
 
-/// The names of some files: `track/track.gpx, .geojson; track/footprint.geojson`. What belongs to a shapefile goes without saying.
+/// The names of some files: `track/track.gpx, .geojson; track/footprint.geojson`. What belongs to a
+/// shapefile goes without saying.
 pub fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String {
     let with_colours = |row: &'a OutputFile| {
         let colours = row.companions.iter().filter(|name| name.ends_with(STYLE));

@@ -4,7 +4,8 @@ use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
 
-/// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it says.
+/// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it
+/// says.
 pub(super) fn over(grid: &Grid, map: &MapPlane) -> RasterSpec {
     RasterSpec {
         columns: grid.columns,

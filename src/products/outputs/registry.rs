@@ -1,5 +1,6 @@
-//! Every file of a run, one row each. The help of `--products`, what is refused to be written over, what an earlier run has left, what
-//! is out of date and the list in `report.html` follow from these rows. `kinds` has what rows of a kind share.
+//! Every file of a run, one row each. The help of `--products`, what is refused to be written over,
+//! what an earlier run has left, what is out of date and the list in `report.html` follow from
+//! these rows. `kinds` has what rows of a kind share.
 
 mod kinds;
 
@@ -20,7 +21,8 @@ use std::path::Path;
 /// A file of a run.
 #[derive(Debug)]
 pub struct OutputFile {
-    /// Its name behind the subfolder that it lies in: `depth/depth.tif`; that of a folder for the pictures of boxes.
+    /// Its name behind the subfolder that it lies in: `depth/depth.tif`; that of a folder for the
+    /// pictures of boxes.
     pub name: &'static str,
     /// Files that are written with it and belong to it, named likewise.
     pub companions: &'static [&'static str],
@@ -79,7 +81,8 @@ impl OutputFile {
         name == self.name || self.companions.contains(&name) || in_folder().is_some()
     }
 
-    /// Whether a version that wrote all files beside each other, with a record `NAME.json` of each, wrote this one under such a name.
+    /// Whether a version that wrote all files beside each other, with a record `NAME.json` of each,
+    /// wrote this one under such a name.
     pub(super) fn owned_beside(&self, name: &str) -> bool {
         let own = file_part(self.name);
         let in_folder = || name.strip_prefix(own)?.strip_prefix('/');
@@ -136,11 +139,7 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
             "pings",
             "depth_m",
         ),
-        ..row(
-            "points/first_returns.csv",
-            When::Always,
-            clouds::first_returns,
-        )
+        ..row("points/first_returns.csv", When::Always, clouds::first_returns)
     },
     OutputFile {
         regardless_of: NOT_OF_CLOUD,
@@ -183,12 +182,7 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
     track_file("track/track.geojson", "lines", track::geojson),
     track_file("track/track.kmz", "lines", track::kmz),
     OutputFile {
-        companions: &[
-            "track/track.shx",
-            "track/track.dbf",
-            "track/track.prj",
-            "track/track.cpg",
-        ],
+        companions: &["track/track.shx", "track/track.dbf", "track/track.prj", "track/track.cpg"],
         ..track_file("track/track.shp", "lines", track::shapefile)
     },
     footprint("track/footprint.geojson", track::footprint_geojson),
@@ -371,11 +365,7 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
             "comparisons",
             "",
         ),
-        ..row(
-            "quality/residuals.json",
-            When::Chosen(Product::Residuals),
-            residuals::write,
-        )
+        ..row("quality/residuals.json", When::Chosen(Product::Residuals), residuals::write)
     },
     OutputFile {
         needs: &[Need::SideScan, Need::Mosaic],
@@ -386,18 +376,9 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
             "cells",
             "",
         ),
-        ..row(
-            "mosaic/mosaic.tif",
-            When::Chosen(Product::Mosaic),
-            mosaic::write,
-        )
+        ..row("mosaic/mosaic.tif", When::Chosen(Product::Mosaic), mosaic::write)
     },
-    compared(
-        "quality/comparison.json",
-        "The survey against a reference",
-        "",
-        comparison::json,
-    ),
+    compared("quality/comparison.json", "The survey against a reference", "", comparison::json),
     compared(
         "quality/comparison.csv",
         "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
@@ -408,27 +389,11 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
     target_file("objects/targets.geojson", "boxes", targets::geojson),
     target_file("objects/targets.gpx", "objects", targets::gpx),
     target_file("objects/targets.kml", "objects", targets::kml),
-    boxes(
-        "objects/detections.csv",
-        "objects with place and size",
-        detections::csv,
-    ),
-    boxes(
-        "objects/detections.geojson",
-        "objects with place and size",
-        detections::geojson,
-    ),
+    boxes("objects/detections.csv", "objects with place and size", detections::csv),
+    boxes("objects/detections.geojson", "objects with place and size", detections::geojson),
     OutputFile {
-        described: described(
-            "Objects that the detector proposes, not reviewed",
-            "objects",
-            "",
-        ),
-        ..boxes(
-            "objects/detections.gpx",
-            "objects for maps and plotters",
-            detections::gpx,
-        )
+        described: described("Objects that the detector proposes, not reviewed", "objects", ""),
+        ..boxes("objects/detections.gpx", "objects for maps and plotters", detections::gpx)
     },
     OutputFile {
         described: described(
@@ -436,19 +401,11 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
             "objects",
             "z_m",
         ),
-        ..boxes(
-            "objects/shapes.ply",
-            "shapes of objects for 3D programs",
-            detections::shapes,
-        )
+        ..boxes("objects/shapes.ply", "shapes of objects for 3D programs", detections::shapes)
     },
     OutputFile {
         described: None,
-        ..boxes(
-            "objects/chips",
-            "folder: a picture of each object",
-            detections::chips,
-        )
+        ..boxes("objects/chips", "folder: a picture of each object", detections::chips)
     },
     OutputFile {
         needs: &[Need::Track],
@@ -458,11 +415,7 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
             "features",
             "",
         ),
-        ..row(
-            "survey.gpkg",
-            When::Chosen(Product::Geopackage),
-            geopackage::write,
-        )
+        ..row("survey.gpkg", When::Chosen(Product::Geopackage), geopackage::write)
     },
     run_file(
         "report.html",

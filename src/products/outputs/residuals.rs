@@ -1,4 +1,5 @@
-//! `residuals.json`: side-scan points, and those of a swath, against the soundings of the survey, the tracks against themselves and each other.
+//! `residuals.json`: side-scan points, and those of a swath, against the soundings of the survey,
+//! the tracks against themselves and each other.
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
@@ -54,8 +55,9 @@ const STATEMENT: &str = "Soundings and first returns of one log share transducer
 const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundings of all of them: what the heights of the logs differ by \
      is in it. Each log against its own soundings stands under `logs`.";
 
-/// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other choices of geometry and calibration
-/// make of it; the crossings of the tracks. Of several logs all together, and each by itself.
+/// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other
+/// choices of geometry and calibration make of it; the crossings of the tracks. Of several logs all
+/// together, and each by itself.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (logs, products, progress) = (results.order.logs, results.products, results.progress);
     let comparisons = results.comparisons()?;

@@ -30,8 +30,9 @@ use bathyscope_objects::{Detection, find};
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The results of a survey that its files are made from. Several threads may ask at once, each with a progress of its own; what a thread of
-/// rayon does must not ask, or all of them could wait for what they are to make.
+/// The results of a survey that its files are made from. Several threads may ask at once, each with
+/// a progress of its own; what a thread of rayon does must not ask, or all of them could wait for
+/// what they are to make.
 pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
@@ -71,10 +72,7 @@ struct Once<T> {
 
 impl<T> Default for Once<T> {
     fn default() -> Self {
-        Self {
-            made: OnceLock::new(),
-            making: Mutex::default(),
-        }
+        Self { made: OnceLock::new(), making: Mutex::default() }
     }
 }
 
@@ -131,9 +129,7 @@ impl<'a> Results<'a> {
         let silent = || Some(Missing(None));
         Ok(match need {
             Need::KeptPoints
-                if self
-                    .logs()
-                    .any(|(_, made)| made.kept_points().next().is_some()) =>
+                if self.logs().any(|(_, made)| made.kept_points().next().is_some()) =>
             {
                 None
             }
@@ -232,7 +228,8 @@ impl<'a> Results<'a> {
         survey_name(&self.names)
     }
 
-    /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
+    /// The way of the boat, log by log. Times of all logs are seconds after the first one's time
+    /// zero, where all know when they were.
     pub(super) fn track(&self) -> &[TrackPiece] {
         self.computed.track.get_or_init(|| {
             let pieces = self.logs().flat_map(|(survey, products)| {
@@ -248,7 +245,8 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Unix seconds of the time zero of the first log; `None` where one of the logs does not know when it was.
+    /// Unix seconds of the time zero of the first log; `None` where one of the logs does not know
+    /// when it was.
     pub(super) fn start_unix_s(&self) -> Option<f64> {
         let all_know = self.logs().all(|(survey, _)| survey.start_unix_s.is_some());
         self.survey.start_unix_s.filter(|_| all_know)
@@ -357,11 +355,7 @@ impl<'a> Results<'a> {
     /// How side-scan agrees with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
         let made = once(&self.computed.comparisons, || {
-            Ok(comparisons(
-                self.order.logs,
-                &self.plane.map,
-                self.progress,
-            )?)
+            Ok(comparisons(self.order.logs, &self.plane.map, self.progress)?)
         });
         made.map(Vec::as_slice)
     }
@@ -388,25 +382,22 @@ impl<'a> Results<'a> {
                 return Ok(None);
             };
             let (logs, progress) = (self.order.logs, self.progress);
-            Ok(Some(Agreement::with_reference(
-                logs, reference, matching, progress,
-            )?))
+            Ok(Some(Agreement::with_reference(logs, reference, matching, progress)?))
         });
         made.map(Option::as_ref)
     }
 
     /// The files that the reference was read from.
     pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
-        let made = once(&self.computed.reference_inputs, || {
-            match self.order.reference {
-                Some((reference, _)) => Ok(reference.inputs(self.progress)?),
-                None => Ok(Vec::new()),
-            }
+        let made = once(&self.computed.reference_inputs, || match self.order.reference {
+            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
+            None => Ok(Vec::new()),
         });
         made.map(Vec::as_slice)
     }
 
-    /// What a model finds in each log outside the stretches that are excluded; `None` where none searches.
+    /// What a model finds in each log outside the stretches that are excluded; `None` where none
+    /// searches.
     pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
         let Some(model) = self.order.search else {
             return Ok(None);
@@ -424,7 +415,8 @@ impl<'a> Results<'a> {
         made.map(|found| Some(found.as_slice()))
     }
 
-    /// What a search found in each log, as a review in which nothing is decided; numbers of boxes go on from log to log.
+    /// What a search found in each log, as a review in which nothing is decided; numbers of boxes
+    /// go on from log to log.
     fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, OutputError> {
         let mut review = self.order.review.clone();
         review.logs.resize(self.order.logs.len(), None);
@@ -470,8 +462,8 @@ impl<'a> Results<'a> {
         Ok((list, shapes))
     }
 
-    /// The objects of the survey: of each log those that were decided about, or else those that a search found; `None` where nobody
-    /// looked.
+    /// The objects of the survey: of each log those that were decided about, or else those that a
+    /// search found; `None` where nobody looked.
     pub(super) fn objects(&self) -> Result<Option<&ObjectList>, OutputError> {
         let is_searched = self.order.asks_for(When::Searched);
         match (self.order.review.has_boxes(), is_searched) {
@@ -508,8 +500,7 @@ impl<'a> Results<'a> {
     /// The logs as tables of boxes name them.
     pub(super) fn object_logs(&self) -> Vec<ObjectLog<'_>> {
         let logs = self.names.iter().zip(self.logs());
-        logs.map(|(name, (survey, _))| ObjectLog { name, survey })
-            .collect()
+        logs.map(|(name, (survey, _))| ObjectLog { name, survey }).collect()
     }
 }
 

@@ -1,12 +1,14 @@
 //! The files of a run appear in their folder together.
 //!
-//! A run writes into a side folder within its folder, so that a run that fails, is cancelled or is killed leaves the files of the
-//! run before as they were. When all are written, a journal that names them is put beside them; from then on the run is decided,
-//! and what is left are renames: the old manifest goes first, the new one comes last, so that a folder with a manifest is whole.
+//! A run writes into a side folder within its folder, so that a run that fails, is cancelled or is
+//! killed leaves the files of the run before as they were. When all are written, a journal that
+//! names them is put beside them; from then on the run is decided, and what is left are renames:
+//! the old manifest goes first, the new one comes last, so that a folder with a manifest is whole.
 //! A run that is killed among these renames is finished by the next one into the same folder.
 //!
-//! What an earlier run wrote and this one does not is removed, as long as nobody has changed it since: a folder holds the files of
-//! one run. Files that no manifest names are the user's own and stay.
+//! What an earlier run wrote and this one does not is removed, as long as nobody has changed it
+//! since: a folder holds the files of one run. Files that no manifest names are the user's own and
+//! stay.
 
 mod earlier;
 mod journal;
@@ -31,7 +33,8 @@ const NEW: &str = "new";
 const LOCK: &str = "lock";
 /// In it: what is to be renamed and removed. Where it is, the run is decided.
 const JOURNAL: &str = "commit.json";
-/// Files that named what belongs to a run before there was a manifest beside the report. At most one of them is in a folder.
+/// Files that named what belongs to a run before there was a manifest beside the report. At most
+/// one of them is in a folder.
 pub(super) const EARLIER_MANIFESTS: [&str; 2] = ["report.json", "merged.json"];
 /// The folder of what a search for objects proposes.
 const OBJECTS: &str = "objects/";
@@ -46,7 +49,8 @@ pub struct Replaced {
 }
 
 impl Replaced {
-    /// What became of them, to be added to a sentence about what was written; nothing where there are none.
+    /// What became of them, to be added to a sentence about what was written; nothing where there
+    /// are none.
     pub fn in_words(&self) -> String {
         let parts = [
             ("removed of an earlier run", &self.removed),
@@ -58,7 +62,8 @@ impl Replaced {
     }
 }
 
-/// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as it was.
+/// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as
+/// it was.
 #[derive(Debug)]
 pub struct RunFolder {
     folder: PathBuf,
@@ -68,17 +73,16 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes the folder when it is missing, finishes or clears away what a killed run left in it, and keeps other runs out.
+    /// Makes the folder when it is missing, finishes or clears away what a killed run left in it,
+    /// and keeps other runs out.
     ///
     /// # Errors
-    /// A sentence when the folder cannot be written into, or another run writes into it at this moment.
+    /// A sentence when the folder cannot be written into, or another run writes into it at this
+    /// moment.
     pub fn begin(folder: &Path) -> Result<Self, OutputError> {
         let is_ours = !folder.exists();
         let fail = |error: io::Error| {
-            format!(
-                "cannot write into the folder: {error}: {}",
-                folder.display()
-            )
+            format!("cannot write into the folder: {error}: {}", folder.display())
         };
         make_folder(folder)?;
         let lock = take_lock(folder).map_err(fail)?.ok_or_else(|| {
@@ -87,11 +91,7 @@ impl RunFolder {
                 folder.display()
             )
         })?;
-        let run = Self {
-            folder: folder.to_path_buf(),
-            is_ours,
-            lock: Some(lock),
-        };
+        let run = Self { folder: folder.to_path_buf(), is_ours, lock: Some(lock) };
         let side = folder.join(SIDE);
         if let Some(journal) = Journal::read(&side.join(JOURNAL)) {
             journal.finish(&side.join(NEW), folder).map_err(fail)?;
@@ -114,7 +114,8 @@ impl RunFolder {
         &self.folder
     }
 
-    /// Where a file of the run will lie, with the separators of the system: names have `/` on every system.
+    /// Where a file of the run will lie, with the separators of the system: names have `/` on every
+    /// system.
     fn destination_of(&self, name: &Path) -> PathBuf {
         self.folder.join(name).components().collect()
     }
@@ -138,17 +139,19 @@ impl RunFolder {
         names.into_iter().map(read).collect()
     }
 
-    /// Puts the files of a whole run in the place of those of the run before, `manifest` among them, and gives back what became of
-    /// files of the earlier run that have no successor.
+    /// Puts the files of a whole run in the place of those of the run before, `manifest` among
+    /// them, and gives back what became of files of the earlier run that have no successor.
     ///
     /// # Errors
-    /// A sentence when something is in the way; then the folder is as it was, or the next run finishes the job.
+    /// A sentence when something is in the way; then the folder is as it was, or the next run
+    /// finishes the job.
     pub(crate) fn commit(self, manifest: &str) -> Result<Replaced, OutputError> {
         self.swap(Some(manifest), |_| true)
     }
 
-    /// Puts files in place that belong to no run, in a folder that may hold a run: the manifest there no longer names them. `group`
-    /// tells which files they are and those that they take the place of.
+    /// Puts files in place that belong to no run, in a folder that may hold a run: the manifest
+    /// there no longer names them. `group` tells which files they are and those that they take the
+    /// place of.
     ///
     /// # Errors
     /// As [`RunFolder::commit`].
@@ -167,17 +170,12 @@ impl RunFolder {
     ) -> Result<Replaced, OutputError> {
         let new = self.path();
         let fail = |error: io::Error| {
-            format!(
-                "cannot put the files in place: {error}: {}",
-                self.folder.display()
-            )
+            format!("cannot put the files in place: {error}: {}", self.folder.display())
         };
         let mut files = names_in(&new).map_err(fail)?;
         let goes = |name: &str| is_of_ours(name) && !files.iter().any(|file| file == name);
-        let EarlierFiles {
-            unchanged: mut remove,
-            changed: kept,
-        } = earlier::files(&self.folder, goes);
+        let EarlierFiles { unchanged: mut remove, changed: kept } =
+            earlier::files(&self.folder, goes);
         // Of a version without subfolders, pictures lie on top.
         for (of, replaced) in [(OBJECTS, Some(new.join(OBJECTS))), ("", None)] {
             let chips = earlier_chips(&self.folder, of, replaced.as_deref(), &remove);
@@ -205,10 +203,10 @@ impl RunFolder {
         self.clear();
         let mut removed = journal.remove;
         let all: Vec<String> = removed.iter().chain(&kept).cloned().collect();
-        // What belongs to a file goes with it unsaid: its record in versions that had such, and the pictures of a folder.
+        // What belongs to a file goes with it unsaid: its record in versions that had such, and the
+        // pictures of a folder.
         let is_record = |name: &str| {
-            name.strip_suffix(".json")
-                .is_some_and(|of| all.iter().any(|one| one == of))
+            name.strip_suffix(".json").is_some_and(|of| all.iter().any(|one| one == of))
         };
         removed.retain(|name| !is_record(name) && !name.contains("chips/"));
         Ok(Replaced { removed, kept })
@@ -218,10 +216,7 @@ impl RunFolder {
     fn refuse_in_the_way(&self, files: &[String]) -> Result<(), OutputError> {
         let named = |what: &str, name: &Path| {
             let path = self.destination_of(name);
-            let sentence = format!(
-                "{what} that is to be written; rename it: {}",
-                path.display()
-            );
+            let sentence = format!("{what} that is to be written; rename it: {}", path.display());
             Err(OutputError::from(sentence))
         };
         for name in files {
@@ -229,10 +224,8 @@ impl RunFolder {
             if self.folder.join(name).is_dir() {
                 return named("a folder has the name of a file", name);
             }
-            let mut folders = name
-                .ancestors()
-                .skip(1)
-                .filter(|inner| !inner.as_os_str().is_empty());
+            let mut folders =
+                name.ancestors().skip(1).filter(|inner| !inner.as_os_str().is_empty());
             if let Some(inner) = folders.find(|inner| {
                 let there = self.folder.join(inner);
                 there.symlink_metadata().is_ok() && !there.is_dir()
@@ -243,7 +236,8 @@ impl RunFolder {
         Ok(())
     }
 
-    /// Refuses to replace or remove a file that another program holds open on Windows, while the folder is as it was.
+    /// Refuses to replace or remove a file that another program holds open on Windows, while the
+    /// folder is as it was.
     fn refuse_held<'a>(&self, names: impl Iterator<Item = &'a String>) -> Result<(), OutputError> {
         let mut paths = names.map(|name| self.destination_of(Path::new(name)));
         match paths.find(|path| is_held(path)) {
@@ -267,7 +261,8 @@ impl RunFolder {
             return;
         }
         empty(&side).ok();
-        // While it is held, so that nobody else can be working in there; on Windows only what nobody has open can be removed.
+        // While it is held, so that nobody else can be working in there; on Windows only what
+        // nobody has open can be removed.
         let lock = (!cfg!(windows)).then_some(lock);
         fs::remove_file(side.join(LOCK)).ok();
         fs::remove_dir(&side).ok();
@@ -311,7 +306,8 @@ fn take_lock(folder: &Path) -> io::Result<Option<File>> {
         if !cfg!(windows) && matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
             return Ok(None);
         }
-        // Locked may be a file that the run before has removed meanwhile: then the one at the path is another.
+        // Locked may be a file that the run before has removed meanwhile: then the one at the path
+        // is another.
         let token = format!("{} {attempt}\n", std::process::id());
         lock.set_len(0)?;
         lock.write_all(token.as_bytes())?;

@@ -26,10 +26,7 @@ impl Amounts {
             amounts.pings += survey.side_scan.len() as f64;
             let across_m = survey.channels.iter().filter(|channel| {
                 let kind = channel.kind;
-                matches!(
-                    kind,
-                    ChannelKind::Port | ChannelKind::Starboard | ChannelKind::Composite
-                )
+                matches!(kind, ChannelKind::Port | ChannelKind::Starboard | ChannelKind::Composite)
             });
             let reach_m = across_m
                 .filter_map(|channel| channel.range_m)
@@ -53,8 +50,9 @@ impl Amounts {
     }
 }
 
-/// Bytes of the files of a product, or (without one) of those that every run writes, within a factor of two for surveys of a few lines.
-/// The shares are those of the demo survey, a Humminbird river log and an XTF log, written with the default settings.
+/// Bytes of the files of a product, or (without one) of those that every run writes, within a
+/// factor of two for surveys of a few lines. The shares are those of the demo survey, a Humminbird
+/// river log and an XTF log, written with the default settings.
 pub fn about_bytes(product: Option<Product>, amounts: &Amounts) -> u64 {
     let [base, point, ping, depth_cell, mosaic_cell] = match product {
         None => [40e3, 80.0, 107.0, 0.0, 0.0],
@@ -71,12 +69,7 @@ pub fn about_bytes(product: Option<Product>, amounts: &Amounts) -> u64 {
         Some(Product::Geopackage) => [200e3, 0.0, 5.0, 10.0, 0.0],
         Some(Product::Report) => [250e3, 0.0, 0.0, 0.0, 0.1],
     };
-    let Amounts {
-        points,
-        pings,
-        depth_cells,
-        mosaic_cells,
-    } = amounts;
+    let Amounts { points, pings, depth_cells, mosaic_cells } = amounts;
     (base + point * points + ping * pings + depth_cell * depth_cells + mosaic_cell * mosaic_cells)
         as u64
 }

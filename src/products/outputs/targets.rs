@@ -1,4 +1,5 @@
-//! `targets.*`: the objects that an analyst accepted or drew, in every run of a survey with a review.
+//! `targets.*`: the objects that an analyst accepted or drew, in every run of a survey with a
+//! review.
 
 use super::content::{FileContent, FileResult};
 use super::detections::{objects_csv, objects_geojson};

@@ -49,11 +49,7 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
     LabelledLine {
         points: piece.points.iter().map(|point| point.position).collect(),
         label: format!("{name} {number}"),
-        numbers: vec![
-            ping(piece.points.first()),
-            ping(piece.points.last()),
-            piece.length_m,
-        ],
+        numbers: vec![ping(piece.points.first()), ping(piece.points.last()), piece.length_m],
         colour: COLOUR,
     }
 }
@@ -75,8 +71,5 @@ pub(super) fn footprint_kmz(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn with_area(ground: &SideScanCoverage, areas: Summary) -> FileContent {
-    FileContent::in_degrees(Summary {
-        values: Some([ground.area_m2; 2]),
-        ..areas
-    })
+    FileContent::in_degrees(Summary { values: Some([ground.area_m2; 2]), ..areas })
 }

@@ -58,12 +58,8 @@ impl TrainingTiles<'_> {
             progress.check()?;
             let chip = self.chip(tile, &places);
             hard_negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
-            folder
-                .chip(self.part, number, &chip)
-                .map_err(OutputError::from)?;
-            folder
-                .voc(self.part, number, &chip.boxes)
-                .map_err(OutputError::from)?;
+            folder.chip(self.part, number, &chip).map_err(OutputError::from)?;
+            folder.voc(self.part, number, &chip.boxes).map_err(OutputError::from)?;
             all.push(chip.boxes);
             progress.advance(1);
         }
@@ -91,9 +87,7 @@ impl TrainingTiles<'_> {
     }
 
     fn chip(&self, tile: &ReviewedTile, places: &[Option<usize>]) -> Chip {
-        let drawn = self
-            .raster
-            .tile(self.survey, tile.side, tile.row, tile.column);
+        let drawn = self.raster.tile(self.survey, tile.side, tile.row, tile.column);
         let mut pixels = drawn.pixels;
         level(&mut pixels);
         let renumbered = |list: &[Labelled]| {
@@ -113,7 +107,8 @@ impl TrainingTiles<'_> {
         }
     }
 
-    /// Removes the pictures of an earlier export of this log, which may have been more; refuses a folder of other pictures.
+    /// Removes the pictures of an earlier export of this log, which may have been more; refuses a
+    /// folder of other pictures.
     fn clear(&self, root: &Path) -> Result<(), OutputError> {
         if !fs::read_dir(root).is_ok_and(|mut entries| entries.next().is_some()) {
             return Ok(());

@@ -51,14 +51,14 @@ impl Written {
     }
 }
 
-/// Writes every file of the registry that is asked for, `report.html`, `report.json` and the manifest of them all, and puts them in the
-/// place of an earlier run's files.
+/// Writes every file of the registry that is asked for, `report.html`, `report.json` and the
+/// manifest of them all, and puts them in the place of an earlier run's files.
 ///
 /// `on_step` receives the next step.
 ///
 /// # Errors
-/// A sentence that names the file, a log that was cut or changed meanwhile among them, or says that the work was cancelled; the folder is
-/// then as it was.
+/// A sentence that names the file, a log that was cut or changed meanwhile among them, or says that
+/// the work was cancelled; the folder is then as it was.
 pub fn write(
     order: &Order<'_>,
     folder: RunFolder,
@@ -80,10 +80,8 @@ pub fn write(
     let made = write_rows(&run.results, &path, asked, &mut on_step)?;
     run.report.warnings.extend(made.warnings);
     run.made = made.files;
-    run.report.depths_between_lines = run
-        .results
-        .made_levels()
-        .and_then(|levels| levels.sentence());
+    run.report.depths_between_lines =
+        run.results.made_levels().and_then(|levels| levels.sentence());
     on_step("hashes");
     run.hashed = folder.files(&[], progress)?;
     run.report.name_run(&run.hashed)?;
@@ -131,10 +129,7 @@ fn report(results: &Results<'_>) -> Result<Report, Cancelled> {
         Some(all) => all,
         None => Report::new(results.survey, results.products, results.progress)?,
     };
-    Ok(Report {
-        corrections: results.order.corrections.to_vec(),
-        ..report
-    })
+    Ok(Report { corrections: results.order.corrections.to_vec(), ..report })
 }
 
 /// Files that were made of results, and why others were not.
@@ -143,7 +138,8 @@ pub(super) struct MadeFiles {
     pub warnings: Vec<String>,
 }
 
-/// Writes the files that are made of the results alone, as far as they are asked for and possible; the search for objects comes first.
+/// Writes the files that are made of the results alone, as far as they are asked for and possible;
+/// the search for objects comes first.
 pub(super) fn write_rows(
     results: &Results<'_>,
     folder: &Path,
@@ -155,10 +151,7 @@ pub(super) fn write_rows(
         results.shaped_found()?;
     }
     on_step("writing");
-    let mut made = MadeFiles {
-        files: Vec::new(),
-        warnings: Vec::new(),
-    };
+    let mut made = MadeFiles { files: Vec::new(), warnings: Vec::new() };
     for (row, file) in write_groups(results, folder, &asked)? {
         match file {
             Ok(content) => made.files.push((row, content)),
@@ -170,8 +163,7 @@ pub(super) fn write_rows(
     }
     if asked(When::Compared) {
         let notes = results.order.reference.iter();
-        made.warnings
-            .extend(notes.flat_map(|(reference, _)| reference.notes.iter().cloned()));
+        made.warnings.extend(notes.flat_map(|(reference, _)| reference.notes.iter().cloned()));
     }
     Ok(made)
 }
@@ -179,10 +171,7 @@ pub(super) fn write_rows(
 /// Writes `manifest.json`, which names every other file of the run.
 fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let files = (run.folder).files(&run.hashed, run.results.progress)?;
-    let compared = run
-        .made
-        .iter()
-        .any(|(row, _)| row.needs.contains(&Need::Reference));
+    let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
     let more_inputs = match compared {
         true => run.results.reference_inputs()?,
         false => &[],

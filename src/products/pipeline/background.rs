@@ -1,4 +1,5 @@
-//! Work in a background thread for what is on the screen: the newest request wins, the last result stays.
+//! Work in a background thread for what is on the screen: the newest request wins, the last result
+//! stays.
 
 use super::{Jobs, Task, TaskOutcome};
 use bathyscope_log::support::progress::Progress;
@@ -12,17 +13,13 @@ pub struct Background<K, T> {
 
 impl<K, T> Default for Background<K, T> {
     fn default() -> Self {
-        Self {
-            key: None,
-            running: None,
-            result: None,
-        }
+        Self { key: None, running: None, result: None }
     }
 }
 
 impl<K: PartialEq, T: Send + 'static> Background<K, T> {
-    /// Makes sure that the result of `key` is there or under way. `work` returns `None` when it was cancelled or when there
-    /// is nothing to show; what was shown before stays then.
+    /// Makes sure that the result of `key` is there or under way. `work` returns `None` when it was
+    /// cancelled or when there is nothing to show; what was shown before stays then.
     pub fn ask(
         &mut self,
         key: K,
@@ -60,7 +57,8 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
     }
 }
 
-/// A shared result as a key: the same allocation, not equal contents. Holding it keeps its address from being used again.
+/// A shared result as a key: the same allocation, not equal contents. Holding it keeps its address
+/// from being used again.
 pub struct Same<T>(pub std::sync::Arc<T>);
 
 impl<T> Clone for Same<T> {

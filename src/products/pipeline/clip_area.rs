@@ -4,15 +4,17 @@ use bathyscope_bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsoba
 use bathyscope_log::support::geo::{LonLat, bounds_deg};
 use bathyscope_log::support::outline::{between, edges};
 
-/// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre where they are straight in the plane.
+/// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre
+/// where they are straight in the plane.
 const PIECE_M: f64 = 50.0;
 /// Most pieces of all edges: beyond them pieces are longer.
 const MOST_PIECES: f64 = 1e6;
-/// How far around the map edges count, degrees: a shoreline may be that of a continent, which no plane holds.
+/// How far around the map edges count, degrees: a shoreline may be that of a continent, which no
+/// plane holds.
 const MARGIN_DEG: f64 = 0.01;
 
-/// The area that `isobaths.clip` names, within a box about the map (west, south, east, north, degrees) and in the plane that `place` leads
-/// to; `None` where none is named. It may be empty.
+/// The area that `isobaths.clip` names, within a box about the map (west, south, east, north,
+/// degrees) and in the plane that `place` leads to; `None` where none is named. It may be empty.
 ///
 /// # Errors
 /// When the file has not been read.
@@ -28,28 +30,16 @@ pub fn clip_area(
         return Err(NoIsobaths::AreaNotRead { path: path.clone() });
     };
     let [west, south, east, north] = bounds_deg;
-    let around = [
-        west - MARGIN_DEG,
-        south - MARGIN_DEG,
-        east + MARGIN_DEG,
-        north + MARGIN_DEG,
-    ];
+    let around = [west - MARGIN_DEG, south - MARGIN_DEG, east + MARGIN_DEG, north + MARGIN_DEG];
     let middle_deg = 0.5 * (west + east);
-    let rings = area
-        .rings
-        .iter()
-        .map(|ring| within(ring, middle_deg, around));
+    let rings = area.rings.iter().map(|ring| within(ring, middle_deg, around));
     let rings: Vec<Vec<[f64; 2]>> = rings.filter(|ring| !ring.is_empty()).collect();
     let place = |[lon_deg, lat_deg]: [f64; 2]| place(LonLat { lon_deg, lat_deg });
     let length_m = |[from, to]: [[f64; 2]; 2]| {
         let [from, to] = [from, to].map(place);
         (to[0] - from[0]).hypot(to[1] - from[1])
     };
-    let all_m: f64 = rings
-        .iter()
-        .flat_map(|ring| edges(ring))
-        .map(length_m)
-        .sum();
+    let all_m: f64 = rings.iter().flat_map(|ring| edges(ring)).map(length_m).sum();
     let piece_m = PIECE_M.max(all_m / MOST_PIECES);
     let in_pieces = |ring: &Vec<[f64; 2]>| {
         let corners = edges(ring).flat_map(|edge| {
@@ -62,20 +52,15 @@ pub fn clip_area(
     Ok(Some(ClipArea::new(rings.iter().map(in_pieces).collect())))
 }
 
-/// A ring within a box (Sutherland and Hodgman 1974): what lies beyond runs along the edges of the box. Beyond the date line it lies where
-/// its middle is nearest to a longitude.
+/// A ring within a box (Sutherland and Hodgman 1974): what lies beyond runs along the edges of the
+/// box. Beyond the date line it lies where its middle is nearest to a longitude.
 fn within(ring: &[LonLat], middle_deg: f64, around: [f64; 4]) -> Vec<[f64; 2]> {
     let [west, _, east, _] = bounds_deg(ring.iter().copied());
     let turns = ((middle_deg - 0.5 * (west + east)) / 360.0).round();
     let near = |at: &LonLat| [at.lon_deg + 360.0 * turns, at.lat_deg];
     let mut ring: Vec<[f64; 2]> = ring.iter().map(near).collect();
     let [west, south, east, north] = around;
-    for (axis, edge, sign) in [
-        (0, west, 1.0),
-        (0, east, -1.0),
-        (1, south, 1.0),
-        (1, north, -1.0),
-    ] {
+    for (axis, edge, sign) in [(0, west, 1.0), (0, east, -1.0), (1, south, 1.0), (1, north, -1.0)] {
         let is_in = |at: [f64; 2]| sign * (at[axis] - edge) >= 0.0;
         let mut cut = Vec::with_capacity(ring.len());
         for [from, to] in edges(&ring) {
@@ -101,15 +86,10 @@ mod tests {
     use std::sync::Arc;
 
     fn settings(corners: &[[f64; 2]]) -> IsobathSettings {
-        let ring = corners
-            .iter()
-            .map(|[lon_deg, lat_deg]| LonLat::new(*lon_deg, *lat_deg));
+        let ring = corners.iter().map(|[lon_deg, lat_deg]| LonLat::new(*lon_deg, *lat_deg));
         IsobathSettings {
             clip: Some("shore.kml".into()),
-            area: Some(Arc::new(WaterArea {
-                rings: vec![ring.collect()],
-                ..WaterArea::default()
-            })),
+            area: Some(Arc::new(WaterArea { rings: vec![ring.collect()], ..WaterArea::default() })),
             ..IsobathSettings::default()
         }
     }

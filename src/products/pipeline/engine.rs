@@ -1,4 +1,5 @@
-//! The stages of one log behind the window: one worker, the newest request wins, the last result stays on screen.
+//! The stages of one log behind the window: one worker, the newest request wins, the last result
+//! stays on screen.
 
 use super::{Jobs, Products, Settings, Stage, Task, TaskOutcome, run};
 use bathyscope_log::survey::Survey;
@@ -38,13 +39,11 @@ struct Running {
 impl Engine {
     /// Works as `jobs` says.
     pub fn new(jobs: Jobs) -> Self {
-        Self {
-            jobs,
-            running: None,
-        }
+        Self { jobs, running: None }
     }
 
-    /// Starts over with these inputs; stages whose settings equal those of `previous` are not run again.
+    /// Starts over with these inputs; stages whose settings equal those of `previous` are not run
+    /// again.
     pub fn request(&mut self, survey: Arc<Survey>, settings: Settings, previous: Option<Products>) {
         self.cancel();
         let stage = Arc::new(Mutex::new(Stage::Navigation));
@@ -78,11 +77,9 @@ impl Engine {
     /// What is going on.
     pub fn status(&self) -> EngineStatus {
         let running = self.running.as_ref();
-        running.map_or(EngineStatus::Idle, |Running { stage, task }| {
-            EngineStatus::Running {
-                stage: *stage.lock().unwrap_or_else(PoisonError::into_inner),
-                fraction: task.fraction(),
-            }
+        running.map_or(EngineStatus::Idle, |Running { stage, task }| EngineStatus::Running {
+            stage: *stage.lock().unwrap_or_else(PoisonError::into_inner),
+            fraction: task.fraction(),
         })
     }
 }

@@ -45,11 +45,7 @@ impl Fingerprint {
     pub fn of(folder: &Path, file: &str, progress: &Progress) -> io::Result<Self> {
         let from = File::open(folder.join(file))?;
         let (bytes, sha256) = sha256_of(from, progress)?;
-        Ok(Self {
-            file: file.to_owned(),
-            bytes,
-            sha256,
-        })
+        Ok(Self { file: file.to_owned(), bytes, sha256 })
     }
 
     /// Whether there is a file of that name and size in `folder`, whatever it holds.
@@ -71,15 +67,12 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
     let files = survey.source.files.iter().zip(&survey.bytes);
     files
         .map(|(path, bytes)| {
-            let sha256 = hash(
-                &bytes[..],
-                || progress.check(),
-                |count| progress.advance(count),
-            );
+            let sha256 = hash(&bytes[..], || progress.check(), |count| progress.advance(count));
             Ok(Input {
                 file: path.display().to_string(),
                 bytes: bytes.len(),
-                // Memory can be read, unless somebody says to stop; `Survey::check_files` tells of what reads as zero.
+                // Memory can be read, unless somebody says to stop; `Survey::check_files` tells of
+                // what reads as zero.
                 sha256: sha256.map_err(|_| Cancelled)?.1,
             })
         })
@@ -89,9 +82,11 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
 /// A log by its bytes, and all files that its results depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LogFiles {
-    /// SHA-256 of its file; of a log of several files, that of their hashes in a row. Names and folders do not matter.
+    /// SHA-256 of its file; of a log of several files, that of their hashes in a row. Names and
+    /// folders do not matter.
     pub sha256: String,
-    /// Its files, the track of another receiver and the readings of the water level, by their names without folders.
+    /// Its files, the track of another receiver and the readings of the water level, by their names
+    /// without folders.
     pub files: Vec<Fingerprint>,
 }
 
@@ -127,10 +122,7 @@ impl LogFiles {
             bytes: input.bytes as u64,
             sha256: input.sha256,
         });
-        Ok(Self {
-            sha256,
-            files: files.collect(),
-        })
+        Ok(Self { sha256, files: files.collect() })
     }
 }
 
@@ -157,20 +149,13 @@ pub enum InputError {
 pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, InputError> {
     let fail = |source: io::Error| match progress.check() {
         Err(cancelled) => InputError::from(cancelled),
-        Ok(()) => InputError::Unreadable {
-            source,
-            path: path.to_owned(),
-        },
+        Ok(()) => InputError::Unreadable { source, path: path.to_owned() },
     };
     let from = regular_file::open(path).map_err(fail)?;
     progress.start(from.metadata().map_err(fail)?.len());
     let hashed = hash(from, || progress.check(), |count| progress.advance(count));
     let (bytes, sha256) = hashed.map_err(fail)?;
-    Ok(Input {
-        file: path.display().to_string(),
-        bytes: bytes as usize,
-        sha256,
-    })
+    Ok(Input { file: path.display().to_string(), bytes: bytes as usize, sha256 })
 }
 
 /// Length and SHA-256 of what is read.

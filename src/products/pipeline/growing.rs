@@ -1,8 +1,10 @@
-//! Results of a log that is still being written: the stages are run over its last pings, and what they find is joined to what was there.
+//! Results of a log that is still being written: the stages are run over its last pings, and what
+//! they find is joined to what was there.
 //!
-//! Nothing is measured anew that belongs to the log as a whole: calibration, flat stretches, correction of depths and the scale of the
-//! picture stay those of the last run over all of it. The results are good for looking at the log while it grows; those that stay come
-//! from [`run`](super::run) over the whole log.
+//! Nothing is measured anew that belongs to the log as a whole: calibration, flat stretches,
+//! correction of depths and the scale of the picture stay those of the last run over all of it. The
+//! results are good for looking at the log while it grows; those that stay come from
+//! [`run`](super::run) over the whole log.
 
 use super::Products;
 use super::run_stages::bottom_line;
@@ -26,7 +28,8 @@ use std::sync::Arc;
 const AGAIN: usize = 128;
 /// Pings before those that the stages look at as well.
 const CONTEXT: usize = 384;
-/// The line of first returns is found in stretches that begin at multiples of this: here as over the whole log.
+/// The line of first returns is found in stretches that begin at multiples of this: here as over
+/// the whole log.
 const ALIGNED: usize = 512;
 
 /// What the results of a growing log go on with.
@@ -62,14 +65,12 @@ impl GrowingResults {
     ) -> Result<Self, Cancelled> {
         let dead_zone_m = settings.first_return.dead_zone_m;
         let normalisation = Normalisation::measure(survey, &settings.image, dead_zone_m, progress)?;
-        Ok(Self {
-            normalisation,
-            versions: ResultVersions::default(),
-        })
+        Ok(Self { normalisation, versions: ResultVersions::default() })
     }
 }
 
-/// Pings whose results are made again, and those that are looked at for it; both reach to the end of the log.
+/// Pings whose results are made again, and those that are looked at for it; both reach to the end
+/// of the log.
 struct Part {
     first: usize,
     context: usize,
@@ -78,9 +79,10 @@ struct Part {
     context_start: StretchStart,
 }
 
-/// The results of `before`, of the same log when it was shorter, with those of what was added. All pings before `unchanged` are as they
-/// were. Takes time for the new pings; of the rest only the classes of points are copied, and what lies under bottom edits and excluded
-/// stretches is found anew.
+/// The results of `before`, of the same log when it was shorter, with those of what was added. All
+/// pings before `unchanged` are as they were. Takes time for the new pings; of the rest only the
+/// classes of points are copied, and what lies under bottom edits and excluded stretches is found
+/// anew.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -96,12 +98,7 @@ pub fn extend(
     let first = known.saturating_sub(AGAIN);
     let context = first.saturating_sub(CONTEXT) / ALIGNED * ALIGNED;
     let (stretch, context_start) = survey.stretch_from(context);
-    let part = Part {
-        first,
-        context,
-        first_start: survey.stretch_start(first),
-        context_start,
-    };
+    let part = Part { first, context, first_start: survey.stretch_start(first), context_start };
     let navigation = navigate_with(&stretch, settings.position_settings(), progress)?;
     let found = found(&stretch, &part, before, settings, growing, progress)?;
     let mut returns = found.clone();
@@ -137,10 +134,7 @@ pub fn extend(
     let new_scales = PointScales::of(&stretch, &cloud, &classes, &reduction);
     let points = &mut versions.points;
     let (points, classes) = part.join_points(before, &cloud.points, &classes, &exclusions, points);
-    let cloud = PointCloud {
-        points,
-        zero_heading: all_navigation.zero_heading,
-    };
+    let cloud = PointCloud { points, zero_heading: all_navigation.zero_heading };
     Ok(Products {
         settings: settings.clone(),
         navigation: Arc::new(all_navigation),
@@ -221,10 +215,7 @@ impl Part {
             let without = pings.iter().filter(|ping| ping.heading_rad.is_nan());
             without.count()
         };
-        let (again, added) = (
-            &before.pings[self.first..],
-            &new.pings[self.first - self.context..],
-        );
+        let (again, added) = (&before.pings[self.first..], &new.pings[self.first - self.context..]);
         let known = self.first_start.sounding.min(before.soundings.len());
         let new_soundings = &new.soundings[known - self.context_start.sounding..];
         let known_swath = self.first_start.swath.min(before.swath.len());
@@ -250,7 +241,8 @@ impl Part {
         }
     }
 
-    /// The points of before that lie before the part, and the new ones of the part; with their classes.
+    /// The points of before that lie before the part, and the new ones of the part; with their
+    /// classes.
     fn join_points(
         &self,
         before: &Products,
@@ -277,7 +269,8 @@ impl Part {
         (points, joined)
     }
 
-    /// A point of the stretch as one of the log; `None` where it lies before the part, or is excluded.
+    /// A point of the stretch as one of the log; `None` where it lies before the part, or is
+    /// excluded.
     fn counted_point(&self, point: &CloudPoint, exclusions: &Exclusions) -> Option<CloudPoint> {
         let StretchStart { sounding, swath } = self.context_start;
         let record = match point.record() {
@@ -285,11 +278,8 @@ impl Part {
             PointRecord::Swath(index) => RecordIndex::new(index + swath),
             PointRecord::Ping(_) => None,
         };
-        let point = CloudPoint {
-            ping: (point.ping as usize + self.context) as u32,
-            record,
-            ..*point
-        };
+        let point =
+            CloudPoint { ping: (point.ping as usize + self.context) as u32, record, ..*point };
         let counts = self.is_new(point.record()) && point.record().exclusion(exclusions).is_none();
         counts.then_some(point)
     }

@@ -12,7 +12,8 @@ pub struct RunCounts {
     pub pings: usize,
     /// Depths that the recorder gave.
     pub soundings: usize,
-    /// Of these, depths written while the recorder had lost the bottom, and confirmed by no first return.
+    /// Of these, depths written while the recorder had lost the bottom, and confirmed by no first
+    /// return.
     pub soundings_without_bottom: usize,
     /// Pings with a port first return.
     pub port_first_returns: usize,
@@ -20,11 +21,13 @@ pub struct RunCounts {
     pub starboard_first_returns: usize,
     /// First returns above the recorded depth: weed, fish or boulders.
     pub above_bottom: usize,
-    /// Points of these that do not count for the depth map, neither outliers nor of too low confidence.
+    /// Points of these that do not count for the depth map, neither outliers nor of too low
+    /// confidence.
     pub above_bottom_left_out: usize,
     /// Points of these that count for the depth map: all, or those of long stretches.
     pub above_bottom_kept: usize,
-    /// Side-scan points that are not kept because the confidence of their first return is less than `first_return.min_confidence`.
+    /// Side-scan points that are not kept because the confidence of their first return is less than
+    /// `first_return.min_confidence`.
     pub low_confidence: usize,
     /// Pings at which the boat moves.
     pub moving: usize,
@@ -75,9 +78,7 @@ impl SwathCounts {
             pings: survey.swath.len(),
             zero_heading: without.count(),
             depths: survey.swath.iter().map(SwathPing::len).sum(),
-            unreliable: (survey.swath.iter())
-                .map(|ping| usize::from(ping.unreliable))
-                .sum(),
+            unreliable: (survey.swath.iter()).map(|ping| usize::from(ping.unreliable)).sum(),
             points,
         })
     }
@@ -169,7 +170,8 @@ pub struct CalibrationReport {
 }
 
 impl CalibrationReport {
-    /// The scale in force first, and what is done to the ranges; `None` where nothing gives a scale.
+    /// The scale in force first, and what is done to the ranges; `None` where nothing gives a
+    /// scale.
     pub(super) fn summary(&self) -> Option<String> {
         let header = (self.header_px_per_m).map(|px| format!("as recorded {px:.2} px/m"));
         let flat_spot = (self.ppd_px_per_m.zip(self.ppd_spread_px_per_m))
@@ -205,10 +207,9 @@ impl CalibrationReport {
             ppd_spread_px_per_m: ppd.map(|scale| scale.spread_px_per_m),
             ppd_picks: ppd.map_or(0, |scale| scale.picks),
             ppd_factor: calibration.factor(),
-            pings: flat_spot.as_ref().map(|spot| PingRange {
-                start: spot.pings.start,
-                end: spot.pings.end,
-            }),
+            pings: flat_spot
+                .as_ref()
+                .map(|spot| PingRange { start: spot.pings.start, end: spot.pings.end }),
             flat_spot_depth_m: flat_spot.as_ref().map(|spot| spot.depth_m),
             header_px_per_m: header.map(|scale| scale.px_per_m),
             header_spread_px_per_m: header.map(|scale| scale.spread_px_per_m),

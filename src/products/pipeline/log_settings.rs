@@ -1,7 +1,8 @@
 //! Settings of several logs: those that all share, and those that one log has for itself.
 //!
-//! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the pipeline takes the result as it
-//! takes the settings of a single log. Keys are those of `--set`: `draft_m`, `first_return.threshold`.
+//! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the
+//! pipeline takes the result as it takes the settings of a single log. Keys are those of `--set`:
+//! `draft_m`, `first_return.threshold`.
 
 use super::settings::{in_one_line, renamed, row};
 use super::{Settings, SettingsError};
@@ -72,8 +73,9 @@ pub(crate) fn is_setting(key: &str) -> bool {
     row(key).is_some()
 }
 
-/// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
-/// track and its clock, mounting, position shift, flat spot, excluded stretches, and how its picture is shown.
+/// Whether a change of this key is one of a single log, not of all: draft, water level, height
+/// offset, track and its clock, mounting, position shift, flat spot, excluded stretches, and how
+/// its picture is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     NEVER_SHARED.contains(&key) || SELDOM_SHARED.contains(&key)
 }
@@ -87,7 +89,8 @@ pub fn setting_values(settings: &Settings) -> SettingValues {
     values
 }
 
-/// Settings as a table. They are numbers, names and paths, which can be written; of a path that is no text, what is text of it.
+/// Settings as a table. They are numbers, names and paths, which can be written; of a path that is
+/// no text, what is text of it.
 fn table_of(settings: &Settings) -> Table {
     let mut settings = settings.clone();
     let paths = [
@@ -120,7 +123,8 @@ fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
     }
 }
 
-/// A number as it was given: one that a setting keeps in 32 bits is `0.41`, not what these are in 64.
+/// A number as it was given: one that a setting keeps in 32 bits is `0.41`, not what these are
+/// in 64.
 fn shortest(value: Value) -> Value {
     match value {
         Value::Float(number) if number.is_finite() && f64::from(number as f32) == number => {
@@ -131,7 +135,8 @@ fn shortest(value: Value) -> Value {
     }
 }
 
-/// Settings with the given values over them. What was loaded from a file stays where the file stays.
+/// Settings with the given values over them. What was loaded from a file stays where the file
+/// stays.
 ///
 /// # Errors
 /// A sentence that names the key, when it is none or cannot have that value.
@@ -160,9 +165,7 @@ fn insert(table: &mut Table, key: &str, value: Value) {
         table.insert(key.to_owned(), value);
         return;
     };
-    let inner = table
-        .entry(first)
-        .or_insert_with(|| Value::Table(Table::new()));
+    let inner = table.entry(first).or_insert_with(|| Value::Table(Table::new()));
     if let Value::Table(inner) = inner {
         insert(inner, rest, value);
     }
@@ -174,7 +177,8 @@ pub struct LogSettings {
     own: SettingValues,
     /// The bottom edits of this log.
     pub bottom: BottomSettings,
-    /// What its own `water_level.file` holds, once somebody has read it. It follows from the key, and is no difference by itself.
+    /// What its own `water_level.file` holds, once somebody has read it. It follows from the key,
+    /// and is no difference by itself.
     pub gauge: Option<Arc<Gauge>>,
     /// Likewise what its own `isobaths.clip` holds.
     pub area: Option<Arc<WaterArea>>,
@@ -197,7 +201,8 @@ impl LogSettings {
         self.own.contains_key(key)
     }
 
-    /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else the shared one.
+    /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else
+    /// the shared one.
     pub(crate) fn swaps_sides(&self, shared: &Settings) -> bool {
         let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
         own.unwrap_or(shared.mounting.swap_sides)
@@ -213,8 +218,9 @@ impl LogSettings {
         self.own.remove(key);
     }
 
-    /// The settings that the log is processed with: the shared ones, and its own over them. Its gauge is in them when
-    /// [`LogSettings::gauge`] is there, and so is its area; otherwise [`Settings::load_files`] reads them.
+    /// The settings that the log is processed with: the shared ones, and its own over them. Its
+    /// gauge is in them when [`LogSettings::gauge`] is there, and so is its area; otherwise
+    /// [`Settings::load_files`] reads them.
     ///
     /// # Errors
     /// A sentence that names the key, when an own value cannot be used.
@@ -230,19 +236,16 @@ impl LogSettings {
         Ok(settings)
     }
 
-    /// The same with what its own files hold, as settings that it was composed into have it once they are loaded
-    /// ([`Settings::load_files`]): composed anew, these files count still.
+    /// The same with what its own files hold, as settings that it was composed into have it once
+    /// they are loaded ([`Settings::load_files`]): composed anew, these files count still.
     #[must_use]
     pub fn with_files_of(self, loaded: &Settings) -> Self {
-        Self {
-            gauge: loaded.water_level.gauge.clone(),
-            area: loaded.isobaths.area.clone(),
-            ..self
-        }
+        Self { gauge: loaded.water_level.gauge.clone(), area: loaded.isobaths.area.clone(), ..self }
     }
 
-    /// Shared settings and this log's own after the log's composed settings became `after`: what belongs to one log, and what was its
-    /// own already, stays with the log; every other change is one of the shared settings.
+    /// Shared settings and this log's own after the log's composed settings became `after`: what
+    /// belongs to one log, and what was its own already, stays with the log; every other change is
+    /// one of the shared settings.
     ///
     /// # Errors
     /// As [`LogSettings::compose`].
@@ -251,10 +254,7 @@ impl LogSettings {
         shared: &Settings,
         after: &Settings,
     ) -> Result<(Settings, LogSettings), SettingsError> {
-        let (before, now) = (
-            setting_values(&self.compose(shared)?),
-            setting_values(after),
-        );
+        let (before, now) = (setting_values(&self.compose(shared)?), setting_values(after));
         let mut own = self.clone();
         let mut all = setting_values(shared);
         let keys = before.keys().chain(now.keys());
@@ -279,14 +279,12 @@ impl LogSettings {
         Ok((changed, own))
     }
 
-    /// The same for a log of which more was written since: bottom edits and excluded stretches belong to it still. `None` where nothing
-    /// has to be said anew.
+    /// The same for a log of which more was written since: bottom edits and excluded stretches
+    /// belong to it still. `None` where nothing has to be said anew.
     pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
         let own = Identity::of(survey);
         let mut carried = self.clone();
-        let BottomSettings {
-            log_bytes, pings, ..
-        } = self.bottom;
+        let BottomSettings { log_bytes, pings, .. } = self.bottom;
         if !self.bottom.is_empty() && survey.was(log_bytes, pings) {
             carried.bottom.log_bytes = own.byte_count;
             carried.bottom.pings = own.pings;
@@ -294,18 +292,16 @@ impl LogSettings {
         let named = self.own.get(EXCLUDED_LOG).cloned();
         let named = named.and_then(|value| value.try_into::<Identity>().ok());
         if let Some(log) = named.filter(|log| survey.is_or_was(log))
-            && let Ok(value) = Value::try_from(Identity {
-                file: log.file,
-                ..own
-            })
+            && let Ok(value) = Value::try_from(Identity { file: log.file, ..own })
         {
             carried.own.insert(EXCLUDED_LOG.to_owned(), value);
         }
         (carried != *self).then_some(carried)
     }
 
-    /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs, with the value that they have. `None`
-    /// when that changes nothing, or cannot be: a flat spot, a track and a mounting say nothing about another log.
+    /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs,
+    /// with the value that they have. `None` when that changes nothing, or cannot be: a flat spot,
+    /// a track and a mounting say nothing about another log.
     pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
         if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
             return None;
@@ -389,12 +385,7 @@ mod tests {
         assert!(all.excluded.is_empty() && all.excluded.log.is_none());
         assert_eq!(
             one.own().keys().collect::<Vec<_>>(),
-            [
-                "draft_m",
-                "excluded.log",
-                "excluded.stretches",
-                "first_return.threshold"
-            ]
+            ["draft_m", "excluded.log", "excluded.stretches", "first_return.threshold"]
         );
         assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));
         assert_eq!(all.surface.cell_m, Some(0.5));
@@ -415,13 +406,7 @@ mod tests {
         let own = own.expect("a change");
         assert!(own.is_own("outliers.min_neighbors"));
         let changed = settings(&["outliers.min_neighbors=9", "draft_m=0.3"]);
-        assert_eq!(
-            own.compose(&changed)
-                .expect("settings")
-                .outliers
-                .min_neighbors,
-            7
-        );
+        assert_eq!(own.compose(&changed).expect("settings").outliers.min_neighbors, 7);
         assert_eq!(own.owning(&shared, "outliers.min_neighbors", true), None);
         let back = own.owning(&shared, "outliers.min_neighbors", false);
         assert_eq!(back, Some(none.clone()));

@@ -1,13 +1,19 @@
 //! Runs the stages in order, keeps what is still valid, and knows what is stale.
 //!
-//! In: surveys and settings. Out: the results of every stage for each log, and what all logs give together.
-//! It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! In: surveys and settings. Out: the results of every stage for each log, and what all logs give
+//! together. It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
-//! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `stage` the stages
-//! and which of them a change of settings makes stale, `run_stages` runs them, `products` is what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
-//! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
-//! `agreement` compares points with a reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
-//! up (`log_report` has what it says of each log), `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
+//! `settings` holds every setting and the two presets, `log_settings` those that one of several
+//! logs has for itself, `stage` the stages and which of them a change of settings makes stale,
+//! `run_stages` runs them, `products` is what they made, `engine` runs them on a worker for the
+//! window, `growing` over what was added to a log that is being written, `task` and `background`
+//! are how all work runs off its thread. `derived` makes what all logs give together, once and on
+//! demand. `depth` makes the depth map and what follows from it, `agreement` compares points with a
+//! reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
+//! up (`log_report` has what it says of each log), `scale_trial` what another scale would change,
+//! `fingerprint` tells versions of files apart, `source` puts right what a log does not say of
+//! itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a
+//! survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod background;

@@ -1,4 +1,5 @@
-//! Objects on the bottom, with what is known of water and transducer: as the points of the cloud are.
+//! Objects on the bottom, with what is known of water and transducer: as the points of the cloud
+//! are.
 
 use super::Products;
 use bathyscope_bottom::cloud::Correction;
@@ -16,25 +17,15 @@ pub struct ObjectLocator<'a> {
 impl<'a> ObjectLocator<'a> {
     /// Gets ready for the boxes of a survey.
     pub fn new(survey: &'a Survey, products: &'a Products) -> Self {
-        let Products {
-            navigation,
-            returns,
-            calibration,
-            correction,
-            relief,
-            ..
-        } = products;
+        let Products { navigation, returns, calibration, correction, relief, .. } = products;
         let placer = Placer::new(survey, navigation, returns, calibration)
             .with_range_factor(correction.range_factor())
             .with_relief(relief);
-        Self {
-            placer,
-            survey,
-            correction,
-        }
+        Self { placer, survey, correction }
     }
 
-    /// Where a box's object lies, its depth below the level that depths count from; `None` as [`Placer::place`].
+    /// Where a box's object lies, its depth below the level that depths count from; `None` as
+    /// [`Placer::place`].
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None)
     }
@@ -49,10 +40,7 @@ impl<'a> ObjectLocator<'a> {
         let target = self.placer.place_as(mark, extent, measured)?;
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
-        Some(Target {
-            depth_m: -self.correction.z_m(ping.time_s, target.depth_m),
-            ..target
-        })
+        Some(Target { depth_m: -self.correction.z_m(ping.time_s, target.depth_m), ..target })
     }
 
     /// The recording.

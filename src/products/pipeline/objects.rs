@@ -1,5 +1,5 @@
-//! The list of objects of processed logs, and the shapes of objects: a solid on the bottom for what the boxes of one log or several
-//! show of one object.
+//! The list of objects of processed logs, and the shapes of objects: a solid on the bottom for what
+//! the boxes of one log or several show of one object.
 
 use crate::pipeline::{ObjectLocator, ProcessedLog};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -33,8 +33,8 @@ pub fn list_objects(
     Ok(ObjectList::join(boxes, &pass_logs, &review.numbers))
 }
 
-/// The shape of an object by its boxes, each with its log and its place; places of all logs are in one plane. What is drawn as a point has
-/// no extent, and tells nothing of a shape.
+/// The shape of an object by its boxes, each with its log and its place; places of all logs are in
+/// one plane. What is drawn as a point has no extent, and tells nothing of a shape.
 ///
 /// # Errors
 /// Why it has none.

@@ -21,25 +21,24 @@ pub struct Pass {
     pub range_m: f64,
 }
 
-/// The strips that show a place, in the order of the log: ping, side, and the ray that it lies beside, so many metres out.
+/// The strips that show a place, in the order of the log: ping, side, and the ray that it lies
+/// beside, so many metres out.
 fn strips_at(
     layout: &MosaicLayout,
     [x, y]: [f64; 2],
 ) -> impl Iterator<Item = (usize, Side, MosaicRay, f64)> {
-    layout
-        .strips_in([x, y, x, y])
-        .filter_map(move |(index, side)| {
-            let ray = layout.ray(index, side)?;
-            let [east, north] = ray.out;
-            let scale = east * east + north * north;
-            let out_m = ((x - ray.at[0]) * east + (y - ray.at[1]) * north) / scale;
-            let is_seen = out_m > 0.0 && out_m <= ray.reach_m(false);
-            is_seen.then_some((layout.ping(index)?, side, ray, out_m))
-        })
+    layout.strips_in([x, y, x, y]).filter_map(move |(index, side)| {
+        let ray = layout.ray(index, side)?;
+        let [east, north] = ray.out;
+        let scale = east * east + north * north;
+        let out_m = ((x - ray.at[0]) * east + (y - ray.at[1]) * north) / scale;
+        let is_seen = out_m > 0.0 && out_m <= ray.reach_m(false);
+        is_seen.then_some((layout.ping(index)?, side, ray, out_m))
+    })
 }
 
-/// The passes of a log over a place of its plane, by side and in the order of the log, as the mosaic lays its echoes out. Logs that were
-/// far away are not laid out.
+/// The passes of a log over a place of its plane, by side and in the order of the log, as the
+/// mosaic lays its echoes out. Logs that were far away are not laid out.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -72,23 +71,21 @@ pub fn passes_over(
     Ok(passes.collect())
 }
 
-/// Whether the boat came as near to a place as its side-scan reaches: of most logs of a large survey it did not.
+/// Whether the boat came as near to a place as its side-scan reaches: of most logs of a large
+/// survey it did not.
 fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
     let (survey, products) = (&log.survey, &log.products);
     let factor = products.correction.range_factor();
     let mut pings = products.navigation.pings.iter().enumerate();
     pings.any(|(ping, boat)| {
-        let far_m = |side| {
-            survey
-                .span(ping, side)
-                .map_or(0.0, |span| f64::from(span.far_m))
-        };
+        let far_m = |side| survey.span(ping, side).map_or(0.0, |span| f64::from(span.far_m));
         let [port_m, starboard_m] = Side::BOTH.map(far_m);
         (boat.east_m - x).hypot(boat.north_m - y) <= SLACK * factor * port_m.max(starboard_m)
     })
 }
 
-/// Where a sample of a ping lies in the plane of its log; `None` where the ping shows no ground there.
+/// Where a sample of a ping lies in the plane of its log; `None` where the ping shows no ground
+/// there.
 pub fn place_of(layout: &MosaicLayout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
     let ray = layout.ray(ping, side)?;
     let out_m = ray.across.ground_m(ray.under_m, ray.range_m(sample));

@@ -26,7 +26,8 @@ pub struct Products {
     pub found: Arc<FirstReturns>,
     /// First returns with the bottom edits.
     pub returns: Arc<FirstReturns>,
-    /// The bottom that the picture is laid out by: these first returns, or the recorded depths with the bottom edits.
+    /// The bottom that the picture is laid out by: these first returns, or the recorded depths with
+    /// the bottom edits.
     pub bottom_line: Arc<FirstReturns>,
     /// Scales.
     pub calibration: Arc<Calibration>,
@@ -40,9 +41,10 @@ pub struct Products {
     pub depths: Arc<Vec<PingDepth>>,
     /// How the bottom lies across the track.
     pub relief: Arc<Relief>,
-    /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
-    /// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives;
-    /// `None` where no depth is known.
+    /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that
+    /// the recorder had the bottom for, as corrected. The others would stretch the colours. In a
+    /// log without such soundings, those of the depths that side-scan gives; `None` where no depth
+    /// is known.
     pub depth_range_m: Option<[f32; 2]>,
     /// Ends of the colour scales of echo level and slant range.
     pub scales: PointScales,
@@ -61,16 +63,11 @@ impl Products {
 
     /// The first returns that a calibration may be based on.
     pub(super) fn judged_returns(&self, survey: &Survey) -> Arc<FirstReturns> {
-        judged(
-            survey,
-            &self.settings,
-            &self.found,
-            &self.exclusions,
-            || self.counted_returns(),
-        )
+        judged(survey, &self.settings, &self.found, &self.exclusions, || self.counted_returns())
     }
 
-    /// The scales by other settings, from first returns that they may be based on ([`Self::judged_returns`]).
+    /// The scales by other settings, from first returns that they may be based on
+    /// ([`Self::judged_returns`]).
     pub(super) fn calibrated(
         &self,
         survey: &Survey,
@@ -82,8 +79,8 @@ impl Products {
         calibration::calibrate(survey, navigation, judged, spots, settings, progress)
     }
 
-    /// All points by another calibration and other settings, from the first returns that count ([`Self::counted_returns`])
-    /// and their traits.
+    /// All points by another calibration and other settings, from the first returns that count
+    /// ([`Self::counted_returns`]) and their traits.
     pub(super) fn placed(
         &self,
         survey: &Survey,
@@ -110,8 +107,8 @@ impl Products {
     }
 }
 
-/// Ends of the colour scale of depth over some results, metres: from the least to the greatest that one of them needs. `None` where no
-/// depth is known.
+/// Ends of the colour scale of depth over some results, metres: from the least to the greatest that
+/// one of them needs. `None` where no depth is known.
 pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
     let each = all.filter_map(|products| products.depth_range_m);
     each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
@@ -125,8 +122,9 @@ pub(super) fn counted(returns: &Arc<FirstReturns>, exclusions: &Exclusions) -> A
     }
 }
 
-/// The first returns that a calibration may be based on. What was accepted as bottom is flagged there as it was found: it is bottom beside the
-/// boat, at another depth than that of the soundings. `counted` are all that count.
+/// The first returns that a calibration may be based on. What was accepted as bottom is flagged
+/// there as it was found: it is bottom beside the boat, at another depth than that of the
+/// soundings. `counted` are all that count.
 pub(super) fn judged(
     survey: &Survey,
     settings: &Settings,

@@ -7,8 +7,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Navigation, Relief, Side, Survey};
 
-/// Cells of the surface that it is read from are this share of the median depth, and this long at least, metres: what is smaller is noise as
-/// seen from the transducer.
+/// Cells of the surface that it is read from are this share of the median depth, and this long at
+/// least, metres: what is smaller is noise as seen from the transducer.
 const CELL_SHARE: f64 = 0.25;
 const LEAST_CELL_M: f64 = 1.0;
 /// The bottom is read up to the slant range that this share of all sides does not exceed.
@@ -18,8 +18,8 @@ const MOST_CELLS: usize = 2048;
 
 /// The bottom across the track of every ping; level where none is known, or none is asked for.
 ///
-/// It is read from linear triangles, whatever the depth map is made by: what the depths between lines are to a decimetre, an echo ten
-/// metres out is placed to within a few centimetres by.
+/// It is read from linear triangles, whatever the depth map is made by: what the depths between
+/// lines are to a decimetre, an echo ten metres out is placed to within a few centimetres by.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -92,10 +92,7 @@ mod tests {
     #[test]
     fn a_damaged_header_does_not_say_how_far_the_bottom_is_read() {
         let ping = |index: usize| SidePing {
-            starboard: Some(SideSpan::of_bytes(
-                100,
-                [0.0, if index == 7 { 3e9 } else { 20.0 }],
-            )),
+            starboard: Some(SideSpan::of_bytes(100, [0.0, if index == 7 { 3e9 } else { 20.0 }])),
             ..SidePing::with_depth(index as f64, 3.0)
         };
         let survey = Survey::of_pings((0..200).map(ping));

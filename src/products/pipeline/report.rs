@@ -20,8 +20,8 @@ const RUN_BYTES: usize = 8;
 pub struct Report {
     /// Program and version.
     pub program: String,
-    /// Names the run, as the manifest and `report.html` do: the same inputs, settings and products have the same name. Empty
-    /// until [`Report::name_run`].
+    /// Names the run, as the manifest and `report.html` do: the same inputs, settings and products
+    /// have the same name. Empty until [`Report::name_run`].
     pub run: String,
     /// The files read.
     pub inputs: Vec<Input>,
@@ -41,14 +41,16 @@ pub struct Report {
     pub calibration: CalibrationReport,
     /// What the depths along the track come from.
     pub track: TrackShare,
-    /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping: above 0 is shallower; absent
-    /// without any.
+    /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping:
+    /// above 0 is shallower; absent without any.
     pub residuals: Option<Residuals>,
-    /// How recorded positions are corrected, in sentences; empty where they are not, and of several logs, each of which has its own.
+    /// How recorded positions are corrected, in sentences; empty where they are not, and of several
+    /// logs, each of which has its own.
     pub positions: String,
     /// What became of the corrections of positions and heights that were asked for.
     pub corrections: Vec<RequestedCorrection>,
-    /// What is uncertain in all depths alike, one standard deviation each: it is in the stated error of the map.
+    /// What is uncertain in all depths alike, one standard deviation each: it is in the stated
+    /// error of the map.
     pub uncertainty: CommonUncertainty,
     /// What depths between the lines are, where a depth map was made.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -86,13 +88,7 @@ impl Report {
             classes,
             ..
         } = products;
-        let found = |side| {
-            returns
-                .side(side)
-                .iter()
-                .filter(|pick| pick.is_some())
-                .count()
-        };
+        let found = |side| returns.side(side).iter().filter(|pick| pick.is_some()).count();
         let classes_of = ClassCounts::of(cloud, classes);
         let above_bottom = cloud.points.iter().filter(|point| point.above_bottom);
         let above_bottom_kept = products.kept_points().filter(|point| point.above_bottom);
@@ -237,11 +233,8 @@ fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
     let lost = survey.soundings.iter().filter(|sounding| !sounding.locked);
     let points = cloud.points.of(PointSource::DownScan).iter();
     let counts = points.filter(|point| point.reliable);
-    let of_lost = counts.filter(|point| {
-        point
-            .sounding()
-            .is_some_and(|index| !survey.soundings[index].locked)
-    });
+    let of_lost = counts
+        .filter(|point| point.sounding().is_some_and(|index| !survey.soundings[index].locked));
     lost.count() - of_lost.count()
 }
 
@@ -262,9 +255,7 @@ fn positions(survey: &Survey, settings: &Settings) -> String {
     if let Some(system) = system.and_then(|projected| projected.system.as_ref()) {
         said += &format!(" Its metres are taken for those of {system}.");
     }
-    format!("{said} {}", corrected_positions(settings))
-        .trim_end()
-        .to_owned()
+    format!("{said} {}", corrected_positions(settings)).trim_end().to_owned()
 }
 
 /// How recorded positions are corrected; empty where they are not.
@@ -286,7 +277,8 @@ fn whose(track: &Track) -> String {
     }
 }
 
-/// The log's files, and the readings of the water level and the area of the isobaths where they are in force.
+/// The log's files, and the readings of the water level and the area of the isobaths where they are
+/// in force.
 fn inputs(
     survey: &Survey,
     products: &Products,

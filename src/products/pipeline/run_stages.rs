@@ -34,14 +34,7 @@ pub fn run(
         Some(previous) => Stage::first_stale(&previous.settings, settings),
         None => Some(Stage::Navigation),
     };
-    let mut run = Run {
-        survey,
-        settings,
-        previous,
-        stale,
-        progress,
-        on_stage,
-    };
+    let mut run = Run { survey, settings, previous, stale, progress, on_stage };
     let navigation = run.navigation()?;
     let exclusions = run.exclusions(&navigation);
     let found = run.found()?;
@@ -52,13 +45,7 @@ pub fn run(
     let correction = run.correction();
     let reduction = Reduction::new(&calibration, &correction);
     let bottom_line = run.bottom_line(&returns, &calibration, &reduction);
-    let cloud = run.cloud(
-        &navigation,
-        &exclusions,
-        &counted,
-        &calibration,
-        &correction,
-    )?;
+    let cloud = run.cloud(&navigation, &exclusions, &counted, &calibration, &correction)?;
     let point_results = run.point_results(&cloud, &exclusions, &correction, &reduction)?;
     let relief = run.relief(&navigation, &cloud, &point_results.classes)?;
     Ok(Products {
@@ -166,7 +153,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Arc::new(returns)
     }
 
-    /// The flat stretches, and the scales from one of them. `counted` are those of `returns` that count.
+    /// The flat stretches, and the scales from one of them. `counted` are those of `returns` that
+    /// count.
     fn calibration(
         &mut self,
         navigation: &Arc<Navigation>,
@@ -181,7 +169,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         self.begin(Stage::Calibration)?;
         let (survey, settings) = (self.survey, self.settings);
         let judged = judged(survey, settings, found, exclusions, || counted.clone());
-        // Flat stretches depend on track and picks only: choosing one of them, or a scale, leaves the ranking as it is.
+        // Flat stretches depend on track and picks only: choosing one of them, or a scale, leaves
+        // the ranking as it is.
         let same_spots = self.previous.filter(|old| {
             Arc::ptr_eq(&old.navigation, navigation)
                 && Arc::ptr_eq(&old.returns, returns)
@@ -252,7 +241,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok(Arc::new(made.without(exclusions)))
     }
 
-    /// The class of each point, and what follows from that: depths under the boat, and the ends of colour scales.
+    /// The class of each point, and what follows from that: depths under the boat, and the ends of
+    /// colour scales.
     fn point_results(
         &mut self,
         cloud: &PointCloud,
@@ -298,8 +288,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
     }
 }
 
-/// Whether the search for first returns finds the same with both settings. It depends on neither position nor heading: a change of heading
-/// source must not run the tracker again.
+/// Whether the search for first returns finds the same with both settings. It depends on neither
+/// position nor heading: a change of heading source must not run the tracker again.
 fn finds_the_same(old: &Settings, new: &Settings) -> bool {
     old.image == new.image
         && old.mounting.swap_sides == new.mounting.swap_sides

@@ -17,7 +17,8 @@ pub struct ScaleTrial {
     pub objections: Vec<String>,
     /// First returns of the whole log against recorded depths, by the recorder's scale.
     pub points: Vec<RangeAtDepth>,
-    /// What it does to the depths; `None` where it gives no scale, or the log has no side-scan depths.
+    /// What it does to the depths; `None` where it gives no scale, or the log has no side-scan
+    /// depths.
     pub effect: Option<ScaleEffect>,
 }
 
@@ -26,7 +27,8 @@ pub struct ScaleTrial {
 pub struct ScaleEffect {
     /// How the depths change.
     pub change: DepthChange,
-    /// Elevation of side-scan points minus that of the soundings of the same pings, now and then; `None` without soundings.
+    /// Elevation of side-scan points minus that of the soundings of the same pings, now and then;
+    /// `None` without soundings.
     pub residuals: Option<[Residuals; 2]>,
 }
 
@@ -64,12 +66,7 @@ impl ScaleTrial {
             }
             None => None,
         };
-        Ok(Self {
-            spot,
-            objections,
-            points,
-            effect,
-        })
+        Ok(Self { spot, objections, points, effect })
     }
 }
 

@@ -1,5 +1,5 @@
-//! From the log that was read to the survey that the stages see: what the log does not say, or says wrongly, is put right before any of
-//! them.
+//! From the log that was read to the survey that the stages see: what the log does not say, or says
+//! wrongly, is put right before any of them.
 
 use super::Settings;
 use super::settings::SourceSettings;
@@ -42,8 +42,9 @@ impl SourceKey {
     }
 }
 
-/// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, the system of positions in metres, and which
-/// frequency is shown. Lever arm and heading offset act where pings are placed.
+/// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, the
+/// system of positions in metres, and which frequency is shown. Lever arm and heading offset act
+/// where pings are placed.
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`.
@@ -60,17 +61,17 @@ pub fn as_mounted(
     if let Some(crs) = source.crs.filter(|_| survey.track.projected.is_some()) {
         survey.track = survey.track.in_system(&crs.system()?)?;
         // It says that the system is not known.
-        survey
-            .warnings
-            .retain(|warning| !warning.text.contains("source.crs"));
+        survey.warnings.retain(|warning| !warning.text.contains("source.crs"));
     }
     Ok(survey)
 }
 
-/// A log that was read as its settings have it, with the track of another receiver over it, if there is one.
+/// A log that was read as its settings have it, with the track of another receiver over it, if
+/// there is one.
 ///
 /// # Errors
-/// When the metres of its positions are not those of `source.crs`, or the track does not fit the log.
+/// When the metres of its positions are not those of `source.crs`, or the track does not fit the
+/// log.
 pub fn as_set(
     recorded: Survey,
     settings: &Settings,

@@ -33,7 +33,8 @@ named! {
 }
 
 impl Stage {
-    /// The first stage whose result differs between two settings; `None` when all results are the same.
+    /// The first stage whose result differs between two settings; `None` when all results are the
+    /// same.
     pub fn first_stale(old: &Settings, new: &Settings) -> Option<Stage> {
         // With the sides of a log all that is known of it is another, its places included.
         let same_log =

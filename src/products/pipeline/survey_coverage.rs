@@ -1,4 +1,5 @@
-//! What a plan of further lines starts from: soundings, ground that was insonified, objects and disagreements of all logs in one plane.
+//! What a plan of further lines starts from: soundings, ground that was insonified, objects and
+//! disagreements of all logs in one plane.
 
 use super::ProcessedLog;
 use super::depth::depth_points;
@@ -20,8 +21,8 @@ const NEW_PASS_RAD: f64 = FRAC_PI_3;
 /// A boat that is faster than this moves, metres a second.
 const MOVING_MPS: f64 = 0.3;
 
-/// What the logs of a survey know of their ground, in the plane of the first one's frame. `objects` have their places in that plane. `None`
-/// without any log.
+/// What the logs of a survey know of their ground, in the plane of the first one's frame. `objects`
+/// have their places in that plane. `None` without any log.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -59,10 +60,7 @@ pub fn survey_coverage(
         looks,
         objects: seen_objects(objects, &Log { log: first, frame }),
         doubts: doubts
-            .map(|one| Doubt {
-                place: one.place,
-                difference_m: one.difference_m(),
-            })
+            .map(|one| Doubt { place: one.place, difference_m: one.difference_m() })
             .collect(),
         depth_m: finite_or_zero(depth_m),
         range_m: finite_or_zero(median(&mut ranges_m)),
@@ -90,8 +88,7 @@ impl Log<'_> {
             Projection::Enu => [east_m, north_m],
             Projection::Mercator => {
                 let track = &self.log.survey.track;
-                self.frame
-                    .to_enu(navigation.to_lon_lat(track, east_m, north_m))
+                self.frame.to_enu(navigation.to_lon_lat(track, east_m, north_m))
             }
         }
     }
@@ -115,7 +112,8 @@ impl Log<'_> {
         placed.collect()
     }
 
-    /// Adds the ground that both sides insonified, but for stretches that are excluded, and the ranges.
+    /// Adds the ground that both sides insonified, but for stretches that are excluded, and the
+    /// ranges.
     fn add_looks(&self, looks: &mut Vec<InsonifiedSide>, ranges_m: &mut Vec<f64>) {
         let ProcessedLog { survey, products } = self.log;
         if !survey.has_side_scan() {
@@ -159,7 +157,8 @@ impl Log<'_> {
     }
 }
 
-/// The objects that were accepted or drawn by hand, with the headings of their sightings in all logs.
+/// The objects that were accepted or drawn by hand, with the headings of their sightings in all
+/// logs.
 fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
     let is_decided = |object: &&SurveyObject| {
         let mut members = list.members(object);
@@ -174,6 +173,5 @@ fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
             headings_rad: headings.filter(|heading| heading.is_finite()).collect(),
         }
     });
-    seen.filter(|object| object.place.iter().all(|value| value.is_finite()))
-        .collect()
+    seen.filter(|object| object.place.iter().all(|value| value.is_finite())).collect()
 }

@@ -52,10 +52,7 @@ impl<T: Send + 'static> Task<T> {
     pub fn start(jobs: &Jobs, work: impl FnOnce(&Progress) -> T + Send + 'static) -> Self {
         let (sender, result) = mpsc::channel();
         let progress = Progress::new();
-        let task = Self {
-            progress: progress.clone(),
-            result,
-        };
+        let task = Self { progress: progress.clone(), result };
         match jobs {
             Jobs::Inline => {
                 sender.send(work(&progress)).ok();
@@ -63,7 +60,8 @@ impl<T: Send + 'static> Task<T> {
             Jobs::Threads(waker) => {
                 let at_end = WakeAtEnd(waker.clone());
                 std::thread::spawn(move || {
-                    // Dropped in turn, the channel first, also where the work panics: who is woken finds out what became of it.
+                    // Dropped in turn, the channel first, also where the work panics: who is woken
+                    // finds out what became of it.
                     let (_at_end, sender) = (at_end, sender);
                     // Nobody listens any more when the task was replaced meanwhile.
                     sender.send(work(&progress)).ok();

@@ -1,4 +1,5 @@
-//! Where the logs of a project lie now: at their place, or where they were moved to with it or within its folder.
+//! Where the logs of a project lie now: at their place, or where they were moved to with it or
+//! within its folder.
 
 use super::log::{LogFile, LogKey};
 use super::{Project, paths};
@@ -31,8 +32,9 @@ pub enum LogLocation {
     Missing,
 }
 
-/// Looks for the logs of a project in a folder: at their place; by name in the project's folder and the folders below it; by their bytes
-/// under any name there. Elsewhere than at its place, a log counts by its hash only.
+/// Looks for the logs of a project in a folder: at their place; by name in the project's folder and
+/// the folders below it; by their bytes under any name there. Elsewhere than at its place, a log
+/// counts by its hash only.
 pub fn find(
     project: &Project,
     folder: &Path,
@@ -63,9 +65,8 @@ fn search(
     let name = log.path.file_name().unwrap_or_default().to_string_lossy();
     // A path that another system wrote is one long name here.
     let name = paths::name_from_text(&name);
-    let (named, others): (Vec<_>, Vec<_>) = files
-        .iter()
-        .partition(|path| path.file_name() == Some(name.as_os_str()));
+    let (named, others): (Vec<_>, Vec<_>) =
+        files.iter().partition(|path| path.file_name() == Some(name.as_os_str()));
     for path in named.into_iter().chain(others) {
         progress.check()?;
         if *path != log.path && is_log(log, path, progress)? {
@@ -131,14 +132,13 @@ fn is_as_long(log: &LogFile, path: &Path) -> bool {
     there.is_ok_and(|there| there.is_file() && there.len() == log.byte_count)
 }
 
-/// Whether a file may be the first of a recording in several: it is shorter than the whole, and ends as the log's does.
+/// Whether a file may be the first of a recording in several: it is shorter than the whole, and
+/// ends as the log's does.
 fn starts_recording(log: &LogFile, path: &Path) -> bool {
     let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
     let role = formats::role_by_name(&log.path);
-    let is_several = matches!(
-        role,
-        Some(FileRole::Description | FileRole::Part | FileRole::Paired)
-    );
+    let is_several =
+        matches!(role, Some(FileRole::Description | FileRole::Part | FileRole::Paired));
     let there = fs::metadata(path);
     is_several
         && ending(path) == ending(&log.path)
@@ -157,16 +157,13 @@ fn opened(
     }
 }
 
-/// The files in a folder and the folders below it, the nearest first. Links to folders are not followed: they may lead in a circle.
+/// The files in a folder and the folders below it, the nearest first. Links to folders are not
+/// followed: they may lead in a circle.
 fn files_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = VecDeque::from([(folder.to_owned(), 0)]);
     while let Some((folder, depth)) = folders.pop_front() {
-        let mut entries: Vec<_> = fs::read_dir(&folder)
-            .into_iter()
-            .flatten()
-            .flatten()
-            .collect();
+        let mut entries: Vec<_> = fs::read_dir(&folder).into_iter().flatten().flatten().collect();
         entries.sort_by_key(fs::DirEntry::file_name);
         for entry in entries {
             let Ok(kind) = entry.file_type() else {
@@ -211,9 +208,7 @@ mod tests {
         let bytes = fs::read(&log).expect("a log");
         let (length, hash) = sha256_of(&bytes[..], &Progress::new()).expect("a log");
         assert_eq!((file.byte_count, &file.sha256), (length, &hash));
-        let project = Project::default()
-            .with_log(ProjectLog::new(file))
-            .expect("a log");
+        let project = Project::default().with_log(ProjectLog::new(file)).expect("a log");
         assert_eq!(places(&project, &folder), [LogLocation::Here]);
 
         // Elsewhere with the same name lies another recording of the same size.
@@ -227,20 +222,14 @@ mod tests {
         assert_eq!(places(&project, &folder), [LogLocation::Missing]);
         let moved = other.join("renamed.sl2");
         fs::write(&moved, &bytes).expect("a log");
-        assert_eq!(
-            places(&project, &folder),
-            [LogLocation::Moved(moved.clone())]
-        );
+        assert_eq!(places(&project, &folder), [LogLocation::Moved(moved.clone())]);
         let named = other.join("pond.sl2");
         fs::write(&named, &bytes).expect("a log");
         assert_eq!(places(&project, &folder), [LogLocation::Moved(named)]);
 
         // Other bytes at its place, as many.
         fs::write(&log, &spoilt).expect("a log");
-        assert!(matches!(
-            places(&project, &folder)[0],
-            LogLocation::Moved(_)
-        ));
+        assert!(matches!(places(&project, &folder)[0], LogLocation::Moved(_)));
         for moved in [&moved, &other.join("pond.sl2")] {
             fs::rename(moved, moved.with_extension("kept")).expect("a log");
         }
@@ -254,10 +243,7 @@ mod tests {
 
         // Another recording at its place.
         fs::write(&log, &bytes[..bytes.len() - 1000]).expect("a log");
-        assert!(matches!(
-            places(&project, &folder)[0],
-            LogLocation::Moved(_)
-        ));
+        assert!(matches!(places(&project, &folder)[0], LogLocation::Moved(_)));
         fs::remove_dir_all(&other).expect("a folder");
         assert_eq!(places(&project, &folder), [LogLocation::Replaced]);
 
@@ -268,10 +254,7 @@ mod tests {
             .to_text(&folder)
             .replace("file = \"pond.sl2\"", "file = \"D:\\\\lake\\\\pond.sl2\"");
         let foreign = Project::from_text(&text, &folder).expect("a project");
-        assert_eq!(
-            places(&foreign, &folder),
-            [LogLocation::Moved(day.join("pond.sl2"))]
-        );
+        assert_eq!(places(&foreign, &folder), [LogLocation::Moved(day.join("pond.sl2"))]);
         assert!(find(&project, &folder, &Progress::new()).is_ok());
     }
 

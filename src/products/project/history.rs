@@ -1,5 +1,5 @@
-//! Undo and redo: whole states with the name of the change that led away from them. States share what stayed between them, so a
-//! step costs what it changed.
+//! Undo and redo: whole states with the name of the change that led away from them. States share
+//! what stayed between them, so a step costs what it changed.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -30,29 +30,25 @@ const DEPTH: usize = 200;
 
 impl<T> Default for History<T> {
     fn default() -> Self {
-        Self {
-            undo: VecDeque::new(),
-            redo: Vec::new(),
-            open: None,
-        }
+        Self { undo: VecDeque::new(), redo: Vec::new(), open: None }
     }
 }
 
 impl<T: Clone + PartialEq> History<T> {
-    /// The history of changes that were made before: each state with the name of the change that led away from it, the oldest first.
+    /// The history of changes that were made before: each state with the name of the change that
+    /// led away from it, the oldest first.
     pub fn of_past(past: impl IntoIterator<Item = (T, ChangeLabel)>) -> Self {
-        Self {
-            undo: past.into_iter().collect(),
-            ..Self::default()
-        }
+        Self { undo: past.into_iter().collect(), ..Self::default() }
     }
 
-    /// The changes that undo takes back: each state with the name of the change that led away from it, the oldest first.
+    /// The changes that undo takes back: each state with the name of the change that led away from
+    /// it, the oldest first.
     pub fn past(&self) -> impl DoubleEndedIterator<Item = (&T, &str)> {
         self.undo.iter().map(|(state, label)| (state, &**label))
     }
 
-    /// Notes that `before` became `after`. `live` changes belong to the step that the next change of the same name ends.
+    /// Notes that `before` became `after`. `live` changes belong to the step that the next change
+    /// of the same name ends.
     pub fn record(&mut self, before: &T, after: &T, label: impl Into<ChangeLabel>, live: bool) {
         let label = label.into();
         if self.open.as_ref().is_some_and(|(_, open)| *open != label) {
@@ -66,7 +62,8 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    /// Where the step began that a change of this name from `before` ends: the state before its drag, if one is under way.
+    /// Where the step began that a change of this name from `before` ends: the state before its
+    /// drag, if one is under way.
     pub fn start_of<'a>(&'a self, label: &str, before: &'a T) -> &'a T {
         let open = self.open.as_ref().filter(|(_, open)| open == label);
         open.map_or(before, |(start, _)| start)
@@ -112,10 +109,7 @@ impl<T: Clone + PartialEq> History<T> {
 
     /// Name of what [`History::undo`] would take back.
     pub fn undo_label(&self) -> Option<&str> {
-        self.open
-            .as_ref()
-            .or(self.undo.back())
-            .map(|(_, label)| label.as_ref())
+        self.open.as_ref().or(self.undo.back()).map(|(_, label)| label.as_ref())
     }
 
     /// Name of what [`History::redo`] would do again.
@@ -129,17 +123,12 @@ impl<T: Clone + PartialEq> History<T> {
             .undo
             .iter()
             .chain(&self.open)
-            .map(|(_, label)| HistoryStep {
-                label,
-                is_undone: false,
-            });
-        done.chain(self.redo.iter().rev().map(|(_, label)| HistoryStep {
-            label,
-            is_undone: true,
-        }))
+            .map(|(_, label)| HistoryStep { label, is_undone: false });
+        done.chain(self.redo.iter().rev().map(|(_, label)| HistoryStep { label, is_undone: true }))
     }
 
-    /// The state after the first `count` of [`History::steps`]; `None` when that is the present one, or there are fewer.
+    /// The state after the first `count` of [`History::steps`]; `None` when that is the present
+    /// one, or there are fewer.
     pub fn go_to(&mut self, count: usize, now: &T) -> Option<T> {
         self.close(now);
         if count > self.undo.len() + self.redo.len() {

@@ -1,4 +1,5 @@
-//! A project as input for work without a window: its logs where they lie now, each with its settings.
+//! A project as input for work without a window: its logs where they lie now, each with its
+//! settings.
 
 use super::find::{LogLocation, find};
 use super::log::ProjectLog;
@@ -15,11 +16,13 @@ use std::sync::Arc;
 pub struct ProjectInput {
     /// The log, its file where it lies now.
     pub log: Arc<ProjectLog>,
-    /// The settings that it is processed with; the water levels and the area that they name are read.
+    /// The settings that it is processed with; the water levels and the area that they name are
+    /// read.
     pub settings: Settings,
     /// The confidence from which undecided proposals count.
     pub least_confidence: f32,
-    /// The frame that all logs of the project lie in, as the window has them; `None` where it is not kept.
+    /// The frame that all logs of the project lie in, as the window has them; `None` where it is
+    /// not kept.
     pub frame: Option<LocalFrame>,
     /// What to say of its file.
     pub warning: Option<String>,
@@ -63,7 +66,8 @@ pub enum LogsFault {
 /// The visible logs of a project, in their order.
 ///
 /// # Errors
-/// When the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
+/// When the project cannot be read, holds no visible log, or a log or a file that its settings name
+/// is not there.
 pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, ProjectInputError> {
     let mut project = read(path)?;
     // Once for all logs.

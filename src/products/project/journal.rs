@@ -1,8 +1,9 @@
 //! What was done since a project was saved: one line a gesture, in a file beside it.
 //!
-//! A line is written in one piece as soon as the gesture is done, so that it outlives the program from then on; a thread asks the disk to
-//! keep it at once, so that it outlives the computer's end some milliseconds later, without the window ever waiting for the disk. Each
-//! line begins with a part of its hash: one that is not whole is none.
+//! A line is written in one piece as soon as the gesture is done, so that it outlives the program
+//! from then on; a thread asks the disk to keep it at once, so that it outlives the computer's end
+//! some milliseconds later, without the window ever waiting for the disk. Each line begins with a
+//! part of its hash: one that is not whole is none.
 
 use super::lock::{self, Locked, Owner};
 use super::row::{Key, Row, Rows};
@@ -27,7 +28,8 @@ const TRIES: usize = 20;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Entry {
-    /// The file whose hash this is holds all that was done before this line, if it is the one that lies there.
+    /// The file whose hash this is holds all that was done before this line, if it is the one that
+    /// lies there.
     Saved {
         /// SHA-256 of the file's text.
         sha256: String,
@@ -54,10 +56,7 @@ impl Entry {
     pub(super) fn done(label: &str, set: &Rows, gone: &[Key]) -> Self {
         Self::Done {
             label: label.to_owned(),
-            set: set
-                .iter()
-                .map(|(key, row)| text::write_row(key, row))
-                .collect(),
+            set: set.iter().map(|(key, row)| text::write_row(key, row)).collect(),
             gone: gone.iter().map(Key::to_string).collect(),
         }
     }
@@ -81,9 +80,7 @@ impl Entry {
 
     pub(super) fn from_line(line: &str) -> Option<Self> {
         let (sum, json) = line.split_once(' ')?;
-        (sum == check(json))
-            .then(|| serde_json::from_str(json).ok())
-            .flatten()
+        (sum == check(json)).then(|| serde_json::from_str(json).ok()).flatten()
     }
 }
 
@@ -104,18 +101,9 @@ pub(super) struct Read {
 
 impl Read {
     pub(super) fn of(bytes: &[u8]) -> Self {
-        let whole = bytes
-            .iter()
-            .rposition(|byte| *byte == b'\n')
-            .map_or(0, |at| at + 1);
-        let mut read = Self {
-            whole: whole as u64,
-            ..Self::default()
-        };
-        for line in bytes[..whole]
-            .split(|byte| *byte == b'\n')
-            .filter(|line| !line.is_empty())
-        {
+        let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        let mut read = Self { whole: whole as u64, ..Self::default() };
+        for line in bytes[..whole].split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
             match str::from_utf8(line).ok().and_then(Entry::from_line) {
                 Some(entry) => read.entries.push(entry),
                 None => read.damaged += 1,
@@ -175,9 +163,7 @@ impl Keeper {
                 file.sync_data().ok();
             }
         };
-        let thread = std::thread::Builder::new()
-            .name("journal".to_owned())
-            .spawn(keep)?;
+        let thread = std::thread::Builder::new().name("journal".to_owned()).spawn(keep)?;
         Ok(Self { wake, thread })
     }
 }
@@ -270,10 +256,7 @@ impl ProjectJournal {
         self.file.set_len(0)?;
         self.file.seek(SeekFrom::Start(0))?;
         self.length = 0;
-        self.append(&Entry::Saved {
-            sha256: sha256.to_owned(),
-            version,
-        })?;
+        self.append(&Entry::Saved { sha256: sha256.to_owned(), version })?;
         self.append(&Entry::Opened(Owner::now()))
     }
 

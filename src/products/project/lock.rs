@@ -1,8 +1,9 @@
-//! One window a project: the journal beside the file is locked by the window that has it open. On Windows nobody else can open it for
-//! writing, which is the lock.
+//! One window a project: the journal beside the file is locked by the window that has it open. On
+//! Windows nobody else can open it for writing, which is the lock.
 //!
-//! The system lets go of the lock when the program ends in whatever way, so none is ever left over. Where a file system knows no locks,
-//! the journal's last line about its owner counts instead: a program of this computer that runs no more owns nothing.
+//! The system lets go of the lock when the program ends in whatever way, so none is ever left over.
+//! Where a file system knows no locks, the journal's last line about its owner counts instead: a
+//! program of this computer that runs no more owns nothing.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -56,11 +57,8 @@ fn process_exists(pid: u32) -> bool {
 
 fn host() -> String {
     let told = fs::read_to_string("/proc/sys/kernel/hostname").ok();
-    let named = || {
-        ["COMPUTERNAME", "HOSTNAME"]
-            .into_iter()
-            .find_map(|name| std::env::var(name).ok())
-    };
+    let named =
+        || ["COMPUTERNAME", "HOSTNAME"].into_iter().find_map(|name| std::env::var(name).ok());
     told.or_else(named).unwrap_or_default().trim().to_owned()
 }
 
@@ -75,8 +73,9 @@ pub(super) enum Locked {
     Unknown,
 }
 
-/// How often, and how long apart, a lock is asked for that another has: a program that this one starts holds a copy of each of its open
-/// files, and with it of a lock that was just given up, until it runs its own code.
+/// How often, and how long apart, a lock is asked for that another has: a program that this one
+/// starts holds a copy of each of its open files, and with it of a lock that was just given up,
+/// until it runs its own code.
 const ATTEMPTS: u32 = 6;
 const APART: Duration = Duration::from_millis(20);
 
@@ -110,7 +109,8 @@ fn try_lock(file: &File) -> io::Result<Locked> {
     }
 }
 
-/// Whether an open file is still the one of that name: another window may have removed it between opening and locking.
+/// Whether an open file is still the one of that name: another window may have removed it between
+/// opening and locking.
 #[cfg(unix)]
 pub(super) fn is_still(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -133,20 +133,11 @@ mod tests {
         let own = Owner::now();
         assert!(own.may_run());
         // No process has this number: it is above the most that Linux gives.
-        let ended = Owner {
-            pid: 4_294_967_294,
-            ..own.clone()
-        };
+        let ended = Owner { pid: 4_294_967_294, ..own.clone() };
         assert_eq!(ended.may_run(), !cfg!(target_os = "linux"));
-        let elsewhere = Owner {
-            host: "another computer".to_owned(),
-            ..ended
-        };
+        let elsewhere = Owner { host: "another computer".to_owned(), ..ended };
         assert!(elsewhere.may_run());
-        assert_eq!(
-            elsewhere.to_string(),
-            "process 4294967294 on another computer"
-        );
+        assert_eq!(elsewhere.to_string(), "process 4294967294 on another computer");
         assert_eq!(own.to_string(), format!("process {}", std::process::id()));
     }
 }

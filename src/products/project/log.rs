@@ -18,8 +18,9 @@ const LONGEST_STEM: usize = 32;
 /// Digits of the hash in a log's key.
 const HASH_DIGITS: usize = 8;
 
-/// Names a log within a project, for ever: its first file name and the start of its hash, `chart_1-3f9a2c41`. Two people who add the
-/// same log give it the same key, and two logs of one name have different ones.
+/// Names a log within a project, for ever: its first file name and the start of its hash,
+/// `chart_1-3f9a2c41`. Two people who add the same log give it the same key, and two logs of one
+/// name have different ones.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LogKey(String);
 
@@ -59,7 +60,8 @@ impl fmt::Display for LogKey {
 pub struct LogFile {
     /// The file to open, absolute; of a recording in several files the first.
     pub path: PathBuf,
-    /// SHA-256 of its files, one after the other, hexadecimal: `cat FILES | sha256sum` says the same.
+    /// SHA-256 of its files, one after the other, hexadecimal: `cat FILES | sha256sum` says the
+    /// same.
     pub sha256: String,
     /// Bytes of all its files.
     pub byte_count: u64,
@@ -98,7 +100,8 @@ impl LogFile {
     }
 }
 
-/// Of the log's own files: a track that was applied to it comes last among the bytes, and does not count.
+/// Of the log's own files: a track that was applied to it comes last among the bytes, and does not
+/// count.
 fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
     let track = usize::from(survey.track.external.is_some());
     let own = survey.bytes.len().saturating_sub(track);
@@ -118,7 +121,8 @@ pub struct ProjectLog {
     pub file: LogFile,
     /// Its name for people.
     pub name: String,
-    /// Its colour on the map and in lists, red, green and blue; `None` for one by its place in the list.
+    /// Its colour on the map and in lists, red, green and blue; `None` for one by its place in the
+    /// list.
     pub colour: Option<[u8; 3]>,
     /// Whether it takes part in maps, clouds and products.
     pub is_visible: bool,
@@ -128,7 +132,8 @@ pub struct ProjectLog {
     pub settings: LogSettings,
     /// The boxes on it and the decisions about them.
     pub review: Arc<Review>,
-    /// Numbers of the objects that its boxes show. They follow from the decisions and from the numbers before: none of them is one.
+    /// Numbers of the objects that its boxes show. They follow from the decisions and from the
+    /// numbers before: none of them is one.
     pub object_numbers: LogNumbers,
 }
 
@@ -175,7 +180,8 @@ impl ProjectLog {
         }
     }
 
-    /// What to say where a file as long as it, with other bytes, lies at its place ([`super::LogLocation::Changed`]).
+    /// What to say where a file as long as it, with other bytes, lies at its place
+    /// ([`super::LogLocation::Changed`]).
     pub fn is_changed(&self) -> String {
         format!(
             "the log {} is not the file that the project was made of: it is as long, but its bytes differ, so that edits and boxes may not fit; put the file back, or remove the log and add it again: {}",

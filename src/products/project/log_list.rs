@@ -13,7 +13,8 @@ impl Project {
         Some(after)
     }
 
-    /// With a log at place `to` of the list, counted from 0. `None` when it is there already, or no log of the project.
+    /// With a log at place `to` of the list, counted from 0. `None` when it is there already, or no
+    /// log of the project.
     ///
     /// Its order becomes one between its neighbours', so that nothing is said anew of the others;
     /// where there is no number between, all are numbered.
@@ -35,18 +36,12 @@ impl Project {
         };
         let fits =
             before.is_none_or(|before| before < order) && next.is_none_or(|next| order < next);
-        let renumbered = |log: &ProjectLog, order: f64| {
-            Arc::new(ProjectLog {
-                order,
-                ..log.clone()
-            })
-        };
+        let renumbered =
+            |log: &ProjectLog, order: f64| Arc::new(ProjectLog { order, ..log.clone() });
         after.logs.insert(to, renumbered(&log, order));
         if !fits {
             let logs = after.logs.iter().enumerate();
-            after.logs = logs
-                .map(|(index, log)| renumbered(log, index as f64 + 1.0))
-                .collect();
+            after.logs = logs.map(|(index, log)| renumbered(log, index as f64 + 1.0)).collect();
         }
         Some(after)
     }

@@ -53,7 +53,8 @@ pub struct Pick {
 }
 
 impl Pick {
-    /// Its side in a log: what was picked while the sides were exchanged lies on the other one when they are not.
+    /// Its side in a log: what was picked while the sides were exchanged lies on the other one when
+    /// they are not.
     pub fn side_in(&self, survey: &Survey) -> Side {
         match self.log.swapped_sides == survey.swapped_sides {
             true => self.side,
@@ -62,16 +63,16 @@ impl Pick {
     }
 }
 
-/// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It is kept as positions, so that it
-/// stays on its ground when the plane of the survey changes.
+/// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It
+/// is kept as positions, so that it stays on its ground when the plane of the survey changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// What it was drawn for.
     pub kind: MeasurementKind,
     /// Its corners in the order of drawing; an area is closed from the last to the first.
     pub corners: Vec<LonLat>,
-    /// Where in the side-scan its corners were set, by their number from 0; those that were set on the map have no entry. A height
-    /// has both.
+    /// Where in the side-scan its corners were set, by their number from 0; those that were set on
+    /// the map have no entry. A height has both.
     pub picks: BTreeMap<usize, Pick>,
     /// The analyst's remark.
     pub note: String,
@@ -80,12 +81,7 @@ pub struct Measurement {
 impl Measurement {
     /// Nothing drawn yet.
     pub fn new(kind: MeasurementKind) -> Self {
-        Self {
-            kind,
-            corners: Vec::new(),
-            picks: BTreeMap::new(),
-            note: String::new(),
-        }
+        Self { kind, corners: Vec::new(), picks: BTreeMap::new(), note: String::new() }
     }
 
     /// Metres along the line from its start to each of its corners, on the ellipsoid.
@@ -115,9 +111,7 @@ impl Measurement {
     /// The measurement with one more corner, and where in the side-scan it was set if it was there.
     pub fn with(&self, corner: LonLat, pick: Option<Pick>) -> Self {
         let mut longer = self.clone();
-        longer
-            .picks
-            .extend(pick.map(|pick| (longer.corners.len(), pick)));
+        longer.picks.extend(pick.map(|pick| (longer.corners.len(), pick)));
         longer.corners.push(corner);
         longer
     }
@@ -131,12 +125,11 @@ impl Measurement {
         shorter
     }
 
-    /// Both ends of a shadow: its side and ping, and the slant ranges of both ends on the recorder's scale, metres.
+    /// Both ends of a shadow: its side and ping, and the slant ranges of both ends on the
+    /// recorder's scale, metres.
     pub fn shadow(&self) -> Option<(&Pick, [f64; 2])> {
         let [top, end] = [0, 1].map(|corner| self.picks.get(&corner));
-        let (top, end) = top
-            .zip(end)
-            .filter(|_| self.kind == MeasurementKind::Height)?;
+        let (top, end) = top.zip(end).filter(|_| self.kind == MeasurementKind::Height)?;
         Some((top, [top.slant_m, end.slant_m]))
     }
 
@@ -177,9 +170,7 @@ impl MeasurementRow {
             kind: measurement.kind,
             corners: corners.map(|at| [at.lon_deg, at.lat_deg]).collect(),
             note: measurement.note.clone(),
-            picks: picks
-                .map(|(corner, pick)| PickRow { corner, pick })
-                .collect(),
+            picks: picks.map(|(corner, pick)| PickRow { corner, pick }).collect(),
         }
     }
 
@@ -205,11 +196,6 @@ impl MeasurementRow {
         if self.kind == MeasurementKind::Height && (corners.len() != 2 || picks.len() != 2) {
             return Err("a height has two corners with their picks");
         }
-        Ok(Measurement {
-            kind: self.kind,
-            corners,
-            picks,
-            note: self.note,
-        })
+        Ok(Measurement { kind: self.kind, corners, picks, note: self.note })
     }
 }

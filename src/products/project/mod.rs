@@ -1,12 +1,15 @@
-//! A survey as a project: its logs and all that was decided about them, as one text file that lasts.
+//! A survey as a project: its logs and all that was decided about them, as one text file that
+//! lasts.
 //!
-//! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of undo.
-//! It uses `products`, `pipeline`, `detection`, `sonar`, `formats`, `survey` and `support`.
+//! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of
+//! undo. It uses `products`, `pipeline`, `detection`, `sonar`, `formats`, `survey` and `support`.
 //!
-//! `log` is one log, `log_list` their order, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns a project into lines and
-//! back, `row` is one line, `text` the file of them, `migrate` takes in what older versions wrote, `paths` how files are named in it.
-//! `store` keeps the file: saved aside and renamed, every gesture in a `journal` beside it, guarded by a `lock`. `find` looks for logs
-//! that were moved, `inputs` hands them to work without a window, `sidecar` takes in the files that earlier versions kept beside a log. No log is ever written.
+//! `log` is one log, `log_list` their order, `history` what undo goes back to, and `past` keeps
+//! that on disk. `rows` turns a project into lines and back, `row` is one line, `text` the file of
+//! them, `migrate` takes in what older versions wrote, `paths` how files are named in it. `store`
+//! keeps the file: saved aside and renamed, every gesture in a `journal` beside it, guarded by a
+//! `lock`. `find` looks for logs that were moved, `inputs` hands them to work without a window,
+//! `sidecar` takes in the files that earlier versions kept beside a log. No log is ever written.
 //!
 //! # The file
 //!
@@ -68,10 +71,12 @@
 //! [view]                                   # how things are shown, as the program that wrote it means it
 //! ```
 //!
-//! Lines stand in the order of their keys, numbers by their value, so that a decision changes its own line and nothing else. Between two
-//! lines with a value there is a blank one, because git merges two people's changes only where a line between them stayed: changes of
-//! different decisions merge by themselves. Where two people added lines at the same place git asks; both stay, unless they have the
-//! same number. What this version does not know, a line or a field of one, is kept and written back. Comments are not.
+//! Lines stand in the order of their keys, numbers by their value, so that a decision changes its
+//! own line and nothing else. Between two lines with a value there is a blank one, because git
+//! merges two people's changes only where a line between them stayed: changes of different
+//! decisions merge by themselves. Where two people added lines at the same place git asks; both
+//! stay, unless they have the same number. What this version does not know, a line or a field of
+//! one, is kept and written back. Comments are not.
 
 mod find;
 mod history;
@@ -138,14 +143,12 @@ pub enum ProjectError {
 
 impl ProjectError {
     fn line(line: usize, what: impl Display) -> Self {
-        Self::Line {
-            line,
-            what: what.to_string(),
-        }
+        Self::Line { line, what: what.to_string() }
     }
 }
 
-/// The view ([`Project::view`]) that says how boxes are reviewed: their order, and the confidence from which undecided ones count.
+/// The view ([`Project::view`]) that says how boxes are reviewed: their order, and the confidence
+/// from which undecided ones count.
 pub const REVIEW_VIEW: &str = "review";
 
 /// What the file says that this version does not know; it is written back.
@@ -156,13 +159,14 @@ struct Unknown {
     fields: BTreeMap<Key, Table>,
 }
 
-/// Everything that an analyst decides about a survey. A value: a change makes another one ([`Project::with_changed`]), which shares what
-/// stayed.
+/// Everything that an analyst decides about a survey. A value: a change makes another one
+/// ([`Project::with_changed`]), which shares what stayed.
 #[derive(Clone, Debug, Default)]
 pub struct Project {
     /// The settings that all logs share; it holds no bottom edits.
     pub settings: Settings,
-    /// Where the plane that all logs lie in touches the ellipsoid: places in metres count from there. `None` until a log has a place.
+    /// Where the plane that all logs lie in touches the ellipsoid: places in metres count from
+    /// there. `None` until a log has a place.
     pub origin: Option<LonLat>,
     /// Other files that belong to the survey, by what they are: `base_map`, `reference`. Absolute.
     pub files: BTreeMap<String, PathBuf>,
@@ -177,15 +181,7 @@ pub struct Project {
 /// Cheap where two versions share their logs, as those of a history do.
 impl PartialEq for Project {
     fn eq(&self, other: &Self) -> bool {
-        let Self {
-            settings,
-            origin,
-            files,
-            measurements,
-            views,
-            logs,
-            unknown,
-        } = self;
+        let Self { settings, origin, files, measurements, views, logs, unknown } = self;
         let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
         *settings == other.settings
             && *origin == other.origin
@@ -217,7 +213,8 @@ impl Project {
         self.logs.iter().find(is_same)
     }
 
-    /// The settings that a log is processed with; [`LogSettings::compose`](crate::pipeline::LogSettings::compose).
+    /// The settings that a log is processed with;
+    /// [`LogSettings::compose`](crate::pipeline::LogSettings::compose).
     ///
     /// # Errors
     /// When an own value cannot be used.
@@ -230,16 +227,14 @@ impl Project {
         if self.log_like(&log.file).is_some() || self.log(&log.key).is_some() {
             return None;
         }
-        log.order = self
-            .logs
-            .last()
-            .map_or(1.0, |last| last.order.floor() + 1.0);
+        log.order = self.logs.last().map_or(1.0, |last| last.order.floor() + 1.0);
         let mut after = self.clone();
         after.logs.push(Arc::new(log));
         Some(after)
     }
 
-    /// With another version of a log in its place. `None` when it is the same, or no log of the project.
+    /// With another version of a log in its place. `None` when it is the same, or no log of the
+    /// project.
     pub fn with_changed(&self, log: ProjectLog) -> Option<Self> {
         let index = self.logs.iter().position(|one| one.key == log.key)?;
         let before = &self.logs[index];
@@ -252,7 +247,8 @@ impl Project {
         })
     }
 
-    /// Stores how something is shown, under a name that the window chooses. It is no part of the history.
+    /// Stores how something is shown, under a name that the window chooses. It is no part of the
+    /// history.
     pub fn set_view(&mut self, name: &str, shown: &impl Serialize) {
         // Options are numbers, names and lists, which can be written.
         if let Ok(value) = Value::try_from(shown) {
@@ -270,7 +266,8 @@ impl Project {
         kept.map_or(0.0, |kept| kept.threshold)
     }
 
-    /// How something is shown; `None` where nothing is stored, or nothing that this version can use.
+    /// How something is shown; `None` where nothing is stored, or nothing that this version can
+    /// use.
     pub fn view<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         self.views.get(name)?.clone().try_into().ok()
     }

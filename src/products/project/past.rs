@@ -1,8 +1,10 @@
-//! The changes that led to the present state of a project: undo takes them back after the project is opened again.
+//! The changes that led to the present state of a project: undo takes them back after the project
+//! is opened again.
 //!
-//! They lie in a file beside the project, `NAME.bathyscope-history`: first the hash of the project's file that they lead to, then a line a
-//! change, the newest first, with what leads back from the state after it to the state before. What was done since the project was saved is
-//! in its journal. A file of another version of the project counts for nothing.
+//! They lie in a file beside the project, `NAME.bathyscope-history`: first the hash of the
+//! project's file that they lead to, then a line a change, the newest first, with what leads back
+//! from the state after it to the state before. What was done since the project was saved is in its
+//! journal. A file of another version of the project counts for nothing.
 
 use super::journal::Entry;
 use super::migrate::{VERSION, migrate};
@@ -49,26 +51,22 @@ impl Past {
         self.0.into_iter()
     }
 
-    /// Notes that a project became another one. One that comes back to an earlier state takes the changes since then away.
+    /// Notes that a project became another one. One that comes back to an earlier state takes the
+    /// changes since then away.
     pub(super) fn note(&mut self, label: &str, before: &Project, after: &Project) {
         if label == UNDONE
-            && let Some(at) = self
-                .0
-                .iter()
-                .rposition(|step| decides_alike(&step.before, after))
+            && let Some(at) = self.0.iter().rposition(|step| decides_alike(&step.before, after))
         {
             return self.0.truncate(at);
         }
-        self.0.push_back(PastStep {
-            label: label.to_owned(),
-            before: before.clone(),
-        });
+        self.0.push_back(PastStep { label: label.to_owned(), before: before.clone() });
         if self.0.len() > KEPT {
             self.0.pop_front();
         }
     }
 
-    /// Notes what a journal says that was done since a project was saved, whose rows have the journal's layout.
+    /// Notes what a journal says that was done since a project was saved, whose rows have the
+    /// journal's layout.
     pub(super) fn replay(
         &mut self,
         saved: &Project,
@@ -92,13 +90,10 @@ impl Past {
         }
     }
 
-    /// Writes the file of the changes that led to a project, whose own file has this hash. It is of use to undo alone: what fails is lost
-    /// silently.
+    /// Writes the file of the changes that led to a project, whose own file has this hash. It is of
+    /// use to undo alone: what fails is lost silently.
     pub(super) fn write(&self, path: &Path, now: &Project, sha256: &str, folder: &Path) {
-        let saved = Entry::Saved {
-            sha256: sha256.to_owned(),
-            version: VERSION,
-        };
+        let saved = Entry::Saved { sha256: sha256.to_owned(), version: VERSION };
         let mut text = saved.to_line();
         let mut after = now;
         for step in self.0.iter().rev() {
@@ -109,7 +104,8 @@ impl Past {
         export::write_bytes(&history_of(path), text).ok();
     }
 
-    /// Reads the changes that led to the project in a file with this hash, of which these are the rows; none where that is not known.
+    /// Reads the changes that led to the project in a file with this hash, of which these are the
+    /// rows; none where that is not known.
     pub(super) fn read(
         path: &Path,
         (saved, mut rows): (&Project, Rows),
@@ -158,10 +154,7 @@ fn sharing(mut project: Project, with: &Project) -> Project {
             *log = same.clone();
         } else if log.review == same.review {
             let review = same.review.clone();
-            *log = Arc::new(ProjectLog {
-                review,
-                ..ProjectLog::clone(log)
-            });
+            *log = Arc::new(ProjectLog { review, ..ProjectLog::clone(log) });
         }
     }
     project

@@ -1,7 +1,9 @@
-//! Paths as a project writes them: from the project's folder, with `/`, and with nothing that is no text.
+//! Paths as a project writes them: from the project's folder, with `/`, and with nothing that is no
+//! text.
 //!
-//! A file's absolute place is written only where no way leads there from the project's folder (another drive): it would tell every
-//! reader of the file whose computer it was written on, and change with each of them.
+//! A file's absolute place is written only where no way leads there from the project's folder
+//! (another drive): it would tell every reader of the file whose computer it was written on, and
+//! change with each of them.
 
 use std::fs;
 use std::io;
@@ -41,8 +43,8 @@ pub(super) fn name_from_text(text: &str) -> PathBuf {
     decoded(name_of(text))
 }
 
-/// A path as it is kept: absolute, its folder by its own name and not by a link, so that the way from one file to another is the same
-/// however they were opened.
+/// A path as it is kept: absolute, its folder by its own name and not by a link, so that the way
+/// from one file to another is the same however they were opened.
 pub(super) fn placed(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = path.parent().and_then(|folder| canonical(folder).ok());
@@ -52,8 +54,8 @@ pub(super) fn placed(path: &Path) -> PathBuf {
     }
 }
 
-/// The path of a file that is there without links. On Windows it is written as people and other programs do, without the `\\?\` that
-/// the system puts before it.
+/// The path of a file that is there without links. On Windows it is written as people and other
+/// programs do, without the `\\?\` that the system puts before it.
 pub(super) fn canonical(path: &Path) -> io::Result<PathBuf> {
     let path = fs::canonicalize(path)?;
     Ok(match cfg!(windows) {
@@ -118,9 +120,7 @@ fn decoded(text: &str) -> PathBuf {
 #[cfg(not(unix))]
 fn decoded(text: &str) -> PathBuf {
     // A name that is no text cannot be made here; it is looked for as it is written.
-    String::from_utf8(bytes_of(text))
-        .unwrap_or_else(|_| text.to_owned())
-        .into()
+    String::from_utf8(bytes_of(text)).unwrap_or_else(|_| text.to_owned()).into()
 }
 
 fn bytes_of(text: &str) -> Vec<u8> {
@@ -157,26 +157,19 @@ mod tests {
         ] {
             let text = to_text(Path::new(path), Path::new("/lake"));
             assert_eq!(text, expected);
-            assert_eq!(
-                from_text(&text, Path::new("/lake")),
-                cleaned(Path::new(path))
-            );
+            assert_eq!(from_text(&text, Path::new("/lake")), cleaned(Path::new(path)));
         }
         // A folder that was moved with its logs still finds them.
-        assert_eq!(
-            from_text("day1/a.sl2", Path::new("/new")),
-            Path::new("/new/day1/a.sl2")
-        );
+        assert_eq!(from_text("day1/a.sl2", Path::new("/new")), Path::new("/new/day1/a.sl2"));
         assert_eq!(name_of("C:\\lake\\pond.sl2"), "pond.sl2");
         assert_eq!(name_of("lake/pond.sl2"), "pond.sl2");
     }
 
     #[test]
     fn a_path_of_windows_is_written_as_people_do() {
-        for (verbatim, expected) in [
-            (r"\\?\C:\lake\pond.sl2", r"C:\lake\pond.sl2"),
-            (r"\\?\UNC\boat\lake", r"\\boat\lake"),
-        ] {
+        for (verbatim, expected) in
+            [(r"\\?\C:\lake\pond.sl2", r"C:\lake\pond.sl2"), (r"\\?\UNC\boat\lake", r"\\boat\lake")]
+        {
             assert_eq!(plain(verbatim), Some(expected.into()));
         }
         assert_eq!(plain(r"C:\lake"), None);

@@ -10,8 +10,8 @@ const MOST_PARTS: usize = 16;
 /// How deep tables and lists may lie in one another.
 const DEEPEST: usize = 16;
 
-/// The full name of a line: `log.pond-3f9a2c41.box.17`. Lines lie in the file in the order of their keys, by section, numbers by their
-/// value.
+/// The full name of a line: `log.pond-3f9a2c41.box.17`. Lines lie in the file in the order of their
+/// keys, by section, numbers by their value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
     parts: Vec<String>,
@@ -41,10 +41,7 @@ pub(super) type Rows = BTreeMap<Key, Row>;
 impl Row {
     /// A row that was not read.
     pub(super) fn new(value: &Value) -> Self {
-        Self {
-            text: one_line(value),
-            line: 0,
-        }
+        Self { text: one_line(value), line: 0 }
     }
 
     /// Its value.
@@ -57,7 +54,8 @@ impl Row {
 }
 
 impl Key {
-    /// A key of these parts, of which one may have the name of an earlier version: files, journals and histories are read through this.
+    /// A key of these parts, of which one may have the name of an earlier version: files, journals
+    /// and histories are read through this.
     pub fn new<T: Into<String>>(parts: impl IntoIterator<Item = T>) -> Self {
         let mut parts: Vec<String> = parts.into_iter().map(Into::into).collect();
         let group = match parts.first().map(String::as_str) {
@@ -69,11 +67,7 @@ impl Key {
         if let Some(group) = parts.get_mut(group).filter(|group| *group == "left_out") {
             "excluded".clone_into(group);
         }
-        let most = if parts.first().is_some_and(|first| first == "log") {
-            3
-        } else {
-            1
-        };
+        let most = if parts.first().is_some_and(|first| first == "log") { 3 } else { 1 };
         let section = parts.len().saturating_sub(1).min(most);
         Self { parts, section }
     }
@@ -297,7 +291,8 @@ fn write_string(text: &mut String, string: &str) {
             '\\' => text.push_str("\\\\"),
             '\n' => text.push_str("\\n"),
             '\t' => text.push_str("\\t"),
-            // What ends a line for some programs, or turns the direction of writing, would not be one line for every reader.
+            // What ends a line for some programs, or turns the direction of writing, would not be
+            // one line for every reader.
             letter if letter.is_control() || is_hidden(letter) => {
                 write!(text, "\\u{:04X}", u32::from(letter)).unwrap_or_default();
             }
@@ -363,10 +358,7 @@ mod tests {
         }
         assert_eq!(Key::parse(&["a"; 17].join(".")), None);
         let (key, value) = split("\"a = \\\" b\".c = \"x = y\"").expect("a line");
-        assert_eq!(
-            (key, value),
-            (vec!["a = \" b".to_owned(), "c".to_owned()], "\"x = y\"")
-        );
+        assert_eq!((key, value), (vec!["a = \" b".to_owned(), "c".to_owned()], "\"x = y\""));
         assert_eq!(split("\"a"), None);
         assert_eq!(split("a b"), None);
         assert!(parse_value(&"[".repeat(100_000)).is_err());

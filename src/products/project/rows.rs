@@ -17,12 +17,7 @@ mod read;
 pub(crate) use read::read;
 
 /// Settings that are paths: they are written from the project's folder.
-const PATH_KEYS: [&str; 4] = [
-    "detector.model",
-    "isobaths.clip",
-    "track.file",
-    "water_level.file",
-];
+const PATH_KEYS: [&str; 4] = ["detector.model", "isobaths.clip", "track.file", "water_level.file"];
 /// Fields of the row of a box.
 const BOX_FIELDS: [&str; 16] = [
     "border_m",
@@ -44,7 +39,8 @@ const BOX_FIELDS: [&str; 16] = [
 ];
 /// Fields of the row of a stretch of the bottom.
 const BOTTOM_FIELDS: [&str; 3] = ["accepted", "corners", "last"];
-/// The setting that holds the stretches that are excluded of a log, and the one that says of which log.
+/// The setting that holds the stretches that are excluded of a log, and the one that says of which
+/// log.
 const EXCLUDED: &str = "excluded.stretches";
 const EXCLUDED_LOG: &str = "excluded.log";
 /// What a stretch is counted in.
@@ -59,8 +55,8 @@ pub(super) fn of(project: &Project, folder: &Path) -> Rows {
     differing(project, None, folder)
 }
 
-/// What changes in the lines of a project from one version to another: rows that are new or other, and the keys of those that are
-/// gone. What the versions share is not looked at.
+/// What changes in the lines of a project from one version to another: rows that are new or other,
+/// and the keys of those that are gone. What the versions share is not looked at.
 pub(super) fn changes(before: &Project, after: &Project, folder: &Path) -> (Rows, Vec<Key>) {
     let old = differing(before, Some(after), folder);
     let mut new = differing(after, Some(before), folder);
@@ -83,10 +79,7 @@ fn differing(project: &Project, other: Option<&Project>, folder: &Path) -> Rows 
     if let Some(origin) = project.origin
         && other.is_none_or(|other| other.origin != project.origin)
     {
-        put(
-            Key::new(["plane", "origin"]),
-            &value_of(&[origin.lon_deg, origin.lat_deg]),
-        );
+        put(Key::new(["plane", "origin"]), &value_of(&[origin.lon_deg, origin.lat_deg]));
     }
     if other.is_none_or(|other| other.files != project.files) {
         for (name, path) in &project.files {
@@ -147,10 +140,7 @@ fn put_log(
     let key = log.key.as_str();
     let whole = |number: u64| Value::Integer(i64::try_from(number).unwrap_or(i64::MAX));
     let mut head = |name: &str, value: Value| put(Key::new(["log", key, name]), &value);
-    head(
-        "file",
-        Value::String(paths::to_text(&log.file.path, folder)),
-    );
+    head("file", Value::String(paths::to_text(&log.file.path, folder)));
     head("sha256", Value::String(log.file.sha256.clone()));
     head("bytes", whole(log.file.byte_count));
     head("pings", whole(log.file.pings as u64));
@@ -164,10 +154,7 @@ fn put_log(
         head("visible", Value::Boolean(false));
     }
     let classes = log.review.classes().iter().cloned();
-    head(
-        "classes",
-        Value::Array(classes.map(Value::String).collect()),
-    );
+    head("classes", Value::Array(classes.map(Value::String).collect()));
     let mut own = log.settings.own().clone();
     // Which log they are of is this one; each stretch is a line of its own.
     own.remove(EXCLUDED_LOG);
@@ -177,13 +164,7 @@ fn put_log(
     put_settings(put, &["log", key, "settings"], &own, folder);
     if same.is_none_or(|same| same.settings.bottom != log.settings.bottom) {
         for line in &log.settings.bottom.lines {
-            let parts = [
-                "log",
-                key,
-                "bottom",
-                line.side.name(),
-                &line.pings[0].to_string(),
-            ];
+            let parts = ["log", key, "bottom", line.side.name(), &line.pings[0].to_string()];
             let corners = line.corners.iter();
             let corners = corners.map(|corner| Value::from(corner.to_vec()));
             let what = match line.accepted {
@@ -197,7 +178,8 @@ fn put_log(
     put_review(put, log, same);
 }
 
-/// Stretches that are excluded, by what they are counted in and where they begin; more than one from the same place are numbered.
+/// Stretches that are excluded, by what they are counted in and where they begin; more than one
+/// from the same place are numbered.
 fn put_excluded(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value]) {
     let mut taken: BTreeMap<String, u32> = BTreeMap::new();
     for stretch in stretches.iter().filter_map(Value::as_table) {
@@ -255,7 +237,8 @@ fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&
                 fields.insert("object".to_owned(), Value::Integer((*number).into()));
             }
             if let Some(score) = one.score {
-                // The shortest number that means the same: as 64 bits, 0.91 would become 0.9100000262260437.
+                // The shortest number that means the same: as 64 bits, 0.91 would become
+                // 0.9100000262260437.
                 let shortest = score.to_string().parse().unwrap_or(f64::from(score));
                 fields.insert("score".to_owned(), Value::Float(shortest));
             }
@@ -264,12 +247,10 @@ fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&
     }
 }
 
-/// Adds what this version does not know: whole lines, unless they are of a log that is gone, and fields of lines that are there.
+/// Adds what this version does not know: whole lines, unless they are of a log that is gone, and
+/// fields of lines that are there.
 fn add_unknown(rows: &mut Rows, project: &Project, other: Option<&Project>) {
-    let Unknown {
-        rows: lines,
-        fields,
-    } = &project.unknown;
+    let Unknown { rows: lines, fields } = &project.unknown;
     let is_there = |key: &Key| match key.parts().as_slice() {
         ["log", log, ..] => project.logs.iter().any(|one| one.key.as_str() == *log),
         _ => true,

@@ -1,5 +1,5 @@
-//! The bottom edits that earlier versions kept beside a log, `LOG.bottom.toml`. They are read when the log is opened, a project keeps them
-//! from then on, and the file stays as it is.
+//! The bottom edits that earlier versions kept beside a log, `LOG.bottom.toml`. They are read when
+//! the log is opened, a project keeps them from then on, and the file stays as it is.
 
 use bathyscope_bottom::first_return::{BottomSettings, OtherLog};
 use bathyscope_log::support::file_error::FileError;

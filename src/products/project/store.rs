@@ -1,10 +1,11 @@
 //! Keeps a project on disk.
 //!
-//! - Saving writes the text aside, has the disk keep it, and renames it: there is always one whole file.
-//! - Every gesture goes into the journal beside the file ([`Store::record`]); opening takes in what was not saved. After a crash at most
-//!   the gesture under way is missing.
-//! - One window has a project open at a time. Where that cannot be known, a file that another program changed meanwhile is not written
-//!   over.
+//! - Saving writes the text aside, has the disk keep it, and renames it: there is always one whole
+//!   file.
+//! - Every gesture goes into the journal beside the file ([`Store::record`]); opening takes in what
+//!   was not saved. After a crash at most the gesture under way is missing.
+//! - One window has a project open at a time. Where that cannot be known, a file that another
+//!   program changed meanwhile is not written over.
 
 use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
 use super::migrate::{VERSION, migrate};
@@ -71,7 +72,8 @@ pub struct OpenedProject {
     pub past: Vec<PastStep>,
 }
 
-/// Where an open project is kept. Dropped, it leaves the journal where something in it is not saved.
+/// Where an open project is kept. Dropped, it leaves the journal where something in it is not
+/// saved.
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
@@ -87,7 +89,8 @@ pub struct Store {
     past: Past,
 }
 
-/// Reads a project without keeping it: to look at it, or to process it. What is in a journal beside it does not count.
+/// Reads a project without keeping it: to look at it, or to process it. What is in a journal beside
+/// it does not count.
 ///
 /// # Errors
 /// A sentence when it cannot be read or makes no sense.
@@ -98,10 +101,12 @@ pub fn read(path: &Path) -> Result<Project, StoreError> {
 }
 
 impl Store {
-    /// Opens a project, for this window alone, and takes in what was not saved when it was last open.
+    /// Opens a project, for this window alone, and takes in what was not saved when it was last
+    /// open.
     ///
     /// # Errors
-    /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be written.
+    /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be
+    /// written.
     pub fn open(path: &Path) -> Result<OpenedProject, StoreError> {
         // The file itself is renamed into place, whatever link leads to it, and has one journal.
         let path = paths::canonical(path)
@@ -157,23 +162,21 @@ impl Store {
             past: past.clone(),
             path,
         };
-        Ok(OpenedProject {
-            store,
-            project,
-            notes,
-            past: past.into_steps().collect(),
-        })
+        Ok(OpenedProject { store, project, notes, past: past.into_steps().collect() })
     }
 
-    /// Begins to keep a project in a file, which is written over if it is there: whoever chose the name was asked.
+    /// Begins to keep a project in a file, which is written over if it is there: whoever chose the
+    /// name was asked.
     ///
     /// # Errors
-    /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when it cannot be written.
+    /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when
+    /// it cannot be written.
     pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
         Self::create_with_past(path, project, Vec::new())
     }
 
-    /// [`Store::create`] of a project that these changes led to, the oldest first: undo takes them back when it is opened again.
+    /// [`Store::create`] of a project that these changes led to, the oldest first: undo takes them
+    /// back when it is opened again.
     ///
     /// # Errors
     /// As [`Store::create`].
@@ -183,12 +186,7 @@ impl Store {
         past: Vec<PastStep>,
     ) -> Result<Self, StoreError> {
         let ends = path.extension().is_some_and(|ending| ending == ENDING);
-        let is_log = || {
-            project
-                .logs()
-                .iter()
-                .any(|log| is_same_file(&log.file.path, path))
-        };
+        let is_log = || project.logs().iter().any(|log| is_same_file(&log.file.path, path));
         if !ends || is_log() {
             return Err(StoreError::new(StoreFault::Name, path));
         }
@@ -197,11 +195,7 @@ impl Store {
             Err(_) => paths::placed(path),
         };
         let (mut journal, read) = lock(&path)?;
-        if read
-            .entries
-            .iter()
-            .any(|entry| matches!(entry, Entry::Done { .. }))
-        {
+        if read.entries.iter().any(|entry| matches!(entry, Entry::Done { .. })) {
             // Somebody's work that was not saved, under the name of the file that goes.
             aside(&path, journal, "")?;
             (journal, _) = lock(&path)?;
@@ -234,8 +228,9 @@ impl Store {
         self.saved.as_ref() != Some(project)
     }
 
-    /// Writes what changed since the last gesture into the journal, as one line; nothing where nothing changed. From then on it is not
-    /// lost when the program ends in whatever way. Takes as long as what changed is large: under a millisecond for a decision.
+    /// Writes what changed since the last gesture into the journal, as one line; nothing where
+    /// nothing changed. From then on it is not lost when the program ends in whatever way. Takes as
+    /// long as what changed is large: under a millisecond for a decision.
     ///
     /// # Errors
     /// When it cannot be written; the next call tries again with all that is missing.
@@ -255,15 +250,16 @@ impl Store {
     /// Writes the project into its file.
     ///
     /// # Errors
-    /// When another program has changed the file, or it cannot be written; what was done stays in the journal.
+    /// When another program has changed the file, or it cannot be written; what was done stays in
+    /// the journal.
     pub fn save(&mut self, project: &Project) -> Result<(), StoreError> {
         let saving = self.begin_save(project)?;
         self.end_save(saving.write())
     }
 
-    /// Begins to write the project into its file. [`Saving::write`] does so, on another thread if it may take long;
-    /// [`Store::end_save`] ends it. What is recorded in between comes after it: whenever the program ends, the journal goes with the
-    /// file that lies there.
+    /// Begins to write the project into its file. [`Saving::write`] does so, on another thread if
+    /// it may take long; [`Store::end_save`] ends it. What is recorded in between comes after it:
+    /// whenever the program ends, the journal goes with the file that lies there.
     ///
     /// # Errors
     /// When the journal cannot be written.
@@ -277,22 +273,17 @@ impl Store {
     /// # Errors
     /// Why it was not.
     pub fn end_save(&mut self, written: SavingOutcome) -> Result<(), StoreError> {
-        let SavingOutcome {
-            result,
-            sha256,
-            project,
-        } = written;
+        let SavingOutcome { result, sha256, project } = written;
         result?;
         self.sha256.clone_from(&sha256);
         let is_all = self.recorded == project;
         self.saved = Some(project);
-        // What was done since stays in the journal, behind the line that says that the file holds all before.
+        // What was done since stays in the journal, behind the line that says that the file holds
+        // all before.
         if is_all {
             let path = &self.path;
             let journal = self.journal.as_mut().ok_or_else(|| closed(path))?;
-            journal
-                .restart(&sha256, VERSION)
-                .map_err(not_writable(path))?;
+            journal.restart(&sha256, VERSION).map_err(not_writable(path))?;
         }
         Ok(())
     }
@@ -307,11 +298,9 @@ impl Store {
         let sha256 = in_hexadecimal(&Sha256::digest(&text));
         let path = self.path.clone();
         let journal = self.journal.as_mut().ok_or_else(|| closed(&path))?;
-        // Ended between the renaming and the new journal, the file says by its hash that it holds all of this.
-        let about = Entry::Saved {
-            sha256: sha256.clone(),
-            version: VERSION,
-        };
+        // Ended between the renaming and the new journal, the file says by its hash that it holds
+        // all of this.
+        let about = Entry::Saved { sha256: sha256.clone(), version: VERSION };
         journal.append(&about).map_err(not_writable(&path))?;
         Ok(Saving {
             journal: journal.syncing().map_err(not_writable(&path))?,
@@ -324,7 +313,8 @@ impl Store {
         })
     }
 
-    /// Leaves the project. What was done since it was saved stays in the journal for the next time if `keep`, or is forgotten.
+    /// Leaves the project. What was done since it was saved stays in the journal for the next time
+    /// if `keep`, or is forgotten.
     pub fn close(mut self, keep: bool) {
         if !keep && let Some(journal) = self.journal.take() {
             journal.remove();
@@ -356,11 +346,7 @@ pub struct SavingOutcome {
 impl Saving {
     /// Writes it: aside, kept by the disk, renamed.
     pub fn write(self) -> SavingOutcome {
-        SavingOutcome {
-            result: self.try_write(),
-            sha256: self.sha256,
-            project: self.project,
-        }
+        SavingOutcome { result: self.try_write(), sha256: self.sha256, project: self.project }
     }
 
     fn try_write(&self) -> Result<(), StoreError> {
@@ -400,35 +386,26 @@ fn closed(path: &Path) -> StoreError {
     not_writable(path)(io::Error::other("it was closed"))
 }
 
-/// The gestures of a journal that the file with this hash does not hold, and the layout of their rows; `None` when the journal knows no
-/// such file.
+/// The gestures of a journal that the file with this hash does not hold, and the layout of their
+/// rows; `None` when the journal knows no such file.
 fn unsaved<'a>(read: &'a Read, sha256: &str) -> Option<(&'a [Entry], u32)> {
     let is_done = |entry: &Entry| matches!(entry, Entry::Done { .. });
     if !read.entries.iter().any(is_done) {
         return Some((&[], VERSION));
     }
     let version_at = |entry: &Entry| match entry {
-        Entry::Saved {
-            sha256: hash,
-            version,
-        } if hash == sha256 => Some(*version),
+        Entry::Saved { sha256: hash, version } if hash == sha256 => Some(*version),
         _ => None,
     };
-    let at = read
-        .entries
-        .iter()
-        .rposition(|entry| version_at(entry).is_some())?;
+    let at = read.entries.iter().rposition(|entry| version_at(entry).is_some())?;
     let after = &read.entries[at + 1..];
     let version = version_at(&read.entries[at])?;
-    let rest = if after.iter().any(is_done) {
-        after
-    } else {
-        &[]
-    };
+    let rest = if after.iter().any(is_done) { after } else { &[] };
     Some((rest, version))
 }
 
-/// A project as [`Store::open`] reads it with the journal beside it, from memory, for the fuzzer. `sha256` is that of the text.
+/// A project as [`Store::open`] reads it with the journal beside it, from memory, for the fuzzer.
+/// `sha256` is that of the text.
 ///
 /// # Errors
 /// As [`Project::from_text`], and where the gestures make no sense.
@@ -460,9 +437,7 @@ fn replayed(
     folder: &Path,
 ) -> Result<Project, ProjectError> {
     if entry_version > VERSION {
-        return Err(ProjectError::Newer {
-            version: entry_version,
-        });
+        return Err(ProjectError::Newer { version: entry_version });
     }
     let mut rows = migrate(written, version, entry_version);
     for entry in entries {

@@ -24,12 +24,7 @@ fn log(name: &str) -> ProjectLog {
 }
 
 fn mark(from: usize) -> Mark {
-    Mark {
-        side: Side::Port,
-        pings: from..from + 10,
-        near_m: 4.25,
-        far_m: 6.1,
-    }
+    Mark { side: Side::Port, pings: from..from + 10, near_m: 4.25, far_m: 6.1 }
 }
 
 fn with_boxes(log: &ProjectLog, count: usize) -> Arc<Review> {
@@ -40,10 +35,7 @@ fn with_boxes(log: &ProjectLog, count: usize) -> Arc<Review> {
         format!(r#"{{"id":{number},"side":"port","pings":[{from},{}],"near_m":4.5,"far_m":6.25,"class":"rock","score":0.91,"state":"proposed","model":"demo"}}"#, from + 5)
     });
     let boxes: Vec<String> = boxes.collect();
-    let read = Review::from_json(
-        &text.replace("BOXES", &boxes.join(",")),
-        &log.file.identity(),
-    );
+    let read = Review::from_json(&text.replace("BOXES", &boxes.join(",")), &log.file.identity());
     Arc::new(read.expect("a review"))
 }
 
@@ -57,12 +49,8 @@ fn line(side: Side, pings: [usize; 2]) -> BottomEdit {
 }
 
 fn bottom(lines: &[BottomEdit]) -> BottomSettings {
-    let empty = BottomSettings {
-        log_bytes: 1000,
-        pings: 500,
-        swapped_sides: false,
-        lines: Vec::new(),
-    };
+    let empty =
+        BottomSettings { log_bytes: 1000, pings: 500, swapped_sides: false, lines: Vec::new() };
     lines.iter().fold(empty, |all, line| all.with(line.clone()))
 }
 
@@ -74,13 +62,8 @@ fn full() -> Project {
     let mut first = log("Chart 1");
     first.colour = Some([0xd9, 0x5f, 0x02]);
     first.settings.set("draft_m", Value::Float(0.3));
-    first
-        .settings
-        .set("calibration.pings", Value::String("100..200".to_owned()));
-    first.settings.set(
-        "track.file",
-        Value::String("/lake/tracks/gps.csv".to_owned()),
-    );
+    first.settings.set("calibration.pings", Value::String("100..200".to_owned()));
+    first.settings.set("track.file", Value::String("/lake/tracks/gps.csv".to_owned()));
     first.settings.bottom = bottom(&[line(Side::Port, [10, 20]), line(Side::Starboard, [3, 3])]);
     let stretches = r#"[{ pings = [30, 40], reason = "turn" }, { reason = "bad", time_s = [1.5, 2.0] }, { reason = "drawn", time_s = [1.5, 7.0] }]"#;
     let stretches = row::parse_value(stretches).expect("stretches");
@@ -92,12 +75,8 @@ fn full() -> Project {
     second.is_visible = false;
     second.name = "the \"pond\"\nin June".to_owned();
     let logs = [first, second].into_iter();
-    let mut project = logs.fold(project, |project, log| {
-        project.with_log(log).expect("a log")
-    });
-    project
-        .files
-        .insert("base_map".to_owned(), PathBuf::from("/maps/aerial.tif"));
+    let mut project = logs.fold(project, |project, log| project.with_log(log).expect("a log"));
+    project.files.insert("base_map".to_owned(), PathBuf::from("/maps/aerial.tif"));
     let corners =
         [[-111.5, 36.8], [-111.25, 36.9]].map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg });
     let measurement = Measurement {
@@ -107,10 +86,7 @@ fn full() -> Project {
         note: String::new(),
     };
     project.measurements.insert(1, measurement);
-    project.origin = Some(LonLat {
-        lon_deg: -82.110_223,
-        lat_deg: 29.409_962,
-    });
+    project.origin = Some(LonLat { lon_deg: -82.110_223, lat_deg: 29.409_962 });
     project.set_view("map", &["depth", "track"]);
     project
 }
@@ -123,7 +99,8 @@ fn read(text: &str) -> Result<Project, ProjectError> {
     Project::from_text(text, folder())
 }
 
-/// Lines of one text that the other has not, and the other way round; a line that is there twice counts twice.
+/// Lines of one text that the other has not, and the other way round; a line that is there twice
+/// counts twice.
 fn lines_that_differ(one: &str, other: &str) -> [Vec<String>; 2] {
     let only = |one: &str, other: &str| {
         let mut there: Vec<&str> = other.lines().collect();
@@ -154,33 +131,22 @@ fn a_project_comes_back_from_its_text() {
     ] {
         assert!(text.lines().any(|there| there == line), "{text}");
     }
-    assert_eq!(
-        table["settings"]["first_return"]["threshold"].as_float(),
-        Some(0.41)
-    );
+    assert_eq!(table["settings"]["first_return"]["threshold"].as_float(), Some(0.41));
     let key = project.logs()[0].key.as_str();
     assert!(key.starts_with("chart_1-"), "{key}");
     let log = &table["log"][key];
     assert_eq!(log["file"].as_str(), Some("day 1/Chart 1.sl2"));
-    assert_eq!(
-        log["settings"]["track"]["file"].as_str(),
-        Some("tracks/gps.csv")
-    );
+    assert_eq!(log["settings"]["track"]["file"].as_str(), Some("tracks/gps.csv"));
     assert_eq!(log["box"]["12"]["score"].as_float(), Some(0.91));
-    assert_eq!(
-        table["file"]["base_map"].as_str(),
-        Some("../maps/aerial.tif")
-    );
+    assert_eq!(table["file"]["base_map"].as_str(), Some("../maps/aerial.tif"));
     // Moved with its logs, it means the same in the new place.
     let moved = Project::from_text(&text, Path::new("/else/where")).expect("a project");
-    assert_eq!(
-        moved.logs()[0].file.path,
-        Path::new("/else/where/day 1/Chart 1.sl2")
-    );
+    assert_eq!(moved.logs()[0].file.path, Path::new("/else/where/day 1/Chart 1.sl2"));
     assert_eq!(moved.to_text(Path::new("/else/where")), text);
 }
 
-/// The lines are those of the file's documentation; a program that writes them otherwise makes every project differ.
+/// The lines are those of the file's documentation; a program that writes them otherwise makes
+/// every project differ.
 #[test]
 fn the_text_of_a_project_stays_as_it_is() {
     let mut project = full();
@@ -247,30 +213,19 @@ fn what_this_version_does_not_know_is_kept() {
         "100 = 7.5",
         "harbour = { kind = \"shallow\" }",
     ] {
-        assert!(
-            written.lines().any(|there| there == line),
-            "{line}: {written}"
-        );
+        assert!(written.lines().any(|there| there == line), "{line}: {written}");
     }
     assert!(written.contains("depth_of_interest_m = 3.5"));
     assert_eq!(read(&written).expect("a project"), read_back);
     // A change beside them leaves them, and a box or a log that goes takes its own with it.
     let edit = Edit::Accept(BoxId(12));
-    let decided = read_back
-        .apply(&Change::Box {
-            log: key.clone(),
-            edit,
-        })
-        .expect("a change");
+    let decided = read_back.apply(&Change::Box { log: key.clone(), edit }).expect("a change");
     let differ = lines_that_differ(&written, &decided.to_text(folder()));
     assert!(
         differ[1].len() == 1 && differ[1][0].contains("depth_of_interest_m = 3.5"),
         "{differ:?}"
     );
-    let less = read_back
-        .apply(&Change::Remove(key))
-        .expect("a change")
-        .to_text(folder());
+    let less = read_back.apply(&Change::Remove(key)).expect("a change").to_text(folder());
     assert!(
         !less.contains("calm") && !less.contains("breeze") && less.contains("harbour"),
         "{less}"
@@ -294,11 +249,7 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
         ("order = 1.0", "pings = 500", "stands here and in line"),
         ("order = 1.0", "colour = \"red\"", "stands here and in line"),
         ("colour = \"#d95f02\"", "colour = \"red\"", "is written"),
-        (
-            "pings = [7, 12]",
-            "pings = [700, 712]",
-            "box 1: its pings or ranges lie outside the log",
-        ),
+        ("pings = [7, 12]", "pings = [700, 712]", "box 1: its pings or ranges lie outside the log"),
         ("pings = [7, 12]", "pings = [7]", "invalid length"),
         (
             "port.10 = {",
@@ -308,16 +259,8 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
         ("last = 20", "last = 5", "pings of bottom.lines"),
         ("last = 40", "last = 4", "excluded.stretches"),
         ("last = 40, ", "", "has no `last`"),
-        (
-            "reason = \"turn\"",
-            "reason = \"fun\"",
-            "a reason is `turn`",
-        ),
-        (
-            "first_return.threshold = 0.41",
-            "first_return.threshold = 4.1",
-            "between 0 and 1",
-        ),
+        ("reason = \"turn\"", "reason = \"fun\"", "a reason is `turn`"),
+        ("first_return.threshold = 0.41", "first_return.threshold = 4.1", "between 0 and 1"),
         (
             "first_return.threshold = 0.41",
             "first_return.threshold = \"high\"",
@@ -331,10 +274,7 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
         let line = number_of(from, &text);
         let error = read(&broken).expect_err(to);
         let sentence = error.to_string();
-        assert!(
-            sentence.contains(words) || words.starts_with("string"),
-            "{to}: {sentence}"
-        );
+        assert!(sentence.contains(words) || words.starts_with("string"), "{to}: {sentence}");
         let said = match error {
             ProjectError::Line { line, .. } => line,
             ProjectError::Newer { .. } => 0,
@@ -346,11 +286,8 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
         );
         assert!(!sentence.contains('\n'));
     }
-    let missing = text
-        .lines()
-        .filter(|line| !line.starts_with("sha256"))
-        .collect::<Vec<_>>()
-        .join("\n");
+    let missing =
+        text.lines().filter(|line| !line.starts_with("sha256")).collect::<Vec<_>>().join("\n");
     let sentence = read(&missing).expect_err("no hash").to_string();
     assert!(sentence.contains("has no `sha256`"), "{sentence}");
 }
@@ -361,22 +298,14 @@ fn a_newer_project_is_refused_whatever_is_in_it() {
     let error = read(text).expect_err("a newer one");
     assert_eq!(error, ProjectError::Newer { version: 2 });
     assert!(error.to_string().contains("newer Bathyscope"), "{error}");
-    for text in [
-        "",
-        "# nothing\n",
-        "bathyscope = 0\n",
-        "bathyscope = -1\n",
-        "<html>\n",
-        "a = 1\n",
-    ] {
-        assert!(
-            matches!(read(text), Err(ProjectError::Line { .. })),
-            "{text}"
-        );
+    for text in ["", "# nothing\n", "bathyscope = 0\n", "bathyscope = -1\n", "<html>\n", "a = 1\n"]
+    {
+        assert!(matches!(read(text), Err(ProjectError::Line { .. })), "{text}");
     }
 }
 
-/// Two people decide about different things; git makes one file of it, and it holds what both decided.
+/// Two people decide about different things; git makes one file of it, and it holds what both
+/// decided.
 #[test]
 fn git_merges_what_two_people_decided() {
     if Command::new("git").arg("--version").output().is_err() {
@@ -385,18 +314,11 @@ fn git_merges_what_two_people_decided() {
     }
     let base = full();
     let [first, second] = [0, 1].map(|index| base.logs()[index].key.clone());
-    let decide = |edit| Change::Box {
-        log: first.clone(),
-        edit,
-    };
+    let decide = |edit| Change::Box { log: first.clone(), edit };
     let settings = |key: &str, value: f64| {
         let text = format!("{key}={value}");
         let after = base.settings.with_assignment(&text).expect("a setting");
-        Change::Settings {
-            log: None,
-            after: Box::new(after),
-            label: "setting",
-        }
+        Change::Settings { log: None, after: Box::new(after), label: "setting" }
     };
     // Neighbours in the file, and additions at different places.
     let ours = [
@@ -409,10 +331,7 @@ fn git_merges_what_two_people_decided() {
     let theirs = [
         decide(Edit::Reject(BoxId(6))),
         decide(Edit::Note(BoxId(8), "theirs".to_owned())),
-        decide(Edit::Add {
-            mark: mark(50),
-            class: 1,
-        }),
+        decide(Edit::Add { mark: mark(50), class: 1 }),
         settings("mosaic.nadir_gap_deg", 7.0),
         Change::Rename(second, "theirs".to_owned()),
         Change::Colour(first.clone(), None),
@@ -437,16 +356,8 @@ fn git_merges_what_two_people_decided() {
         std::fs::write(&path, project.to_text(folder())).expect("a file");
         path
     };
-    let paths = [
-        file("ours", &made(&ours)),
-        file("base", &base),
-        file("theirs", &made(&theirs)),
-    ];
-    let merged = Command::new("git")
-        .args(["merge-file", "-p"])
-        .args(&paths)
-        .output()
-        .expect("git");
+    let paths = [file("ours", &made(&ours)), file("base", &base), file("theirs", &made(&theirs))];
+    let merged = Command::new("git").args(["merge-file", "-p"]).args(&paths).output().expect("git");
     let text = String::from_utf8(merged.stdout).expect("text");
     assert!(merged.status.success(), "{text}");
     let both = ours.iter().chain(&theirs).fold(base.clone(), apply);
@@ -457,27 +368,16 @@ fn git_merges_what_two_people_decided() {
 #[test]
 fn a_log_is_in_a_project_once_and_moves_in_the_list() {
     let project = full();
-    let again = LogFile {
-        path: PathBuf::from("/copy/other name.sl2"),
-        ..project.logs()[0].file.clone()
-    };
-    assert!(
-        project
-            .apply(&Change::Add(Box::new(ProjectLog::new(again))))
-            .is_none()
-    );
-    let mut project = project
-        .apply(&Change::Add(Box::new(log("bay"))))
-        .expect("a log");
+    let again =
+        LogFile { path: PathBuf::from("/copy/other name.sl2"), ..project.logs()[0].file.clone() };
+    assert!(project.apply(&Change::Add(Box::new(ProjectLog::new(again)))).is_none());
+    let mut project = project.apply(&Change::Add(Box::new(log("bay")))).expect("a log");
     let names = |project: &Project| -> Vec<String> {
-        project
-            .logs()
-            .iter()
-            .map(|log| log.name.chars().take(3).collect())
-            .collect()
+        project.logs().iter().map(|log| log.name.chars().take(3).collect()).collect()
     };
     assert_eq!(names(&project), ["Cha", "the", "bay"]);
-    // Between the same two again and again: halving ends after fifty times, and then all are numbered.
+    // Between the same two again and again: halving ends after fifty times, and then all are
+    // numbered.
     for turn in 0..200 {
         let log = project.logs()[2].key.clone();
         let before = names(&project);
@@ -485,9 +385,6 @@ fn a_log_is_in_a_project_once_and_moves_in_the_list() {
         let expected = [0, 2, 1].map(|index: usize| before[index].clone());
         assert_eq!(names(&project), expected, "{turn}");
         let orders: Vec<f64> = project.logs().iter().map(|log| log.order).collect();
-        assert!(
-            orders.windows(2).all(|pair| pair[0] < pair[1]),
-            "{orders:?}"
-        );
+        assert!(orders.windows(2).all(|pair| pair[0] < pair[1]), "{orders:?}");
     }
 }

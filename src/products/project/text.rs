@@ -27,7 +27,8 @@ pub(super) fn write(rows: &Rows) -> String {
             text.push_str(&format!("\n[{heading}]\n"));
             section = heading;
         }
-        // A blank line between two decisions: git merges changes of neighbours only with a line between them that nobody changed.
+        // A blank line between two decisions: git merges changes of neighbours only with a line
+        // between them that nobody changed.
         text.push_str(&format!("\n{} = {}\n", key.name(), row.text));
     }
     text
@@ -73,10 +74,7 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        if ["<<<<<<<", "=======", ">>>>>>>", "|||||||"]
-            .iter()
-            .any(|mark| line.starts_with(mark))
-        {
+        if ["<<<<<<<", "=======", ">>>>>>>", "|||||||"].iter().any(|mark| line.starts_with(mark)) {
             return wrong("two versions were merged and git could not decide here; keep the lines that are right and remove the marks".to_owned());
         }
         if line.len() > LONGEST_LINE {
@@ -105,15 +103,11 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
         let row = Row { text, line: number };
         if let Some(first) = rows.get(&key) {
             let first = first.line;
-            return wrong(format!(
-                "`{key}` stands here and in line {first}; keep one of them"
-            ));
+            return wrong(format!("`{key}` stands here and in line {first}; keep one of them"));
         }
         rows.insert(key, row);
         if rows.len() > MOST_ROWS {
-            return wrong(format!(
-                "a project of more than {MOST_ROWS} lines is not read"
-            ));
+            return wrong(format!("a project of more than {MOST_ROWS} lines is not read"));
         }
     }
     Ok((rows, version))

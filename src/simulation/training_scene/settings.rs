@@ -47,11 +47,7 @@ pub(super) fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSetting
 pub(super) fn track(random: &mut Random, length_m: f64) -> TrackSettings {
     let speed_mps = random.between(0.8, 3.2);
     let spacing_m = log_between(random, 0.05, 0.2);
-    let bend_deg_per_m = if random.chance(0.3) {
-        random.between(-1.5, 1.5)
-    } else {
-        0.0
-    };
+    let bend_deg_per_m = if random.chance(0.3) { random.between(-1.5, 1.5) } else { 0.0 };
     TrackSettings {
         lines: 1,
         cross_lines: 0,
@@ -77,24 +73,17 @@ pub(super) fn recorder(random: &mut Random, range_m: f64, depth_m: f64) -> Recor
         pulse_m: log_between(random, 0.008, 0.03),
         tvg_limit_m: range_m * random.between(0.5, 1.1),
         tvg_power: random.between(3.4, 5.0),
-        bottom_byte: if loud {
-            random.between(150.0, 250.0)
-        } else {
-            random.between(80.0, 170.0)
-        },
+        bottom_byte: if loud { random.between(150.0, 250.0) } else { random.between(80.0, 170.0) },
         bytes_per_db: random.between(1.8, 3.6),
-        curve: if amplitude {
-            Curve::Amplitude
-        } else {
-            Curve::Decibel
-        },
+        curve: if amplitude { Curve::Amplitude } else { Curve::Decibel },
         echo_ceiling: if loud || random.chance(0.3) { 127 } else { 255 },
         sonar_samples: 16,
         sonar_every: 20,
         ..RecorderSettings::default()
     };
-    // Noise is as strong as the ground at some range, most often beyond what is recorded. It fills the shadows: those of
-    // the real effigy tiles are half as bright as the ground beside them (0.22 to 0.75).
+    // Noise is as strong as the ground at some range, most often beyond what is recorded. It fills
+    // the shadows: those of the real effigy tiles are half as bright as the ground beside them
+    // (0.22 to 0.75).
     let faint_m = range_m * random.between(0.75, 1.6);
     let electronic_noise = faint_echo(&recorder, faint_m, depth_m);
     RecorderSettings {

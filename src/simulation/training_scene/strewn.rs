@@ -52,10 +52,7 @@ impl Strip {
             let radius = 1.0 / self.bend_rad_per_m;
             (radius * sin(turn), radius * (1.0 - cos(turn)))
         };
-        [
-            start + ahead - right_m * sin(turn),
-            -aside - right_m * cos(turn),
-        ]
+        [start + ahead - right_m * sin(turn), -aside - right_m * cos(turn)]
     }
 }
 
@@ -76,11 +73,7 @@ pub(super) fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings>
             })
         });
         if let Some([east_m, north_m]) = free {
-            objects.push(ObjectSettings {
-                east_m,
-                north_m,
-                ..object
-            });
+            objects.push(ObjectSettings { east_m, north_m, ..object });
         }
     }
     objects
@@ -92,11 +85,7 @@ fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
     let build = Build::random(random, kind);
     // Nothing reaches up through half of the water: its shadow would have no end.
     let height_m = build.height_m.min(0.4 * depth_m);
-    let burial = if random.chance(0.35) {
-        random.between(0.0, 0.45)
-    } else {
-        0.0
-    };
+    let burial = if random.chance(0.35) { random.between(0.0, 0.45) } else { 0.0 };
     ObjectSettings {
         kind,
         east_m: 0.0,
@@ -120,7 +109,8 @@ struct Build {
 }
 
 impl Build {
-    /// One that is usual for the kind. The numbers are drawn in the order of the fields: another order makes another survey of a seed.
+    /// One that is usual for the kind. The numbers are drawn in the order of the fields: another
+    /// order makes another survey of a seed.
     fn random(random: &mut Random, kind: ObjectKind) -> Self {
         match kind {
             ObjectKind::Rock => {
@@ -190,31 +180,18 @@ impl Build {
 
 /// A few pits, in some surveys.
 pub(super) fn pits(random: &mut Random, strip: &Strip) -> Vec<Pit> {
-    let count = if random.chance(0.25) {
-        up_to(random, 5)
-    } else {
-        0
-    };
+    let count = if random.chance(0.25) { up_to(random, 5) } else { 0 };
     let pit = |_| {
         let [east_m, north_m] = strip.place(random);
         let radius_m = log_between(random, 0.4, 2.0);
-        Pit {
-            east_m,
-            north_m,
-            radius_m,
-            depth_m: radius_m * random.between(0.1, 0.35),
-        }
+        Pit { east_m, north_m, radius_m, depth_m: radius_m * random.between(0.1, 0.35) }
     };
     (0..count).map(pit).collect()
 }
 
 /// A few shoals, in some surveys: over the ground, or near the track in the water column.
 pub(super) fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
-    let count = if random.chance(0.3) {
-        1 + up_to(random, 2)
-    } else {
-        0
-    };
+    let count = if random.chance(0.3) { 1 + up_to(random, 2) } else { 0 };
     let shoal = |_| {
         let [east_m, north_m] = strip.place(random);
         // Half of them are near the track, in the water column.
@@ -234,18 +211,10 @@ pub(super) fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
 
 /// A few clumps of weed, in some surveys.
 pub(super) fn weed_clumps(random: &mut Random, strip: &Strip) -> Vec<WeedClump> {
-    let count = if random.chance(0.3) {
-        1 + up_to(random, 5)
-    } else {
-        0
-    };
+    let count = if random.chance(0.3) { 1 + up_to(random, 5) } else { 0 };
     let clump = |_| {
         let [east_m, north_m] = strip.place(random);
-        WeedClump {
-            east_m,
-            north_m,
-            diameter_m: log_between(random, 0.6, 4.0),
-        }
+        WeedClump { east_m, north_m, diameter_m: log_between(random, 0.6, 4.0) }
     };
     (0..count).map(clump).collect()
 }

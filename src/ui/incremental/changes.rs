@@ -19,10 +19,7 @@ impl PixelArea {
     fn around(rect: Rect, pixels_per_point: f32) -> Self {
         let low = |at: f32| (at * pixels_per_point).floor() as i32;
         let high = |at: f32| (at * pixels_per_point).ceil() as i32;
-        Self {
-            min: [low(rect.min.x), low(rect.min.y)],
-            max: [high(rect.max.x), high(rect.max.y)],
-        }
+        Self { min: [low(rect.min.x), low(rect.min.y)], max: [high(rect.max.x), high(rect.max.y)] }
     }
 
     /// Its rectangle, points.
@@ -48,7 +45,8 @@ impl PixelArea {
         side(0) * side(1)
     }
 
-    /// Whether drawing both as one costs no more than drawing them apart: about a quarter more pixels.
+    /// Whether drawing both as one costs no more than drawing them apart: about a quarter more
+    /// pixels.
     fn joins(&self, other: &Self) -> bool {
         let apart = self.pixels() + other.pixels();
         self.overlaps(other) || 4 * self.union(other).pixels() <= 5 * apart
@@ -70,7 +68,8 @@ pub(super) fn covered(shape: &ClippedShape, pixels_per_point: f32) -> Option<Pix
         .filter(|area| area.min[0] < area.max[0] && area.min[1] < area.max[1])
 }
 
-/// The areas, none over another, outside of which two frames look the same. `textures` are those with new content.
+/// The areas, none over another, outside of which two frames look the same. `textures` are those
+/// with new content.
 pub(super) fn changed(
     before: &[ClippedShape],
     now: &[ClippedShape],
@@ -116,9 +115,7 @@ fn align<'a, T>(
     now: &'a [T],
     belong_together: impl Fn(&T, &T) -> bool,
 ) -> Aligned<'a, T> {
-    let head = (before.iter().zip(now))
-        .take_while(|(a, b)| belong_together(a, b))
-        .count();
+    let head = (before.iter().zip(now)).take_while(|(a, b)| belong_together(a, b)).count();
     let [left_before, left_now] = [&before[head..], &now[head..]];
     let tail = (left_before.iter().rev().zip(left_now.iter().rev()))
         .take_while(|(a, b)| belong_together(a, b))
@@ -126,11 +123,7 @@ fn align<'a, T>(
     let (removed, tail_before) = left_before.split_at(left_before.len() - tail);
     let (added, tail_now) = left_now.split_at(left_now.len() - tail);
     let pairs = before[..head].iter().zip(now);
-    Aligned {
-        pairs: pairs.chain(tail_before.iter().zip(tail_now)).collect(),
-        removed,
-        added,
-    }
+    Aligned { pairs: pairs.chain(tail_before.iter().zip(tail_now)).collect(), removed, added }
 }
 
 /// Whether two shapes are drawn alike.
@@ -222,10 +215,7 @@ mod tests {
         let now = [first.clone(), added.clone(), last.clone(), beside.clone()];
         assert_eq!(areas(&before, &now), [[39, 9, 51, 21]]);
         // And with a part of the window that was not there before.
-        let other = ClippedShape {
-            clip_rect: clip(20.0),
-            ..added
-        };
+        let other = ClippedShape { clip_rect: clip(20.0), ..added };
         let now = [first, last, other, beside];
         assert_eq!(areas(&before, &now), [[39, 9, 51, 21]]);
     }

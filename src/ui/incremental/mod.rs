@@ -1,9 +1,11 @@
-//! Keeps the window's last picture, and draws in each frame only what differs from the frame before.
+//! Keeps the window's last picture, and draws in each frame only what differs from the frame
+//! before.
 //!
 //! In: the shapes of a frame. Out: the picture of the window.
 //! It uses nothing outside `ui`.
 //!
-//! A processor that draws takes some 40 ns for each pixel of text and buttons, most of which stand still while a recording moves.
+//! A processor that draws takes some 40 ns for each pixel of text and buttons, most of which stand
+//! still while a recording moves.
 
 mod changes;
 
@@ -119,12 +121,7 @@ impl Kept {
             ..Default::default()
         });
         let picture = FlatPicture::new(gpu, &stored);
-        Self {
-            texture,
-            picture,
-            ground,
-            shapes: Vec::new(),
-        }
+        Self { texture, picture, ground, shapes: Vec::new() }
     }
 
     /// The ground and the shapes of each area that changed, cut to the area.
@@ -135,11 +132,7 @@ impl Kept {
         now: &[ClippedShape],
         textures: &HashSet<TextureId>,
     ) -> Vec<ClippedShape> {
-        let FrameTarget {
-            pixels_per_point,
-            colour,
-            ..
-        } = self.ground;
+        let FrameTarget { pixels_per_point, colour, .. } = self.ground;
         let fill = |rect| ClippedShape::new(rect, flat::filled(ctx, rect, colour, gpu));
         if self.shapes.is_empty() {
             let ground = fill(self.ground.rect());
@@ -169,7 +162,5 @@ fn replaced(output: &FullOutput) -> HashSet<TextureId> {
     let is_new = |id: &TextureId, images: &[ImageDelta]| {
         *id != TextureId::default() || images.iter().any(|image| image.is_whole())
     };
-    set.filter(|(id, images)| is_new(id, images))
-        .map(|(id, _)| *id)
-        .collect()
+    set.filter(|(id, images)| is_new(id, images)).map(|(id, _)| *id).collect()
 }

@@ -28,11 +28,7 @@ impl PlotAxes {
         let widest = up.ticks.iter().map(width).fold(20.0, f32::max);
         let name = if up.name.is_empty() { 0.0 } else { 8.0 };
         let min = rect.min + vec2(widest.ceil() + 6.0 + name, ABOVE);
-        Self {
-            area: Rect::from_min_max(min, rect.max - vec2(RIGHT, BELOW)),
-            across,
-            up,
-        }
+        Self { area: Rect::from_min_max(min, rect.max - vec2(RIGHT, BELOW)), across, up }
     }
 
     /// Where a value lies.

@@ -11,7 +11,8 @@ use bathyscope_products::pipeline::settings::rows;
 use bathyscope_products::pipeline::{Products, Stage};
 use egui::Ui;
 
-/// How the side-scan points lie over the soundings of their own pings: named alike wherever it stands.
+/// How the side-scan points lie over the soundings of their own pings: named alike wherever it
+/// stands.
 pub(super) const SAME_PING: &str = "Minus sounding";
 /// What it is.
 pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping: median (above 0 is shallower) and 95 % limit.";
@@ -25,19 +26,14 @@ pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Cloud").step(3).of(Stage::Cloud),
-        |ui, context| {
-            if let (Some(products), Some(figures)) =
-                (&context.app.log.products, &context.app.log.figures)
-            {
-                found(ui, products, figures, context.units());
-            }
-            controls(ui, context);
-        },
-    );
+    section(ui, context, Section::new("Cloud").step(3).of(Stage::Cloud), |ui, context| {
+        if let (Some(products), Some(figures)) =
+            (&context.app.log.products, &context.app.log.figures)
+        {
+            found(ui, products, figures, context.units());
+        }
+        controls(ui, context);
+    });
 }
 
 fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
@@ -80,7 +76,8 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// What the printed equations make of the depth that they were calibrated on: at the calibration spot r = d, and z = r cos(α2).
+/// What the printed equations make of the depth that they were calibrated on: at the calibration
+/// spot r = d, and z = r cos(α2).
 fn published_depth(alpha2_deg: f64) -> String {
     let percent = 100.0 * (alpha2_deg.to_radians().cos() - 1.0);
     format!(

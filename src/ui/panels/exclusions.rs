@@ -1,4 +1,5 @@
-//! What is excluded from every result: turns and stops that are found, and stretches that were drawn.
+//! What is excluded from every result: turns and stops that are found, and stretches that were
+//! drawn.
 
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
@@ -17,30 +18,25 @@ const ROWS: f32 = 7.0;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Excluded").of(Stage::Calibration),
-        |ui, context| {
-            tool(ui, context);
-            for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
-                setting(ui, context, row);
-            }
-            let settings = &context.app.log.settings.excluded;
-            if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
-                setting(ui, context, &rows::MIN_DURATION);
-            }
-            let Some(found) = context.app.log.exclusions().cloned() else {
-                return;
-            };
-            for text in &found.exclusions.warnings {
-                warning(ui, context, &context.units().sentence(text));
-            }
-            counts(ui, context, &found);
-            list(ui, context, &found);
-            kept(ui, context);
-        },
-    );
+    section(ui, context, Section::new("Excluded").of(Stage::Calibration), |ui, context| {
+        tool(ui, context);
+        for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
+            setting(ui, context, row);
+        }
+        let settings = &context.app.log.settings.excluded;
+        if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
+            setting(ui, context, &rows::MIN_DURATION);
+        }
+        let Some(found) = context.app.log.exclusions().cloned() else {
+            return;
+        };
+        for text in &found.exclusions.warnings {
+            warning(ui, context, &context.units().sentence(text));
+        }
+        counts(ui, context, &found);
+        list(ui, context, &found);
+        kept(ui, context);
+    });
 }
 
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -71,9 +67,8 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
         }
     }
     let others = context.app.visible_logs().filter_map(OpenLog::exclusions);
-    let (logs, pings) = others.fold((0, 0), |(logs, pings), found| {
-        (logs + 1, pings + found.exclusions.ping_count())
-    });
+    let (logs, pings) = others
+        .fold((0, 0), |(logs, pings), found| (logs + 1, pings + found.exclusions.ping_count()));
     if logs > 1 {
         let all = text::plural(pings, "ping", "pings");
         remark(ui, format!("{all} of all visible logs"));
@@ -92,20 +87,19 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
         .max_height(ROWS * each)
         .min_scrolled_height(ROWS * each);
     let keys = ListKeys::read(ui, "excluded stretches", stretches.len());
-    keys.scroll(area, each, ROWS)
-        .show_rows(ui, ROW, stretches.len(), |ui, range| {
-            let first = range.start;
-            for (index, (stretch, length_m)) in stretches[range].iter().enumerate() {
-                let way = context.units().way(*length_m);
-                let part = stretch.part();
-                let where_at = place(&survey, part);
-                let label = format!("{}  {where_at}  {way}", stretch.reason.name());
-                let name = format!("{} {where_at}", stretch.reason.name());
-                let back = ("Include again", ExclusionEdit::Include);
-                let row = row(ui, context, [&label, &name], part, back);
-                keys.row(ui, first + index, &row);
-            }
-        });
+    keys.scroll(area, each, ROWS).show_rows(ui, ROW, stretches.len(), |ui, range| {
+        let first = range.start;
+        for (index, (stretch, length_m)) in stretches[range].iter().enumerate() {
+            let way = context.units().way(*length_m);
+            let part = stretch.part();
+            let where_at = place(&survey, part);
+            let label = format!("{}  {where_at}  {way}", stretch.reason.name());
+            let name = format!("{} {where_at}", stretch.reason.name());
+            let back = ("Include again", ExclusionEdit::Include);
+            let row = row(ui, context, [&label, &name], part, back);
+            keys.row(ui, first + index, &row);
+        }
+    });
 }
 
 /// The stretches that count although something is found there.

@@ -1,4 +1,5 @@
-//! The track of another receiver in place of the recorder's, how far its clock is off, and how far all positions are.
+//! The track of another receiver in place of the recorder's, how far its clock is off, and how far
+//! all positions are.
 
 use super::parts::{self, fact, remark, setting};
 use super::positions;
@@ -11,27 +12,22 @@ use egui::Ui;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Position").of(Stage::Navigation),
-        |ui, context| {
-            let path = context.app.log.settings.track.file.clone();
-            let actions = [Action::OpenTrack, Action::RemoveTrack];
-            parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
-            match path {
-                Some(_) => clock(ui, context),
-                None => remark(ui, "Positions are those of the recorder."),
-            }
-            for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
-                setting(ui, context, row);
-            }
-            // Of several logs they are compared where the logs are listed.
-            if context.app.log_count() == 1 {
-                positions::ui(ui, context);
-            }
-        },
-    );
+    section(ui, context, Section::new("Position").of(Stage::Navigation), |ui, context| {
+        let path = context.app.log.settings.track.file.clone();
+        let actions = [Action::OpenTrack, Action::RemoveTrack];
+        parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
+        match path {
+            Some(_) => clock(ui, context),
+            None => remark(ui, "Positions are those of the recorder."),
+        }
+        for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
+            setting(ui, context, row);
+        }
+        // Of several logs they are compared where the logs are listed.
+        if context.app.log_count() == 1 {
+            positions::ui(ui, context);
+        }
+    });
 }
 
 /// The offset of the clock, and what it does to the distance between the tracks.

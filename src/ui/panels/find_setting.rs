@@ -1,4 +1,5 @@
-//! Where the window has the control of a setting, and going there: the palette finds settings by their names.
+//! Where the window has the control of a setting, and going there: the palette finds settings by
+//! their names.
 
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{SettingRow, rows};
@@ -37,24 +38,12 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
             &rows::BOTTOM_LINE,
         ],
     ),
-    (
-        ControlPlace::Section("Calibration"),
-        &[&rows::SCALE, &rows::PPD_REACH, &rows::OFFSET],
-    ),
+    (ControlPlace::Section("Calibration"), &[&rows::SCALE, &rows::PPD_REACH, &rows::OFFSET]),
     (
         ControlPlace::Section("Cloud"),
-        &[
-            &rows::GEOMETRY,
-            &rows::ALPHA2,
-            &rows::HEADING,
-            &rows::HEADING_WINDOW,
-            &rows::PROJECTION,
-        ],
+        &[&rows::GEOMETRY, &rows::ALPHA2, &rows::HEADING, &rows::HEADING_WINDOW, &rows::PROJECTION],
     ),
-    (
-        ControlPlace::Section("Outliers"),
-        &[&rows::RADIUS, &rows::MIN_NEIGHBOURS],
-    ),
+    (ControlPlace::Section("Outliers"), &[&rows::RADIUS, &rows::MIN_NEIGHBOURS]),
     (
         ControlPlace::Section("Depth map"),
         &[
@@ -89,10 +78,7 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
             &rows::MOSAIC_CELL,
         ],
     ),
-    (
-        ControlPlace::Section("Products"),
-        &[&rows::CRS, &rows::POINTS_LAS, &rows::REPORT_PROPOSALS],
-    ),
+    (ControlPlace::Section("Products"), &[&rows::CRS, &rows::POINTS_LAS, &rows::REPORT_PROPOSALS]),
     (
         ControlPlace::Section("Depth correction"),
         &[
@@ -106,12 +92,7 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
     ),
     (
         ControlPlace::Section("Position"),
-        &[
-            &rows::TRACK_FILE,
-            &rows::TRACK_OFFSET,
-            &rows::SHIFT_EAST,
-            &rows::SHIFT_NORTH,
-        ],
+        &[&rows::TRACK_FILE, &rows::TRACK_OFFSET, &rows::SHIFT_EAST, &rows::SHIFT_NORTH],
     ),
     (
         ControlPlace::Section("Mounting"),
@@ -125,10 +106,7 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
             &rows::SOURCE_CRS,
         ],
     ),
-    (
-        ControlPlace::Section("Excluded"),
-        &[&rows::MAX_TURN, &rows::MIN_SPEED, &rows::MIN_DURATION],
-    ),
+    (ControlPlace::Section("Excluded"), &[&rows::MAX_TURN, &rows::MIN_SPEED, &rows::MIN_DURATION]),
     (
         ControlPlace::Levels,
         &[
@@ -182,7 +160,8 @@ pub(crate) fn give_up(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<&'static str>(sought_id()));
 }
 
-/// Gives the keyboard to the control of a setting that is sought, brings it into view, and frames it while it has the keyboard.
+/// Gives the keyboard to the control of a setting that is sought, brings it into view, and frames
+/// it while it has the keyboard.
 pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
     let ctx = ui.ctx();
     // Before its size is known a list cannot scroll to it.
@@ -196,8 +175,7 @@ pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Re
     if is_marked && (control.has_focus() || control.gained_focus()) {
         let stroke = Stroke::new(1.5, theme::accent_colour(context.theme()));
         let frame = control.rect.expand(2.0);
-        ui.painter()
-            .rect_stroke(frame, 3.0, stroke, StrokeKind::Outside);
+        ui.painter().rect_stroke(frame, 3.0, stroke, StrokeKind::Outside);
     }
 }
 
@@ -212,8 +190,8 @@ mod tests {
     use super::*;
     use bathyscope_products::pipeline::settings::rows::ROWS;
 
-    /// Settings without a control: they are drawn in a view, edited in a list of their own, found by a search, or for files and `--set`
-    /// alone.
+    /// Settings without a control: they are drawn in a view, edited in a list of their own, found
+    /// by a search, or for files and `--set` alone.
     const WITHOUT: [&str; 18] = [
         "height_offset_m",
         "sound_speed.m_s",

@@ -16,19 +16,14 @@ const TITLE: &str = "First return";
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new(TITLE).step(1).of(Stage::FirstReturn),
-        |ui, context| {
-            if !place::has_side_scan(context.app) {
-                return parts::remark(ui, "This log has no side-scan.");
-            }
-            found(ui, context);
-            parts::settings_of(ui, context, TITLE);
-            bottom_edits(ui, context);
-        },
-    );
+    section(ui, context, Section::new(TITLE).step(1).of(Stage::FirstReturn), |ui, context| {
+        if !place::has_side_scan(context.app) {
+            return parts::remark(ui, "This log has no side-scan.");
+        }
+        found(ui, context);
+        parts::settings_of(ui, context, TITLE);
+        bottom_edits(ui, context);
+    });
 }
 
 fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {

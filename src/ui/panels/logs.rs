@@ -1,4 +1,5 @@
-//! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
+//! The list of open logs: which one is shown, which take part, in which order, and how their
+//! heights stand to each other.
 
 use super::parts::{self, fact, name_of, press, press_short, remark, warning};
 use super::positions;
@@ -20,13 +21,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let commands = row(ui, app, log, [place > 0, place < last], walked);
             context.commands.extend(commands);
             if let Some(why) = &log.apart {
-                remark(
-                    ui,
-                    app.view
-                        .options
-                        .units
-                        .sentence(&format!("Not on the map: {why}.")),
-                );
+                remark(ui, app.view.options.units.sentence(&format!("Not on the map: {why}.")));
             }
         }
         add(ui, context);
@@ -63,21 +58,15 @@ fn row(
         let shows = format!("Show {name} on the map");
         let tick = accessible(tick, egui::Role::CheckBox, &shows);
         let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
-        ask(
-            tick.on_hover_text(hint).changed(),
-            Command::SetLogVisible(id, visible),
-        );
+        ask(tick.on_hover_text(hint).changed(), Command::SetLogVisible(id, visible));
         let (swatch, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
         let [r, g, b] = log.colour;
-        ui.painter()
-            .rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+        ui.painter().rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let button = |ui: &mut Ui, sign: &str, what: &str, enabled: bool| {
                 let button = ui.add_enabled(enabled, Button::new(sign).small().frame(false));
                 let named = format!("{what} {name}");
-                accessible(button, egui::Role::Button, &named)
-                    .on_hover_text(what)
-                    .clicked()
+                accessible(button, egui::Role::Button, &named).on_hover_text(what).clicked()
             };
             ask(button(ui, "×", "Close", true), Command::CloseLog(id));
             // On one row only: there is no room for them beside every name.
@@ -126,20 +115,13 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
         let value = format!("{day} {}", text::clock(Some(start), 0.0));
         fact(ui, "Start, UTC", "", value);
     }
-    let length = survey
-        .time_span_s()
-        .map(|(from, to)| text::duration(to - from));
+    let length = survey.time_span_s().map(|(from, to)| text::duration(to - from));
     fact(ui, "Length", "", length.unwrap_or(text::NONE.to_owned()));
     let pings = text::plural(survey.side_scan.len(), "ping", "pings");
     fact(ui, "Side-scan", "", pings);
-    let depths = log
-        .depth_span_m
-        .map(|span_m| units.span(span_m.map(f64::from), 1));
+    let depths = log.depth_span_m.map(|span_m| units.span(span_m.map(f64::from), 1));
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
-    if let Some(found) = log
-        .exclusions()
-        .filter(|found| !found.exclusions.is_empty())
-    {
+    if let Some(found) = log.exclusions().filter(|found| !found.exclusions.is_empty()) {
         let extent = exclusion_text::extent(&found.extent(None), units);
         fact(ui, "Excluded", "", extent);
     }
@@ -153,10 +135,7 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
 
 const HEIGHTS: [(&str, &str); 4] = [
     ("Log", ""),
-    (
-        "offset",
-        "How much deeper the depths of the log are than those of all logs.",
-    ),
+    ("offset", "How much deeper the depths of the log are than those of all logs."),
     ("±", "Standard error of the offset."),
     ("crossings", "Crossings of its track with other tracks."),
 ];

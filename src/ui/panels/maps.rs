@@ -76,7 +76,8 @@ fn between_lines(levels: FromLevels) -> String {
     }
 }
 
-/// What withheld soundings are missed by with levels and without them, where both were tried: `0.06 m, 0.08 m without`.
+/// What withheld soundings are missed by with levels and without them, where both were tried: `0.06
+/// m, 0.08 m without`.
 fn withheld_errors(levels: FromLevels, units: Units) -> Option<String> {
     let (without_m, with_m) = match levels {
         FromLevels::Used { left_out_m } => {

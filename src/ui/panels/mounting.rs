@@ -1,4 +1,5 @@
-//! How the recorder is mounted on its boat, what its default is, whose metres its positions are, and which of its frequencies is shown.
+//! How the recorder is mounted on its boat, what its default is, whose metres its positions are,
+//! and which of its frequencies is shown.
 
 use super::find_setting;
 use super::parts::{self, name_cell, remark, warning};
@@ -12,25 +13,20 @@ use egui::{TextEdit, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Mounting").of(Stage::Navigation),
-        |ui, context| {
-            let Some(survey) = context.app.log.survey.clone() else {
-                return;
-            };
-            parts::settings_of(ui, context, "Mounting");
-            effect(ui, context, &survey);
-            usual(ui, context);
-            if survey.track.projected.is_some() {
-                system(ui, context, &survey);
-            }
-            if !survey.pairs.is_empty() {
-                frequency(ui, context, &survey);
-            }
-        },
-    );
+    section(ui, context, Section::new("Mounting").of(Stage::Navigation), |ui, context| {
+        let Some(survey) = context.app.log.survey.clone() else {
+            return;
+        };
+        parts::settings_of(ui, context, "Mounting");
+        effect(ui, context, &survey);
+        usual(ui, context);
+        if survey.track.projected.is_some() {
+            system(ui, context, &survey);
+        }
+        if !survey.pairs.is_empty() {
+            frequency(ui, context, &survey);
+        }
+    });
 }
 
 /// What the settings do, and which of them cannot do anything.
@@ -58,10 +54,9 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let recorder = app.recorder();
     let mounting = app.log.settings.mounting;
     let (said, actions): (_, &[Action]) = match app.usual_mounting() {
-        Some(usual) if usual == mounting => (
-            format!("From the default of {recorder}."),
-            &[Action::ForgetMounting],
-        ),
+        Some(usual) if usual == mounting => {
+            (format!("From the default of {recorder}."), &[Action::ForgetMounting])
+        }
         Some(_) => (
             format!("Not the default of {recorder}."),
             &[Action::UseMounting, Action::ForgetMounting],
@@ -69,10 +64,7 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
         None if mounting == MountingSettings::default() => {
             (format!("Recorder: {recorder}. It has no default."), &[])
         }
-        None => (
-            format!("Of this log alone. Recorder: {recorder}."),
-            &[Action::UseMounting],
-        ),
+        None => (format!("Of this log alone. Recorder: {recorder}."), &[Action::UseMounting]),
     };
     remark(ui, said);
     if actions.is_empty() {
@@ -95,9 +87,8 @@ fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     let in_force = context.app.log.settings.source.crs.map(String::from);
     let in_force = in_force.unwrap_or_default();
     let typed = egui::Id::unique(("system of the log's metres", context.app.view.survey_serial));
-    let mut text = ui
-        .data(|data| data.get_temp::<String>(typed))
-        .unwrap_or_else(|| in_force.clone());
+    let mut text =
+        ui.data(|data| data.get_temp::<String>(typed)).unwrap_or_else(|| in_force.clone());
     let field = ui
         .horizontal(|ui| {
             let label = name_cell(ui, row.label, row.hint);
@@ -138,8 +129,7 @@ fn frequency(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
             let is_shown = index == 0;
             let khz = pair.frequency_khz.map(f64::from);
             let button = ui.add_enabled_ui(khz.is_some(), |ui| {
-                ui.selectable_label(is_shown, pair.summary())
-                    .on_hover_text(row.hint)
+                ui.selectable_label(is_shown, pair.summary()).on_hover_text(row.hint)
             });
             if button.inner.clicked() && !is_shown {
                 context.change(row.name, |settings| settings.source.frequency_khz = khz);

@@ -1,4 +1,5 @@
-//! What there is to open: any log, the demo survey, the logs on cards and drives, and those of before.
+//! What there is to open: any log, the demo survey, the logs on cards and drives, and those of
+//! before.
 
 use super::parts::remark;
 use crate::app::{Action, CARDS_LISTED_EVERY, Command};
@@ -15,13 +16,7 @@ const SHOWN: usize = 3;
 /// Draws them.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.label("Nothing is open.");
-    remark(
-        ui,
-        format!(
-            "Drop a log on the window, or open one: {}.",
-            formats_to_open()
-        ),
-    );
+    remark(ui, format!("Drop a log on the window, or open one: {}.", formats_to_open()));
     ui.add_space(4.0);
     for action in [Action::Open, Action::OpenDemo] {
         let button = Button::new(action.label()).min_size(vec2(180.0, 24.0));
@@ -36,9 +31,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.label("Opened before");
     }
     for path in app.recent.iter().take(SHOWN) {
-        offer(ui, context, name(path), path, || {
-            Command::Open(path.clone())
-        });
+        offer(ui, context, name(path), path, || Command::Open(path.clone()));
     }
     // Nothing else draws the window when a card is put in.
     ui.ctx().request_repaint_after(CARDS_LISTED_EVERY);
@@ -48,16 +41,13 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
     ui.add_space(8.0);
     let words = format!("On {}", folder.on_card.display());
-    ui.add(Label::new(words).truncate())
-        .on_hover_text(folder.path.display().to_string());
+    ui.add(Label::new(words).truncate()).on_hover_text(folder.path.display().to_string());
     for log in folder.logs.iter().take(SHOWN) {
         let words = match written(log) {
             Some(day) => format!("{}  ·  {day}", name(&log.path)),
             None => name(&log.path),
         };
-        offer(ui, context, words, &log.path, || {
-            Command::OpenAll(vec![log.path.clone()])
-        });
+        offer(ui, context, words, &log.path, || Command::OpenAll(vec![log.path.clone()]));
     }
     if folder.logs.len() > 1 {
         let words = format!("All {}", text::plural(folder.logs.len(), "log", "logs"));

@@ -1,6 +1,7 @@
-//! Sentences for the analyst, until they are dismissed or, where nothing is wrong and nothing to do, have been there for a while: the
-//! list of notices keeps them. They lie over the upper right corner of the views, where a view has no buttons, and not in a line of
-//! their own: one that came and went would move what is being clicked.
+//! Sentences for the analyst, until they are dismissed or, where nothing is wrong and nothing to
+//! do, have been there for a while: the list of notices keeps them. They lie over the upper right
+//! corner of the views, where a view has no buttons, and not in a line of their own: one that came
+//! and went would move what is being clicked.
 
 use super::parts::severity;
 use crate::app::{Action, Command, Notice};
@@ -24,7 +25,8 @@ const REST: Duration = Duration::from_secs(1);
 /// Room above them for the titles of the views, points.
 const TITLES: f32 = 30.0;
 
-/// Draws them over the upper right corner of the views, which cover `views`. Nothing when there is no notice.
+/// Draws them over the upper right corner of the views, which cover `views`. Nothing when there is
+/// no notice.
 pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
     let app = context.app;
     if app.notices.is_empty() {
@@ -71,7 +73,8 @@ fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
         }
     }
     if let Some(next) = next {
-        // Nobody waits for it, and a shorter time would have the window drawn over and over for nothing.
+        // Nobody waits for it, and a shorter time would have the window drawn over and over for
+        // nothing.
         ctx.request_repaint_after(next.max(REST));
     }
 }
@@ -88,7 +91,8 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                 let text = context.units().sentence(&notice.text);
-                // Laid out here: a label in a row would be as wide as its text, and lie over the buttons.
+                // Laid out here: a label in a row would be as wide as its text, and lie over the
+                // buttons.
                 let lines = ui.painter().layout_job(words(ui, &text));
                 ui.add(Label::new(lines)).on_hover_text(&text);
             });

@@ -8,23 +8,18 @@ use egui::{Button, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Objects").step(5),
-        |ui, context| {
-            found(ui, context);
-            if let Some(note) = context.app.search_note() {
-                parts::warning(ui, context, &note);
-            }
-            let hint = context.app.model_description().map_or_else(
-                || "The detector in use.".to_owned(),
-                |known| format!("The detector in use: {known}"),
-            );
-            fact(ui, "Model", &hint, context.app.model_name());
-            search(ui, context);
-        },
-    );
+    section(ui, context, Section::new("Objects").step(5), |ui, context| {
+        found(ui, context);
+        if let Some(note) = context.app.search_note() {
+            parts::warning(ui, context, &note);
+        }
+        let hint = context.app.model_description().map_or_else(
+            || "The detector in use.".to_owned(),
+            |known| format!("The detector in use: {known}"),
+        );
+        fact(ui, "Model", &hint, context.app.model_name());
+        search(ui, context);
+    });
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {

@@ -9,16 +9,11 @@ use egui::Ui;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Outliers").step(4).of(Stage::Outliers),
-        |ui, context| {
-            removed(ui, context);
-            parts::settings_of(ui, context, "Outliers");
-            preview(ui, context);
-        },
-    );
+    section(ui, context, Section::new("Outliers").step(4).of(Stage::Outliers), |ui, context| {
+        removed(ui, context);
+        parts::settings_of(ui, context, "Outliers");
+        preview(ui, context);
+    });
 }
 
 fn removed(ui: &mut Ui, context: &ViewContext<'_>) {

@@ -10,7 +10,8 @@ use bathyscope_products::pipeline::settings::{
 };
 use egui::{Align, Button, DragValue, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
-/// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle with `i`.
+/// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle
+/// with `i`.
 pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
     let (colour, sign, name) = match is_error {
@@ -37,7 +38,8 @@ pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: boo
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
 }
 
-/// A name on the left and a control on the right that carries the name for screen readers and tests.
+/// A name on the left and a control on the right that carries the name for screen readers and
+/// tests.
 pub(crate) fn row(
     ui: &mut Ui,
     name: &str,
@@ -47,11 +49,7 @@ pub(crate) fn row(
     ui.horizontal(|ui| {
         let label = name_cell(ui, name, hint);
         let response = add(ui).labelled_by(label.id);
-        if hint.is_empty() {
-            response
-        } else {
-            response.on_hover_text(hint)
-        }
+        if hint.is_empty() { response } else { response.on_hover_text(hint) }
     })
     .inner
 }
@@ -65,11 +63,7 @@ pub(crate) fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
             ui.add(egui::Label::new(name).selectable(false).truncate())
         })
         .inner;
-    if hint.is_empty() {
-        label
-    } else {
-        label.on_hover_text(hint)
-    }
+    if hint.is_empty() { label } else { label.on_hover_text(hint) }
 }
 
 /// A name and a value that can be selected and copied.
@@ -126,8 +120,8 @@ pub(crate) fn file(
     });
 }
 
-/// A list of which the rows in sight are drawn, whatever its length. When `here` is another row than before, because keys walk along the
-/// list, it comes into the middle.
+/// A list of which the rows in sight are drawn, whatever its length. When `here` is another row
+/// than before, because keys walk along the list, it comes into the middle.
 pub(crate) fn list_rows(
     ui: &mut Ui,
     name: &'static str,
@@ -163,24 +157,21 @@ pub(crate) fn list_rows(
 /// How much of something is done.
 pub(crate) fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
     let bar = ProgressBar::new(share).desired_width(width);
-    bar.desired_height(8.0)
-        .fill(theme::accent_colour(context.theme()))
+    bar.desired_height(8.0).fill(theme::accent_colour(context.theme()))
 }
 
 /// A table of small text, its headings with what they mean.
 pub(crate) fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnce(&mut Ui)) {
-    egui::Grid::new(name)
-        .num_columns(columns.len())
-        .spacing([8.0, 2.0])
-        .striped(true)
-        .show(ui, |ui| {
+    egui::Grid::new(name).num_columns(columns.len()).spacing([8.0, 2.0]).striped(true).show(
+        ui,
+        |ui| {
             for (title, hint) in columns {
-                ui.label(RichText::new(*title).small().strong())
-                    .on_hover_text(*hint);
+                ui.label(RichText::new(*title).small().strong()).on_hover_text(*hint);
             }
             ui.end_row();
             rows(ui);
-        });
+        },
+    );
 }
 
 /// A quiet remark.
@@ -194,7 +185,8 @@ pub(crate) fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
-/// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider than its panel.
+/// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider
+/// than its panel.
 fn value_width(ui: &Ui, number: &ShownNumber<'_>, none_word: Option<&str>) -> f32 {
     let font = egui::TextStyle::Button.resolve(ui.style());
     let width = |text: String| {
@@ -206,13 +198,12 @@ fn value_width(ui: &Ui, number: &ShownNumber<'_>, none_word: Option<&str>) -> f3
     let ends = ends.map(|value| format!("{value:.*}{}", number.decimals, number.suffix));
     let texts = ends.chain(none_word.map(str::to_owned));
     let widest = texts.map(width).fold(0.0, f32::max);
-    (widest + 2.0 * ui.spacing().button_padding.x)
-        .ceil()
-        .max(58.0)
+    (widest + 2.0 * ui.spacing().button_padding.x).ceil().max(58.0)
 }
 
-/// A part of a window whose content, however wide, leaves it as wide as it is: a panel that took the width of its content would
-/// offer that width again in the next frame, and a row that is a little too wide would widen it for ever.
+/// A part of a window whose content, however wide, leaves it as wide as it is: a panel that took
+/// the width of its content would offer that width again in the next frame, and a row that is a
+/// little too wide would widen it for ever.
 pub(crate) fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let area = ui.available_rect_before_wrap();
     let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
@@ -270,9 +261,7 @@ fn number(
     };
     let hint = units.sentence(&hint);
     let is_none = (number.get)(&context.app.log.settings).is_none();
-    let none_word = number
-        .none_word()
-        .filter(|_| is_none || number.zero_is_none());
+    let none_word = number.none_word().filter(|_| is_none || number.zero_is_none());
     let shows_word = none_word.is_some() && requested == 0.0;
     let suffix = if shows_word { "" } else { &shown.suffix };
     // Zero is written as what it stands for.
@@ -308,7 +297,8 @@ fn number(
             egui::Slider::new(&mut requested, least..=most)
                 .logarithmic(number.control == Control::LogSlider)
                 .smallest_positive(shown.step)
-                // A value is rounded when it is edited, not when it is shown: showing must change nothing.
+                // A value is rounded when it is edited, not when it is shown: showing must change
+                // nothing.
                 .clamping(egui::SliderClamping::Edits)
                 .step_by(shown.step)
                 .custom_formatter(|value, _| written(value))
@@ -338,16 +328,14 @@ fn choice(
     let mut picked = None;
     let response = row(ui, setting.label, setting.hint, |ui| {
         let shown = shown.map_or(current.as_str(), |name| name.label);
-        DropDown::new(setting.key, shown)
-            .width(ui.available_width() - 2.0)
-            .show(ui, |choices| {
-                for name in choice.names {
-                    let item = choices.choice(name.value == current, name.label);
-                    if item.on_hover_text(name.meaning).clicked() {
-                        picked = Some(name.value);
-                    }
+        DropDown::new(setting.key, shown).width(ui.available_width() - 2.0).show(ui, |choices| {
+            for name in choice.names {
+                let item = choices.choice(name.value == current, name.label);
+                if item.on_hover_text(name.meaning).clicked() {
+                    picked = Some(name.value);
                 }
-            })
+            }
+        })
     });
     if let Some(value) = picked {
         context.change(setting.name, |settings| (choice.set)(settings, value));

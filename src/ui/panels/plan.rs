@@ -45,11 +45,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if (radius * of_length - asked.turn_radius_m).abs() > 1e-6 {
         asked.turn_radius_m = radius * of_length;
     }
-    if asked
-        .speed_mps
-        .zip(before.speed_mps)
-        .is_some_and(|(a, b)| (a - b).abs() < 1e-9)
-    {
+    if asked.speed_mps.zip(before.speed_mps).is_some_and(|(a, b)| (a - b).abs() < 1e-9) {
         asked.speed_mps = before.speed_mps;
     }
     if asked != before {
@@ -64,8 +60,5 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.add(egui::Spinner::new().size(12.0));
         }
     });
-    remark(
-        ui,
-        "Lines may cross gaps of the survey: check them on a chart first.",
-    );
+    remark(ui, "Lines may cross gaps of the survey: check them on a chart first.");
 }

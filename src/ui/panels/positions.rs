@@ -31,18 +31,9 @@ const COLUMNS: [(&str, &str); 6] = [
     ("Log", ""),
     ("east", "Shift of its positions to the east."),
     ("north", "Shift of its positions to the north."),
-    (
-        "\u{b1}",
-        "Standard error of both shifts; about 2 m where no crossing shows them.",
-    ),
-    (
-        "late, s",
-        "How much later its positions are than its echoes, seconds.",
-    ),
-    (
-        "\u{b1} s",
-        "Standard error of the latency; about 1 s where no crossing shows it.",
-    ),
+    ("\u{b1}", "Standard error of both shifts; about 2 m where no crossing shows them."),
+    ("late, s", "How much later its positions are than its echoes, seconds."),
+    ("\u{b1} s", "Standard error of the latency; about 1 s where no crossing shows it."),
 ];
 
 fn table(ui: &mut Ui, app: &App, found: &FoundPositions) {

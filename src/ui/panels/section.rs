@@ -1,4 +1,5 @@
-//! The foldable parts of a panel: their headings, whether they are open, and how the keyboard comes to them.
+//! The foldable parts of a panel: their headings, whether they are open, and how the keyboard comes
+//! to them.
 
 use super::parts::within;
 use crate::ui::{ViewContext, theme};
@@ -16,11 +17,7 @@ pub(crate) struct Section {
 impl Section {
     /// A part with this name.
     pub(crate) fn new(title: &'static str) -> Self {
-        Self {
-            number: None,
-            title,
-            stage: None,
-        }
+        Self { number: None, title, stage: None }
     }
 
     /// It is a step of the paper.
@@ -51,11 +48,7 @@ fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
     let Some(stage) = stage else {
         return Freshness::Fresh;
     };
-    if let EngineStatus::Running {
-        stage: running,
-        fraction,
-    } = context.app.engine_status()
-    {
+    if let EngineStatus::Running { stage: running, fraction } = context.app.engine_status() {
         if running == stage {
             return Freshness::Running(fraction);
         }
@@ -154,10 +147,9 @@ fn heading(
         Freshness::Fresh => None,
         Freshness::OutOfDate => Some(("out of date".to_owned(), theme::stale_colour(look))),
         Freshness::Waiting => Some(("updating".to_owned(), theme::accent_colour(look))),
-        Freshness::Running(share) => Some((
-            format!("{:.0} %", f64::from(share) * 100.0),
-            theme::accent_colour(look),
-        )),
+        Freshness::Running(share) => {
+            Some((format!("{:.0} %", f64::from(share) * 100.0), theme::accent_colour(look)))
+        }
     };
     if let Some((text, colour)) = mark {
         let font = egui::FontId::proportional(theme::SMALL);

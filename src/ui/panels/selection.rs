@@ -10,18 +10,15 @@ use egui::{RichText, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Selection"),
-        |ui, context| match context.app.view.selection {
+    section(ui, context, Section::new("Selection"), |ui, context| {
+        match context.app.view.selection {
             Some(mark) => selected(ui, context, mark),
             None => remark(
                 ui,
                 "Nothing is selected: click the waterfall, the map, the cloud or the time line.",
             ),
-        },
-    );
+        }
+    });
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
@@ -60,9 +57,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     point(ui, context, mark);
     ui.add_space(2.0);
     let show = ui.button("Show in all views");
-    if show
-        .on_hover_text("Brings this place into the waterfall, the map and the cloud.")
-        .clicked()
+    if show.on_hover_text("Brings this place into the waterfall, the map and the cloud.").clicked()
     {
         context.push(Command::Reveal(mark));
     }
@@ -75,17 +70,10 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
     let value = match pick {
         None => "no return".to_owned(),
         Some(pick) => {
-            let mark = LogPlace {
-                side: Some(side),
-                sample: Some(pick.sample),
-                ..LogPlace::ping(ping)
-            };
+            let mark =
+                LogPlace { side: Some(side), sample: Some(pick.sample), ..LogPlace::ping(ping) };
             let range = place::range_m(context.app, mark).unwrap_or(f64::NAN);
-            let above_bottom = if pick.above_bottom {
-                " · above bottom"
-            } else {
-                ""
-            };
+            let above_bottom = if pick.above_bottom { " · above bottom" } else { "" };
             let range = context.units().measure(range, 2);
             let confidence = pick.confidence;
             format!("{range} · conf. {confidence:.2}{above_bottom}")
@@ -114,7 +102,8 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     fact(ui, "Speed", hint, context.units().speed(here.speed_mps, 1));
 }
 
-/// How antenna and transducer lie to each other at the ping, and which sides these are, where that is not as recorded.
+/// How antenna and transducer lie to each other at the ping, and which sides these are, where that
+/// is not as recorded.
 fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let Some(products) = &context.app.log.products else {
         return;
@@ -154,9 +143,7 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace) {
         false => String::new(),
     };
     let class = products.classes.get(index).filter(|class| !class.is_kept());
-    let class = class.map_or(String::new(), |class| {
-        format!(" · {}", PointClass::name(*class))
-    });
+    let class = class.map_or(String::new(), |class| format!(" · {}", PointClass::name(*class)));
     let hint = "The selected point of the cloud: its source, depth and echo level (0 to 255).";
     let depth = context.units().measure(-point.z_m, 2);
     let value = format!("{source} · {depth} deep{level}{class}");

@@ -1,4 +1,5 @@
-//! The height from a shadow that was measured in the waterfall: its construction, and all that it follows from.
+//! The height from a shadow that was measured in the waterfall: its construction, and all that it
+//! follows from.
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
@@ -21,19 +22,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     }
     let found = context.app.measured_height();
-    section(
-        ui,
-        context,
-        Section::new("Height from shadow"),
-        |ui, context| match found {
-            None => remark(ui, "Drag in the waterfall to the end of the shadow."),
-            Some(Err(error)) => {
-                let why = context.units().sentence(&error.to_string());
-                remark(ui, format!("There is no height: {why}."));
-            }
-            Some(Ok(shadow)) => inputs(ui, context, &shadow),
-        },
-    );
+    section(ui, context, Section::new("Height from shadow"), |ui, context| match found {
+        None => remark(ui, "Drag in the waterfall to the end of the shadow."),
+        Some(Err(error)) => {
+            let why = context.units().sentence(&error.to_string());
+            remark(ui, format!("There is no height: {why}."));
+        }
+        Some(Ok(shadow)) => inputs(ui, context, &shadow),
+    });
 }
 
 fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
@@ -48,10 +44,7 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
     let hint = "Slant range of the end of the shadow.";
     fact(ui, "End e", hint, units.measure(shadow.end_m, 2));
     if shadow.is_least {
-        remark(
-            ui,
-            "The shadow ends beyond the recorded range, so the height is a minimum.",
-        );
+        remark(ui, "The shadow ends beyond the recorded range, so the height is a minimum.");
     }
     ui.horizontal(|ui| {
         for (action, label) in [
@@ -64,7 +57,8 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
     });
 }
 
-/// A section across the track: transducer, bottom, object, and the ray over its top to the end of its shadow.
+/// A section across the track: transducer, bottom, object, and the ray over its top to the end of
+/// its shadow.
 fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let (area, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
@@ -76,14 +70,12 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let weak = ui.visuals().weak_text_color();
     let inner = Rect::from_min_max(area.min + vec2(18.0, 12.0), area.max - vec2(14.0, 18.0));
     let [top_m, end_m] = shadow.ground_m();
-    // Heights are drawn larger than distances where the water is shallow; the drawing says how, not how much.
+    // Heights are drawn larger than distances where the water is shallow; the drawing says how, not
+    // how much.
     let at = |ground_m: f64, height_m: f64| -> Pos2 {
         let x = (ground_m / end_m.max(1e-6)) as f32;
         let y = (height_m / shadow.altitude_m) as f32;
-        pos2(
-            inner.left() + x * inner.width(),
-            inner.bottom() - y * inner.height(),
-        )
+        pos2(inner.left() + x * inner.width(), inner.bottom() - y * inner.height())
     };
     let [boat, below, end] = [at(0.0, shadow.altitude_m), at(0.0, 0.0), at(end_m, 0.0)];
     let [top, foot] = [at(top_m, shadow.height_m()), at(top_m, 0.0)];

@@ -17,30 +17,22 @@ const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Survey"),
-        |ui, context| match context.app.log.survey.clone() {
+    section(ui, context, Section::new("Survey"), |ui, context| {
+        match context.app.log.survey.clone() {
             Some(survey) => {
                 summary(ui, context, &survey);
                 warnings(ui, context, &survey);
                 preset_line(ui, context);
             }
             None => nothing_open::ui(ui, context),
-        },
-    );
+        }
+    });
 }
 
 fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let name = survey.source.files.first().map_or_else(
         || survey.name(),
-        |file| {
-            file.file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        },
+        |file| file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
     );
     let title = ui.add(egui::Label::new(egui::RichText::new(name).heading().strong()).truncate());
     title.on_hover_ui(|ui| {
@@ -51,9 +43,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     channels(ui, survey, context.units());
     let span = time_span(survey);
     let pings = survey.side_scan.len();
-    let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
-        text::duration(to - from)
-    });
+    let length = span.map_or(text::NONE.to_owned(), |(from, to)| text::duration(to - from));
     let hint = "Side-scan pings, and the time that they cover.";
     let value = match pings {
         0 => "none".to_owned(),
@@ -81,10 +71,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
 fn time_span(survey: &Survey) -> Option<(f64, f64)> {
     match (survey.side_scan.first(), survey.side_scan.last()) {
         (Some(first), Some(last)) => Some((first.time_s, last.time_s)),
-        _ => Some((
-            survey.soundings.first()?.time_s,
-            survey.soundings.last()?.time_s,
-        )),
+        _ => Some((survey.soundings.first()?.time_s, survey.soundings.last()?.time_s)),
     }
 }
 
@@ -148,27 +135,22 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         return;
     }
     let title = text::plural(count, "warning", "warnings");
-    egui::CollapsingHeader::new(title)
-        .id_salt("warnings of the log")
-        .show(ui, |ui| {
-            for one in survey.warnings.iter().take(WARNINGS_SHOWN) {
-                let place = one.place.map_or(String::new(), |(file, offset)| {
-                    let name = survey.source.files.get(file);
-                    let name = name.and_then(|file| file.file_name()).unwrap_or_default();
-                    let name = name.to_string_lossy();
-                    let offset = text::count(offset as usize);
-                    format!(" ({name} byte {offset})")
-                });
-                let said = context.units().sentence(&one.text);
-                warning(ui, context, &format!("{said}{place}"));
-            }
-            if count > WARNINGS_SHOWN {
-                remark(
-                    ui,
-                    format!("and {} more", text::count(count - WARNINGS_SHOWN)),
-                );
-            }
-        });
+    egui::CollapsingHeader::new(title).id_salt("warnings of the log").show(ui, |ui| {
+        for one in survey.warnings.iter().take(WARNINGS_SHOWN) {
+            let place = one.place.map_or(String::new(), |(file, offset)| {
+                let name = survey.source.files.get(file);
+                let name = name.and_then(|file| file.file_name()).unwrap_or_default();
+                let name = name.to_string_lossy();
+                let offset = text::count(offset as usize);
+                format!(" ({name} byte {offset})")
+            });
+            let said = context.units().sentence(&one.text);
+            warning(ui, context, &format!("{said}{place}"));
+        }
+        if count > WARNINGS_SHOWN {
+            remark(ui, format!("and {} more", text::count(count - WARNINGS_SHOWN)));
+        }
+    });
 }
 
 fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {

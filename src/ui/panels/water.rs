@@ -13,20 +13,15 @@ const USUAL_C: f64 = 12.0;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Depth correction").of(Stage::Cloud),
-        |ui, context| {
-            levels(ui, context);
-            sound_speed(ui, context);
-            if let Some(products) = &context.app.log.products {
-                for sentence in products.correction.sentences() {
-                    parts::remark(ui, context.units().sentence(&sentence));
-                }
+    section(ui, context, Section::new("Depth correction").of(Stage::Cloud), |ui, context| {
+        levels(ui, context);
+        sound_speed(ui, context);
+        if let Some(products) = &context.app.log.products {
+            for sentence in products.correction.sentences() {
+                parts::remark(ui, context.units().sentence(&sentence));
             }
-        },
-    );
+        }
+    });
 }
 
 fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -42,11 +37,9 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let speed = context.app.log.settings.sound_speed.clone();
     let known = speed.water_m_s().is_some();
     let mut requested = known;
-    let toggle = ui
-        .checkbox(&mut requested, "Correct the speed of sound")
-        .on_hover_text(
-            "Multiplies ranges and depths by the ratio of this sound speed to that of the recorder.",
-        );
+    let toggle = ui.checkbox(&mut requested, "Correct the speed of sound").on_hover_text(
+        "Multiplies ranges and depths by the ratio of this sound speed to that of the recorder.",
+    );
     if toggle.changed() {
         context.change("sound speed", |settings| {
             settings.sound_speed.m_s = None;

@@ -1,4 +1,5 @@
-//! Draws the bottom into a [`RenderTarget`]'s pass: tiles of a grid, each as finely as the screen shows it.
+//! Draws the bottom into a [`RenderTarget`]'s pass: tiles of a grid, each as finely as the screen
+//! shows it.
 
 use super::camera::corners;
 use super::part::ScenePart;
@@ -21,7 +22,8 @@ const LEVELS: usize = BOTTOM_TILE.ilog2() as usize + 1;
 const SQUARE_PX: f32 = 3.0;
 /// Tiles that a buffer holds: some 7 MB, which are in memory while they are uploaded.
 const TILES_A_BUFFER: usize = 64;
-/// Skirts hang so far below a tile as a share of its own relief: gaps to a coarser neighbour are not seen through.
+/// Skirts hang so far below a tile as a share of its own relief: gaps to a coarser neighbour are
+/// not seen through.
 const SKIRT: f32 = 0.1;
 
 /// A corner, as the shader reads it.
@@ -34,7 +36,8 @@ pub struct BottomVertex {
     pub faces: [i16; 2],
     /// sRGB; alpha 255 where something is drawn ([`BottomPart`]), else 0.
     pub colour: [u8; 4],
-    /// sRGB where squares are four of the finest ones long, or more: the mean of the ground around; alpha 255 where it is lit, else 0.
+    /// sRGB where squares are four of the finest ones long, or more: the mean of the ground around;
+    /// alpha 255 where it is lit, else 0.
     pub far_colour: [u8; 4],
 }
 
@@ -67,10 +70,7 @@ impl BottomVertex {
     #[must_use]
     pub fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
         let [.., lit] = self.far_colour;
-        Self {
-            far_colour: [r, g, b, lit],
-            ..self
-        }
+        Self { far_colour: [r, g, b, lit], ..self }
     }
 
     fn is_drawn(&self) -> bool {
@@ -99,10 +99,7 @@ fn with_skirts(tile: Vec<BottomVertex>, extent: Extent) -> impl Iterator<Item = 
         .filter_map(|index| tile.get(on_side(index / SIDE, index % SIDE)))
         .map(|corner| {
             let [east, north, up] = corner.place;
-            BottomVertex {
-                place: [east, north, up - drop_m],
-                ..*corner
-            }
+            BottomVertex { place: [east, north, up - drop_m], ..*corner }
         })
         .collect();
     tile.into_iter().chain(skirts)
@@ -142,7 +139,8 @@ fn triangles(stride: usize) -> Vec<u16> {
     numbers
 }
 
-/// The level whose squares are nearest to, and no larger than, what a square of the screen may be, with the finest of so many pixels.
+/// The level whose squares are nearest to, and no larger than, what a square of the screen may be,
+/// with the finest of so many pixels.
 fn level(finest_px: f32) -> usize {
     let times = SQUARE_PX / finest_px.max(1e-9);
     (times.log2().floor().max(0.0) as usize).min(LEVELS - 1)
@@ -150,7 +148,8 @@ fn level(finest_px: f32) -> usize {
 
 /// A bottom on the GPU.
 pub struct BottomBuffers {
-    /// Of the tiles with something to draw: most of the grid around a river, or around ponds far apart, is empty.
+    /// Of the tiles with something to draw: most of the grid around a river, or around ponds far
+    /// apart, is empty.
     tiles: Vec<wgpu::Buffer>,
     extents: Vec<Extent>,
     numbers: wgpu::Buffer,
@@ -160,7 +159,8 @@ pub struct BottomBuffers {
 }
 
 impl BottomBuffers {
-    /// Uploads tiles of (`BOTTOM_TILE` + 1) squared corners each, row by row, `cell_m` metres apart.
+    /// Uploads tiles of (`BOTTOM_TILE` + 1) squared corners each, row by row, `cell_m` metres
+    /// apart.
     pub fn new(
         uploader: &Uploader,
         cell_m: f32,
@@ -181,9 +181,7 @@ impl BottomBuffers {
             }
             extents.extend(held.iter().map(|(_, extent)| *extent));
             let (usage, count) = (wgpu::BufferUsages::VERTEX, held.len() * VERTICES);
-            let vertices = held
-                .into_iter()
-                .flat_map(|(tile, extent)| with_skirts(tile, extent));
+            let vertices = held.into_iter().flat_map(|(tile, extent)| with_skirts(tile, extent));
             buffers.push(uploader.buffer("bottom", usage, count, vertices));
         }
         let (usage, count) = (wgpu::BufferUsages::INDEX, numbers.len());
@@ -213,7 +211,8 @@ impl BottomBuffers {
     }
 }
 
-/// How far in front of the camera the nearest corner of a box lies, 0 where the camera is within; `None` where none of it is in the picture.
+/// How far in front of the camera the nearest corner of a box lies, 0 where the camera is within;
+/// `None` where none of it is in the picture.
 fn nearest(projection: &CameraProjection, [low, high]: [Vec3; 2]) -> Option<f32> {
     let clip = corners(low, high).map(|place| projection.clip_from_world * place.extend(1.0));
     let all = |is_out: fn(&Vec4) -> bool| clip.iter().all(is_out);
@@ -376,11 +375,9 @@ mod tests {
         for stride in (0..LEVELS).map(|level| 1 << level) {
             let numbers = triangles(stride);
             assert!(numbers.iter().all(|corner| usize::from(*corner) < VERTICES));
-            let flat = numbers.chunks(3).filter(|corners| {
-                corners
-                    .iter()
-                    .all(|corner| usize::from(*corner) < SIDE * SIDE)
-            });
+            let flat = numbers
+                .chunks(3)
+                .filter(|corners| corners.iter().all(|corner| usize::from(*corner) < SIDE * SIDE));
             let place = |corner: u16| {
                 let corner = usize::from(corner);
                 Vec2::new((corner % SIDE) as f32, (corner / SIDE) as f32)
@@ -406,11 +403,7 @@ mod tests {
     #[test]
     fn a_metre_takes_the_pixels_that_the_projection_gives_it_at_any_exaggeration() {
         for exaggeration in [1.0, 10.0] {
-            let camera = OrbitCamera {
-                distance_m: 50.0,
-                exaggeration,
-                ..OrbitCamera::default()
-            };
+            let camera = OrbitCamera { distance_m: 50.0, exaggeration, ..OrbitCamera::default() };
             let projection = camera.projection(1.5);
             let draw = BottomDraw {
                 projection,
@@ -421,7 +414,8 @@ mod tests {
                 darkest: 0.25,
                 part: ScenePart::WHOLE,
             };
-            // Along the picture's own right, a metre is a metre of the world whatever the exaggeration.
+            // Along the picture's own right, a metre is a metre of the world whatever the
+            // exaggeration.
             let (sin, cos) = camera.azimuth_rad.sin_cos();
             let at = |metres: f32| projection.project(Vec3::new(cos, -sin, 0.0) * metres);
             let apart = at(0.5).zip(at(-0.5)).map(|(a, b)| (a - b).x);

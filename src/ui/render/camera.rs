@@ -8,7 +8,8 @@ const FIELD_OF_VIEW: f32 = 0.7;
 /// Nearest and farthest that the camera comes to its target, metres.
 const DISTANCES_M: [f32; 2] = [0.05, 1e6];
 
-/// How near and how far the camera is held to a box, as a share of the box's size; and the least distance, metres.
+/// How near and how far the camera is held to a box, as a share of the box's size; and the least
+/// distance, metres.
 const HELD: [f32; 2] = [0.002, 20.0];
 const LEAST_M: f32 = 0.3;
 
@@ -49,7 +50,8 @@ impl Default for OrbitCamera {
 }
 
 impl OrbitCamera {
-    /// Turns by a drag across the picture, in pictures' heights: right turns the scene right, down lifts the camera.
+    /// Turns by a drag across the picture, in pictures' heights: right turns the scene right, down
+    /// lifts the camera.
     pub(crate) fn orbit(&mut self, drag: Vec2) {
         use std::f32::consts::{FRAC_PI_2, TAU};
         self.azimuth_rad = (self.azimuth_rad + drag.x * TAU * 0.5).rem_euclid(TAU);
@@ -63,7 +65,8 @@ impl OrbitCamera {
         self.move_target(-(right * drag.x - up * drag.y) * height_m);
     }
 
-    /// Comes `factor` times nearer (above 1) while the place under `ndc` stays where it is in the picture.
+    /// Comes `factor` times nearer (above 1) while the place under `ndc` stays where it is in the
+    /// picture.
     pub fn zoom(&mut self, factor: f32, ndc: Vec2, aspect: f32) {
         let [nearest, farthest] = DISTANCES_M;
         let distance_m = (self.distance_m / factor).clamp(nearest, farthest);
@@ -74,8 +77,8 @@ impl OrbitCamera {
         self.distance_m = distance_m;
     }
 
-    /// Looks at the depth of a place from where the camera is: the picture stays as it is, and what comes next turns and zooms
-    /// about that depth. A place behind the camera changes nothing.
+    /// Looks at the depth of a place from where the camera is: the picture stays as it is, and what
+    /// comes next turns and zooms about that depth. A place behind the camera changes nothing.
     pub(crate) fn look_at_depth_of(&mut self, place: Vec3) {
         let [_, _, back] = self.axes();
         let eye = self.target + self.shrink(back * self.distance_m);
@@ -87,19 +90,18 @@ impl OrbitCamera {
         }
     }
 
-    /// Keeps the camera about a box: the target within half of its size around it, and as near and far as there is something
-    /// to see.
+    /// Keeps the camera about a box: the target within half of its size around it, and as near and
+    /// far as there is something to see.
     pub(crate) fn hold(&mut self, [low, high]: [Vec3; 2]) {
         let half = 0.5 * (high - low).max(Vec3::ONE);
         self.target = self.target.clamp(low - half, high + half);
         let size_m = self.exaggerate(high - low).length().max(1.0);
         let [nearest, farthest] = HELD.map(|share| share * size_m);
-        self.distance_m = self
-            .distance_m
-            .clamp(nearest.max(LEAST_M), farthest.max(1.0));
+        self.distance_m = self.distance_m.clamp(nearest.max(LEAST_M), farthest.max(1.0));
     }
 
-    /// Shows a box whole, from the direction the camera has, within the inner `1 / margin` of the picture.
+    /// Shows a box whole, from the direction the camera has, within the inner `1 / margin` of the
+    /// picture.
     pub fn fit(&mut self, [low, high]: [Vec3; 2], aspect: f32, margin: f32) {
         self.target = 0.5 * (low + high);
         let tan = (0.5 * FIELD_OF_VIEW).tan();
@@ -114,7 +116,8 @@ impl OrbitCamera {
         self.distance_m = distance_m.max(0.5).clamp(nearest, farthest);
     }
 
-    /// Enlarges a place, from the direction the camera has: what has this size there fills about a third of the picture's height.
+    /// Enlarges a place, from the direction the camera has: what has this size there fills about a
+    /// third of the picture's height.
     pub fn close_up(&mut self, place: Vec3, size_m: f32) {
         let [nearest, farthest] = DISTANCES_M;
         self.target = place;
@@ -142,10 +145,7 @@ impl OrbitCamera {
             * view_from_world
             * Mat4::from_scale(Vec3::new(1.0, 1.0, self.exaggeration))
             * Mat4::from_translation(-self.target);
-        CameraProjection {
-            clip_from_world,
-            eye: self.target + self.shrink(back * self.distance_m),
-        }
+        CameraProjection { clip_from_world, eye: self.target + self.shrink(back * self.distance_m) }
     }
 
     /// Right, up and back of the camera in the exaggerated world.
@@ -174,11 +174,7 @@ impl OrbitCamera {
 pub(super) fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
     std::array::from_fn(|index| {
         let pick = |bit: usize, axis: usize| {
-            if index >> bit & 1 == 1 {
-                high[axis]
-            } else {
-                low[axis]
-            }
+            if index >> bit & 1 == 1 { high[axis] } else { low[axis] }
         };
         Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
     })
@@ -194,22 +190,24 @@ pub struct CameraProjection {
 }
 
 impl CameraProjection {
-    /// A place in normalised device coordinates (x right, y up, -1 to 1) and its nearness (reverse-Z: larger is nearer);
-    /// `None` behind the camera.
+    /// A place in normalised device coordinates (x right, y up, -1 to 1) and its nearness
+    /// (reverse-Z: larger is nearer); `None` behind the camera.
     pub fn project(&self, place: Vec3) -> Option<Vec3> {
         let clip = self.clip_from_world * place.extend(1.0);
         (clip.w > 1e-6).then(|| clip.truncate() / clip.w)
     }
 
-    /// The direction from the camera to what is seen at a place of the picture; `None` where the projection has no inverse.
+    /// The direction from the camera to what is seen at a place of the picture; `None` where the
+    /// projection has no inverse.
     pub(crate) fn towards(&self, ndc: Vec2) -> Option<Vec3> {
         let place = self.clip_from_world.inverse() * ndc.extend(0.5).extend(1.0);
         let towards = place.truncate() / place.w - self.eye;
         towards.try_normalize()
     }
 
-    /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the pixel; all within `cover_px`
-    /// count as under the pointer) the one in front; its number. `pointer_px` and `size_px` are in pixels from the top left.
+    /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the
+    /// pixel; all within `cover_px` count as under the pointer) the one in front; its number.
+    /// `pointer_px` and `size_px` are in pixels from the top left.
     pub fn pick(
         &self,
         points: impl Iterator<Item = (usize, Vec3)>,
@@ -246,10 +244,7 @@ mod tests {
     const HIGH: Vec3 = Vec3::new(20.0, 10.0, -1.0);
 
     fn fitted(exaggeration: f32) -> OrbitCamera {
-        let mut camera = OrbitCamera {
-            exaggeration,
-            ..OrbitCamera::default()
-        };
+        let mut camera = OrbitCamera { exaggeration, ..OrbitCamera::default() };
         camera.fit([LOW, HIGH], 1.5, 1.1);
         camera
     }
@@ -344,10 +339,7 @@ mod tests {
 
     #[test]
     fn a_held_camera_loses_the_box_in_no_direction() {
-        for (factor, ndc) in [
-            (1.5, Vec2::new(0.9, 0.8)),
-            (1.0 / 1.5, Vec2::new(-0.9, 0.2)),
-        ] {
+        for (factor, ndc) in [(1.5, Vec2::new(0.9, 0.8)), (1.0 / 1.5, Vec2::new(-0.9, 0.2))] {
             let mut camera = fitted(5.0);
             for _ in 0..200 {
                 camera.zoom(factor, ndc, 1.5);

@@ -51,9 +51,7 @@ impl CloudBuffers {
                 uploader.buffer("points", wgpu::BufferUsages::VERTEX, held, points.by_ref());
             (buffer, held as u32)
         };
-        Self {
-            buffers: (0..count).step_by(POINTS_A_BUFFER).map(upload).collect(),
-        }
+        Self { buffers: (0..count).step_by(POINTS_A_BUFFER).map(upload).collect() }
     }
 }
 
@@ -66,7 +64,8 @@ pub(crate) struct CloudDraw {
     pub radius_px: f32,
     /// The first so many points are drawn.
     pub count: usize,
-    /// By this share of their distance the points count as nearer than they are: beside a bottom that runs through them they are seen.
+    /// By this share of their distance the points count as nearer than they are: beside a bottom
+    /// that runs through them they are seen.
     pub nearer: f32,
     /// The part that is drawn.
     pub part: ScenePart,
@@ -142,15 +141,7 @@ mod tests {
         assert_laid_out!(
             "cloud.wgsl",
             "View",
-            ViewUniform {
-                clip_from_world,
-                size_px,
-                radius_px,
-                nearer,
-                low,
-                high,
-                cut
-            }
+            ViewUniform { clip_from_world, size_px, radius_px, nearer, low, high, cut }
         );
     }
 }

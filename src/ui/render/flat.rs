@@ -1,7 +1,8 @@
-//! Draws flat parts of a pass of the window: areas of one colour, and pictures that lie texel by pixel.
+//! Draws flat parts of a pass of the window: areas of one colour, and pictures that lie texel by
+//! pixel.
 //!
-//! The window's painter draws both as triangles of a filtered texture. A driver without a graphics card takes some 40 ns for each pixel
-//! of these, and most pixels of the window are flat.
+//! The window's painter draws both as triangles of a filtered texture. A driver without a graphics
+//! card takes some 40 ns for each pixel of these, and most pixels of the window are flat.
 
 use super::pipeline::{
     PipelineParts, bind_group, bind_group_layout, pipeline, texture_entry, uniform_entry,
@@ -128,13 +129,6 @@ mod tests {
 
     #[test]
     fn the_shader_reads_the_tint_as_it_is_written() {
-        assert_laid_out!(
-            "flat.wgsl",
-            "Tint",
-            Tint {
-                colour,
-                linear_target
-            }
-        );
+        assert_laid_out!("flat.wgsl", "Tint", Tint { colour, linear_target });
     }
 }

@@ -15,10 +15,7 @@ pub struct Vertex {
 
 impl Vertex {
     /// Where the line is broken.
-    pub(crate) const BREAK: Self = Self {
-        place: [f32::NAN; 2],
-        colour: [0; 4],
-    };
+    pub(crate) const BREAK: Self = Self { place: [f32::NAN; 2], colour: [0; 4] };
 }
 
 /// A box: low x, low y, high x, high y.
@@ -39,7 +36,8 @@ const SPECK: f32 = 2.0;
 /// Levels stop here.
 const FEW: usize = 256;
 
-/// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the GPU.
+/// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the
+/// GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LineLevel {
     /// How far the drawn line may lie from the recorded one, metres.
@@ -127,8 +125,8 @@ impl LinePyramid {
         Self { levels }
     }
 
-    /// Index of the level to draw when a pixel covers `metres_per_px`, and its visible runs: nothing coarser than a pixel
-    /// and a half unless more than `most` segments would be drawn.
+    /// Index of the level to draw when a pixel covers `metres_per_px`, and its visible runs:
+    /// nothing coarser than a pixel and a half unless more than `most` segments would be drawn.
     pub(crate) fn choose(
         &self,
         metres_per_px: f32,
@@ -157,7 +155,8 @@ fn is_place(vertex: &Vertex) -> bool {
     vertex.place.iter().all(|c| c.is_finite())
 }
 
-/// The line with fewer vertices: none nearer to the one before than `tolerance_m`, none on a straight piece of even colour.
+/// The line with fewer vertices: none nearer to the one before than `tolerance_m`, none on a
+/// straight piece of even colour.
 fn thin(vertices: &[Vertex], tolerance_m: f32) -> Vec<Vertex> {
     straighten(&space_out(vertices, tolerance_m), 0.5 * tolerance_m)
 }
@@ -175,14 +174,13 @@ fn without_specks(vertices: &[Vertex], least_m: f32) -> Vec<Vertex> {
         .collect()
 }
 
-/// Joins vertices nearer than `spacing_m` to the first of them, which takes their mean colour; keeps breaks.
+/// Joins vertices nearer than `spacing_m` to the first of them, which takes their mean colour;
+/// keeps breaks.
 fn space_out(vertices: &[Vertex], spacing_m: f32) -> Vec<Vertex> {
     let mut kept: Vec<Vertex> = Vec::new();
     let mut colours = MeanColour::default();
     for (index, vertex) in vertices.iter().enumerate() {
-        let near = kept
-            .last()
-            .is_some_and(|last| distance(last, vertex) < spacing_m);
+        let near = kept.last().is_some_and(|last| distance(last, vertex) < spacing_m);
         // The end of a piece stays, however near: a break must not eat into the line.
         let ends = vertices.get(index + 1).is_none_or(|next| !is_place(next));
         if near && !ends {
@@ -227,7 +225,8 @@ impl MeanColour {
     }
 }
 
-/// Leaves out vertices that lie within `off_m` of the straight line between their neighbours and have the colour it has there.
+/// Leaves out vertices that lie within `off_m` of the straight line between their neighbours and
+/// have the colour it has there.
 fn straighten(vertices: &[Vertex], off_m: f32) -> Vec<Vertex> {
     let Some(first) = vertices.first() else {
         return Vec::new();
@@ -311,10 +310,7 @@ mod tests {
         let ring = |east_m: f32, radius_m: f32| {
             let place = move |step: i32| {
                 let (sin, cos) = (step as f32 * std::f32::consts::TAU / 40.0).sin_cos();
-                Vertex {
-                    place: [east_m + radius_m * cos, radius_m * sin],
-                    colour: [255; 4],
-                }
+                Vertex { place: [east_m + radius_m * cos, radius_m * sin], colour: [255; 4] }
             };
             std::iter::once(Vertex::BREAK).chain((0..=40).map(place))
         };
@@ -334,9 +330,8 @@ mod tests {
     /// The pyramid, and the vertices of each of its levels.
     fn pyramid(line: &[Vertex]) -> (LinePyramid, Vec<Vec<Vertex>>) {
         let mut kept = Vec::new();
-        let pyramid = LinePyramid::new(line.to_vec(), Specks::Kept, |vertices| {
-            kept.push(vertices.to_vec())
-        });
+        let pyramid =
+            LinePyramid::new(line.to_vec(), Specks::Kept, |vertices| kept.push(vertices.to_vec()));
         assert_eq!(kept.len(), pyramid.levels.len());
         (pyramid, kept)
     }
@@ -354,11 +349,7 @@ mod tests {
         let line: Vec<Vertex> = (0..10_000)
             .map(|i| Vertex {
                 place: [0.1 * i as f32, 0.0],
-                colour: if i < 5_000 {
-                    [0, 0, 0, 255]
-                } else {
-                    [200, 0, 0, 255]
-                },
+                colour: if i < 5_000 { [0, 0, 0, 255] } else { [200, 0, 0, 255] },
             })
             .collect();
         let (pyramid, kept) = pyramid(&line);
@@ -366,10 +357,7 @@ mod tests {
         assert!(coarsest.segments < 40, "{}", coarsest.segments);
         for (level, vertices) in pyramid.levels.iter().zip(&kept) {
             let step = vertices.iter().find(|v| v.colour[0] > 100).unwrap();
-            assert!(
-                (step.place[0] - 500.0).abs() <= 2.0 * level.tolerance_m,
-                "{step:?}"
-            );
+            assert!((step.place[0] - 500.0).abs() <= 2.0 * level.tolerance_m, "{step:?}");
         }
     }
 
@@ -417,13 +405,7 @@ mod tests {
 
     #[test]
     fn a_boat_at_anchor_and_an_empty_line_are_no_trouble() {
-        let still = vec![
-            Vertex {
-                place: [1.0, 1.0],
-                colour: [0; 4]
-            };
-            1_000
-        ];
+        let still = vec![Vertex { place: [1.0, 1.0], colour: [0; 4] }; 1_000];
         assert!(pyramid(&still).0.levels[0].segments <= 1);
         assert_eq!(pyramid(&[]).0.levels[0].segments, 0);
     }

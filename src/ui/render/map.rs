@@ -70,22 +70,15 @@ impl LineRenderer {
                 entries: ["vertex", "fragment"],
                 // The same vertices twice, one apart: a segment goes from each to the next.
                 buffers: &[
-                    Some(vertices(
-                        &wgpu::vertex_attr_array![0 => Float32x2, 2 => Unorm8x4],
-                    )),
-                    Some(vertices(
-                        &wgpu::vertex_attr_array![1 => Float32x2, 3 => Unorm8x4],
-                    )),
+                    Some(vertices(&wgpu::vertex_attr_array![0 => Float32x2, 2 => Unorm8x4])),
+                    Some(vertices(&wgpu::vertex_attr_array![1 => Float32x2, 3 => Unorm8x4])),
                 ],
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
             },
             false,
         );
-        Self {
-            pipeline,
-            strokes: Vec::new(),
-        }
+        Self { pipeline, strokes: Vec::new() }
     }
 
     /// Clears the target and draws the strokes of every line into it, the first line below.
@@ -142,13 +135,7 @@ mod tests {
         assert_laid_out!(
             "track.wgsl",
             "Line",
-            LineUniform {
-                px_from_world,
-                size_px,
-                half_width_px,
-                plain,
-                colour
-            }
+            LineUniform { px_from_world, size_px, half_width_px, plain, colour }
         );
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! It uses nothing outside `ui`.
 //!
-//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall` draws tiles and `flat` areas of one
-//! colour and whole pictures into a pass of the window;
-//! `pipeline` has what all of them are made of, `upload` fills buffers, `camera` orbits, `lod` thins long lines.
+//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall`
+//! draws tiles and `flat` areas of one colour and whole pictures into a pass of the window;
+//! `pipeline` has what all of them are made of, `upload` fills buffers, `camera` orbits, `lod`
+//! thins long lines.
 
 mod bottom;
 mod camera;

@@ -29,10 +29,7 @@ impl Default for ScenePart {
 
 impl ScenePart {
     /// Everything.
-    pub const WHOLE: Self = Self {
-        corners: [Vec3::MIN, Vec3::MAX],
-        cut: None,
-    };
+    pub const WHOLE: Self = Self { corners: [Vec3::MIN, Vec3::MAX], cut: None };
 
     /// Whether a place is drawn.
     pub fn holds(&self, place: Vec3) -> bool {
@@ -41,12 +38,13 @@ impl ScenePart {
         (place.cmpge(low) & place.cmple(high)).all() && !self.cut.is_some_and(is_beyond)
     }
 
-    /// As the shaders read it: the corners, and the plane as its unit vector and how far along it stands.
+    /// As the shaders read it: the corners, and the plane as its unit vector and how far along it
+    /// stands.
     pub(super) fn uniform(&self) -> [Vec4; 3] {
         let [low, high] = self.corners.map(|corner| corner.extend(0.0));
-        let cut = self.cut.map_or(Vec4::ZERO.with_z(f32::MAX), |cut| {
-            cut.outward.extend(cut.at_m).extend(0.0)
-        });
+        let cut = self
+            .cut
+            .map_or(Vec4::ZERO.with_z(f32::MAX), |cut| cut.outward.extend(cut.at_m).extend(0.0));
         [low, high, cut]
     }
 }
@@ -59,10 +57,7 @@ mod tests {
     fn a_part_ends_at_its_box_and_at_its_plane() {
         let part = ScenePart {
             corners: [Vec3::splat(-2.0), Vec3::splat(2.0)],
-            cut: Some(Cut {
-                outward: Vec2::Y,
-                at_m: 1.0,
-            }),
+            cut: Some(Cut { outward: Vec2::Y, at_m: 1.0 }),
         };
         let holds = |east, north, up| part.holds(Vec3::new(east, north, up));
         assert!(holds(2.0, 1.0, -2.0));

@@ -39,10 +39,7 @@ pub(super) fn pipeline(
             compilation_options: Default::default(),
             buffers: parts.buffers,
         },
-        primitive: wgpu::PrimitiveState {
-            topology: parts.topology,
-            ..Default::default()
-        },
+        primitive: wgpu::PrimitiveState { topology: parts.topology, ..Default::default() },
         depth_stencil,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
@@ -99,12 +96,7 @@ fn entry(
     visibility: wgpu::ShaderStages,
     ty: wgpu::BindingType,
 ) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty,
-        count: None,
-    }
+    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
 /// The layout of a group with these entries.
@@ -112,10 +104,7 @@ pub(super) fn bind_group_layout(
     device: &wgpu::Device,
     entries: &[wgpu::BindGroupLayoutEntry],
 ) -> wgpu::BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: None,
-        entries,
-    })
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
 }
 
 /// A group of resources, whose bindings are their places.
@@ -126,10 +115,7 @@ pub(super) fn bind_group(
 ) -> wgpu::BindGroup {
     let entries = (0..)
         .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding,
-            resource: resource.clone(),
-        });
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() });
     device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
         layout,

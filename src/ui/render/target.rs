@@ -7,11 +7,13 @@ use bytemuck::Pod;
 
 /// Format of the picture: plain sRGB bytes, which the window shows unchanged.
 const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Format of the depth buffer. With infinite reverse-Z, floats spread their precision evenly over distance.
+/// Format of the depth buffer. With infinite reverse-Z, floats spread their precision evenly over
+/// distance.
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own render pass has no depth
-/// buffer that can be relied on, so 3D is drawn here and then shown as an image.
+/// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own
+/// render pass has no depth buffer that can be relied on, so 3D is drawn here and then shown as an
+/// image.
 pub struct RenderTarget {
     size_px: [u32; 2],
     colour: wgpu::TextureView,
@@ -104,11 +106,7 @@ pub(super) fn plain_texture(
 
 /// The size of a texture of two dimensions.
 pub fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
-    }
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
 }
 
 /// A pipeline that draws into a [`RenderTarget`], with one uniform block at group 0, binding 0.

@@ -1,8 +1,10 @@
-//! Fills buffers on the GPU a piece at a time, so that nothing needs all vertices in memory at once.
+//! Fills buffers on the GPU a piece at a time, so that nothing needs all vertices in memory at
+//! once.
 
 use bytemuck::Pod;
 
-/// Bytes on their way at once. The graphics library holds a copy of what it is given until the GPU has it.
+/// Bytes on their way at once. The graphics library holds a copy of what it is given until the GPU
+/// has it.
 const PIECE: usize = 1 << 20;
 
 /// A device and the queue that fills its buffers. Can be used from a worker.
@@ -15,13 +17,11 @@ pub struct Uploader {
 impl Uploader {
     /// Uploads to this device.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        Self {
-            device: device.clone(),
-            queue: queue.clone(),
-        }
+        Self { device: device.clone(), queue: queue.clone() }
     }
 
-    /// A buffer with the first `count` of the vertices, or of numbers of vertices. Those that are missing are zeros.
+    /// A buffer with the first `count` of the vertices, or of numbers of vertices. Those that are
+    /// missing are zeros.
     pub(super) fn buffer<T: Pod>(
         &self,
         label: &str,

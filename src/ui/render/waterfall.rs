@@ -1,4 +1,5 @@
-//! Draws waterfall tiles: one quad each, coloured in the shader, so that colours and gain cost a uniform write.
+//! Draws waterfall tiles: one quad each, coloured in the shader, so that colours and gain cost a
+//! uniform write.
 
 use super::pipeline::{
     PipelineParts, bind_group, bind_group_layout, buffer, pipeline, texture_entry, uniform_entry,
@@ -30,7 +31,8 @@ pub(crate) struct EchoStyle {
     pub time_is_down: u32,
     /// 1 where the target converts to sRGB on writing; set by [`WaterfallPicture::prepare`].
     pub linear_target: u32,
-    /// What lies across: 0 recorded slant range, 1 slant range beyond the altitude, 2 distance on the ground.
+    /// What lies across: 0 recorded slant range, 1 slant range beyond the altitude, 2 distance on
+    /// the ground.
     pub geometry: u32,
     /// Sum of 1 for the gain curves, 2 for the stripe factors, 4 for the median of 3 x 3.
     pub filters: u32,
@@ -77,7 +79,8 @@ pub(crate) struct Quad {
 /// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
 pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 
-/// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]`.
+/// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe
+/// filter]`.
 pub type TileRow = [f32; 4];
 
 /// The gain curves that tiles are brought to one level by, on the GPU. Clones share it.
@@ -121,7 +124,8 @@ pub(crate) struct WaterfallPicture {
 impl WaterfallPicture {
     /// Builds everything for targets of this format.
     pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
-        // Arrays in a buffer are read several times faster than textures by a driver without a graphics card.
+        // Arrays in a buffer are read several times faster than textures by a driver without a
+        // graphics card.
         let frame = [0, 1, 2].map(uniform_entry);
         let frame_layout = bind_group_layout(device, &frame);
         let tile_layout = bind_group_layout(device, &[texture_entry(0)]);
@@ -177,9 +181,7 @@ impl WaterfallPicture {
         }
         let curves = filled(device, queue, bytemuck::cast_slice(&values));
         let resources = [&self.look, &self.palette, &curves].map(wgpu::Buffer::as_entire_binding);
-        GainBuffer {
-            bind_group: bind_group(device, &self.frame_layout, &resources),
-        }
+        GainBuffer { bind_group: bind_group(device, &self.frame_layout, &resources) }
     }
 
     /// Puts what the rows of a tile are brought to one level by on the GPU.
@@ -191,9 +193,7 @@ impl WaterfallPicture {
     ) -> TileRows {
         let rows = filled(device, queue, bytemuck::cast_slice(rows));
         let resources = [rows.as_entire_binding()];
-        TileRows {
-            bind_group: bind_group(device, &self.rows_layout, &resources),
-        }
+        TileRows { bind_group: bind_group(device, &self.rows_layout, &resources) }
     }
 
     /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
@@ -210,7 +210,8 @@ impl WaterfallPicture {
         TileTexture { bind_group }
     }
 
-    /// Writes what the next [`WaterfallPicture::paint`] draws; beyond [`MAX_QUADS`] tiles nothing is drawn.
+    /// Writes what the next [`WaterfallPicture::paint`] draws; beyond [`MAX_QUADS`] tiles nothing
+    /// is drawn.
     pub(crate) fn prepare<'a>(
         &self,
         queue: &wgpu::Queue,
@@ -218,10 +219,7 @@ impl WaterfallPicture {
         quads: impl Iterator<Item = &'a Quad>,
     ) {
         let linear_target = u32::from(self.linear_target);
-        let look = EchoStyle {
-            linear_target,
-            ..look
-        };
+        let look = EchoStyle { linear_target, ..look };
         queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look));
         let quads: Vec<Quad> = quads.take(MAX_QUADS).copied().collect();
         queue.write_buffer(&self.quads, 0, bytemuck::cast_slice(&quads));

@@ -16,7 +16,8 @@ const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with
 const NO_PROFILE: &str =
     "there is no depth profile yet; draw a line over the depth map with P first";
 
-/// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a few.
+/// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a
+/// few.
 const SEEK_FRAMES: u8 = 6;
 
 impl Shell {
@@ -24,11 +25,7 @@ impl Shell {
     pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
         match command {
             Command::Do(action) => self.act(ctx, action),
-            Command::ByKey {
-                keys,
-                command,
-                focus,
-            } => self.act_by_key(ctx, keys, *command, focus),
+            Command::ByKey { keys, command, focus } => self.act_by_key(ctx, keys, *command, focus),
             Command::ShowSetting(key) => self.show_setting(ctx, key),
             Command::Focus(view) => self.layout.focus(view),
             Command::PrintInto(path) => self.print_into(path),
@@ -37,7 +34,8 @@ impl Shell {
         }
     }
 
-    /// Carries out what a bare key asks for, unless that needs more than a key, and says what it changed.
+    /// Carries out what a bare key asks for, unless that needs more than a key, and says what it
+    /// changed.
     fn act_by_key(&mut self, ctx: &egui::Context, keys: Keys, command: Command, focus: KeyFocus) {
         if self.app.holds_key_back(keys, &command, focus) {
             return ctx.request_repaint();
@@ -60,7 +58,8 @@ impl Shell {
         ctx.request_repaint();
     }
 
-    /// What an action needs a path for, if that is all it does and something is open that the path belongs to.
+    /// What an action needs a path for, if that is all it does and something is open that the path
+    /// belongs to.
     fn path_for(&self, action: Action) -> Option<PathPurpose> {
         let has_survey = self.app.log.survey.is_some();
         let has_products = self.app.log.products.is_some();
@@ -94,7 +93,8 @@ impl Shell {
         }
     }
 
-    /// Carries out an action that is more than a path, a request to a view or a layout; the others go to the state.
+    /// Carries out an action that is more than a path, a request to a view or a layout; the others
+    /// go to the state.
     fn act_in_shell(&mut self, ctx: &egui::Context, action: Action) {
         match action {
             Action::OpenPath => self.dialogs.ask_for_path(),
@@ -110,7 +110,8 @@ impl Shell {
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),
             Action::FindObjects => {
-                // What is found is reviewed in the views: the next Tab goes to the first box, not to the next control.
+                // What is found is reviewed in the views: the next Tab goes to the first box, not
+                // to the next control.
                 leave_control(ctx);
                 self.app.apply(Command::Do(action));
             }
@@ -152,7 +153,8 @@ impl Shell {
         }
     }
 
-    /// Asks which products to write, and where, unless there are none or some are still being written.
+    /// Asks which products to write, and where, unless there are none or some are still being
+    /// written.
     fn ask_to_export(&mut self) {
         if self.app.log.products.is_none() {
             let text = "there is no result to export yet; open a log first";
@@ -165,7 +167,8 @@ impl Shell {
         }
     }
 
-    /// Saves what is worked on: the project; without one, the review file that is open; without either, a project to be named.
+    /// Saves what is worked on: the project; without one, the review file that is open; without
+    /// either, a project to be named.
     fn save_project(&mut self) {
         if self.app.project_path().is_some() {
             self.app.apply(Command::SaveProject);
@@ -251,7 +254,8 @@ impl Shell {
         ctx.request_repaint();
     }
 
-    /// Says where the control of a setting would be that was sought and is not drawn: other settings decide about it.
+    /// Says where the control of a setting would be that was sought and is not drawn: other
+    /// settings decide about it.
     pub(super) fn give_up_seeking(&mut self, ctx: &egui::Context) {
         let Some(key) = find_setting::sought(ctx) else {
             return;
@@ -290,11 +294,11 @@ impl Shell {
         }
         let known = self.app.project_path().map(std::path::Path::to_owned);
         let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
-        self.dialogs
-            .name(PathPurpose::SaveProject, proposed, self.app.jobs());
+        self.dialogs.name(PathPurpose::SaveProject, proposed, self.app.jobs());
     }
 
-    /// Writes the review where it is kept, or asks where that is to be; those of several logs without asking.
+    /// Writes the review where it is kept, or asks where that is to be; those of several logs
+    /// without asking.
     fn save_review(&mut self) {
         if self.app.review_counts().logs > 1 {
             return self.app.apply(Command::Write(FileToWrite::Reviews));
@@ -305,8 +309,7 @@ impl Shell {
                 self.app.apply(Command::Write(FileToWrite::Review(path)));
             }
             (Some(path), None) if self.app.log.reviewing.has_boxes() => {
-                self.dialogs
-                    .name(PathPurpose::SaveReview, path, self.app.jobs());
+                self.dialogs.name(PathPurpose::SaveReview, path, self.app.jobs());
             }
             _ => self.say(NO_BOXES),
         }
@@ -360,8 +363,7 @@ impl Shell {
         } else if is_writing {
             self.say(BUSY);
         } else {
-            self.dialogs
-                .ask(PathPurpose::ExportBoxesInto, self.app.jobs());
+            self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.jobs());
         }
     }
 }

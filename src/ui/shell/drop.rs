@@ -6,8 +6,8 @@ use bathyscope_log::formats::{FileRole, role_by_name};
 use egui::Ui;
 use std::path::{Path, PathBuf};
 
-/// Opens what was dropped; logs beside those that are open. Tables and points belong to a log: where none is open, they are taken for logs
-/// themselves, for some are.
+/// Opens what was dropped; logs beside those that are open. Tables and points belong to a log:
+/// where none is open, they are taken for logs themselves, for some are.
 pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     let dropped: Vec<PathBuf> = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
@@ -21,16 +21,12 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
         };
         is_named(table, &["csv"]) && dropped.iter().any(is_its)
     };
-    let dropped: Vec<PathBuf> = (dropped.iter())
-        .filter(|path| !is_of_picture(path))
-        .cloned()
-        .collect();
-    let (maps, others): (Vec<_>, Vec<_>) = dropped
-        .into_iter()
-        .partition(|path| is_named(path, &["tif", "tiff"]));
-    let (tables, logs): (Vec<_>, Vec<_>) = others
-        .into_iter()
-        .partition(|path| has_log && is_named(path, &["csv", "gpx"]));
+    let dropped: Vec<PathBuf> =
+        (dropped.iter()).filter(|path| !is_of_picture(path)).cloned().collect();
+    let (maps, others): (Vec<_>, Vec<_>) =
+        dropped.into_iter().partition(|path| is_named(path, &["tif", "tiff"]));
+    let (tables, logs): (Vec<_>, Vec<_>) =
+        others.into_iter().partition(|path| has_log && is_named(path, &["csv", "gpx"]));
     if let Some(map) = maps.into_iter().next_back() {
         commands.push(Command::OpenFile(FileToOpen::BaseMap(map)));
     }
@@ -53,9 +49,7 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
 /// Whether a file's name ends in one of these.
 fn is_named(path: &Path, endings: &[&str]) -> bool {
     let extension = path.extension().unwrap_or_default();
-    endings
-        .iter()
-        .any(|ending| extension.eq_ignore_ascii_case(ending))
+    endings.iter().any(|ending| extension.eq_ignore_ascii_case(ending))
 }
 
 /// Says what a drop would do while files hang over the window.

@@ -144,8 +144,9 @@ fn files(app: &App, product: Product) -> String {
     format!("{files}; {}", files_in_words(compared))
 }
 
-/// The field of the folder, and what happens to that folder. Returns what was pressed, and whether the keyboard goes on to the button. Return alone writes
-/// nothing into a folder that is only proposed.
+/// The field of the folder, and what happens to that folder. Returns what was pressed, and whether
+/// the keyboard goes on to the button. Return alone writes nothing into a folder that is only
+/// proposed.
 fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
     let label = ui.label("Folder to write into");
     let (mut pressed, mut goes_on) = (Pressed::Nothing, false);
@@ -172,11 +173,7 @@ fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
             _ => goes_on = enter,
         }
     });
-    if asked
-        .known
-        .as_ref()
-        .is_none_or(|(of, _)| *of != asked.folder)
-    {
+    if asked.known.as_ref().is_none_or(|(of, _)| *of != asked.folder) {
         let said = state_of(Path::new(asked.folder.trim()));
         asked.known = Some((asked.folder.clone(), said.to_owned()));
     }

@@ -13,16 +13,11 @@ struct Bound {
     action: Action,
 }
 
-/// All keys, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
+/// All keys, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and
+/// Shift.
 static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
     let of = |action: Action| {
-        let bound = move |keys| {
-            Some(Bound {
-                keys,
-                shortcut: parse(keys)?,
-                action,
-            })
-        };
+        let bound = move |keys| Some(Bound { keys, shortcut: parse(keys)?, action });
         action.all_keys().filter_map(bound)
     };
     let mut bound: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
@@ -59,12 +54,7 @@ fn is_of_text(action: Action) -> bool {
 
 /// Whether a held key is to go on acting: an arrow, or the key of an action that repeats.
 fn may_repeat(key: Key, held: Modifiers) -> bool {
-    let arrows = [
-        Key::ArrowLeft,
-        Key::ArrowRight,
-        Key::ArrowUp,
-        Key::ArrowDown,
-    ];
+    let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
     let is_of = |one: &Bound| {
         one.shortcut.logical_key == key
             && held.matches_logically(one.shortcut.modifiers)
@@ -73,14 +63,15 @@ fn may_repeat(key: Key, held: Modifiers) -> bool {
     arrows.contains(&key) || BOUND.iter().any(is_of)
 }
 
-/// Removes the presses that a held key sends again, where its action is done once per press. That holds for a focused button as
-/// well, which Space and Enter press.
+/// Removes the presses that a held key sends again, where its action is done once per press. That
+/// holds for a focused button as well, which Space and Enter press.
 fn drop_repeats(ui: &Ui) {
     take_presses(ui, |key, held, repeat| repeat && !may_repeat(key, held));
 }
 
-/// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first. A bare key counts only
-/// where it has a meaning for `focus`, what has the keyboard; `None` while a field, a dialog or a list of its own has it.
+/// Pushes a command for each key of the table that was pressed, and for those of the selected box,
+/// which go first. A bare key counts only where it has a meaning for `focus`, what has the
+/// keyboard; `None` while a field, a dialog or a list of its own has it.
 pub(super) fn collect(
     ui: &mut Ui,
     app: &App,
@@ -100,11 +91,7 @@ pub(super) fn collect(
     if let Some(focus) = focus {
         let mut by_key = |keys: Keys, command: Command| {
             let command = Box::new(command);
-            commands.push(Command::ByKey {
-                keys,
-                command,
-                focus,
-            });
+            commands.push(Command::ByKey { keys, command, focus });
         };
         name_box(ui, app, &mut by_key);
         if focus == KeyFocus::View(View::Waterfall) {
@@ -112,12 +99,7 @@ pub(super) fn collect(
             move_bottom(ui, app, &mut by_key);
         }
     }
-    for Bound {
-        keys,
-        shortcut,
-        action,
-    } in BOUND.iter()
-    {
+    for Bound { keys, shortcut, action } in BOUND.iter() {
         if typing && is_of_text(*action) {
             continue;
         }
@@ -134,11 +116,7 @@ pub(super) fn collect(
         for _ in 0..presses {
             let command = Command::Do(*action);
             commands.push(match focus.filter(|_| is_bare) {
-                Some(focus) => Command::ByKey {
-                    keys,
-                    command: Box::new(command),
-                    focus,
-                },
+                Some(focus) => Command::ByKey { keys, command: Box::new(command), focus },
                 None => command,
             });
         }
@@ -152,8 +130,10 @@ pub(super) fn collect(
     }
 }
 
-/// How often a key was pressed since the last frame, which then nobody else sees: more than once where frames are slow. A letter with Shift is another key than the letter: where one of them has no
-/// meaning, the other one must not act in its place. Of a sign only its keyboard knows whether it takes Shift.
+/// How often a key was pressed since the last frame, which then nobody else sees: more than once
+/// where frames are slow. A letter with Shift is another key than the letter: where one of them has
+/// no meaning, the other one must not act in its place. Of a sign only its keyboard knows whether
+/// it takes Shift.
 fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
     let name = shortcut.logical_key.name();
     let is_letter =
@@ -170,16 +150,11 @@ fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
     })
 }
 
-/// Removes the presses of keys that are asked for by the key, what is held with it, and whether it is held itself; how many there were.
+/// Removes the presses of keys that are asked for by the key, what is held with it, and whether it
+/// is held itself; how many there were.
 fn take_presses(ui: &Ui, is_it: impl Fn(Key, Modifiers, bool) -> bool) -> usize {
     let is_it = |event: &Event| match *event {
-        Event::Key {
-            key,
-            pressed: true,
-            modifiers,
-            repeat,
-            ..
-        } => is_it(key, modifiers, repeat),
+        Event::Key { key, pressed: true, modifiers, repeat, .. } => is_it(key, modifiers, repeat),
         _ => false,
     };
     ui.input_mut(|input| {
@@ -195,7 +170,8 @@ fn leaves_full_screen(ui: &Ui) -> bool {
     is_full && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }
 
-/// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers hold its letter too.
+/// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers
+/// hold its letter too.
 fn asks_for_palette(ui: &Ui) -> bool {
     let shortcuts: Vec<_> = Action::Palette.all_keys().filter_map(parse).collect();
     let presses = take_presses(ui, |key, held, _| {
@@ -206,8 +182,8 @@ fn asks_for_palette(ui: &Ui) -> bool {
     presses > 0
 }
 
-/// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a
-/// control has the keyboard.
+/// Whether a key that others want too is for boxes now: Tab walks through the controls while there
+/// are no boxes, or once a control has the keyboard.
 fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     let reviewing = &app.log.reviewing;
     match action {
@@ -279,11 +255,7 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
             if ui.input_mut(|input| input.consume_key(modifiers, key)) {
                 // egui has seen it too, and would walk to a control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-                let nudge = Nudge {
-                    right: right * steps,
-                    down: down * steps,
-                    resize,
-                };
+                let nudge = Nudge { right: right * steps, down: down * steps, resize };
                 push(keys, Command::Nudge(nudge));
             }
         }
@@ -326,10 +298,7 @@ mod tests {
         }
         assert_eq!(
             parse("Ctrl+Shift+Z"),
-            Some(KeyboardShortcut::new(
-                Modifiers::COMMAND | Modifiers::SHIFT,
-                Key::Z
-            ))
+            Some(KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z))
         );
         assert_eq!(parse("+").map(|keys| keys.logical_key), Some(Key::Plus));
         assert_eq!(parse("Hyper+Q"), None);
@@ -350,15 +319,7 @@ mod tests {
         assert!(may_repeat(Key::ArrowRight, Modifiers::SHIFT));
         assert!(may_repeat(Key::CloseBracket, Modifiers::NONE));
         assert!(may_repeat(Key::Z, Modifiers::COMMAND));
-        for key in [
-            Key::A,
-            Key::R,
-            Key::U,
-            Key::Delete,
-            Key::Num1,
-            Key::Space,
-            Key::Enter,
-        ] {
+        for key in [Key::A, Key::R, Key::U, Key::Delete, Key::Num1, Key::Space, Key::Enter] {
             assert!(!may_repeat(key, Modifiers::NONE), "{key:?}");
         }
     }

@@ -1,4 +1,5 @@
-//! The tiles of the centre: which view lies where, which one has the keyboard, and which one fills the centre.
+//! The tiles of the centre: which view lies where, which one has the keyboard, and which one fills
+//! the centre.
 
 use super::{Views, toolbar};
 use crate::app::{App, LayoutPreset, View};
@@ -21,7 +22,8 @@ pub(super) struct Layout {
     is_automatic: bool,
 }
 
-/// Height of the centre from which three views lie side by side; below it each has the whole of it, and they are chosen by their titles.
+/// Height of the centre from which three views lie side by side; below it each has the whole of it,
+/// and they are chosen by their titles.
 const ROOM: f32 = 400.0;
 
 impl Default for Layout {
@@ -56,11 +58,7 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
             let waterfall = tiles.insert_tab_tile(panes.to_vec());
             let map = tab(View::Map, &mut tiles);
             let cloud = tab(View::Cloud, &mut tiles);
-            let share = if preset == LayoutPreset::Review {
-                0.74
-            } else {
-                0.55
-            };
+            let share = if preset == LayoutPreset::Review { 0.74 } else { 0.55 };
             let below = tiles.insert_horizontal_tile(vec![map, cloud]);
             let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], share);
             tiles.insert_container(Container::Linear(split))
@@ -94,8 +92,7 @@ impl Layout {
     }
 
     fn bring_to_front(&mut self, view: View) {
-        self.tree
-            .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
+        self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
     }
 
     /// Adds a view as a tab beside the waterfall, or else beside the first view on screen.
@@ -125,7 +122,8 @@ impl Layout {
         };
     }
 
-    /// The view that keys act in: the one that was clicked or chosen last, or the first on screen where that one lies behind another.
+    /// The view that keys act in: the one that was clicked or chosen last, or the first on screen
+    /// where that one lies behind another.
     pub(super) fn target(&self) -> View {
         let shown = self.shown();
         match shown.first() {
@@ -140,15 +138,14 @@ impl Layout {
             Some(view) => vec![view],
             None => {
                 let active = self.tree.active_tiles();
-                let panes = active
-                    .iter()
-                    .filter_map(|tile| self.tree.tiles.get_pane(tile));
+                let panes = active.iter().filter_map(|tile| self.tree.tiles.get_pane(tile));
                 panes.copied().collect()
             }
         }
     }
 
-    /// Lays the views out anew where the window has become low or high, and nobody has arranged them.
+    /// Lays the views out anew where the window has become low or high, and nobody has arranged
+    /// them.
     fn follow_window(&mut self, height: f32) {
         if !self.is_automatic || is_stacked(&self.tree) == (height < ROOM) {
             return;
@@ -269,10 +266,7 @@ impl Behavior<View> for Panes<'_, '_> {
     }
 
     fn simplification_options(&self) -> SimplificationOptions {
-        SimplificationOptions {
-            all_panes_must_have_tabs: true,
-            ..SimplificationOptions::default()
-        }
+        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
     }
 
     fn tab_bar_height(&self, _: &egui::Style) -> f32 {

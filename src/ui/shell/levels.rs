@@ -1,4 +1,5 @@
-//! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
+//! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged
+//! in.
 
 use crate::app::Action;
 use crate::ui::panels::{find_setting, parts};
@@ -20,11 +21,7 @@ const APART: f64 = 1.0;
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_width(WIDTH);
     names(ui, context, &rows::PICTURE_GAIN);
-    for row in [
-        &rows::PICTURE_SPREADING,
-        &rows::PICTURE_ABSORPTION,
-        &rows::PICTURE_BALANCE,
-    ] {
+    for row in [&rows::PICTURE_SPREADING, &rows::PICTURE_ABSORPTION, &rows::PICTURE_BALANCE] {
         parts::setting(ui, context, row);
     }
     names(ui, context, &rows::PICTURE_STRIPES);
@@ -70,12 +67,8 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRo
 fn shown(context: &ViewContext<'_>, counted: &LevelHistogram) -> [f64; 2] {
     let picture = &context.app.log.settings.picture;
     [
-        picture
-            .black
-            .unwrap_or(f64::from(255.0 * counted.automatic.black)),
-        picture
-            .white
-            .unwrap_or(f64::from(255.0 * counted.automatic.white)),
+        picture.black.unwrap_or(f64::from(255.0 * counted.automatic.black)),
+        picture.white.unwrap_or(f64::from(255.0 * counted.automatic.white)),
     ]
 }
 
@@ -173,11 +166,7 @@ fn follow(
         false => [black, level.max(black + APART)],
     };
     let live = response.dragged() && !response.drag_stopped();
-    let label = if holds_black {
-        rows::PICTURE_BLACK.name
-    } else {
-        rows::PICTURE_WHITE.name
-    };
+    let label = if holds_black { rows::PICTURE_BLACK.name } else { rows::PICTURE_WHITE.name };
     set(context, Some(levels), label, live);
 }
 

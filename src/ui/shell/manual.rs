@@ -28,12 +28,7 @@ pub(super) struct Manual {
 
 impl Default for Manual {
     fn default() -> Self {
-        Self {
-            open: false,
-            topic: Topic::Keys,
-            query: String::new(),
-            pages: Vec::new(),
-        }
+        Self { open: false, topic: Topic::Keys, query: String::new(), pages: Vec::new() }
     }
 }
 
@@ -74,9 +69,8 @@ impl Manual {
     fn contents(&mut self, ui: &mut Ui) {
         ui.set_width(LIST_WIDTH);
         ui.label(concat!("Bathyscope ", env!("CARGO_PKG_VERSION")));
-        let field = TextEdit::singleline(&mut self.query)
-            .hint_text("Search")
-            .desired_width(f32::INFINITY);
+        let field =
+            TextEdit::singleline(&mut self.query).hint_text("Search").desired_width(f32::INFINITY);
         ui.add(field).on_hover_text("Search the manual");
         ui.add_space(4.0);
         for topic in Topic::ALL {
@@ -88,7 +82,8 @@ impl Manual {
         }
     }
 
-    /// The page that was chosen, or the sections of all pages in which all words of the search occur.
+    /// The page that was chosen, or the sections of all pages in which all words of the search
+    /// occur.
     fn page(&self, ui: &mut Ui) {
         let words = words_of(&self.query);
         let area = ScrollArea::vertical().auto_shrink([false, false]);
@@ -184,19 +179,13 @@ fn block(ui: &mut Ui, block: &PageBlock, words: &[String]) {
 fn table(ui: &mut Ui, rows: &[Vec<Vec<Span>>], words: &[String]) {
     let columns = rows.first().map_or(0, Vec::len);
     let free = ui.available_width() - COLUMN_WIDTH * columns.saturating_sub(1) as f32 - 40.0;
-    Grid::new(ui.next_auto_id())
-        .num_columns(columns)
-        .striped(true)
-        .spacing([14.0, 3.0])
-        .show(ui, |ui| {
+    Grid::new(ui.next_auto_id()).num_columns(columns).striped(true).spacing([14.0, 3.0]).show(
+        ui,
+        |ui| {
             for (index, row) in rows.iter().enumerate() {
                 for (column, cell) in row.iter().enumerate() {
                     let is_last = column + 1 == columns;
-                    let width = if is_last {
-                        free.max(COLUMN_WIDTH)
-                    } else {
-                        COLUMN_WIDTH
-                    };
+                    let width = if is_last { free.max(COLUMN_WIDTH) } else { COLUMN_WIDTH };
                     let mut text = job(ui, cell, words);
                     text.wrap.max_width = width;
                     if index == 0 {
@@ -211,7 +200,8 @@ fn table(ui: &mut Ui, rows: &[Vec<Vec<Span>>], words: &[String]) {
                 }
                 ui.end_row();
             }
-        });
+        },
+    );
     ui.add_space(6.0);
 }
 
@@ -225,11 +215,7 @@ fn job(ui: &Ui, spans: &[Span], words: &[String]) -> LayoutJob {
             false => FontId::proportional(TEXT_SIZE),
         };
         for (piece, is_sought) in pieces(&span.text, words) {
-            let background = if is_sought {
-                mark
-            } else {
-                Color32::TRANSPARENT
-            };
+            let background = if is_sought { mark } else { Color32::TRANSPARENT };
             let format = TextFormat {
                 font_id: font.clone(),
                 color: ink,
@@ -278,19 +264,10 @@ mod tests {
         let words = words_of("Depth MAP");
         assert_eq!(
             pieces("A depth map.", &words),
-            [
-                ("A ", false),
-                ("depth", true),
-                (" ", false),
-                ("map", true),
-                (".", false)
-            ]
+            [("A ", false), ("depth", true), (" ", false), ("map", true), (".", false)]
         );
         assert_eq!(pieces("none", &words), [("none", false)]);
-        assert_eq!(
-            pieces("36° depth", &words),
-            [("36° ", false), ("depth", true)]
-        );
+        assert_eq!(pieces("36° depth", &words), [("36° ", false), ("depth", true)]);
     }
 
     #[test]

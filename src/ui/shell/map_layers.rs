@@ -1,4 +1,5 @@
-//! The layers of the map to choose from, the topmost first: shown or not, how strongly, in which order.
+//! The layers of the map to choose from, the topmost first: shown or not, how strongly, in which
+//! order.
 
 use crate::app::{LayerShown, LayerStack};
 use egui::{Button, Checkbox, RichText, Slider, Ui};
@@ -10,17 +11,14 @@ const WIDTHS: [f32; 2] = [118.0, 84.0];
 pub(super) fn control(ui: &mut Ui, stack: &mut LayerStack) {
     let rows: Vec<LayerShown> = stack.bottom_up().rev().copied().collect();
     let last = rows.len().saturating_sub(1);
-    egui::Grid::new("map layers")
-        .num_columns(3)
-        .spacing([8.0, 3.0])
-        .show(ui, |ui| {
-            for (index, shown) in rows.into_iter().enumerate() {
-                visible(ui, stack, shown);
-                opacity(ui, stack, shown);
-                order(ui, stack, shown, [index > 0, index < last]);
-                ui.end_row();
-            }
-        });
+    egui::Grid::new("map layers").num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
+        for (index, shown) in rows.into_iter().enumerate() {
+            visible(ui, stack, shown);
+            opacity(ui, stack, shown);
+            order(ui, stack, shown, [index > 0, index < last]);
+            ui.end_row();
+        }
+    });
 }
 
 fn visible(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
@@ -35,10 +33,7 @@ fn visible(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
 fn opacity(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
     let mut percent = (100.0 * shown.opacity).round();
     ui.spacing_mut().slider_width = WIDTHS[1];
-    let slider = Slider::new(&mut percent, 0.0..=100.0)
-        .step_by(1.0)
-        .fixed_decimals(0)
-        .suffix(" %");
+    let slider = Slider::new(&mut percent, 0.0..=100.0).step_by(1.0).fixed_decimals(0).suffix(" %");
     let name = format!("{} opacity", shown.layer.name());
     let slider = ui.add_enabled(shown.visible, slider);
     let slider = slider.on_hover_text(&name).accessible_name(name);

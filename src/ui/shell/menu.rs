@@ -29,18 +29,10 @@ const MAP_FILES: &[Action] = &[
     Action::RemoveIsobathArea,
 ];
 /// What other instruments recorded of the open survey.
-const EXTERNAL: &[Action] = &[
-    Action::OpenWaterLevels,
-    Action::RemoveWaterLevels,
-    Action::OpenTrack,
-    Action::RemoveTrack,
-];
+const EXTERNAL: &[Action] =
+    &[Action::OpenWaterLevels, Action::RemoveWaterLevels, Action::OpenTrack, Action::RemoveTrack];
 /// How the recorder of the shown log is mounted.
-const MOUNTING: &[Action] = &[
-    Action::SwapSides,
-    Action::UseMounting,
-    Action::ForgetMounting,
-];
+const MOUNTING: &[Action] = &[Action::SwapSides, Action::UseMounting, Action::ForgetMounting];
 const LAYOUTS: &[Action] = &[
     Action::LayoutSurvey,
     Action::LayoutReview,
@@ -94,12 +86,8 @@ const MEASURING: &[Action] = &[
     Action::SaveProfile,
     Action::CopyProfile,
 ];
-const PLANNING: &[Action] = &[
-    Action::PlanLines,
-    Action::RemoveLine,
-    Action::RemovePlan,
-    Action::SavePlan,
-];
+const PLANNING: &[Action] =
+    &[Action::PlanLines, Action::RemoveLine, Action::RemovePlan, Action::SavePlan];
 const COMPARING: &[Action] = &[Action::CompareWith, Action::CloseReference];
 const PROCESSING: &[Action] = &[
     Action::PresetRecommended,
@@ -126,24 +114,12 @@ const PROCESSING: &[Action] = &[
 ];
 
 /// What makes boxes.
-const DETECTOR: &[Action] = &[
-    Action::FindObjects,
-    Action::ChooseModel,
-    Action::ShippedModel,
-];
-const REVIEW_FILES: &[Action] = &[
-    Action::TakeUpUnsaved,
-    Action::OpenReview,
-    Action::SaveReview,
-    Action::ExportBoxes,
-];
+const DETECTOR: &[Action] = &[Action::FindObjects, Action::ChooseModel, Action::ShippedModel];
+const REVIEW_FILES: &[Action] =
+    &[Action::TakeUpUnsaved, Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
 /// What compares boxes with the truth.
-const TRUTH: &[Action] = &[
-    Action::OpenTruth,
-    Action::ForgetTruth,
-    Action::NextMistake,
-    Action::PreviousMistake,
-];
+const TRUTH: &[Action] =
+    &[Action::OpenTruth, Action::ForgetTruth, Action::NextMistake, Action::PreviousMistake];
 const BOXES: &[Action] = &[
     Action::Boxes,
     Action::NextBox,
@@ -198,9 +174,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// A menu that is longer than the window is tall is scrolled.
 fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let most = ui.content_rect().bottom() - ui.cursor().top() - 16.0;
-    egui::ScrollArea::vertical()
-        .max_height(most.max(120.0))
-        .show(ui, add);
+    egui::ScrollArea::vertical().max_height(most.max(120.0)).show(ui, add);
 }
 
 fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -255,27 +229,22 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     entries(ui, context, &[Action::ExportLog, Action::ExportPings]);
     let ready = context.app.log.products.is_some();
-    entries_where(ui, context, &[Action::Export, Action::PrintView], |_, _| {
-        ready
-    });
+    entries_where(ui, context, &[Action::Export, Action::PrintView], |_, _| ready);
     ui.separator();
     entries(ui, context, &[Action::Quit]);
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
-    entries_where(ui, context, EXTERNAL, |app, action| {
-        is_open && app.has_what_it_takes(action)
-    });
+    entries_where(ui, context, EXTERNAL, |app, action| is_open && app.has_what_it_takes(action));
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
     // A change that was made in metres is named in the units in use.
     let units = context.units();
-    for (action, label) in [
-        (Action::Undo, context.app.undo_label()),
-        (Action::Redo, context.app.redo_label()),
-    ] {
+    for (action, label) in
+        [(Action::Undo, context.app.undo_label()), (Action::Redo, context.app.redo_label())]
+    {
         let title = match label {
             Some(label) => format!("{} {}", action.label(), units.sentence(label)),
             None => action.label().to_owned(),

@@ -1,7 +1,8 @@
 //! The window as a whole: menu, panels and tiles of views, and what ties them to the state.
 //!
-//! In: the state, keys, dropped files and the commands of panels and views. Out: the window, and a changed state.
-//! It uses `app`, `products`, `pipeline`, `detection`, `imagery`, `formats` and `support`.
+//! In: the state, keys, dropped files and the commands of panels and views. Out: the window, and a
+//! changed state. It uses `app`, `products`, `pipeline`, `detection`, `imagery`, `formats` and
+//! `support`.
 
 mod commands;
 mod drop;
@@ -184,7 +185,8 @@ impl Shell {
         }
     }
 
-    /// Leaves the background to the window, whose frames begin as [`eframe::App::clear_color`] says. A picture begins transparent.
+    /// Leaves the background to the window, whose frames begin as [`eframe::App::clear_color`]
+    /// says. A picture begins transparent.
     pub(crate) fn on_cleared_window(mut self) -> Self {
         self.is_cleared = true;
         self
@@ -229,7 +231,8 @@ impl Shell {
         }
     }
 
-    /// One frame: collects what workers finished, draws everything, and carries out what the analyst asked for.
+    /// One frame: collects what workers finished, draws everything, and carries out what the
+    /// analyst asked for.
     pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
         self.app.poll();
         self.meet_survey(ui.ctx());
@@ -277,7 +280,8 @@ impl Shell {
         }
     }
 
-    /// What a survey that has just been opened asks of the window itself: its name in the title, and a play head at rest.
+    /// What a survey that has just been opened asks of the window itself: its name in the title,
+    /// and a play head at rest.
     fn meet_survey(&mut self, ctx: &egui::Context) {
         let title = self.title();
         if title != self.title {
@@ -293,11 +297,7 @@ impl Shell {
     /// The project, with a mark while its file does not hold everything, or the log.
     fn title(&self) -> String {
         let project = self.app.project_path().and_then(|path| path.file_stem());
-        let mark = if self.app.is_project_unsaved() {
-            "*"
-        } else {
-            ""
-        };
+        let mark = if self.app.is_project_unsaved() { "*" } else { "" };
         match (project, &self.app.log.survey) {
             (Some(project), _) => format!("{}{mark} - Bathyscope", project.to_string_lossy()),
             (None, Some(survey)) => format!("{} - Bathyscope", survey.name()),
@@ -305,7 +305,8 @@ impl Shell {
         }
     }
 
-    /// Decisions about boxes that no file keeps are not lost by a slip: the first request to close only says so.
+    /// Decisions about boxes that no file keeps are not lost by a slip: the first request to close
+    /// only says so.
     fn guard_decisions(&mut self, ctx: &egui::Context) {
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes {
@@ -324,8 +325,8 @@ impl Shell {
         }
     }
 
-    /// What bare keys act in; `None` while a dialog, a list that has dropped down, the manual or a control outside of views and review
-    /// has the keyboard.
+    /// What bare keys act in; `None` while a dialog, a list that has dropped down, the manual or a
+    /// control outside of views and review has the keyboard.
     fn key_focus(&self, ui: &Ui) -> Option<KeyFocus> {
         let ctx = ui.ctx();
         if self.dialogs.is_waiting() || self.manual.open || egui::Popup::is_any_open(ctx) {
@@ -360,12 +361,8 @@ impl Shell {
         render_state: Option<&RenderState>,
         commands: &mut Vec<Command>,
     ) -> Option<PathPurpose> {
-        let mut context = ViewContext {
-            app: &self.app,
-            render_state,
-            target: self.target(),
-            commands,
-        };
+        let mut context =
+            ViewContext { app: &self.app, render_state, target: self.target(), commands };
         if let Some(alone) = self.alone {
             if let Some(text) = &self.text_around {
                 printing::frame(ui, context.app, text);
@@ -421,7 +418,8 @@ impl Shell {
     }
 }
 
-/// Gives the keyboard back to the views where the control that had it was not drawn any more: the first key would do nothing else.
+/// Gives the keyboard back to the views where the control that had it was not drawn any more: the
+/// first key would do nothing else.
 fn forget_vanished_control(ctx: &egui::Context) {
     if let Some(focused) = ctx.memory(|memory| memory.focused())
         && ctx.read_response(focused).is_none()
@@ -432,12 +430,10 @@ fn forget_vanished_control(ctx: &egui::Context) {
 
 fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: Alone) {
     let canvas = Frame::new().fill(theme::canvas_colour(context.options()));
-    CentralPanel::no_frame()
-        .frame(canvas)
-        .show(ui, |ui| match alone {
-            Alone::View(view) => views.ui(view, ui, context),
-            Alone::Profile => views.profile.ui(ui, context),
-        });
+    CentralPanel::no_frame().frame(canvas).show(ui, |ui| match alone {
+        Alone::View(view) => views.ui(view, ui, context),
+        Alone::Profile => views.profile.ui(ui, context),
+    });
 }
 
 /// The right side: the review while there are boxes, what is selected, and its profile.

@@ -41,13 +41,11 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if app.said().len() == 0 {
         parts::remark(ui, "There are no messages yet.");
     }
-    ScrollArea::vertical()
-        .auto_shrink([false, false])
-        .show(ui, |ui| {
-            for notice in app.said() {
-                line(ui, context, notice);
-            }
-        });
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        for notice in app.said() {
+            line(ui, context, notice);
+        }
+    });
 }
 
 fn line(ui: &mut Ui, context: &mut ViewContext<'_>, notice: &Notice) {

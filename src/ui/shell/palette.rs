@@ -1,4 +1,5 @@
-//! The command palette: a few letters of a name find any command, any setting of the panels, or a recent log.
+//! The command palette: a few letters of a name find any command, any setting of the panels, or a
+//! recent log.
 
 use crate::app::{Action, Command};
 use crate::ui::panels::find_setting::{self, ControlPlace};
@@ -31,10 +32,7 @@ struct Item {
 impl CommandPalette {
     /// Shows the palette with an empty field.
     pub(super) fn open(&mut self) {
-        *self = Self {
-            open: true,
-            ..Self::default()
-        };
+        *self = Self { open: true, ..Self::default() };
     }
 
     /// Whether it is shown.
@@ -90,9 +88,7 @@ impl CommandPalette {
         }
         let found = search(items(context), &self.query);
         let last = found.len().saturating_sub(1);
-        self.chosen = (self.chosen + usize::from(down))
-            .saturating_sub(usize::from(up))
-            .min(last);
+        self.chosen = (self.chosen + usize::from(down)).saturating_sub(usize::from(up)).min(last);
         ui.add_space(4.0);
         if found.is_empty() {
             ui.label(RichText::new("No command or setting has these letters.").weak());
@@ -146,7 +142,8 @@ fn items(context: &ViewContext<'_>) -> Vec<Item> {
     actions.chain(settings(context)).chain(recent).collect()
 }
 
-/// The settings that have a control, with their values; none while no log is open, and no panel has its controls.
+/// The settings that have a control, with their values; none while no log is open, and no panel has
+/// its controls.
 fn settings(context: &ViewContext<'_>) -> Vec<Item> {
     let app = context.app;
     if app.log.survey.is_none() {
@@ -165,8 +162,8 @@ fn settings(context: &ViewContext<'_>) -> Vec<Item> {
     all.collect()
 }
 
-/// Items whose labels contain the letters of the query in order, best first; all of them in the table's order while
-/// nothing was typed.
+/// Items whose labels contain the letters of the query in order, best first; all of them in the
+/// table's order while nothing was typed.
 fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
     if query.trim().is_empty() {
         return items;
@@ -182,8 +179,9 @@ fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
     found.into_iter().map(|(_, item)| item).collect()
 }
 
-/// How well the letters of `query` fit into `label` in order: letters that start a word or follow each other count
-/// more, and most where the label begins with all of them. `None` when they do not fit.
+/// How well the letters of `query` fit into `label` in order: letters that start a word or follow
+/// each other count more, and most where the label begins with all of them. `None` when they do not
+/// fit.
 fn score(label: &str, query: &str) -> Option<i32> {
     let label = label.to_lowercase();
     let letters: Vec<char> = label.chars().collect();
@@ -223,7 +221,8 @@ mod tests {
     use egui::Event;
     use egui_kittest::Harness;
 
-    /// Settings whose controls are drawn once another setting has another value than in a survey just opened.
+    /// Settings whose controls are drawn once another setting has another value than in a survey
+    /// just opened.
     const DEPEND: [&str; 10] = [
         "calibration.ppd",
         "cloud.alpha2_deg",
@@ -258,9 +257,7 @@ mod tests {
         let ctx = window.ctx.clone();
         for row in find_setting::CONTROLS.iter().flat_map(|(_, rows)| *rows) {
             window.state_mut().app.notices.clear();
-            window
-                .state_mut()
-                .carry_out(&ctx, Command::ShowSetting(row.key));
+            window.state_mut().carry_out(&ctx, Command::ShowSetting(row.key));
             window.run();
             let notices = &window.state().app.notices;
             let said = notices.last().map(|one| one.text.clone());
@@ -274,11 +271,7 @@ mod tests {
             let focused = ctx.memory(|memory| memory.focused()).expect(row.key);
             let control = ctx.read_response(focused).expect(row.key);
             let screen = ctx.content_rect();
-            assert!(
-                screen.contains_rect(control.rect),
-                "{}: {control:?}",
-                row.key
-            );
+            assert!(screen.contains_rect(control.rect), "{}: {control:?}", row.key);
             press(&mut window, egui::Modifiers::NONE, Key::Escape);
         }
     }

@@ -1,5 +1,6 @@
-//! What is kept between runs: what a person likes (display options, arrangement, mountings), recent logs with the settings that each was
-//! last given, the base map's file. Never data; and no setting of one survey for the next.
+//! What is kept between runs: what a person likes (display options, arrangement, mountings), recent
+//! logs with the settings that each was last given, the base map's file. Never data; and no setting
+//! of one survey for the next.
 
 use super::Shell;
 use super::layout::Layout;

@@ -23,12 +23,7 @@ pub(super) struct Play {
 
 impl Default for Play {
     fn default() -> Self {
-        Self {
-            running: false,
-            speed: FIRST_SPEED,
-            time_s: 0.0,
-            ping: 0,
-        }
+        Self { running: false, speed: FIRST_SPEED, time_s: 0.0, ping: 0 }
     }
 }
 

@@ -12,9 +12,7 @@ impl Shell {
     /// Starts drawing the view that was chosen, as it looks now, into a file.
     pub(super) fn print_into(&mut self, path: PathBuf) {
         let view = self.printing.view.unwrap_or(View::Map);
-        let is_png = path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         if !is_png {
             let text = format!("a picture's name ends in .png: {}", path.display());
             return self.app.apply(Command::Notify(text));
@@ -31,8 +29,7 @@ impl Shell {
         shell.views = self.views.for_picture(&self.app);
         shell.show_alone(Alone::View(view));
         shell.frame_with(text);
-        self.app
-            .write(move |progress| draw(shell, view, sheet, &path, progress));
+        self.app.write(move |progress| draw(shell, view, sheet, &path, progress));
     }
 }
 

@@ -1,4 +1,5 @@
-//! Printing a view: the dialog that asks for the size, and what stands around the view on the sheet.
+//! Printing a view: the dialog that asks for the size, and what stands around the view on the
+//! sheet.
 
 use super::{Shell, Views};
 use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
@@ -49,8 +50,7 @@ impl Printing {
             let sheet = options.sheet(views.size(view));
             ui.label(sheet_summary(view, sheet, views));
             ui.add_space(6.0);
-            ui.horizontal(|ui| (ui.button("Save…").clicked(), ui.button("Cancel").clicked()))
-                .inner
+            ui.horizontal(|ui| (ui.button("Save…").clicked(), ui.button("Cancel").clicked())).inner
         });
         self.view = Some(view);
         context.show(shown);
@@ -63,37 +63,34 @@ impl Printing {
 }
 
 fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
-    egui::Grid::new("print")
-        .num_columns(2)
-        .spacing([12.0, 6.0])
-        .show(ui, |ui| {
-            ui.label("View");
-            DropDown::new("printed view", view.title())
-                .pick(ui, view, View::PICTURES, View::title)
-                .accessible_name("View to print");
-            ui.end_row();
-            ui.label("Size");
-            DropDown::new("paper", options.paper.name())
-                .pick(ui, &mut options.paper, Paper::ALL, Paper::name)
-                .accessible_name("Paper");
-            ui.end_row();
-            if options.paper == Paper::Pixels {
-                let label = ui.label("Width");
-                let width = DragValue::new(&mut options.width_px).range(PrintOptions::WIDTHS_PX);
-                ui.add(width.suffix(" px")).labelled_by(label.id);
-            } else {
-                let label = ui.label("Resolution");
-                let dpi = DragValue::new(&mut options.dpi).range(PrintOptions::DPI);
-                ui.add(dpi.suffix(" dpi")).labelled_by(label.id);
-                ui.end_row();
-                ui.label("");
-                ui.checkbox(&mut options.landscape, "Landscape");
-            }
+    egui::Grid::new("print").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+        ui.label("View");
+        DropDown::new("printed view", view.title())
+            .pick(ui, view, View::PICTURES, View::title)
+            .accessible_name("View to print");
+        ui.end_row();
+        ui.label("Size");
+        DropDown::new("paper", options.paper.name())
+            .pick(ui, &mut options.paper, Paper::ALL, Paper::name)
+            .accessible_name("Paper");
+        ui.end_row();
+        if options.paper == Paper::Pixels {
+            let label = ui.label("Width");
+            let width = DragValue::new(&mut options.width_px).range(PrintOptions::WIDTHS_PX);
+            ui.add(width.suffix(" px")).labelled_by(label.id);
+        } else {
+            let label = ui.label("Resolution");
+            let dpi = DragValue::new(&mut options.dpi).range(PrintOptions::DPI);
+            ui.add(dpi.suffix(" dpi")).labelled_by(label.id);
             ui.end_row();
             ui.label("");
-            ui.checkbox(&mut options.light, "On white");
-            ui.end_row();
-        });
+            ui.checkbox(&mut options.landscape, "Landscape");
+        }
+        ui.end_row();
+        ui.label("");
+        ui.checkbox(&mut options.light, "On white");
+        ui.end_row();
+    });
 }
 
 /// Size in words, and the scale that the map has on paper.
@@ -106,11 +103,10 @@ fn sheet_summary(view: View, sheet: Sheet, views: &Views) -> String {
     }
 }
 
-/// By how much the map is smaller than the ground on a sheet of [`PrintOptions::POINT_M`] points; `None` while there is no map.
+/// By how much the map is smaller than the ground on a sheet of [`PrintOptions::POINT_M`] points;
+/// `None` while there is no map.
 pub(super) fn map_scale(sheet: Sheet, views: &Views) -> Option<f64> {
-    let [width, height] = sheet
-        .size_px
-        .map(|side| side as f32 / sheet.pixels_per_point);
+    let [width, height] = sheet.size_px.map(|side| side as f32 / sheet.pixels_per_point);
     let inside = [width, (height - ABOVE - BELOW).max(1.0)];
     let metres = views.map.metres_per_point_on(inside)?;
     Some(metres / PrintOptions::POINT_M)
@@ -124,27 +120,18 @@ const BELOW: f32 = 70.0;
 pub(super) fn frame(ui: &mut Ui, app: &App, text: &PrintText) {
     let fill = theme::canvas_colour(&app.view.options);
     let ink = theme::canvas_text_colour(&app.view.options);
-    let frame = egui::Frame::new()
-        .fill(fill)
-        .inner_margin(egui::Margin::symmetric(10, 6));
-    Panel::top("print title")
-        .frame(frame)
-        .exact_size(ABOVE)
-        .show(ui, |ui| {
-            let title = RichText::new(&text.title).size(16.0).strong().color(ink);
-            ui.add(Label::new(title).truncate());
-        });
-    Panel::bottom("print facts")
-        .frame(frame)
-        .min_size(BELOW)
-        .resizable(false)
-        .show(ui, |ui| {
-            ui.spacing_mut().item_spacing.y = 1.0;
-            for fact in &text.facts {
-                let fact = RichText::new(fact).size(theme::SMALL).color(ink);
-                ui.add(Label::new(fact).wrap());
-            }
-        });
+    let frame = egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(10, 6));
+    Panel::top("print title").frame(frame).exact_size(ABOVE).show(ui, |ui| {
+        let title = RichText::new(&text.title).size(16.0).strong().color(ink);
+        ui.add(Label::new(title).truncate());
+    });
+    Panel::bottom("print facts").frame(frame).min_size(BELOW).resizable(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 1.0;
+        for fact in &text.facts {
+            let fact = RichText::new(fact).size(theme::SMALL).color(ink);
+            ui.add(Label::new(fact).wrap());
+        }
+    });
 }
 
 impl Shell {
@@ -157,8 +144,7 @@ impl Shell {
         } else {
             let target = self.layout.target();
             let is_picture = View::PICTURES.contains(&target);
-            self.printing
-                .ask(if is_picture { target } else { View::Map });
+            self.printing.ask(if is_picture { target } else { View::Map });
         }
     }
 

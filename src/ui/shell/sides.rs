@@ -1,4 +1,5 @@
-//! The panels left and right of the views: whether they are shown, how wide they are, and the buttons that show and hide them.
+//! The panels left and right of the views: whether they are shown, how wide they are, and the
+//! buttons that show and hide them.
 
 use crate::app::{Action, PanelOptions, PanelShown};
 use crate::ui::{ViewContext, theme};
@@ -56,7 +57,8 @@ impl SidePanel {
         }
     }
 
-    /// The choice after it was shown or hidden by hand. In a window without room for both, the other one goes.
+    /// The choice after it was shown or hidden by hand. In a window without room for both, the
+    /// other one goes.
     pub(super) fn set_shown(self, options: PanelOptions, shown: bool, width: f32) -> PanelOptions {
         let mut options = options;
         self.choose(&mut options, shown);
@@ -88,7 +90,8 @@ impl SidePanel {
         let options = context.options().panels;
         let was_shown = self.is_shown(options, width);
         let mut is_shown = was_shown;
-        // What an earlier run saved is held to that as well: on a small screen the views keep half of the width.
+        // What an earlier run saved is held to that as well: on a small screen the views keep half
+        // of the width.
         let widest = |most: f32| (width / 4.0).clamp(240.0, most);
         let (panel, sizes) = match self {
             SidePanel::Steps => (Panel::left("steps"), 240.0..=widest(480.0)),
@@ -124,15 +127,14 @@ impl SidePanel {
         ui.painter().rect_stroke(window, 2.0, outline, kind);
         match is_shown {
             true => ui.painter().rect_filled(side, 0.0, stroke.color),
-            false => ui
-                .painter()
-                .rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind),
+            false => ui.painter().rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind),
         };
         context.keyed_button(button, action);
     }
 }
 
-/// Width of a panel at first: in a window of 1280 points the views keep half of it, in one of 1400 nothing is short of room.
+/// Width of a panel at first: in a window of 1280 points the views keep half of it, in one of 1400
+/// nothing is short of room.
 fn default_width(window: f32) -> f32 {
     let least = 240.0;
     let share = ((window - 1280.0) / 120.0).clamp(0.0, 1.0);
@@ -144,21 +146,22 @@ pub(super) fn time_line_height(window: f32) -> f32 {
     (0.104 * window).clamp(52.0, crate::ui::panels::timeline::HEIGHT)
 }
 
-/// The scroll area of a panel, which is scrolled whatever it holds. What it holds is as wide with a bar as without: text that is wrapped
-/// otherwise for the bar may be short enough to do without one, and the bar would come and go in every frame.
+/// The scroll area of a panel, which is scrolled whatever it holds. What it holds is as wide with a
+/// bar as without: text that is wrapped otherwise for the bar may be short enough to do without
+/// one, and the bar would come and go in every frame.
 pub(super) fn scrolled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     let width = ui.available_width() - ui.spacing().scroll.allocated_width();
     // Nothing is filled here: the colour is what the contents fade into at the edges.
     let ground = Frame::new().fill(ui.visuals().panel_fill);
     let ground = UiStackInfo::new(UiKind::Frame).with_frame(ground);
     ui.scope_builder(UiBuilder::new().ui_stack_info(ground), |ui| {
-        egui::ScrollArea::vertical()
-            .id_salt(Id::unique(name))
-            .auto_shrink([false, false])
-            .show(ui, |ui| {
+        egui::ScrollArea::vertical().id_salt(Id::unique(name)).auto_shrink([false, false]).show(
+            ui,
+            |ui| {
                 ui.set_max_width(width.min(ui.available_width()));
                 add(ui);
-            });
+            },
+        );
     });
 }
 

@@ -8,10 +8,7 @@ use egui::{RichText, Ui};
 pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     let mut on = map.swipe.on;
     let check = ui.checkbox(&mut on, "Swipe");
-    if check
-        .on_hover_text("Draws some layers left and others right of a divider (W).")
-        .changed()
-    {
+    if check.on_hover_text("Draws some layers left and others right of a divider (W).").changed() {
         map.swipe.toggle(&mut map.layers);
     }
     if !on {
@@ -19,24 +16,18 @@ pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     }
     let shown = map.layers.bottom_up().rev();
     let shown: Vec<_> = shown.map(|shown| shown.layer).collect();
-    egui::Grid::new("swipe sides")
-        .num_columns(2)
-        .spacing([8.0, 3.0])
-        .show(ui, |ui| {
-            for layer in shown
-                .into_iter()
-                .filter(|layer| map.layers.is_visible(*layer))
-            {
-                ui.label(RichText::new(layer.name()).small());
-                let mut side = map.swipe.side(layer);
-                DropDown::new(("side", layer), RichText::new(side.name()).small())
-                    .width(64.0)
-                    .pick(ui, &mut side, SwipeSide::ALL, SwipeSide::name)
-                    .accessible_name(format!("Side of {}", layer.name()));
-                if side != map.swipe.side(layer) {
-                    map.swipe.set_side(layer, side);
-                }
-                ui.end_row();
+    egui::Grid::new("swipe sides").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
+        for layer in shown.into_iter().filter(|layer| map.layers.is_visible(*layer)) {
+            ui.label(RichText::new(layer.name()).small());
+            let mut side = map.swipe.side(layer);
+            DropDown::new(("side", layer), RichText::new(side.name()).small())
+                .width(64.0)
+                .pick(ui, &mut side, SwipeSide::ALL, SwipeSide::name)
+                .accessible_name(format!("Side of {}", layer.name()));
+            if side != map.swipe.side(layer) {
+                map.swipe.set_side(layer, side);
             }
-        });
+            ui.end_row();
+        }
+    });
 }

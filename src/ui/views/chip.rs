@@ -10,7 +10,8 @@ use bathyscope_products::pipeline::Same;
 use egui::{ColorImage, Pos2, Rect, Response, Role, Sense, TextureHandle, Ui, Vec2, WidgetInfo};
 use egui::{pos2, vec2};
 
-/// Surroundings on each side of a box as a share of its longer side, and at least, pixels of the raster.
+/// Surroundings on each side of a box as a share of its longer side, and at least, pixels of the
+/// raster.
 const SURROUNDINGS: f32 = 0.35;
 const LEAST_AROUND_PX: f32 = 14.0;
 /// Least side of a picture, pixels: a box alone tells nothing.
@@ -55,7 +56,8 @@ impl ChipKey {
     }
 }
 
-/// How a raster's picture, range to the right and time downward, is turned: as the waterfall shows that side.
+/// How a raster's picture, range to the right and time downward, is turned: as the waterfall shows
+/// that side.
 #[derive(Clone, Copy)]
 struct Turned {
     orientation: Orientation,
@@ -86,11 +88,7 @@ impl Turned {
     /// Which way range grows and time runs.
     fn words(self) -> String {
         let sideways = |to_left: bool| {
-            if to_left {
-                "to the left"
-            } else {
-                "to the right"
-            }
+            if to_left { "to the left" } else { "to the right" }
         };
         let upright = |up: bool| if up { "up" } else { "down" };
         let (range, time) = match self.orientation {
@@ -191,7 +189,8 @@ impl BoxChip {
         response.on_hover_text(hint);
     }
 
-    /// Draws it as large as fits into some room, in its own shape, with the line of the box's state.
+    /// Draws it as large as fits into some room, in its own shape, with the line of the box's
+    /// state.
     pub(crate) fn draw(&self, ui: &mut Ui, one: &Reviewed, room: Vec2, sense: Sense) -> Response {
         let scale = (room / self.size).min_elem();
         let size = self.size * scale;
@@ -254,11 +253,7 @@ mod tests {
 
     #[test]
     fn a_picture_is_turned_as_the_waterfall_is() {
-        let turned = |orientation, flip, is_first| Turned {
-            orientation,
-            flip,
-            is_first,
-        };
+        let turned = |orientation, flip, is_first| Turned { orientation, flip, is_first };
         let share =
             |orientation, flip, is_first| turned(orientation, flip, is_first).share(0.25, 0.1);
         let [h, v] = [Orientation::Horizontal, Orientation::Vertical];
@@ -267,14 +262,8 @@ mod tests {
         assert_eq!(share(h, false, false), pos2(0.1, 0.25));
         assert_eq!(share(h, false, true), pos2(0.1, 0.75));
         assert_eq!(share(h, true, true), pos2(0.9, 0.75));
-        assert_eq!(
-            turned(h, false, true).words(),
-            "range up, time to the right"
-        );
-        assert_eq!(
-            turned(v, true, false).words(),
-            "range to the right, time up"
-        );
+        assert_eq!(turned(h, false, true).words(), "range up, time to the right");
+        assert_eq!(turned(v, true, false).words(), "range to the right, time up");
     }
 
     #[test]

@@ -19,15 +19,10 @@ impl Does {
         let part = LogPart::Pings(pings);
         match self {
             Self::Exclusion(edit) => Command::Exclude { log, part, edit },
-            Self::Propose => Command::ProposeStretch(PingRange {
-                start: pings[0],
-                end: pings[1] + 1,
-            }),
-            Self::Accept(side, accept) => Command::AcceptBottom {
-                side,
-                pings,
-                accept,
-            },
+            Self::Propose => {
+                Command::ProposeStretch(PingRange { start: pings[0], end: pings[1] + 1 })
+            }
+            Self::Accept(side, accept) => Command::AcceptBottom { side, pings, accept },
         }
     }
 
@@ -52,7 +47,8 @@ impl Does {
     }
 }
 
-/// Where a drag with a tool in hand began in this frame; with Space held it moves the picture instead.
+/// Where a drag with a tool in hand began in this frame; with Space held it moves the picture
+/// instead.
 pub(super) fn begun(ui: &Ui, response: &Response) -> Option<Pos2> {
     let (space, pressed) =
         ui.input(|input| (input.key_down(Key::Space), input.pointer.press_origin()));

@@ -15,7 +15,8 @@ const BAR: f32 = 12.0;
 /// Steps of the colour bar.
 const STEPS: usize = 40;
 
-/// Whether a view has room for words beside its numbers; a small tile keeps scales and legends, and drops explanations.
+/// Whether a view has room for words beside its numbers; a small tile keeps scales and legends, and
+/// drops explanations.
 pub(super) fn has_room(rect: Rect) -> bool {
     rect.size().min_elem() >= 240.0
 }
@@ -67,20 +68,17 @@ pub(super) fn words(
     plate(painter, options, at, anchor, text, ink)
 }
 
-/// Puts buttons on a part of a view, in a frame that keeps them readable over whatever is drawn there.
+/// Puts buttons on a part of a view, in a frame that keeps them readable over whatever is drawn
+/// there.
 pub(super) fn framed(
     ui: &mut egui::Ui,
     options: &ViewOptions,
     place: Rect,
     add: impl FnOnce(&mut egui::Ui),
 ) {
-    let frame = egui::Frame::NONE
-        .fill(theme::plate_colour(options))
-        .corner_radius(3.0)
-        .inner_margin(2.0);
-    ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
-        frame.show(ui, add)
-    });
+    let frame =
+        egui::Frame::NONE.fill(theme::plate_colour(options)).corner_radius(3.0).inner_margin(2.0);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| frame.show(ui, add));
 }
 
 /// Colours and what they stand for.

@@ -1,4 +1,5 @@
-//! What is measured, in words, and what the views share to measure: the strip that says it and the keys of the cross.
+//! What is measured, in words, and what the views share to measure: the strip that says it and the
+//! keys of the cross.
 
 use super::legend;
 use crate::app::{Action, App};
@@ -37,10 +38,9 @@ fn measured(app: &App, figure: &Measurement) -> Option<String> {
             Some(height(&app.shadow_height(top, recorded_m)?, units))
         }
         (MeasurementKind::Area, [_, _]) => Some(units.ground_length(0.5 * figure.length_m())),
-        (MeasurementKind::Area, _) => Some(format!(
-            "{}, around it {length}",
-            units.area(figure.area_m2())
-        )),
+        (MeasurementKind::Area, _) => {
+            Some(format!("{}, around it {length}", units.area(figure.area_m2())))
+        }
         (_, &[from, to]) => {
             let course = text::and_course(course_rad(from, to));
             Some(format!("{length}{course}"))
@@ -89,9 +89,7 @@ pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, show
             if is_drawing || context.app.view.is_picture {
                 return;
             }
-            let copy = ui
-                .small_button("Copy")
-                .accessible_name("Copy the measurement");
+            let copy = ui.small_button("Copy").accessible_name("Copy the measurement");
             if copy.clicked() {
                 ui.copy_text(text);
             }
@@ -148,20 +146,14 @@ mod tests {
 
     #[test]
     fn a_corner_on_the_last_one_has_no_course() {
-        let at = |lon_deg: f64| LonLat {
-            lon_deg,
-            lat_deg: 36.9,
-        };
+        let at = |lon_deg: f64| LonLat { lon_deg, lat_deg: 36.9 };
         let figure = |corners: &[LonLat]| Measurement {
             corners: corners.to_vec(),
             ..Measurement::new(MeasurementKind::Distance)
         };
         let app = App::new(crate::app::Jobs::Inline);
         let (here, there) = (at(-111.5), at(-111.4999));
-        assert_eq!(
-            beside(&app, &figure(&[here, here])).as_deref(),
-            Some("0.00 m")
-        );
+        assert_eq!(beside(&app, &figure(&[here, here])).as_deref(), Some("0.00 m"));
         let words = beside(&app, &figure(&[here, there, there])).expect("words");
         assert!(words.ends_with("\nleg 0.00 m"), "{words}");
         let words = beside(&app, &figure(&[there, here, there])).expect("words");

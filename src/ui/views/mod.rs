@@ -1,7 +1,8 @@
-//! The views of a survey: waterfall, map, cloud, profile, and the table of objects. One file a view.
+//! The views of a survey: waterfall, map, cloud, profile, and the table of objects. One file a
+//! view.
 //!
-//! In: the state. Out: a picture with marks for each view, and commands.
-//! It uses `app`, `project`, `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! In: the state. Out: a picture with marks for each view, and commands. It uses `app`, `project`,
+//! `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 
 pub(super) mod chip;
 mod cloud;

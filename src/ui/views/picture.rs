@@ -32,10 +32,7 @@ impl ViewTexture {
             return false;
         }
         let target = RenderTarget::new(&state.device, requested);
-        self.shown = Some(Shown {
-            picture: FlatPicture::new(state, target.colour()),
-            target,
-        });
+        self.shown = Some(Shown { picture: FlatPicture::new(state, target.colour()), target });
         true
     }
 

@@ -1,4 +1,5 @@
-//! The banner at the top of a view while a tool is in hand: what it is called, what to do next, and its keys.
+//! The banner at the top of a view while a tool is in hand: what it is called, what to do next, and
+//! its keys.
 
 use super::legend;
 use crate::app::{App, BoxEdge, Tool, View};
@@ -23,11 +24,7 @@ pub(super) struct Banner {
 
 impl Banner {
     fn new(name: &'static str, next: impl Into<String>, keys: &'static str) -> Self {
-        Self {
-            name,
-            next: next.into(),
-            keys,
-        }
+        Self { name, next: next.into(), keys }
     }
 
     /// Of the tool in hand that is of use in a view; `None` without one.
@@ -58,7 +55,8 @@ impl Banner {
 
     /// Lays it out in the upper left corner of `room`.
     pub(super) fn place(&self, ui: &Ui, room: Rect) -> PlacedBanner {
-        // All keys where they stand in two lines, else the one that leaves it: a banner that covers a small view helps nobody.
+        // All keys where they stand in two lines, else the one that leaves it: a banner that covers
+        // a small view helps nobody.
         let has_room = room.height() >= ROOM_FOR_KEYS;
         let whole = has_room.then(|| self.lay_out(ui, room, self.keys));
         let whole = whole.filter(|galley| galley.rows.len() <= 2);
@@ -155,10 +153,9 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
         (MeasurementKind::Distance, _) => ("Measure distance", "click the corners of a line"),
         (MeasurementKind::Area, _) => ("Measure area", "click the corners around it"),
         (MeasurementKind::Profile, _) => ("Depth profile", "click the corners of a line"),
-        (MeasurementKind::Height, View::Map) => (
-            "Height from shadow",
-            "drag along the shadow in the waterfall",
-        ),
+        (MeasurementKind::Height, View::Map) => {
+            ("Height from shadow", "drag along the shadow in the waterfall")
+        }
         (MeasurementKind::Height, View::Waterfall) => (
             "Height from shadow",
             match is_drawing {

@@ -1,4 +1,5 @@
-//! Which file of the source tree imports which. Tests do not count, and a path counts for the file that defines the item.
+//! Which file of the source tree imports which. Tests do not count, and a path counts for the file
+//! that defines the item.
 
 use super::{code, rust_files, source};
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,15 +33,9 @@ fn parent(module: &str) -> &str {
 /// `src/bottom/cloud/mod.rs` is `bottom::cloud`.
 fn module_of(path: &Path) -> String {
     let relative = path.strip_prefix(source()).expect("a path below src");
-    let name = relative
-        .with_extension("")
-        .to_string_lossy()
-        .replace('/', "::");
+    let name = relative.with_extension("").to_string_lossy().replace('/', "::");
     let name = name.strip_suffix("::mod").unwrap_or(&name);
-    name.strip_prefix("lib")
-        .filter(|rest| rest.is_empty())
-        .unwrap_or(name)
-        .to_owned()
+    name.strip_prefix("lib").filter(|rest| rest.is_empty()).unwrap_or(name).to_owned()
 }
 
 /// The code before the tests at the end of a file, and the test modules that it declares.
@@ -54,10 +49,7 @@ fn without_tests(code: &str) -> (String, Vec<String>) {
             continue;
         }
         let item = lines.next().unwrap_or_default();
-        match item
-            .strip_suffix(';')
-            .and_then(|item| item.split_once("mod "))
-        {
+        match item.strip_suffix(';').and_then(|item| item.split_once("mod ")) {
             Some((_, name)) => modules.push(name.to_owned()),
             None if item == "mod tests {" => break,
             None => {}
@@ -112,10 +104,7 @@ impl Module {
             };
             let mut found = Vec::new();
             use_paths("", tree.trim_end_matches(';'), &mut found);
-            let is_handed_on = before
-                .lines()
-                .next_back()
-                .is_some_and(|line| line.contains("pub"));
+            let is_handed_on = before.lines().next_back().is_some_and(|line| line.contains("pub"));
             for (path, name) in found {
                 match is_handed_on {
                     true => handed_on.push((path.clone(), name.clone())),
@@ -125,13 +114,10 @@ impl Module {
             }
         }
         let in_path = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == ':';
-        let words: BTreeSet<&str> = (rest.split(|letter| !in_path(letter)))
-            .map(|word| word.trim_matches(':'))
-            .collect();
+        let words: BTreeSet<&str> =
+            (rest.split(|letter| !in_path(letter))).map(|word| word.trim_matches(':')).collect();
         let names: BTreeSet<&str> = words.iter().flat_map(|word| word.split("::")).collect();
-        let used = handed_on
-            .into_iter()
-            .filter(|(_, name)| names.contains(name.as_str()));
+        let used = handed_on.into_iter().filter(|(_, name)| names.contains(name.as_str()));
         module.taken.extend(used.map(|(path, _)| path));
         let paths = words.iter().filter(|word| word.contains("::"));
         module.taken.extend(paths.map(|path| (*path).to_owned()));
@@ -142,7 +128,8 @@ impl Module {
     }
 }
 
-/// The module that defines the item at the end of a path, and the item. `within`: the path starts in the module.
+/// The module that defines the item at the end of a path, and the item. `within`: the path starts
+/// in the module.
 fn resolve(
     modules: &BTreeMap<String, Module>,
     (module, path): (&str, &str),
@@ -180,26 +167,15 @@ pub(super) fn imports() -> Imports {
     }
     let is_test = |module: &str| {
         let within = |test: &String| module.strip_prefix(test.as_str());
-        tests
-            .iter()
-            .filter_map(within)
-            .any(|rest| rest.is_empty() || rest.starts_with("::"))
+        tests.iter().filter_map(within).any(|rest| rest.is_empty() || rest.starts_with("::"))
     };
     files.retain(|module, _| !is_test(module));
     let read = |(module, code): (&String, &String)| (module.clone(), Module::read(code));
     let modules: BTreeMap<String, Module> = files.iter().map(read).collect();
     let mut imports = Imports::new();
-    for (
-        module,
-        Module {
-            taken, extended, ..
-        },
-    ) in &modules
-    {
+    for (module, Module { taken, extended, .. }) in &modules {
         let own = imports.entry(module.clone()).or_default();
-        let items = taken
-            .iter()
-            .filter_map(|path| resolve(&modules, (module, path), false, 0));
+        let items = taken.iter().filter_map(|path| resolve(&modules, (module, path), false, 0));
         for (other, name) in items {
             let contains =
                 other.is_empty() || format!("{module}::").starts_with(&format!("{other}::"));
@@ -216,22 +192,18 @@ fn reached<'a>(imports: &'a Imports, start: &'a str) -> BTreeSet<&'a str> {
     let (mut seen, mut ahead) = (BTreeSet::new(), vec![start]);
     while let Some(module) = ahead.pop() {
         let others = imports.get(module).into_iter().flat_map(BTreeMap::keys);
-        ahead.extend(
-            others
-                .map(String::as_str)
-                .filter(|other| seen.insert(*other)),
-        );
+        ahead.extend(others.map(String::as_str).filter(|other| seen.insert(*other)));
     }
     seen
 }
 
-/// What modules take from each other that import each other, directly or through others: a sentence for each two.
+/// What modules take from each other that import each other, directly or through others: a sentence
+/// for each two.
 pub(super) fn circles(imports: &Imports) -> Vec<String> {
     let mut ties = Vec::new();
     for (module, taken) in imports {
-        let others = taken
-            .iter()
-            .filter(|(other, _)| reached(imports, other).contains(module.as_str()));
+        let others =
+            taken.iter().filter(|(other, _)| reached(imports, other).contains(module.as_str()));
         ties.extend(others.map(|(other, names)| format!("{module} takes {names:?} from {other}")));
     }
     ties

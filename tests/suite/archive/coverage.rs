@@ -14,7 +14,8 @@ use std::path::Path;
 
 /// Places asked for.
 const PLACES: usize = 1000;
-/// The archive has the metres of the zone, the logs their own frames: over the reach of a ping they differ by less.
+/// The archive has the metres of the zone, the logs their own frames: over the reach of a ping they
+/// differ by less.
 const ROUNDING_M: f64 = 2e-3;
 
 struct Log {
@@ -25,21 +26,13 @@ struct Log {
 fn opened(folder: &Path, log: u32) -> Log {
     let path = folder.join(format!("log-{log}.sl2"));
     let survey = formats::open(&path, &Progress::new()).expect("a log");
-    let products = pipeline::run(
-        &survey,
-        &Settings::default(),
-        None,
-        &Progress::new(),
-        |_| (),
-    );
-    Log {
-        survey,
-        products: products.expect("nobody cancels"),
-    }
+    let products = pipeline::run(&survey, &Settings::default(), None, &Progress::new(), |_| ());
+    Log { survey, products: products.expect("nobody cancels") }
 }
 
 impl Log {
-    /// Distance from a place of the log's own plane to the ground that a side of a ping saw, and the slant range of the nearest.
+    /// Distance from a place of the log's own plane to the ground that a side of a ping saw, and
+    /// the slant range of the nearest.
     fn distance_m(&self, ping: usize, side: Side, place: [f64; 2]) -> Option<(f64, f64)> {
         let boats = &self.products.navigation.pings;
         let boat = boats[ping];
@@ -78,25 +71,18 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
     let folder = temporary.path();
     three_logs(folder);
     let archive = Archive::open(&folder.join("archive")).expect("an archive");
-    let logs: BTreeMap<String, Log> = (0..3)
-        .map(|log| (format!("log-{log}"), opened(folder, log)))
-        .collect();
+    let logs: BTreeMap<String, Log> =
+        (0..3).map(|log| (format!("log-{log}"), opened(folder, log))).collect();
     let mut moments = Moments(5);
     let (mut sightings, mut on_the_edge) = (0, 0);
     for index in 0..PLACES {
         let radius_m = [0.0, 0.0, 0.5, 4.0][index % 4];
         let at =
             ZONE.to_lon_lat([0, 1].map(|axis| CORNER_M[axis] + 90.0 * (moments.share() - 0.5)));
-        let found = coverage_at(
-            &archive,
-            CoverageQuery::Around(at, radius_m),
-            &Progress::new(),
-        )
-        .expect("an answer");
-        let found: BTreeMap<(String, i32, Side), _> = found
-            .into_iter()
-            .map(|one| ((one.name.clone(), one.ping, one.side), one))
-            .collect();
+        let found = coverage_at(&archive, CoverageQuery::Around(at, radius_m), &Progress::new())
+            .expect("an answer");
+        let found: BTreeMap<(String, i32, Side), _> =
+            found.into_iter().map(|one| ((one.name.clone(), one.ping, one.side), one)).collect();
         sightings += found.len();
         for (name, log) in &logs {
             let place = log.survey.track.frame.to_enu(at);
@@ -115,11 +101,7 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
                         on_the_edge += 1;
                         continue;
                     }
-                    assert_eq!(
-                        one.is_some(),
-                        off_m <= radius_m,
-                        "{name} {ping} {side:?} {off_m}"
-                    );
+                    assert_eq!(one.is_some(), off_m <= radius_m, "{name} {ping} {side:?} {off_m}");
                     if let Some(one) = one {
                         assert!((one.seen.range_m - range_m).abs() < ROUNDING_M);
                         let span = log.survey.span(ping, side).expect("a side");
@@ -150,10 +132,8 @@ fn places_are_those_that_corrected_positions_show() {
     };
     let recorded = seen(middle);
     assert!(recorded.len() > 2, "{recorded:?}");
-    let table = format!(
-        "log,offset_m,pinned,east_m,north_m,latency_s\n{},0,0,4.5,-3,0\n",
-        recorded[0].log
-    );
+    let table =
+        format!("log,offset_m,pinned,east_m,north_m,latency_s\n{},0,0,4.5,-3,0\n", recorded[0].log);
     fs::write(folder.join("archive/offsets.csv"), table).expect("a table");
     assert_ne!(seen(middle), recorded);
     let moved = seen([middle[0] + 4.5, middle[1] - 3.0]);
@@ -172,10 +152,7 @@ fn the_command_prints_passes_and_every_ping_as_json() {
     let at = ZONE.to_lon_lat([CORNER_M[0] + 6.0, CORNER_M[1] + 3.0]);
     let place = format!("{},{},1", at.lon_deg, at.lat_deg);
     let text = run(folder, &["coverage", "archive", &place]);
-    assert!(
-        text.contains("log-0: ping ") && text.contains(" of 3 logs"),
-        "{text}"
-    );
+    assert!(text.contains("log-0: ping ") && text.contains(" of 3 logs"), "{text}");
     let json: serde_json::Value =
         serde_json::from_str(&run(folder, &["coverage", "archive", &place, "--json"]))
             .expect("JSON");
@@ -208,13 +185,7 @@ fn an_area_is_seen_by_those_that_see_a_circle_in_it_and_by_no_others_than_see_on
     three_logs(folder);
     // Three metres from the middle to a side.
     let [x, y] = [CORNER_M[0] - 10.0, CORNER_M[1] + 8.0];
-    let corners = [
-        [-3.0, -3.0],
-        [3.0, -3.0],
-        [3.0, 3.0],
-        [-3.0, 3.0],
-        [-3.0, -3.0],
-    ];
+    let corners = [[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]];
     let ring: Vec<[f64; 2]> = corners
         .iter()
         .map(|[east, north]| {
@@ -248,22 +219,11 @@ fn an_area_is_seen_by_those_that_see_a_circle_in_it_and_by_no_others_than_see_on
     assert!(inner.len() < within.len() && within.len() < outer.len());
     for (one, [nearest, _]) in &inner {
         let [from, to] = within[one];
-        assert!(
-            from <= *nearest && nearest <= &to,
-            "{one:?} {from} {to} {nearest}"
-        );
+        assert!(from <= *nearest && nearest <= &to, "{one:?} {from} {to} {nearest}");
     }
     assert!(within.keys().all(|one| outer.contains_key(one)));
-    let both = refusal(
-        folder,
-        &["coverage", "archive", "9,9", "--area", "cove.geojson"],
-        2,
-    );
+    let both = refusal(folder, &["coverage", "archive", "9,9", "--area", "cove.geojson"], 2);
     assert!(both.contains("cannot be used with"), "{both}");
-    let none = refusal(
-        folder,
-        &["coverage", "archive", "--area", "nowhere.geojson"],
-        1,
-    );
+    let none = refusal(folder, &["coverage", "archive", "--area", "nowhere.geojson"], 1);
     assert!(none.contains("nowhere.geojson"), "{none}");
 }

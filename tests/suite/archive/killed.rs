@@ -34,9 +34,7 @@ fn final_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         false => BTreeMap::new(),
     };
     there.retain(|name, _| {
-        !name
-            .split('/')
-            .any(|part| part.starts_with('.') || part.ends_with(".part"))
+        !name.split('/').any(|part| part.starts_with('.') || part.ends_with(".part"))
     });
     there
 }
@@ -54,22 +52,12 @@ fn what_a_killed_run_leaves_is_whole_and_the_next_run_gives_the_same_bytes() {
     run(folder, &["archive", "archive"]);
     let build = began.elapsed() - process;
     let whole = final_files(&folder.join("archive"));
-    let asked = std::env::var("BATHYSCOPE_KILLS")
-        .ok()
-        .and_then(|text| text.parse().ok());
+    let asked = std::env::var("BATHYSCOPE_KILLS").ok().and_then(|text| text.parse().ok());
     let mut moments = Moments(11);
     for kill in 0..asked.unwrap_or(KILLS) {
         std::fs::remove_dir_all(folder.join("archive")).expect("an archive");
-        let to_archive = [
-            "process",
-            LOGS[0],
-            LOGS[1],
-            LOGS[2],
-            "-o",
-            "archive",
-            "--products",
-            "tiles",
-        ];
+        let to_archive =
+            ["process", LOGS[0], LOGS[1], LOGS[2], "-o", "archive", "--products", "tiles"];
         let part = |all: Duration, share: f64| all.mul_f64(share);
         killed(folder, &to_archive, part(process, moments.share()));
         let check = || {
@@ -82,25 +70,14 @@ fn what_a_killed_run_leaves_is_whole_and_the_next_run_gives_the_same_bytes() {
             // Whatever counts has all of its rows.
             for log in archive.logs().expect("records") {
                 for file in log.tiles.iter().flat_map(|rows| &rows.files) {
-                    assert!(
-                        folder.join("archive").join(&file.file).is_file(),
-                        "{}",
-                        file.file
-                    );
+                    assert!(folder.join("archive").join(&file.file).is_file(), "{}", file.file);
                 }
             }
         }
         add(folder, &LOGS);
-        killed(
-            folder,
-            &["archive", "archive"],
-            part(build, moments.share()),
-        );
+        killed(folder, &["archive", "archive"], part(build, moments.share()));
         check();
         run(folder, &["archive", "archive"]);
-        assert!(
-            final_files(&folder.join("archive")) == whole,
-            "kill {kill}: another archive"
-        );
+        assert!(final_files(&folder.join("archive")) == whole, "kill {kill}: another archive");
     }
 }

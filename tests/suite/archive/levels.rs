@@ -14,7 +14,8 @@ use tiff::decoder::{Decoder, DecodingResult};
 
 const LEVELS: [&str; 2] = ["--set", "surface.swath=always"];
 
-/// Three logs around the corner of four tiles, in lines wider apart than those of other tests, in an archive with depths from levels.
+/// Three logs around the corner of four tiles, in lines wider apart than those of other tests, in
+/// an archive with depths from levels.
 fn archive_from_levels(folder: &Path) {
     for log in 0..3 {
         sail(folder, log, &hilly(log));
@@ -96,7 +97,8 @@ fn tiles_from_levels_meet_to_the_bit_and_are_as_their_neighbours_change() {
     }
     assert!(compared > 500, "{compared} cells from levels");
 
-    // The maps are files, a neighbour's rows are what a tile is made from, and the same rows give the same bytes.
+    // The maps are files, a neighbour's rows are what a tile is made from, and the same rows give
+    // the same bytes.
     run(folder, &["archive", "archive"]);
     let made = files(&folder.join("archive/tiles"));
     fs::remove_dir_all(folder.join("archive/tiles")).expect("maps");
@@ -108,13 +110,7 @@ fn tiles_from_levels_meet_to_the_bit_and_are_as_their_neighbours_change() {
         panic!("sources are classes");
     };
     let from_levels = CellSource::FromLevels as u8;
-    assert!(
-        sources
-            .iter()
-            .filter(|source| **source == from_levels)
-            .count()
-            > 100
-    );
+    assert!(sources.iter().filter(|source| **source == from_levels).count() > 100);
     let far = scene(7, [300.0, -300.0], 0.0);
     sail(folder, 7, &far);
     add(folder, &["log-7.sl2"]);
@@ -140,16 +136,8 @@ fn an_archive_from_levels_is_corrected_as_the_same_logs_processed_together() {
     let to_archive = ["-o", "plain-archive", "--products", "tiles"];
     run(folder, &[&["process"], &LOGS[..], &to_archive].concat());
     let mut maps = Vec::new();
-    for (name, swath) in [
-        ("levels", "surface.swath=always"),
-        ("plain", "surface.swath=off"),
-    ] {
-        let mut args = [
-            &["process"],
-            &LOGS[..],
-            &["-o", name, "--products", "depth"],
-        ]
-        .concat();
+    for (name, swath) in [("levels", "surface.swath=always"), ("plain", "surface.swath=off")] {
+        let mut args = [&["process"], &LOGS[..], &["-o", name, "--products", "depth"]].concat();
         for setting in ["surface.method=linear", "surface.cell_m=0.5", swath] {
             args.extend(["--set", setting]);
         }
@@ -188,7 +176,8 @@ fn an_archive_from_levels_is_corrected_as_the_same_logs_processed_together() {
     let correlation = sum(&|cell| together(cell) * of_archive(cell))
         / (sum(&|cell| together(cell).powi(2)) * sum(&|cell| of_archive(cell).powi(2))).sqrt();
     println!("errors {errors_m:.4?} m, corrections correlate {correlation:.3}");
-    // The corner of four tiles lies in the middle: each has a quarter of the echoes. An archive learns the curves of each log alone.
+    // The corner of four tiles lies in the middle: each has a quarter of the echoes. An archive
+    // learns the curves of each log alone.
     assert!(correlation > 0.6, "{correlation}");
     assert!(errors_m[0] < 0.7 * errors_m[1], "{errors_m:?}");
     assert!(errors_m[2] < 0.95 * errors_m[3], "{errors_m:?}");
@@ -199,14 +188,7 @@ fn an_archive_from_levels_of_large_cells_is_refused() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
-    let args = [
-        "process",
-        "log-0.sl2",
-        "-o",
-        "archive",
-        "--products",
-        "tiles",
-    ];
+    let args = ["process", "log-0.sl2", "-o", "archive", "--products", "tiles"];
     let with = |setting: &'static str| [&args[..], &LEVELS, &["--set", setting]].concat();
     let refused = refusal(folder, &with("surface.cell_m=4"), 1);
     assert!(refused.contains("2 m at most"), "{refused}");

@@ -4,13 +4,8 @@ use super::{add, files, sail, scene};
 use crate::cli::run;
 use std::fs;
 
-const FILES: [&str; 5] = [
-    "depth.mbtiles",
-    "depth.pmtiles",
-    "depth_values.pmtiles",
-    "index.html",
-    "map_tiles.json",
-];
+const FILES: [&str; 5] =
+    ["depth.mbtiles", "depth.pmtiles", "depth_values.pmtiles", "index.html", "map_tiles.json"];
 
 #[test]
 fn they_are_made_of_all_tiles_whatever_the_order_of_the_logs_and_only_when_one_changed() {
@@ -26,20 +21,10 @@ fn they_are_made_of_all_tiles_whatever_the_order_of_the_logs_and_only_when_one_c
     assert!(run(&one, &["archive", "archive"]).contains("map_tiles/index.html"));
     run(&other, &["archive", "archive"]);
     let made = files(&one.join("archive/map_tiles"));
-    assert!(
-        made.keys().map(String::as_str).eq(FILES),
-        "{:?}",
-        made.keys()
-    );
-    assert!(
-        made == files(&other.join("archive/map_tiles")),
-        "other bytes"
-    );
+    assert!(made.keys().map(String::as_str).eq(FILES), "{:?}", made.keys());
+    assert!(made == files(&other.join("archive/map_tiles")), "other bytes");
 
-    assert!(
-        !run(&one, &["archive", "archive"]).contains("map_tiles"),
-        "nothing had changed"
-    );
+    assert!(!run(&one, &["archive", "archive"]).contains("map_tiles"), "nothing had changed");
     fs::remove_file(one.join("archive/map_tiles/depth.pmtiles")).expect("a file");
     assert!(run(&one, &["archive", "archive"]).contains("map_tiles/index.html"));
     assert!(made == files(&one.join("archive/map_tiles")), "other bytes");
@@ -77,13 +62,10 @@ fn a_log_elsewhere_leaves_the_parts_of_the_map_that_it_does_not_reach() {
     assert!(!parts.is_empty() && parts.keys().all(|name| more.contains_key(name)));
     assert!(parts.len() < more.len());
 
-    // What was kept and what is drawn anew, for want of a part or because it is damaged, are the same map.
+    // What was kept and what is drawn anew, for want of a part or because it is damaged, are the
+    // same map.
     let (name, bytes) = more.first_key_value().expect("a part");
-    fs::write(
-        archive.join("map_parts").join(name),
-        &bytes[..bytes.len() / 2],
-    )
-    .expect("a file");
+    fs::write(archive.join("map_parts").join(name), &bytes[..bytes.len() / 2]).expect("a file");
     fs::remove_dir_all(archive.join("map_tiles")).expect("a folder");
     assert!(build() == [grown.clone(), more.clone()]);
     fs::remove_dir_all(archive.join("map_tiles")).expect("a folder");

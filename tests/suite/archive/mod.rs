@@ -19,13 +19,11 @@ use std::fs;
 use std::path::Path;
 
 /// The zone of the simulated water, and a corner of four tiles in it.
-pub(super) const ZONE: UtmZone = UtmZone {
-    number: 17,
-    north: true,
-};
+pub(super) const ZONE: UtmZone = UtmZone { number: 17, north: true };
 pub(super) const CORNER_M: [f64; 2] = [392_192.0, 3_253_760.0];
 
-/// A small survey about a place some metres from the corner, whose transducer hangs higher over the ground than that of others.
+/// A small survey about a place some metres from the corner, whose transducer hangs higher over the
+/// ground than that of others.
 pub(super) fn scene(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
     let centre = ZONE.to_lon_lat(CORNER_M);
     let [lon_m, lat_m] = metres_per_degree(centre);
@@ -48,17 +46,14 @@ pub(super) fn scene(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Sce
             ping_rate_hz: 10.0,
             ..TrackSettings::default()
         },
-        artefacts: Artefacts {
-            weed_m: 0.0,
-            ..Artefacts::default()
-        },
+        artefacts: Artefacts { weed_m: 0.0, ..Artefacts::default() },
         scattered_objects: 0,
         ..Scene::default()
     }
 }
 
-/// The same ground, sailed to and fro about a place and across: a track that crosses those of logs beside it a hundred times, so that the
-/// noise of a crossing, some 5 cm, leaves half a centimetre.
+/// The same ground, sailed to and fro about a place and across: a track that crosses those of logs
+/// beside it a hundred times, so that the noise of a crossing, some 5 cm, leaves half a centimetre.
 pub(super) fn zigzag(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
     let ways = [
         [-26.0, -16.0],

@@ -1,4 +1,5 @@
-//! The mosaics of tiles: that of `process`, cut at the tiles, whatever the order in which logs came.
+//! The mosaics of tiles: that of `process`, cut at the tiles, whatever the order in which logs
+//! came.
 
 use super::{files, sail, scene};
 use crate::cli::{refusal, run};
@@ -20,12 +21,8 @@ struct Levels {
 impl Levels {
     fn read(path: &Path, cell_m: f64) -> Self {
         let mut decoder = Decoder::new(File::open(path).expect("a mosaic")).expect("a TIFF");
-        let tie = decoder
-            .get_tag_f64_vec(Tag::ModelTiepointTag)
-            .expect("its place");
-        let scale = decoder
-            .get_tag_f64_vec(Tag::ModelPixelScaleTag)
-            .expect("its cells");
+        let tie = decoder.get_tag_f64_vec(Tag::ModelTiepointTag).expect("its place");
+        let scale = decoder.get_tag_f64_vec(Tag::ModelPixelScaleTag).expect("its cells");
         assert!((scale[0] - cell_m).abs() < 1e-12 && scale[0] == scale[1]);
         let corner = [tie[3], tie[4]].map(|metres| {
             let cells = metres / cell_m;
@@ -36,20 +33,12 @@ impl Levels {
         let DecodingResult::U8(levels) = decoder.read_image().expect("levels") else {
             panic!("a grey mosaic has levels");
         };
-        Self {
-            corner,
-            columns: columns as usize,
-            levels,
-        }
+        Self { corner, columns: columns as usize, levels }
     }
 
     /// Levels of what was seen by the column and row of its cell in the zone, rows southward.
     fn seen(&self) -> impl Iterator<Item = ([i64; 2], u8)> {
-        let known = self
-            .levels
-            .iter()
-            .enumerate()
-            .filter(|(_, level)| **level > 0);
+        let known = self.levels.iter().enumerate().filter(|(_, level)| **level > 0);
         known.map(|(cell, level)| {
             let (row, column) = (cell / self.columns, cell % self.columns);
             let [west, north] = self.corner;
@@ -68,11 +57,7 @@ fn of_archive(archive: &Path, cell_m: f64) -> BTreeMap<[i64; 2], u8> {
         let before = all.len();
         let levels = Levels::read(&path, cell_m);
         all.extend(levels.seen());
-        assert_eq!(
-            all.len() - before,
-            levels.seen().count(),
-            "{tile}: no cell lies in two tiles"
-        );
+        assert_eq!(all.len() - before, levels.seen().count(), "{tile}: no cell lies in two tiles");
     }
     all
 }
@@ -92,7 +77,8 @@ fn differences(one: &BTreeMap<[i64; 2], u8>, other: &BTreeMap<[i64; 2], u8>) -> 
     found
 }
 
-/// Puts logs into an archive, makes its tiles, and processes the same by themselves; what both show.
+/// Puts logs into an archive, makes its tiles, and processes the same by themselves; what both
+/// show.
 fn both(
     folder: &Path,
     name: &str,
@@ -110,10 +96,7 @@ fn both(
     process(&["-o", &alone, "--products", "mosaic", "--no-objects"]);
     run(folder, &["archive", &archive]);
     let alone = Levels::read(&folder.join(alone).join("mosaic/mosaic.tif"), cell_m);
-    [
-        of_archive(&folder.join(archive), cell_m),
-        alone.seen().collect(),
-    ]
+    [of_archive(&folder.join(archive), cell_m), alone.seen().collect()]
 }
 
 #[test]
@@ -121,8 +104,8 @@ fn the_mosaic_of_a_archive_of_one_log_is_that_of_the_log() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
-    // Places of cells of 0.125 m are the same numbers in both; those of 0.1 m are not to the last bit, so that a cell at the end of a swath
-    // may be in one and not in the other.
+    // Places of cells of 0.125 m are the same numbers in both; those of 0.1 m are not to the last
+    // bit, so that a cell at the end of a swath may be in one and not in the other.
     for (name, cell_m, overlap) in [
         ("later", 0.125, "later"),
         ("brighter", 0.125, "brighter"),
@@ -138,7 +121,8 @@ fn the_mosaic_of_a_archive_of_one_log_is_that_of_the_log() {
             alone.len()
         );
         assert!(alone.len() > 50_000, "{name}: {}", alone.len());
-        // Sums of samples begin elsewhere in windows that lie elsewhere: a level at the middle of two may be rounded either way.
+        // Sums of samples begin elsewhere in windows that lie elsewhere: a level at the middle of
+        // two may be rounded either way.
         assert!(1000 * by_one < alone.len(), "{name}: {by_one}");
         if cell_m == 0.125 {
             assert_eq!([one_only, by_more], [0; 2], "{name}");
@@ -155,14 +139,9 @@ fn the_mosaic_of_two_logs_is_that_of_both_in_the_order_of_their_recording() {
     for log in 0..2 {
         sail(folder, log, &scene(log, [3.0, -4.0], 0.0));
     }
-    // Processed together, levels of logs are matched, but not as they were recorded; and the relief of a log's ground is taken on cells that
-    // count from the first log's origin, not from its own.
-    let recorded = [
-        "--set",
-        "mosaic.gain=recorded",
-        "--set",
-        "surface.relief=false",
-    ];
+    // Processed together, levels of logs are matched, but not as they were recorded; and the relief
+    // of a log's ground is taken on cells that count from the first log's origin, not from its own.
+    let recorded = ["--set", "mosaic.gain=recorded", "--set", "surface.relief=false"];
     for overlap in ["later", "blend"] {
         let setting = format!("mosaic.overlap={overlap}");
         let settings = [&recorded[..], &["--set", &setting]].concat();
@@ -174,10 +153,7 @@ fn the_mosaic_of_two_logs_is_that_of_both_in_the_order_of_their_recording() {
         let [one_only, by_one, by_more] = found;
         assert!(10_000 * (one_only + by_more) < alone.len(), "{found:?}");
         // A mean of parts is one of whole levels.
-        assert!(
-            overlap == "blend" || 1000 * by_one < alone.len(),
-            "{found:?}"
-        );
+        assert!(overlap == "blend" || 1000 * by_one < alone.len(), "{found:?}");
 
         // Whatever came first, the same bytes.
         let archive = format!("{overlap}-archive");
@@ -197,22 +173,14 @@ fn the_mosaic_of_two_logs_is_that_of_both_in_the_order_of_their_recording() {
 fn factors(archive: &Path) -> BTreeMap<String, (f64, usize)> {
     let table = fs::read_to_string(archive.join("offsets.csv")).expect("a table");
     let mut lines = table.lines();
-    assert!(
-        lines
-            .next()
-            .expect("a head")
-            .ends_with(",level_factor,level_ties")
-    );
+    assert!(lines.next().expect("a head").ends_with(",level_factor,level_ties"));
     let row = |line: &str| {
         let fields: Vec<&str> = line.split(',').collect();
         let [.., factor, ties] = fields[..] else {
             panic!("{line}");
         };
         let factor = factor.parse().expect("a factor");
-        (
-            fields[0].to_owned(),
-            (factor, ties.parse().expect("a count")),
-        )
+        (fields[0].to_owned(), (factor, ties.parse().expect("a count")))
     };
     lines.map(row).collect()
 }
@@ -246,10 +214,7 @@ fn levels_of_logs_are_brought_to_each_other_and_known_logs_keep_theirs() {
     let there = files(&archive);
     let third = ["log-2.sl2", "-o", "two-archive", "--products", "tiles"];
     let settings = ["--set", "mosaic.cell_m=0.25"];
-    run(
-        folder,
-        &[&["process"], &third[..], &settings, &level].concat(),
-    );
+    run(folder, &[&["process"], &third[..], &settings, &level].concat());
     run(folder, &["archive", "two-archive"]);
     let of_three = factors(&archive);
     for log in ["log-0", "log-1"] {
@@ -282,10 +247,7 @@ fn a_mosaic_is_stale_when_a_part_of_it_changes_and_goes_with_the_last() {
     // As they were recorded, levels of one log do not hang on those of another.
     let add = |log: &str| {
         let to_archive = ["process", log, "-o", "archive", "--products", "tiles"];
-        run(
-            folder,
-            &[&to_archive[..], &["--set", "mosaic.gain=recorded"]].concat(),
-        );
+        run(folder, &[&to_archive[..], &["--set", "mosaic.gain=recorded"]].concat());
     };
     add("log-0.sl2");
     run(folder, &["archive", "archive"]);
@@ -302,27 +264,18 @@ fn a_mosaic_is_stale_when_a_part_of_it_changes_and_goes_with_the_last() {
     let vrt = fs::read_to_string(folder.join("archive/index/mosaic_17N.vrt")).expect("an index");
     assert!(vrt.contains(&format!("../tiles/{tile}/mosaic.tif")) && vrt.contains("Byte"));
     let item = fs::read_to_string(folder.join(format!("archive/index/{tile}.json")));
-    assert!(
-        item.expect("an item")
-            .contains(&format!("../tiles/{tile}/mosaic.tif"))
-    );
+    assert!(item.expect("an item").contains(&format!("../tiles/{tile}/mosaic.tif")));
 
     // Without its record the second log is no part of the archive, and the first is as it was.
     let archive = Archive::open(&folder.join("archive")).expect("an archive");
     let logs = archive.logs().expect("records");
-    let second = logs
-        .iter()
-        .find(|log| log.name.contains("log-1"))
-        .expect("both");
+    let second = logs.iter().find(|log| log.name.contains("log-1")).expect("both");
     fs::remove_file(folder.join(format!("archive/logs/{}.json", second.log))).expect("a record");
     run(folder, &["archive", "archive"]);
     assert!(fs::read(folder.join(&mosaic)).expect("a mosaic") == alone);
 
     // A part that cannot be read is named, and leaves no mosaic that would be taken for whole.
-    let first = logs
-        .iter()
-        .find(|log| log.name.contains("log-0"))
-        .expect("both");
+    let first = logs.iter().find(|log| log.name.contains("log-0")).expect("both");
     let part = folder.join(format!("archive/mosaic/tile={tile}/{}.tif", first.log));
     let length = fs::read(&part).expect("a part").len();
     fs::write(&part, vec![0; length]).expect("a part");
@@ -336,30 +289,15 @@ fn cells_that_do_not_divide_a_tile_are_refused() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
-    let to_archive = [
-        "process",
-        "log-0.sl2",
-        "-o",
-        "archive",
-        "--products",
-        "tiles",
-    ];
+    let to_archive = ["process", "log-0.sl2", "-o", "archive", "--products", "tiles"];
     let with = |setting| [&to_archive[..], &["--set", setting]].concat();
     let refused = refusal(folder, &with("mosaic.cell_m=0.3"), 1);
     assert!(refused.contains("does not divide the 512 m"), "{refused}");
     assert!(!folder.join("archive").exists());
     run(folder, &with("mosaic.cell_m=0.5"));
     let refused = refusal(folder, &to_archive, 1);
-    assert!(
-        refused.contains("mosaic.cell_m is 0.5 there, and 0.1 here"),
-        "{refused}"
-    );
+    assert!(refused.contains("mosaic.cell_m is 0.5 there, and 0.1 here"), "{refused}");
     // How mosaics are coloured is not the archive's.
-    let colours = [
-        "--set",
-        "mosaic.cell_m=0.5",
-        "--set",
-        "mosaic.colours=copper",
-    ];
+    let colours = ["--set", "mosaic.cell_m=0.5", "--set", "mosaic.colours=copper"];
     run(folder, &[&to_archive[..], &colours].concat());
 }

@@ -12,7 +12,8 @@ const LOGS: u32 = 30;
 /// Logs that lie far from all others.
 const APART: [u32; 2] = [7, 19];
 
-/// Logs of known heights around the corner of four tiles; what each hangs higher over the ground, metres.
+/// Logs of known heights around the corner of four tiles; what each hangs higher over the ground,
+/// metres.
 fn sail_many(folder: &Path, count: u32) -> Vec<f64> {
     let mut moments = Moments(3);
     let mut higher_m = Vec::new();
@@ -35,19 +36,11 @@ fn adjusted(folder: &Path) -> BTreeMap<String, Value> {
     let printed: Value =
         serde_json::from_str(&run(folder, &["adjust", "archive", "--json"])).expect("JSON");
     let rows = printed.as_array().expect("rows").iter();
-    rows.map(|row| {
-        (
-            row["name"].as_str().expect("a name").to_owned(),
-            row.clone(),
-        )
-    })
-    .collect()
+    rows.map(|row| (row["name"].as_str().expect("a name").to_owned(), row.clone())).collect()
 }
 
 fn offset_m(rows: &BTreeMap<String, Value>, log: u32) -> f64 {
-    rows[&format!("log-{log}")]["offset_m"]
-        .as_f64()
-        .expect("an offset")
+    rows[&format!("log-{log}")]["offset_m"].as_f64().expect("an offset")
 }
 
 #[test]
@@ -56,16 +49,12 @@ fn offsets_of_thirty_logs_are_found_where_tied_and_the_others_named() {
     let folder = temporary.path();
     let higher_m = sail_many(folder, LOGS);
     let warned = stderr_of(folder, &["adjust", "archive"]);
-    assert!(
-        warned.contains("nothing ties 2 logs to another log: log-19, log-7"),
-        "{warned}"
-    );
+    assert!(warned.contains("nothing ties 2 logs to another log: log-19, log-7"), "{warned}");
     let rows = adjusted(folder);
     let tied: Vec<u32> = (0..LOGS).filter(|log| !APART.contains(log)).collect();
     let mean_m = tied.iter().map(|log| higher_m[*log as usize]).sum::<f64>() / tied.len() as f64;
-    let off_m = tied
-        .iter()
-        .map(|log| (offset_m(&rows, *log) - (higher_m[*log as usize] - mean_m)).abs());
+    let off_m =
+        tied.iter().map(|log| (offset_m(&rows, *log) - (higher_m[*log as usize] - mean_m)).abs());
     let mut off_m: Vec<f64> = off_m.collect();
     off_m.sort_by(f64::total_cmp);
     let within = off_m.iter().filter(|metres| **metres < 0.02).count();
@@ -83,10 +72,7 @@ fn offsets_of_thirty_logs_are_found_where_tied_and_the_others_named() {
     // CoverageQuery again, the table stays as it is.
     let table = fs::read(folder.join("archive/offsets.csv")).expect("a table");
     adjusted(folder);
-    assert_eq!(
-        fs::read(folder.join("archive/offsets.csv")).expect("a table"),
-        table
-    );
+    assert_eq!(fs::read(folder.join("archive/offsets.csv")).expect("a table"), table);
 }
 
 #[test]
@@ -114,10 +100,7 @@ fn a_pinned_log_stays_and_a_damaged_table_is_refused() {
     for log in [0, 1, 3] {
         let moved_m = offset_m(&held, log) - offset_m(&free, log);
         let expected_m = 1.25 - offset_m(&free, 2);
-        assert!(
-            (moved_m - expected_m).abs() < 0.005,
-            "{log}: {moved_m} {expected_m}"
-        );
+        assert!((moved_m - expected_m).abs() < 0.005, "{log}: {moved_m} {expected_m}");
     }
     let column = |name: &str| {
         let head = table.lines().next().expect("a head");
@@ -130,10 +113,7 @@ fn a_pinned_log_stays_and_a_damaged_table_is_refused() {
         fields[column(name)] = text;
         fs::write(&path, table.replace(first, &fields.join(","))).expect("a table");
         let refused = refusal(folder, &["adjust", "archive"], 1);
-        assert!(
-            refused.contains("line 2 of the table of offsets"),
-            "{refused}"
-        );
+        assert!(refused.contains("line 2 of the table of offsets"), "{refused}");
     }
     fs::write(&path, "name,offset_m\n").expect("a table");
     assert!(refusal(folder, &["archive", "archive"], 1).contains("no column log"));

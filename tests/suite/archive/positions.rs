@@ -1,4 +1,5 @@
-//! Positions of the logs of an archive that are off or late, found from crossings over a bottom that slopes.
+//! Positions of the logs of an archive that are off or late, found from crossings over a bottom
+//! that slopes.
 
 use super::{add, sail, zigzag};
 use crate::cli::{refusal, run};
@@ -12,21 +13,14 @@ use std::fs;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
-/// How the positions of each log are off, metres to the east and north, and late, seconds: shifts have a mean of zero, since one that all share
-/// shows nowhere.
-pub(crate) const TRUTH: [[f64; 3]; 4] = [
-    [1.5, -1.0, 0.0],
-    [0.0, 0.0, 1.2],
-    [-1.5, 1.0, 0.0],
-    [0.0, 0.0, 0.0],
-];
+/// How the positions of each log are off, metres to the east and north, and late, seconds: shifts
+/// have a mean of zero, since one that all share shows nowhere.
+pub(crate) const TRUTH: [[f64; 3]; 4] =
+    [[1.5, -1.0, 0.0], [0.0, 0.0, 1.2], [-1.5, 1.0, 0.0], [0.0, 0.0, 0.0]];
 
 /// A bed of mounds and hollows, and a boat that goes over them in all directions.
 fn hilly(log: u32) -> Scene {
-    let middle = [
-        f64::from(log % 2) * 6.0 - 3.0,
-        f64::from(log / 2) * 5.0 - 2.5,
-    ];
+    let middle = [f64::from(log % 2) * 6.0 - 3.0, f64::from(log / 2) * 5.0 - 2.5];
     let scene = zigzag(log, middle, 0.2 * f64::from(log));
     let places = (-4..=4).flat_map(|column| (-4..=4).map(move |row| (column, row)));
     let mounds = places.map(|(column, row)| Mound {
@@ -35,16 +29,11 @@ fn hilly(log: u32) -> Scene {
         radius_m: 2.5,
         height_m: if (column + row) % 2 == 0 { 0.7 } else { -0.5 },
     });
-    Scene {
-        bed: BedSettings {
-            mounds: mounds.collect(),
-            ..scene.bed.clone()
-        },
-        ..scene
-    }
+    Scene { bed: BedSettings { mounds: mounds.collect(), ..scene.bed.clone() }, ..scene }
 }
 
-/// Writes another log whose positions are off and late: a frame's place is that of some seconds before, without the shift.
+/// Writes another log whose positions are off and late: a frame's place is that of some seconds
+/// before, without the shift.
 fn spoil(from: &Path, to: &Path, [east_m, north_m, latency_s]: [f64; 3]) {
     let mut log = fs::read(from).expect("a log");
     let integer = |log: &[u8], at: usize| i32::from_le_bytes(log[at..at + 4].try_into().unwrap());
@@ -58,21 +47,15 @@ fn spoil(from: &Path, to: &Path, [east_m, north_m, latency_s]: [f64; 3]) {
     let fixes: Vec<[f64; 3]> = frames
         .iter()
         .map(|frame| {
-            [
-                offset_of!(Header, time_ms),
-                offset_of!(Header, x_m),
-                offset_of!(Header, y_m),
-            ]
-            .map(|field| f64::from(integer(&log, frame + field)))
+            [offset_of!(Header, time_ms), offset_of!(Header, x_m), offset_of!(Header, y_m)]
+                .map(|field| f64::from(integer(&log, frame + field)))
         })
         .collect();
     // Lowrance's metres are those of the equator; the water lies at 29.4 degrees.
     let stretch = 1.0 / 29.4_f64.to_radians().cos();
     for (frame, [time_ms, ..]) in frames.iter().zip(&fixes) {
         let before_ms = time_ms - 1000.0 * latency_s;
-        let [_, x, y] = fixes[fixes
-            .partition_point(|fix| fix[0] < before_ms)
-            .min(fixes.len() - 1)];
+        let [_, x, y] = fixes[fixes.partition_point(|fix| fix[0] < before_ms).min(fixes.len() - 1)];
         for (field, metres) in [
             (offset_of!(Header, x_m), x - stretch * east_m),
             (offset_of!(Header, y_m), y - stretch * north_m),
@@ -112,10 +95,8 @@ fn sail_four(folder: &Path) -> [PathBuf; 2] {
 /// All depths of an archive's maps by the places of cells in half metres.
 fn depths_m(folder: &Path) -> BTreeMap<[i64; 2], f32> {
     let archive = Archive::open(&folder.join("archive")).expect("an archive");
-    let (logs, offsets) = (
-        archive.logs().expect("records"),
-        Offsets::read(&archive).expect("a table"),
-    );
+    let (logs, offsets) =
+        (archive.logs().expect("records"), Offsets::read(&archive).expect("a table"));
     let mut found = BTreeMap::new();
     for tile in contents(&archive).expect("records").into_keys() {
         let map = tile_map(&archive, tile, &logs, &offsets, &Progress::new()).expect("a map");
@@ -150,18 +131,11 @@ fn positions_that_are_off_and_late_are_found_and_the_map_is_made_where_the_boats
     run(&off, &["adjust", "archive"]);
     let truth = depths_m(&right);
     let before_m = rms_m(&depths_m(&off), &truth);
-    let stale = |folder: &Path| {
-        run(folder, &["tiles", "archive", "--stale"])
-            .lines()
-            .count()
-    };
+    let stale = |folder: &Path| run(folder, &["tiles", "archive", "--stale"]).lines().count();
     run(&off, &["archive", "archive"]);
     let none = stale(&off);
 
-    let printed = run(
-        &off,
-        &["adjust", "archive", "--positions", "--latency", "--json"],
-    );
+    let printed = run(&off, &["adjust", "archive", "--positions", "--latency", "--json"]);
     let rows: Value = serde_json::from_str(&printed).expect("JSON");
     for (row, truth) in rows.as_array().expect("rows").iter().zip(TRUTH) {
         let found =
@@ -171,10 +145,7 @@ fn positions_that_are_off_and_late_are_found_and_the_map_is_made_where_the_boats
         eprintln!("{truth:?} {found:?} {shift_error_m} {latency_error_s}");
         let off_m = (found[0] - truth[0]).hypot(found[1] - truth[1]);
         assert!(off_m < 0.6 && shift_error_m < 0.5, "{row}");
-        assert!(
-            (found[2] - truth[2]).abs() < 0.4 && latency_error_s < 0.4,
-            "{row}"
-        );
+        assert!((found[2] - truth[2]).abs() < 0.4 && latency_error_s < 0.4, "{row}");
     }
     assert!(stale(&off) > none, "maps of other positions are stale");
     let after_m = rms_m(&depths_m(&off), &truth);
@@ -187,22 +158,11 @@ fn positions_that_are_off_and_late_are_found_and_the_map_is_made_where_the_boats
     run(&off, &["adjust", "archive", "--positions", "--latency"]);
     let again = fs::read_to_string(off.join("archive/offsets.csv")).expect("a table");
     let shifts = |table: &str| -> Vec<String> {
-        let lines = table
-            .lines()
-            .map(|line| line.split(',').collect::<Vec<_>>());
-        lines
-            .map(|fields| [fields[7], fields[8], fields[10]].join(","))
-            .collect()
+        let lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        lines.map(|fields| [fields[7], fields[8], fields[10]].join(",")).collect()
     };
     assert_eq!(shifts(&again), shifts(&table));
-    fs::write(
-        off.join("archive/offsets.csv"),
-        table.replace(",0,", ",0,9"),
-    )
-    .expect("a table");
+    fs::write(off.join("archive/offsets.csv"), table.replace(",0,", ",0,9")).expect("a table");
     let refused = refusal(&off, &["adjust", "archive"], 1);
-    assert!(
-        refused.contains("east_m and north_m metres up to 6"),
-        "{refused}"
-    );
+    assert!(refused.contains("east_m and north_m metres up to 6"), "{refused}");
 }

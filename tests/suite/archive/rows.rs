@@ -40,22 +40,13 @@ fn one_by_one_or_together_again_or_renamed_the_rows_are_the_same_bytes() {
     for log in ["log-2.sl2", "log-0.sl2", "log-1.sl2"] {
         add(folder, &[log]);
     }
-    assert!(
-        files(&folder.join("archive")) == together,
-        "another order of logs"
-    );
+    assert!(files(&folder.join("archive")) == together, "another order of logs");
     // What is missing is written again, and no other.
-    let name = together
-        .keys()
-        .find(|name| name.starts_with("pings/"))
-        .expect("rows");
+    let name = together.keys().find(|name| name.starts_with("pings/")).expect("rows");
     fs::remove_file(folder.join("archive").join(name)).expect("rows");
     let mended = add(folder, &["log-0.sl2", "log-1.sl2", "log-2.sl2"]);
     assert_eq!(mended.matches("wrote ").count(), 1, "{mended}");
-    assert!(
-        files(&folder.join("archive")) == together,
-        "what was missing"
-    );
+    assert!(files(&folder.join("archive")) == together, "what was missing");
 }
 
 #[test]
@@ -67,19 +58,12 @@ fn every_point_is_in_one_core_and_in_the_halo_of_tiles_beside_it() {
     let halo_m = archive.record.halo_m;
     assert!(halo_m >= 25.0);
     for log in archive.logs().expect("records") {
-        assert!(
-            log.tiles.len() == 4,
-            "around the corner of four tiles: {}",
-            log.tiles.len()
-        );
+        assert!(log.tiles.len() == 4, "around the corner of four tiles: {}", log.tiles.len());
         let mut cores = Vec::new();
         for rows in &log.tiles {
             let path = folder.join("archive").join(&rows.files[0].file);
-            let (x, y, depth_m) = (
-                doubles(&path, "x"),
-                doubles(&path, "y"),
-                doubles(&path, "depth_m"),
-            );
+            let (x, y, depth_m) =
+                (doubles(&path, "x"), doubles(&path, "y"), doubles(&path, "depth_m"));
             let halo = flags(&path, "halo");
             assert_eq!([x.len(), halo.len()], [rows.points; 2]);
             for index in 0..x.len() {
@@ -108,10 +92,7 @@ fn an_archive_refuses_other_settings_and_other_folders() {
     assert!(refused(&[]).contains("-o DIR"));
     run(folder, &[&tiles[..], &["-o", "archive"]].concat());
     let gap = refused(&["-o", "archive", "--set", "surface.max_gap_m=10"]);
-    assert!(
-        gap.contains("surface.max_gap_m is 20.0 there, and 10.0 here"),
-        "{gap}"
-    );
+    assert!(gap.contains("surface.max_gap_m is 20.0 there, and 10.0 here"), "{gap}");
     // The draft is that of one boat.
     let draft = ["-o", "archive", "--set", "draft_m=0.3"];
     let written = run(folder, &[&tiles[..], &draft].concat());
@@ -121,18 +102,8 @@ fn an_archive_refuses_other_settings_and_other_folders() {
     fs::create_dir(folder.join("full")).expect("a folder");
     fs::write(folder.join("full/notes.txt"), b"mine").expect("a file");
     assert!(refused(&["-o", "full"]).contains("holds notes.txt and no archive"));
-    let both = refusal(
-        folder,
-        &[
-            "process",
-            "log-0.sl2",
-            "--products",
-            "tiles,depth",
-            "-o",
-            "x",
-        ],
-        1,
-    );
+    let both =
+        refusal(folder, &["process", "log-0.sl2", "--products", "tiles,depth", "-o", "x"], 1);
     assert!(both.contains("--products tiles alone"), "{both}");
     assert!(!folder.join("x").exists() && !folder.join("new").exists());
     let adjust = refused(&["-o", "archive", "--adjust"]);
@@ -146,15 +117,7 @@ fn a_log_that_cannot_be_used_keeps_no_other_out() {
     let folder = temporary.path();
     sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
     fs::write(folder.join("bad.sl2"), b"no log").expect("a file");
-    let args = [
-        "process",
-        "bad.sl2",
-        "log-0.sl2",
-        "-o",
-        "archive",
-        "--products",
-        "tiles",
-    ];
+    let args = ["process", "bad.sl2", "log-0.sl2", "-o", "archive", "--products", "tiles"];
     let output = std::process::Command::new(crate::support::program())
         .args(args)
         .current_dir(folder)
@@ -162,16 +125,9 @@ fn a_log_that_cannot_be_used_keeps_no_other_out() {
         .expect("the program starts");
     assert_eq!(output.status.code(), Some(1));
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        errors.contains("bad.sl2") && errors.contains("1 of 2 logs"),
-        "{errors}"
-    );
+    assert!(errors.contains("bad.sl2") && errors.contains("1 of 2 logs"), "{errors}");
     assert_eq!(
-        Archive::open(&folder.join("archive"))
-            .expect("an archive")
-            .logs()
-            .expect("records")
-            .len(),
+        Archive::open(&folder.join("archive")).expect("an archive").logs().expect("records").len(),
         1
     );
 }

@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A file of this folder.
 pub(super) fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/suite/base_map")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/base_map").join(name)
 }
 
 fn opened(name: &str) -> BaseMap {
@@ -44,9 +42,7 @@ fn pixels_lie_where_gdal_puts_them_in_the_colours_that_it_reads() {
                 let off = (side.fract() - 0.5).abs();
                 assert!(off < 1e-3, "{name}: the middle of a pixel is at {place:?}");
             }
-            let window = map
-                .window(place, place, 1.0, &Progress::new())
-                .expect("pixels");
+            let window = map.window(place, place, 1.0, &Progress::new()).expect("pixels");
             let found = window.at(place);
             assert!(
                 differs(found, colour) <= allowed,
@@ -64,8 +60,7 @@ fn pixels_lie_where_gdal_puts_them_in_the_colours_that_it_reads() {
 fn a_far_look_takes_an_overview_and_an_overview_is_made_where_there_is_none() {
     let whole = |map: &BaseMap, pixels: f64| {
         let high = map.size.map(f64::from);
-        map.window([0.0; 2], high, pixels, &Progress::new())
-            .expect("pixels")
+        map.window([0.0; 2], high, pixels, &Progress::new()).expect("pixels")
     };
     let map = opened("utm_rgb.tif");
     assert_eq!(map.size, [200, 150]);
@@ -81,18 +76,11 @@ fn a_far_look_takes_an_overview_and_an_overview_is_made_where_there_is_none() {
     // Blocks of 40 pixels: within one the mean is its colour.
     for (column, row) in [(60.0, 20.0), (2460.0, 340.0), (5180.0, 620.0)] {
         let near = wide.window([column, row], [column, row], 1.0, &Progress::new());
-        assert_eq!(
-            far.at([column, row]),
-            near.expect("pixels").at([column, row])
-        );
+        assert_eq!(far.at([column, row]), near.expect("pixels").at([column, row]));
         assert_eq!(far.at([column, row])[3], 255);
     }
     assert_eq!(far.at([-1.0, 5.0]), [0; 4]);
-    assert_eq!(
-        far.at([5199.0, 639.0])[3],
-        255,
-        "its last cells hold fewer pixels"
-    );
+    assert_eq!(far.at([5199.0, 639.0])[3], 255, "its last cells hold fewer pixels");
 }
 
 #[test]
@@ -135,10 +123,7 @@ fn a_damaged_picture_is_refused_or_shows_less() {
             read += 1;
             let high = map.size.map(f64::from);
             if let Some(window) = map.window([0.0; 2], high, 1.0, &Progress::new()) {
-                assert_eq!(
-                    window.pixels.len(),
-                    (window.size[0] * window.size[1]) as usize
-                );
+                assert_eq!(window.pixels.len(), (window.size[0] * window.size[1]) as usize);
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Whether the interval of a volume holds the truth, over simulated pairs of surveys of a bed with and without a mound.
+//! Whether the interval of a volume holds the truth, over simulated pairs of surveys of a bed with
+//! and without a mound.
 
 use super::dice::Dice;
 use bathyscope_bottom::bathymetry::change::{ChangeErrors, ChangeField, ChangeTotals};
@@ -11,10 +12,7 @@ use std::f64::consts::TAU;
 const CELL_M: f64 = 0.5;
 const EAST_M: f64 = 48.0;
 const NORTH_M: f64 = 60.0;
-const ERRORS: ChangeErrors = ChangeErrors {
-    systematic_m: 0.03,
-    range_m: 20.0,
-};
+const ERRORS: ChangeErrors = ChangeErrors { systematic_m: 0.03, range_m: 20.0 };
 
 /// A mound of a Gaussian's shape.
 #[derive(Clone, Copy)]
@@ -43,8 +41,9 @@ impl Mound {
     }
 }
 
-/// The map of a survey on lines so far apart, some time after those of another: soundings every half metre with noise of 2 cm, positions off by
-/// 0.3 m a line, and 2 cm of draft that nobody wrote down.
+/// The map of a survey on lines so far apart, some time after those of another: soundings every
+/// half metre with noise of 2 cm, positions off by 0.3 m a line, and 2 cm of draft that nobody
+/// wrote down.
 fn survey(spacing_m: f64, phases: [f64; 2], mound: Option<Mound>, dice: &mut Dice) -> Surface {
     let draft_m = dice.normal(0.02);
     let first_m = 0.25 * spacing_m * dice.uniform();
@@ -145,7 +144,8 @@ fn the_interval_of_a_volume_holds_the_truth_in_95_of_100_pairs() {
         println!(
             "lines {spacing_m} m apart: held {held}, detected {detected}, volume {ratio:.2} and half interval {share:.2} of the truth in the median pair, {false_alarms} false alarms"
         );
-        // A mound between lines far apart, of which a line touches the fringe, is larger than any rule can tell.
+        // A mound between lines far apart, of which a line touches the fringe, is larger than any
+        // rule can tell.
         assert!(held >= 92, "{spacing_m} m: {held}");
         of_all += held;
         assert!(false_alarms <= 5, "{spacing_m} m: {false_alarms}");

@@ -40,18 +40,13 @@ fn offsets_and_their_errors_are_those_of_scipy() {
         assert!(sum_m.abs() < 1e-9, "{sum_m}");
         for (index, log) in found.logs.iter().enumerate() {
             let (expected_m, error_m) = (case.offsets_m[index], case.errors_m[index]);
-            assert!(
-                (log.offset_m - expected_m).abs() < 2e-6,
-                "{index}: {log:?} {expected_m}"
-            );
-            // Larger only where the pairs disagree by more than their overlaps scatter, which is chance here.
+            assert!((log.offset_m - expected_m).abs() < 2e-6, "{index}: {log:?} {expected_m}");
+            // Larger only where the pairs disagree by more than their overlaps scatter, which is
+            // chance here.
             let share = log.standard_error_m / error_m;
             assert!((0.999..1.3).contains(&share), "{index}: {share}");
             let off_m = (log.offset_m - case.truth_m[index]).abs();
-            assert!(
-                off_m < 4.0 * log.standard_error_m,
-                "{index}: {off_m} {log:?}"
-            );
+            assert!(off_m < 4.0 * log.standard_error_m, "{index}: {off_m} {log:?}");
         }
         for pair in &found.pairs {
             let [a, b] = pair.logs.map(|log| found.logs[log].offset_m);
@@ -80,13 +75,7 @@ fn the_datum_may_be_one_log_and_differences_stay() {
 fn what_is_not_connected_is_said() {
     let log_overlap = |first, second, difference_m| {
         let logs = [first, second];
-        LogOverlap::new(
-            logs,
-            OverlapKind::Crossing,
-            [0.0; 2],
-            difference_m,
-            f64::NAN,
-        )
+        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, f64::NAN)
     };
     // Logs 0 and 3 meet, so do 1 and 4; log 2 meets none, and 5 only on a place without a depth.
     let met = [
@@ -115,15 +104,14 @@ struct PositionErrors {
     of_line_m: f64,
 }
 
-/// The logs of a pond, each of parallel lines in a direction of its own, and their true offsets with a mean of zero.
+/// The logs of a pond, each of parallel lines in a direction of its own, and their true offsets
+/// with a mean of zero.
 fn simulated(
     logs: usize,
     errors: PositionErrors,
     dice: &mut Dice,
 ) -> (Vec<Vec<TrackDepth>>, Vec<f64>) {
-    let phases: Vec<f64> = (0..3)
-        .map(|_| std::f64::consts::TAU * dice.uniform())
-        .collect();
+    let phases: Vec<f64> = (0..3).map(|_| std::f64::consts::TAU * dice.uniform()).collect();
     let bed_m = |[east_m, north_m]: [f64; 2]| {
         let broad = (east_m / 23.0 + phases[0]).sin() * (north_m / 29.0 + phases[1]).cos();
         2.6 + 0.7 * broad + 0.35 * (north_m / 13.0 + phases[2]).sin()
@@ -163,10 +151,7 @@ fn simulated(
 fn a_stated_standard_error_is_how_far_an_offset_is_from_the_truth() {
     for logs in [2, 3, 4] {
         for (of_log_m, of_line_m) in [(0.0, 0.0), (0.0, 0.3), (0.5, 0.0), (0.3, 0.3)] {
-            let errors = PositionErrors {
-                of_log_m,
-                of_line_m,
-            };
+            let errors = PositionErrors { of_log_m, of_line_m };
             let mut dice = Dice(7);
             let mut off_sigmas = Vec::new();
             let mut squares_m2 = 0.0;
@@ -189,10 +174,7 @@ fn a_stated_standard_error_is_how_far_an_offset_is_from_the_truth() {
                 "{logs} logs, {errors:?}: RMS error {:.4} m, {one:.2} within one standard error, {two:.2} within two",
                 (squares_m2 / count).sqrt()
             );
-            assert!(
-                (0.56..0.85).contains(&one),
-                "{logs} logs, {errors:?}: {one}"
-            );
+            assert!((0.56..0.85).contains(&one), "{logs} logs, {errors:?}: {one}");
             assert!(two > 0.87, "{logs} logs, {errors:?}: {two}");
         }
     }

@@ -1,4 +1,5 @@
-//! Isobaths and depth areas against GDAL and contourpy (`make_isobaths.py` shows how their figures were made).
+//! Isobaths and depth areas against GDAL and contourpy (`make_isobaths.py` shows how their figures
+//! were made).
 
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, depth_areas, isobaths, storage};
 use bathyscope_bottom::bathymetry::{Grid, Surface};
@@ -36,13 +37,7 @@ fn cases() -> Vec<Case> {
 
 /// Cells of a metre.
 fn surface(rows: usize, columns: usize, depth_m: Vec<f32>) -> Surface {
-    let grid = Grid {
-        west_m: 100.0,
-        north_m: -40.0,
-        cell_m: 1.0,
-        columns,
-        rows,
-    };
+    let grid = Grid { west_m: 100.0, north_m: -40.0, cell_m: 1.0, columns, rows };
     Surface::of_depths(grid, depth_m)
 }
 
@@ -59,10 +54,7 @@ fn of_level(lines: &[Isobath], level_m: f64) -> impl Iterator<Item = &Isobath> {
 
 fn assert_near(found: f64, expected: f64, share: f64, what: &str) {
     let off = (found - expected).abs();
-    assert!(
-        off <= share * expected.abs(),
-        "{what}: {found} instead of {expected}"
-    );
+    assert!(off <= share * expected.abs(), "{what}: {found} instead of {expected}");
 }
 
 #[test]
@@ -81,9 +73,7 @@ fn lines_are_as_long_and_as_many_as_those_of_contourpy() {
 #[test]
 fn lines_are_as_long_as_those_of_gdal_and_none_is_the_frame() {
     let cases = cases();
-    let with_gdal = cases
-        .iter()
-        .filter_map(|case| Some((case, case.gdal.as_ref()?)));
+    let with_gdal = cases.iter().filter_map(|case| Some((case, case.gdal.as_ref()?)));
     let mut seen = 0;
     for (case, drawn) in with_gdal {
         let lines = isobaths(&case.surface(), &case.levels_m, &Progress::new()).unwrap();
@@ -136,15 +126,12 @@ fn the_deeper_side_is_on_the_left() {
 
 #[test]
 fn storage_is_that_of_a_cone() {
-    // A cone of 20 m radius and 10 m depth, cells of a metre: below 2 m of depth, the cone of 16 m radius and 8 m.
+    // A cone of 20 m radius and 10 m depth, cells of a metre: below 2 m of depth, the cone of 16 m
+    // radius and 8 m.
     let side = 61;
     let bed = |i: usize| {
         let off = ((i % side) as f32 - 30.0).hypot((i / side) as f32 - 30.0);
-        if off < 20.0 {
-            10.0 - off / 2.0
-        } else {
-            f32::NAN
-        }
+        if off < 20.0 { 10.0 - off / 2.0 } else { f32::NAN }
     };
     let cone = surface(side, side, (0..side * side).map(bed).collect());
     let table = storage(&cone, &[0.0, 2.0, 99.0], None);
@@ -162,8 +149,5 @@ fn no_surface_and_a_cancelled_one_have_no_lines() {
     let progress = Progress::new();
     progress.cancel();
     assert_eq!(isobaths(&unknown, &[1.0], &progress), Err(Cancelled));
-    assert_eq!(
-        depth_areas(&unknown, &[1.0, 2.0], &progress),
-        Err(Cancelled)
-    );
+    assert_eq!(depth_areas(&unknown, &[1.0, 2.0], &progress), Err(Cancelled));
 }

@@ -1,4 +1,5 @@
-//! Surfaces and what is drawn from them, against what other programs make of the same numbers and against simulated truth.
+//! Surfaces and what is drawn from them, against what other programs make of the same numbers and
+//! against simulated truth.
 
 mod change;
 mod dice;

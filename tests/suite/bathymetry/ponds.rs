@@ -1,4 +1,5 @@
-//! Depth maps of simulated ponds against their beds; `cargo bench -- surface` prints the figures over many.
+//! Depth maps of simulated ponds against their beds; `cargo bench -- surface` prints the figures
+//! over many.
 
 use crate::missions::{Mission, repeatability};
 use crate::truth::MapError;
@@ -20,15 +21,9 @@ fn pond() -> Scene {
 #[test]
 fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says() {
     let first = Mission::new(&pond(), 31);
-    let with = SurfaceSettings {
-        cell_m: Some(0.4),
-        swath: SwathDepth::Off,
-        ..SurfaceSettings::default()
-    };
-    let without = SurfaceSettings {
-        side_scan_weight: 0.0,
-        ..with.clone()
-    };
+    let with =
+        SurfaceSettings { cell_m: Some(0.4), swath: SwathDepth::Off, ..SurfaceSettings::default() };
+    let without = SurfaceSettings { side_scan_weight: 0.0, ..with.clone() };
     let soundings = first.known.map(&first.products, &without);
     let rms_m = |settings: &SurfaceSettings| {
         let map = first.known.map(&first.products, settings);
@@ -52,18 +47,11 @@ fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says()
 #[test]
 fn a_map_knows_how_near_it_is_to_the_bed() {
     // Beds of the other seeds of `cargo bench -- surface`; nothing was chosen on these.
-    for (mut scene, seed) in [
-        (Scene::gentle(), 41),
-        (Scene::steep(), 42),
-        (Scene::rough(), 43),
-    ] {
+    for (mut scene, seed) in [(Scene::gentle(), 41), (Scene::steep(), 42), (Scene::rough(), 43)] {
         scene.track.lines = 4;
         scene.track.spacing_m = 8.0;
         let pond = Mission::new(&scene, seed);
-        let settings = SurfaceSettings {
-            cell_m: Some(0.4),
-            ..SurfaceSettings::default()
-        };
+        let settings = SurfaceSettings { cell_m: Some(0.4), ..SurfaceSettings::default() };
         let map = pond.known.map(&pond.products, &settings);
         let stated = pond.known.map_errors(&map, &map).into_iter();
         let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
@@ -72,10 +60,7 @@ fn a_map_knows_how_near_it_is_to_the_bed() {
         };
         let [one, two] = [within(1.0), within(2.0)];
         // What all depths have in common is not in it: rounded positions on slopes.
-        assert!(
-            (0.5..0.85).contains(&one) && two > 0.8,
-            "{seed}: {one} {two}"
-        );
+        assert!((0.5..0.85).contains(&one) && two > 0.8, "{seed}: {one} {two}");
     }
 }
 
@@ -84,12 +69,7 @@ fn levels_find_mounds_that_lie_between_the_lines() {
     let mut scene = Scene::gentle();
     scene.track.lines = 4;
     scene.track.spacing_m = 8.0;
-    let mound = |east_m, north_m, height_m| Mound {
-        east_m,
-        north_m,
-        radius_m: 1.4,
-        height_m,
-    };
+    let mound = |east_m, north_m, height_m| Mound { east_m, north_m, radius_m: 1.4, height_m };
     scene.bed.mounds = vec![
         mound(-9.0, 0.4, 0.4),
         mound(1.0, -0.3, -0.4),
@@ -98,19 +78,13 @@ fn levels_find_mounds_that_lie_between_the_lines() {
     ];
     let pond = Mission::new(&scene, 51);
     let map = |swath| {
-        let settings = SurfaceSettings {
-            cell_m: Some(0.4),
-            swath,
-            ..SurfaceSettings::default()
-        };
+        let settings = SurfaceSettings { cell_m: Some(0.4), swath, ..SurfaceSettings::default() };
         pond.known.map(&pond.products, &settings)
     };
     let [plain, from_levels] = [SwathDepth::Off, SwathDepth::Always].map(map);
     let errors = |map| {
         let errors = pond.known.map_errors(map, &plain).into_iter();
-        errors
-            .filter(|one| one.away_m > 1.0)
-            .collect::<Vec<MapError>>()
+        errors.filter(|one| one.away_m > 1.0).collect::<Vec<MapError>>()
     };
     let rms_m = |map| {
         let mut errors: Vec<f64> = errors(map).iter().map(|one| one.error_m).collect();
@@ -140,28 +114,22 @@ fn check_sources(plain: &Surface, from_levels: &Surface) {
     assert!(left < 0.6 * before && left > 0.0, "{before} {left}");
 }
 
-/// The brightness that levels leave to the bed is that of its patches, smoothed as far as predicts depths best.
+/// The brightness that levels leave to the bed is that of its patches, smoothed as far as predicts
+/// depths best.
 fn check_hardness(pond: &Mission, from_levels: &Surface) {
     let hardness_db = from_levels.hardness_db.as_ref().expect("from levels");
     let steps = [-0.3, 0.0, 0.3];
     let true_db = |[east_m, north_m]: [f64; 2]| {
         let around = steps.iter().flat_map(|e| steps.iter().map(move |n| [e, n]));
-        let sum: f64 = around
-            .map(|[e, n]| pond.known.truth.bed_strength(east_m + e, north_m + n))
-            .sum();
+        let sum: f64 =
+            around.map(|[e, n]| pond.known.truth.bed_strength(east_m + e, north_m + n)).sum();
         10.0 * (sum / 9.0).log10()
     };
     let columns = from_levels.grid.columns;
-    let cells = hardness_db
-        .iter()
-        .enumerate()
-        .filter(|(_, found)| !found.is_nan());
+    let cells = hardness_db.iter().enumerate().filter(|(_, found)| !found.is_nan());
     let pairs: Vec<[f64; 2]> = cells
         .map(|(cell, found)| {
-            [
-                f64::from(*found),
-                true_db(from_levels.grid.centre(cell / columns, cell % columns)),
-            ]
+            [f64::from(*found), true_db(from_levels.grid.centre(cell / columns, cell % columns))]
         })
         .collect();
     let mean =

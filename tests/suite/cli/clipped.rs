@@ -29,35 +29,19 @@ fn isobaths_areas_and_spot_soundings_end_at_the_area_that_is_named() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
     fs::copy(demo_log(), folder.join("demo.sl2")).unwrap();
-    let process = [
-        "process",
-        "demo.sl2",
-        "--no-objects",
-        "--products",
-        "isobaths,geopackage",
-    ];
+    let process = ["process", "demo.sl2", "--no-objects", "--products", "isobaths,geopackage"];
     run(folder, &[&process[..], &["-o", "whole"]].concat());
     let features = |run: &str, name: &str| -> Vec<Value> {
         let path = folder.join(run).join("isobaths").join(name);
-        json(&path)["features"]
-            .as_array()
-            .expect("features")
-            .clone()
+        json(&path)["features"].as_array().expect("features").clone()
     };
-    let files = [
-        "isobaths.geojson",
-        "depth_areas.geojson",
-        "spot_soundings.geojson",
-    ];
-    let all: Vec<[f64; 2]> = (features("whole", "depth_areas.geojson").iter())
-        .flat_map(lines_of)
-        .flatten()
-        .collect();
+    let files = ["isobaths.geojson", "depth_areas.geojson", "spot_soundings.geojson"];
+    let all: Vec<[f64; 2]> =
+        (features("whole", "depth_areas.geojson").iter()).flat_map(lines_of).flatten().collect();
     let ends = |axis: usize| {
         let values = all.iter().map(|at| at[axis]);
-        values.fold([f64::MAX, f64::MIN], |[least, most], value| {
-            [least.min(value), most.max(value)]
-        })
+        values
+            .fold([f64::MAX, f64::MIN], |[least, most], value| [least.min(value), most.max(value)])
     };
     let ([west, east], [south, north]) = (ends(0), ends(1));
     let at = |across: f64, up: f64| [west + across * (east - west), south + up * (north - south)];
@@ -72,10 +56,7 @@ fn isobaths_areas_and_spot_soundings_end_at_the_area_that_is_named() {
 
     let slack = 2e-8;
     let is_within = |[lon, lat]: [f64; 2], slack: f64| {
-        let share = [
-            (lon - west) / (east - west),
-            (lat - south) / (north - south),
-        ];
+        let share = [(lon - west) / (east - west), (lat - south) / (north - south)];
         let on_island = (0.2 + slack..0.3 - slack).contains(&share[0])
             && (0.4 + slack..0.6 - slack).contains(&share[1]);
         share[0] <= 0.5 + slack && !on_island
@@ -88,13 +69,9 @@ fn isobaths_areas_and_spot_soundings_end_at_the_area_that_is_named() {
         let places = |features: &[Value]| -> Vec<[f64; 2]> {
             features.iter().flat_map(lines_of).flatten().collect()
         };
-        let out = places(&after)
-            .into_iter()
-            .filter(|at| !is_within(*at, share));
+        let out = places(&after).into_iter().filter(|at| !is_within(*at, share));
         assert_eq!(out.count(), 0, "{name}");
-        let was_out = places(&before)
-            .into_iter()
-            .filter(|at| !is_within(*at, share));
+        let was_out = places(&before).into_iter().filter(|at| !is_within(*at, share));
         assert!(was_out.count() > 0, "{name}");
     }
     let report = json(&folder.join("half/report.json"));
@@ -105,10 +82,7 @@ fn isobaths_areas_and_spot_soundings_end_at_the_area_that_is_named() {
     fs::write(folder.join("none.kml"), "<kml/>").unwrap();
     let clip = ["--set", "isobaths.clip=none.kml", "-o", "none"];
     let said = refusal(folder, &[&process[..], &clip].concat(), 1);
-    assert!(
-        said.contains("no polygon") && said.contains("none.kml"),
-        "{said}"
-    );
+    assert!(said.contains("no polygon") && said.contains("none.kml"), "{said}");
     let far = r#"{"type":"Polygon","coordinates":[[[1,1],[2,1],[2,2],[1,1]]]}"#;
     fs::write(folder.join("far.geojson"), far).unwrap();
     let clip = ["--set", "isobaths.clip=far.geojson", "-o", "far"];
@@ -116,17 +90,9 @@ fn isobaths_areas_and_spot_soundings_end_at_the_area_that_is_named() {
     assert!(said.contains("lies elsewhere than the depths"), "{said}");
     // The polygons are not written over.
     fs::create_dir_all(folder.join("out/isobaths")).unwrap();
-    fs::copy(
-        folder.join("shore.geojson"),
-        folder.join("out/isobaths/depth_areas.geojson"),
-    )
-    .unwrap();
-    let clip = [
-        "--set",
-        "isobaths.clip=out/isobaths/depth_areas.geojson",
-        "-o",
-        "out",
-    ];
+    fs::copy(folder.join("shore.geojson"), folder.join("out/isobaths/depth_areas.geojson"))
+        .unwrap();
+    let clip = ["--set", "isobaths.clip=out/isobaths/depth_areas.geojson", "-o", "out"];
     let said = refusal(folder, &[&process[..], &clip].concat(), 1);
     assert!(said.contains("might be written over"), "{said}");
 }

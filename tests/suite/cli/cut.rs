@@ -1,4 +1,5 @@
-//! Logs that are cut, overwritten or removed while `bathyscope process` reads them: it ends by itself, with all products or none.
+//! Logs that are cut, overwritten or removed while `bathyscope process` reads them: it ends by
+//! itself, with all products or none.
 
 use super::simulated;
 use bathyscope_test_support::Moments;
@@ -33,7 +34,8 @@ fn sha256(bytes: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// That a run ended with all products of one of two states of the log, or with a sentence and none. Gives the sentence.
+/// That a run ended with all products of one of two states of the log, or with a sentence and none.
+/// Gives the sentence.
 fn refused(folder: &Path, output: &Output, states: [&[u8]; 2]) -> Option<String> {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let out = folder.join("out");
@@ -42,10 +44,7 @@ fn refused(folder: &Path, output: &Output, states: [&[u8]; 2]) -> Option<String>
             let manifest = fs::read(out.join("manifest.json")).expect("a manifest");
             let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
             let read = manifest["inputs"][0]["sha256"].as_str().expect("a hash");
-            assert!(
-                states.map(sha256).iter().any(|state| state == read),
-                "{said}"
-            );
+            assert!(states.map(sha256).iter().any(|state| state == read), "{said}");
             None
         }
         Some(1) => {
@@ -94,17 +93,12 @@ fn a_log_that_is_cut_overwritten_or_removed_ends_no_run_badly() {
         });
         overwritten.extend(refused(folder, &output, [&bytes, &other]));
         again();
-        let output = process(folder, moment(), |log| {
-            fs::remove_file(log).expect("no log")
-        });
+        let output = process(folder, moment(), |log| fs::remove_file(log).expect("no log"));
         let refused = refused(folder, &output, [&bytes, &bytes]);
         assert!(refused.is_none_or(|text| text.contains("no such file")));
     }
     eprintln!("{cut:#?}\n{overwritten:#?}");
     let is_said = |said: &[String], what: &str| said.iter().any(|text| text.contains(what));
-    assert!(
-        is_said(&cut, "became shorter"),
-        "never cut while it was read"
-    );
+    assert!(is_said(&cut, "became shorter"), "never cut while it was read");
     assert!(is_said(&overwritten, "changed"), "never overwritten");
 }

@@ -6,17 +6,13 @@ use std::fs;
 use std::path::Path;
 
 fn model() -> String {
-    format!(
-        "{}/tests/suite/detector_models/yolov8.onnx",
-        env!("CARGO_MANIFEST_DIR")
-    )
+    format!("{}/tests/suite/detector_models/yolov8.onnx", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn rows(path: &Path) -> Vec<Vec<String>> {
     let mut table = csv::Reader::from_path(path).expect("a table");
     let rows = table.records().map(|row| row.expect("a row"));
-    rows.map(|row| row.iter().map(str::to_owned).collect())
-        .collect()
+    rows.map(|row| row.iter().map(str::to_owned).collect()).collect()
 }
 
 #[test]
@@ -25,16 +21,11 @@ fn objects_of_a_log_become_a_table_and_chips() {
     let folder = temporary.path();
     simulated(folder);
     let model = model();
-    let args = [
-        "detect", "pond.sl2", "-o", "out", "--model", &model, "--score", "0.5",
-    ];
+    let args = ["detect", "pond.sl2", "-o", "out", "--model", &model, "--score", "0.5"];
     let output = bathyscope(folder, &args);
     assert!(output.status.success());
     let text = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        text.contains("model: YOLOv8 to v12 with 3 classes, 64 x 64"),
-        "{text}"
-    );
+    assert!(text.contains("model: YOLOv8 to v12 with 3 classes, 64 x 64"), "{text}");
 
     let table = folder.join("out/objects/detections.csv");
     assert_eq!(
@@ -65,9 +56,7 @@ fn objects_of_a_log_become_a_table_and_chips() {
         let number = |column: usize| row[column].parse::<u32>().expect("a whole number");
         assert!(number(6) < number(7) && number(8) <= number(9), "{row:?}");
         assert!(
-            folder
-                .join(format!("out/objects/chips/{:04}-{}.png", index + 1, row[2]))
-                .is_file()
+            folder.join(format!("out/objects/chips/{:04}-{}.png", index + 1, row[2])).is_file()
         );
     }
 }
@@ -78,29 +67,13 @@ fn pictures_are_searched_in_their_own_pixels() {
     let folder = temporary.path();
     let speckle = |x: u32, y: u32| image::Luma([(x * x / 7 + y * y / 5 + x * y) as u8]);
     for (name, width) in [("small.png", 80), ("large.jpg", 300)] {
-        image::GrayImage::from_fn(width, 90, speckle)
-            .save(folder.join(name))
-            .expect("a picture");
+        image::GrayImage::from_fn(width, 90, speckle).save(folder.join(name)).expect("a picture");
     }
     let model = model();
-    run(
-        folder,
-        &[
-            "detect",
-            "small.png",
-            "large.jpg",
-            "-o",
-            "out",
-            "--model",
-            &model,
-        ],
-    );
+    run(folder, &["detect", "small.png", "large.jpg", "-o", "out", "--model", &model]);
     for (name, file, width) in [("small", "small.png", 80.0), ("large", "large.jpg", 300.0)] {
         let table = folder.join("out").join(name).join("objects/detections.csv");
-        assert_eq!(
-            header(&table),
-            "id,file,class,score,state,x_from,x_to,y_from,y_to"
-        );
+        assert_eq!(header(&table), "id,file,class,score,state,x_from,x_to,y_from,y_to");
         let rows = rows(&table);
         assert!(!rows.is_empty());
         for row in rows {
@@ -151,19 +124,11 @@ fn what_cannot_be_searched_is_refused() {
     let folder = temporary.path();
     fs::write(folder.join("text.onnx"), "no model").expect("a file");
     fs::write(folder.join("torn.png"), b"\x89PNG\r\n\x1a\n").expect("a file");
-    let text = refusal(
-        folder,
-        &["detect", "x.sl2", "-o", "out", "--model", "text.onnx"],
-        1,
-    );
+    let text = refusal(folder, &["detect", "x.sl2", "-o", "out", "--model", "text.onnx"], 1);
     assert!(text.contains("it is no ONNX file"), "{text}");
     assert!(!folder.join("out").exists());
     let model = model();
-    let text = refusal(
-        folder,
-        &["detect", "torn.png", "-o", "out", "--model", &model],
-        1,
-    );
+    let text = refusal(folder, &["detect", "torn.png", "-o", "out", "--model", &model], 1);
     assert!(text.contains("cannot read the picture"), "{text}");
     let text = refusal(folder, &["detect", "x.sl2", "-o", "out", "--score", "2"], 2);
     assert!(text.contains("between 0 and 1"), "{text}");
@@ -178,21 +143,12 @@ fn objects_lie_where_the_settings_put_them_and_process_agrees() {
     let [which, deeper] = [format!("detector.model={model}"), "draft_m=0.5".to_owned()];
     let with = |command: &[&str], settings: &[&str]| {
         let settings = settings.iter().flat_map(|one| ["--set", one]);
-        run(
-            folder,
-            &command.iter().copied().chain(settings).collect::<Vec<_>>(),
-        );
+        run(folder, &command.iter().copied().chain(settings).collect::<Vec<_>>());
     };
     let score = "detector.score=0.5";
     with(&["detect", "pond.sl2", "-o", "plain"], &[&which, score]);
-    with(
-        &["detect", "pond.sl2", "-o", "deeper"],
-        &[&which, score, &deeper],
-    );
-    with(
-        &["process", "pond.sl2", "-o", "out"],
-        &[&which, score, &deeper],
-    );
+    with(&["detect", "pond.sl2", "-o", "deeper"], &[&which, score, &deeper]);
+    with(&["process", "pond.sl2", "-o", "out"], &[&which, score, &deeper]);
     let [plain, deep, of_process] = ["plain", "deeper", "out"]
         .map(|name| rows(&folder.join(name).join("objects/detections.csv")));
     assert_eq!(deep, of_process);
@@ -205,14 +161,7 @@ fn objects_lie_where_the_settings_put_them_and_process_agrees() {
         assert!((deep - plain - 0.5).abs() < 0.011, "{plain} {deep}");
     }
     // What a log does not hold is refused before the search.
-    let asked = [
-        "detect",
-        "pond.sl2",
-        "-o",
-        "no",
-        "--set",
-        "calibration.pings=5-99999",
-    ];
+    let asked = ["detect", "pond.sl2", "-o", "no", "--set", "calibration.pings=5-99999"];
     assert!(refusal(folder, &asked, 1).contains("calibration.pings"));
 }
 
@@ -222,23 +171,12 @@ fn process_writes_the_same_objects_as_detect_unless_switched_off() {
     let folder = temporary.path();
     simulated(folder);
     let model = model();
-    let of_detect = [
-        "detect", "pond.sl2", "-o", "detected", "--model", &model, "--score", "0.5",
-    ];
+    let of_detect = ["detect", "pond.sl2", "-o", "detected", "--model", &model, "--score", "0.5"];
     run(folder, &of_detect);
     let which = format!("detector.model={model}");
     let text = run(
         folder,
-        &[
-            "process",
-            "pond.sl2",
-            "-o",
-            "out",
-            "--set",
-            &which,
-            "--set",
-            "detector.score=0.5",
-        ],
+        &["process", "pond.sl2", "-o", "out", "--set", &which, "--set", "detector.score=0.5"],
     );
     let [of_process, of_detect] =
         ["out", "detected"].map(|name| rows(&folder.join(name).join("objects/detections.csv")));
@@ -247,24 +185,14 @@ fn process_writes_the_same_objects_as_detect_unless_switched_off() {
     assert!(text.contains("proposed by the detector: "), "{text}");
     assert!(folder.join("out/objects/detections.geojson").is_file());
 
-    run(
-        folder,
-        &["process", "pond.sl2", "-o", "bare", "--no-objects"],
-    );
+    run(folder, &["process", "pond.sl2", "-o", "bare", "--no-objects"]);
     assert!(folder.join("bare/report.json").is_file());
     assert!(!folder.join("bare/objects/detections.csv").exists());
 
     // A model that cannot be used is reported before anything is computed or written.
     let refused = refusal(
         folder,
-        &[
-            "process",
-            "pond.sl2",
-            "-o",
-            "none",
-            "--set",
-            "detector.model=missing.onnx",
-        ],
+        &["process", "pond.sl2", "-o", "none", "--set", "detector.model=missing.onnx"],
         1,
     );
     assert!(refused.contains("missing.onnx"), "{refused}");

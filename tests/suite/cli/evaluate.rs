@@ -14,14 +14,8 @@ fn labels(folder: &Path) {
     write("truth/classes.txt", "rock\ntyre\n");
     write("truth/a.txt", "0 0.5 0.5 0.1 0.1\n1 0.2 0.2 0.1 0.1\n");
     write("truth/b.txt", "0 0.5 0.5 0.2 0.2\n");
-    write(
-        "found/a.txt",
-        "0 0.5 0.5 0.1 0.08 0.9\n0 0.2 0.2 0.1 0.1 0.8\n",
-    );
-    write(
-        "found/b.txt",
-        "0 0.9 0.9 0.1 0.1 0.7\n0 0.5 0.5 0.2 0.2 0.1\n",
-    );
+    write("found/a.txt", "0 0.5 0.5 0.1 0.08 0.9\n0 0.2 0.2 0.1 0.1 0.8\n");
+    write("found/b.txt", "0 0.9 0.9 0.1 0.1 0.7\n0 0.5 0.5 0.2 0.2 0.1\n");
 }
 
 const ARGS: [&str; 5] = ["evaluate", "--truth", "truth", "--predicted", "found"];
@@ -71,35 +65,22 @@ fn evaluate_draws_curves_and_lists_mistakes_on_a_page() {
     let page = fs::read_to_string(folder.join("page.html")).expect("the page");
     assert_eq!(page.matches("<svg ").count(), 2);
     assert!(page.contains(">rock &amp; roll</") && !page.contains("rock & roll"));
-    // Of all classes: 0.9 finds a rock, 0.8 and 0.7 find nothing, 0.1 finds a rock: recall 1/3, 1/3, 1/3, 2/3 at
-    // precision 1, 1/2, 1/3, 1/2.
-    assert!(
-        page.contains("M168.00 10.00L168.00 190.00L168.00 250.00L288.00 190.00"),
-        "{page}"
-    );
-    let rows: Vec<&str> = page
-        .lines()
-        .filter(|line| line.contains("<tr><td class=\"text\">"))
-        .collect();
+    // Of all classes: 0.9 finds a rock, 0.8 and 0.7 find nothing, 0.1 finds a rock: recall 1/3,
+    // 1/3, 1/3, 2/3 at precision 1, 1/2, 1/3, 1/2.
+    assert!(page.contains("M168.00 10.00L168.00 190.00L168.00 250.00L288.00 190.00"), "{page}");
+    let rows: Vec<&str> =
+        page.lines().filter(|line| line.contains("<tr><td class=\"text\">")).collect();
     let cells =
         |row: &str, words: &[&str]| words.iter().all(|word| row.contains(&format!(">{word}<")));
     assert_eq!(rows.len(), 4);
     assert!(cells(rows[0], &["a", "other class", "0.800"]));
     assert!(cells(rows[1], &["b", "background", "0.700"]));
-    assert!(
-        cells(rows[2], &["b", "rock &amp; roll", "missed"]),
-        "the largest miss: {}",
-        rows[2]
-    );
+    assert!(cells(rows[2], &["b", "rock &amp; roll", "missed"]), "the largest miss: {}", rows[2]);
     assert!(cells(rows[3], &["a", "tyre", "missed"]));
     args.pop();
     args.push("truth/a.txt");
     assert!(refusal(folder, &args, 1).contains("ends in .html"));
-    assert!(
-        fs::read_to_string(folder.join("truth/a.txt"))
-            .expect("labels")
-            .starts_with("0 0.5")
-    );
+    assert!(fs::read_to_string(folder.join("truth/a.txt")).expect("labels").starts_with("0 0.5"));
 }
 
 #[test]
@@ -155,11 +136,8 @@ fn evaluate_searches_logs_whose_objects_are_known() {
     assert!(low["all"]["found"].as_u64() >= Some(found));
     assert_eq!(low["all"]["map_coco"], both["all"]["map_coco"]);
 
-    fs::rename(
-        folder.join("set/surveys/test/0001.objects.csv"),
-        folder.join("known.csv"),
-    )
-    .expect("renamed");
+    fs::rename(folder.join("set/surveys/test/0001.objects.csv"), folder.join("known.csv"))
+        .expect("renamed");
     let named = json(&[logs[1], "--truth", "known.csv"]);
     assert_eq!(named["all"], each[1]["all"]);
     let refused = |arguments: &[&str]| refusal(folder, &[&["evaluate"], arguments].concat(), 1);

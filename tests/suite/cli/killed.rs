@@ -1,4 +1,5 @@
-//! `bathyscope process` killed at any moment: the folder holds the files of one run, and the next run leaves nothing over.
+//! `bathyscope process` killed at any moment: the folder holds the files of one run, and the next
+//! run leaves nothing over.
 
 use super::{run, simulated};
 use bathyscope_products::outputs::{MANIFEST, RunFolder};
@@ -20,10 +21,7 @@ const NOTES: &str = "notes.txt";
 
 fn kills() -> usize {
     let asked = std::env::var("BATHYSCOPE_KILLS");
-    asked
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(KILLS)
+    asked.ok().and_then(|text| text.parse().ok()).unwrap_or(KILLS)
 }
 
 /// A run with a setting that the manifest and the report state.
@@ -66,10 +64,8 @@ fn draft_of_whole_run(out: &Path) -> f64 {
     for file in manifest["files"].as_array().expect("files") {
         let name = file["file"].as_str().expect("a name");
         let bytes = fs::read(out.join(name)).expect("a file that the report names");
-        let hash: String = Sha256::digest(&bytes)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let hash: String =
+            Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
         assert_eq!(file["sha256"], hash.as_str(), "{name}");
         assert_eq!(file["bytes"].as_u64(), Some(bytes.len() as u64), "{name}");
         expected.insert(name.to_owned());
@@ -105,9 +101,7 @@ fn a_killed_run_leaves_the_files_of_one_run() {
         let draft_m = 0.01 * kill as f64;
         let products = if kill % 2 == 0 { SOME } else { OTHERS };
         let mut child = start(folder, draft_m, products);
-        std::thread::sleep(Duration::from_secs_f64(
-            1.1 * whole.as_secs_f64() * moments.share(),
-        ));
+        std::thread::sleep(Duration::from_secs_f64(1.1 * whole.as_secs_f64() * moments.share()));
         child.kill().expect("a run, or what is left of it");
         child.wait().expect("a run that was killed");
         let journal = out.join(SIDE).join("commit.json").exists();
@@ -127,10 +121,7 @@ fn a_killed_run_leaves_the_files_of_one_run() {
         );
         before_m = found_m;
     }
-    eprintln!(
-        "{} kills: {at_work} left a side folder, {at_swap} of them in the swap",
-        kills()
-    );
+    eprintln!("{} kills: {at_work} left a side folder, {at_swap} of them in the swap", kills());
     assert!(start(folder, 9.0, SOME).wait().expect("a run").success());
     assert_eq!(draft_of_whole_run(&out), 9.0);
     assert!(!out.join(SIDE).exists());
@@ -142,10 +133,7 @@ fn detect_takes_its_files_out_of_the_run_that_lies_there() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
-    run(
-        folder,
-        &["process", "pond.sl2", "-o", "out", "--products", "depth"],
-    );
+    run(folder, &["process", "pond.sl2", "-o", "out", "--products", "depth"]);
     let out = folder.join("out");
     let listed = || {
         let manifest = json(&out.join(MANIFEST));
@@ -154,53 +142,31 @@ fn detect_takes_its_files_out_of_the_run_that_lies_there() {
         names.collect::<BTreeSet<String>>()
     };
     assert!(listed().contains("objects/detections.csv"));
-    run(
-        folder,
-        &["detect", "pond.sl2", "-o", "out", "--score", "0.9"],
-    );
+    run(folder, &["detect", "pond.sl2", "-o", "out", "--score", "0.9"]);
     assert!(out.join("objects/detections.csv").exists() && out.join("depth/depth.tif").exists());
     assert!(listed().contains("depth/depth.tif"));
     assert!(!listed().iter().any(|name| name.starts_with("objects/")));
     assert!(!out.join(SIDE).exists());
 
     // A run without objects has none of an earlier one beside it, and says so.
-    run(
-        folder,
-        &["process", "pond.sl2", "-o", "out", "--products", "depth"],
-    );
-    let bare = [
-        "process",
-        "pond.sl2",
-        "-o",
-        "out",
-        "--no-objects",
-        "--products",
-        "depth",
-    ];
+    run(folder, &["process", "pond.sl2", "-o", "out", "--products", "depth"]);
+    let bare = ["process", "pond.sl2", "-o", "out", "--no-objects", "--products", "depth"];
     let text = run(folder, &bare);
-    assert!(
-        text.contains("removed of an earlier run: objects/detections.csv"),
-        "{text}"
-    );
+    assert!(text.contains("removed of an earlier run: objects/detections.csv"), "{text}");
     assert!(!out.join("objects").exists());
 }
 
-/// A folder of the version before this one, with all files of the run on top and a record beside each.
+/// A folder of the version before this one, with all files of the run on top and a record beside
+/// each.
 fn write_flat_run(out: &Path) {
     fs::create_dir(out).expect("a folder");
     let mut files = Vec::new();
-    for name in [
-        "depth.tif",
-        "depth.tif.json",
-        "depth.qml",
-        "track.gpx",
-        "track.gpx.json",
-        "cloud.csv",
-    ] {
+    for name in
+        ["depth.tif", "depth.tif.json", "depth.qml", "track.gpx", "track.gpx.json", "cloud.csv"]
+    {
         fs::write(out.join(name), name).expect("a file");
-        let sha256: String = (Sha256::digest(name).iter())
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let sha256: String =
+            (Sha256::digest(name).iter()).map(|byte| format!("{byte:02x}")).collect();
         files.push(serde_json::json!({ "file": name, "bytes": name.len(), "sha256": sha256 }));
     }
     let report =
@@ -219,7 +185,8 @@ fn files_of_a_version_without_subfolders_are_removed_or_named() {
     fs::write(out.join("track.gpx"), "mine").expect("a file");
     fs::write(out.join("detections.csv"), "mine").expect("a file");
     fs::write(out.join(NOTES), "mine").expect("a file");
-    // A search takes the place of its own files only, and says which of a version without subfolders stay.
+    // A search takes the place of its own files only, and says which of a version without
+    // subfolders stay.
     let args = "detect pond.sl2 -o out --score 0.9";
     let text = run(folder, &args.split(' ').collect::<Vec<_>>());
     let said = "; left from before, not of this run: detections.csv\n";
@@ -238,9 +205,8 @@ fn files_of_a_version_without_subfolders_are_removed_or_named() {
     }
     let manifest = json(&out.join(MANIFEST));
     let listed = manifest["files"].as_array().expect("files").iter();
-    let mut expected: BTreeSet<String> = listed
-        .map(|file| file["file"].as_str().expect("a name").to_owned())
-        .collect();
+    let mut expected: BTreeSet<String> =
+        listed.map(|file| file["file"].as_str().expect("a name").to_owned()).collect();
     expected.insert(MANIFEST.to_owned());
     assert_eq!(there, expected);
 }

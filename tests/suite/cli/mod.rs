@@ -48,10 +48,7 @@ pub(crate) fn stderr_of(folder: &Path, args: &[&str]) -> String {
 pub(crate) fn refusal(folder: &Path, args: &[&str], code: i32) -> String {
     let output = bathyscope(folder, args);
     assert_eq!(output.status.code(), Some(code), "{args:?}");
-    assert!(
-        output.stdout.is_empty(),
-        "{args:?} prints results although it failed"
-    );
+    assert!(output.stdout.is_empty(), "{args:?} prints results although it failed");
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -59,10 +56,7 @@ const SCENE: &str = "duration_s = 20.0\n";
 
 fn simulated(folder: &Path) {
     fs::write(folder.join("scene.toml"), SCENE).expect("a scene file");
-    run(
-        folder,
-        &["simulate", "scene.toml", "-o", "pond", "--seed", "3"],
-    );
+    run(folder, &["simulate", "scene.toml", "-o", "pond", "--seed", "3"]);
 }
 
 fn header(path: &Path) -> String {
@@ -131,10 +125,7 @@ fn simulate_info_process_and_filter_work_together() {
     assert_eq!(report["counts"]["pings"].as_u64(), Some(pings));
     assert_eq!(report["preset"], "recommended");
     assert_eq!(report["settings"]["first_return"]["method"], "tracker");
-    assert_eq!(
-        report["inputs"][0]["sha256"].as_str().map(str::len),
-        Some(64)
-    );
+    assert_eq!(report["inputs"][0]["sha256"].as_str().map(str::len), Some(64));
     for key in ["n", "mean_m", "median_m", "sd_m", "rms_m", "mae_m", "p95_m"] {
         assert!(report["residuals"][key].is_number(), "residuals.{key}");
     }
@@ -191,13 +182,8 @@ fn later_settings_override_earlier_ones() {
     let settings = &report["settings"];
     assert_eq!(settings["image"]["samples"], "words", "from the preset");
     assert_eq!(settings["cloud"]["geometry"], "nadir", "from the file");
-    let threshold = settings["first_return"]["threshold"]
-        .as_f64()
-        .expect("a number");
-    assert!(
-        (threshold - 0.35).abs() < 1e-6,
-        "from the assignment: {threshold}"
-    );
+    let threshold = settings["first_return"]["threshold"].as_f64().expect("a number");
+    assert!((threshold - 0.35).abs() < 1e-6, "from the assignment: {threshold}");
     assert_eq!(report["preset"], "changed");
 }
 
@@ -205,36 +191,19 @@ fn later_settings_override_earlier_ones() {
 fn what_cannot_be_used_is_refused_in_one_sentence() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    fs::write(
-        folder.join("letter.sl2"),
-        "Dear surveyor, this is not a log.",
-    )
-    .expect("a file");
+    fs::write(folder.join("letter.sl2"), "Dear surveyor, this is not a log.").expect("a file");
     fs::write(folder.join("empty.sl2"), "").expect("a file");
 
     let absent = refusal(folder, &["info", "absent.sl2"], 1);
     assert!(absent.contains("absent.sl2"), "{absent}");
     for name in ["letter.sl2", "empty.sl2"] {
         let sentence = refusal(folder, &["process", name, "-o", "out"], 1);
-        assert!(
-            sentence.contains(name) && sentence.lines().count() == 1,
-            "{sentence}"
-        );
+        assert!(sentence.contains(name) && sentence.lines().count() == 1, "{sentence}");
     }
-    assert!(
-        !folder.join("out").exists(),
-        "nothing is written for a log that cannot be read"
-    );
+    assert!(!folder.join("out").exists(), "nothing is written for a log that cannot be read");
     let unknown = refusal(
         folder,
-        &[
-            "process",
-            "letter.sl2",
-            "-o",
-            "out",
-            "--set",
-            "cloud.geometri=nadir",
-        ],
+        &["process", "letter.sl2", "-o", "out", "--set", "cloud.geometri=nadir"],
         1,
     );
     assert!(unknown.contains("geometri"), "{unknown}");
@@ -249,10 +218,7 @@ fn without_a_display_the_demo_is_processed() {
     let output = run(folder, &["--demo"]);
     assert!(output.contains("bathyscope-out"), "{output}");
     assert!(folder.join("bathyscope-out/demo/report.json").is_file());
-    assert!(
-        folder.join("bathyscope-out/demo/window.png").is_file(),
-        "lavapipe draws the window"
-    );
+    assert!(folder.join("bathyscope-out/demo/window.png").is_file(), "lavapipe draws the window");
 }
 
 #[test]
@@ -263,22 +229,15 @@ fn the_real_river_is_processed_as_its_notes_say() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let river = data.join("humminbird-glen-canyon/Rec00001.DAT");
     let out = temporary.path().join("out");
-    run(
-        temporary.path(),
-        &[
-            "process",
-            &river.to_string_lossy(),
-            "-o",
-            &out.to_string_lossy(),
-        ],
-    );
+    run(temporary.path(), &["process", &river.to_string_lossy(), "-o", &out.to_string_lossy()]);
     let report: serde_json::Value =
         serde_json::from_slice(&fs::read(out.join("report.json")).expect("a report"))
             .expect("JSON");
     assert_eq!(report["counts"]["pings"], 3453);
     let residuals = &report["residuals"];
     let figure = |key: &str| residuals[key].as_f64().expect("a figure");
-    // Over boulders and banks the first return is nearer than the water under the boat is deep; `river` looks at the sand.
+    // Over boulders and banks the first return is nearer than the water under the boat is deep;
+    // `river` looks at the sand.
     assert!(figure("n") > 4000.0, "{residuals}");
     assert!(figure("median_m").abs() < 0.40, "{residuals}");
     assert!(figure("p95_m") < 2.0, "{residuals}");

@@ -1,4 +1,5 @@
-//! What the manifest of `bathyscope process` says of each file, and the systems that products are written in.
+//! What the manifest of `bathyscope process` says of each file, and the systems that products are
+//! written in.
 
 use super::{refusal, run, simulated};
 use crate::support::manifest;
@@ -16,31 +17,16 @@ fn the_manifest_describes_every_file() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
-    let mercator = [
-        "--set",
-        "crs=web_mercator",
-        "--set",
-        "isobaths.interval_m=0.2",
-    ];
+    let mercator = ["--set", "crs=web_mercator", "--set", "isobaths.interval_m=0.2"];
     let process = ["process", "pond.sl2", "--no-objects", "-o", "out"];
     run(folder, &[&process[..], &mercator].concat());
     let out = folder.join("out");
     let (report, manifest) = (json(&out.join("report.json")), manifest(&out));
-    for same in [
-        "program",
-        "run",
-        "inputs",
-        "statement",
-        "settings",
-        "preset",
-    ] {
+    for same in ["program", "run", "inputs", "statement", "settings", "preset"] {
         assert_eq!(manifest[same], report[same], "{same}");
         assert!(!manifest[same].is_null(), "{same}");
     }
-    assert!(
-        report["files"].is_null(),
-        "the manifest alone lists the files"
-    );
+    assert!(report["files"].is_null(), "the manifest alone lists the files");
     let mut described = 0;
     for file in manifest["files"].as_array().expect("files") {
         let name = file["file"].as_str().expect("a name");
@@ -54,10 +40,7 @@ fn the_manifest_describes_every_file() {
             continue;
         };
         described += 1;
-        assert!(
-            file["what"].as_str().expect("words").starts_with(is.what),
-            "{name}"
-        );
+        assert!(file["what"].as_str().expect("words").starts_with(is.what), "{name}");
         assert!(file["count"][is.counted].is_number(), "{name}");
         let regardless = serde_json::json!(row.regardless_of);
         assert_eq!(file["regardless_of"], regardless, "{name}");

@@ -1,4 +1,5 @@
-//! What the command line refuses, and how: one sentence, the right exit code, nothing half written, no waiting for ever.
+//! What the command line refuses, and how: one sentence, the right exit code, nothing half written,
+//! no waiting for ever.
 
 use super::{bathyscope, refusal, run, simulated};
 use bathyscope_test_support::handmade;
@@ -19,9 +20,8 @@ fn one_line(folder: &Path, args: &[&str], words: &[&str]) {
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder").flatten();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }
@@ -63,20 +63,10 @@ fn a_log_is_copied_into_formats_that_are_written_and_never_over_itself() {
     let to = |name: &'static str| ["convert", "pond.sl2", "-o", name];
     one_line(folder, &to("pond.doc"), &[".xtf", ".parquet", "pond.doc"]);
     one_line(folder, &to("pond.sl2"), &["never changed", "pond.sl2"]);
-    let beyond = [
-        "convert",
-        "pond.sl2",
-        "-o",
-        "part.xtf",
-        "--pings",
-        "5..999999",
-    ];
+    let beyond = ["convert", "pond.sl2", "-o", "part.xtf", "--pings", "5..999999"];
     one_line(folder, &beyond, &["999999", "pond.sl2"]);
     assert!(!folder.join("part.xtf").exists());
-    run(
-        folder,
-        &["convert", "pond.sl2", "-o", "part.xtf", "--pings", "5..25"],
-    );
+    run(folder, &["convert", "pond.sl2", "-o", "part.xtf", "--pings", "5..25"]);
     assert!(run(folder, &["info", "part.xtf"]).contains("20 pings"));
     assert!(fs::read(folder.join("pond.sl2")).expect("the log") == before);
 }
@@ -89,11 +79,7 @@ fn a_recorded_log_is_not_simulated_over() {
     simulated(folder);
     fs::remove_file(folder.join("pond.truth.csv")).expect("the truth");
     let before = fs::read(folder.join("pond.sl2")).expect("the log");
-    one_line(
-        folder,
-        &["simulate", "-o", "pond"],
-        &["pond.sl2", "another prefix"],
-    );
+    one_line(folder, &["simulate", "-o", "pond"], &["pond.sl2", "another prefix"]);
     assert_eq!(fs::read(folder.join("pond.sl2")).expect("the log"), before);
 }
 
@@ -116,16 +102,7 @@ fn pipes_and_devices_are_refused_unopened() {
     let settings = ["process", "x", "-o", "out", "--settings", "pipe.toml"];
     one_line(folder, &settings, &words);
     for cloud in ["pipe.csv", "endless.csv"] {
-        let filter = [
-            "filter",
-            cloud,
-            "-o",
-            "x.csv",
-            "--radius",
-            "1",
-            "--min-neighbors",
-            "1",
-        ];
+        let filter = ["filter", cloud, "-o", "x.csv", "--radius", "1", "--min-neighbors", "1"];
         one_line(folder, &filter, &words);
     }
 }
@@ -158,23 +135,13 @@ fn a_full_or_closed_stdout_is_no_panic() {
     let info = |stdout: Stdio| {
         let mut command = Command::new(crate::support::program());
         let command = command.args(["info", "pond.sl2"]).current_dir(folder);
-        command
-            .stdout(stdout)
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program starts")
+        command.stdout(stdout).stderr(Stdio::piped()).spawn().expect("the program starts")
     };
-    let full = fs::OpenOptions::new()
-        .write(true)
-        .open("/dev/full")
-        .expect("a device");
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
     let output = info(full.into()).wait_with_output().expect("an end");
     assert_eq!(output.status.code(), Some(1));
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        errors.contains("stdout") && errors.lines().count() == 1,
-        "{errors}"
-    );
+    assert!(errors.contains("stdout") && errors.lines().count() == 1, "{errors}");
 
     let mut reader_gone = info(Stdio::piped());
     drop(reader_gone.stdout.take());
@@ -190,10 +157,7 @@ fn surveys_of_one_name_get_a_folder_each() {
         fs::create_dir(folder.join(side)).expect("a folder");
         fs::copy(folder.join("pond.sl2"), folder.join(side).join("Rec1.sl2")).expect("a copy");
     }
-    run(
-        folder,
-        &["process", "--each", "a/Rec1.sl2", "b/Rec1.sl2", "-o", "out"],
-    );
+    run(folder, &["process", "--each", "a/Rec1.sl2", "b/Rec1.sl2", "-o", "out"]);
     assert_eq!(names(&folder.join("out")), ["Rec1", "Rec1-2"]);
     let report = fs::read_to_string(folder.join("out/Rec1-2/report.json")).expect("a report");
     assert!(report.contains("b/Rec1.sl2"), "{report}");
@@ -203,10 +167,7 @@ fn surveys_of_one_name_get_a_folder_each() {
     assert_eq!(output.status.code(), Some(1));
     assert!(folder.join("more/report.json").is_file());
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(
-        errors.contains("no.sl2") && errors.contains("1 of 2 logs"),
-        "{errors}"
-    );
+    assert!(errors.contains("no.sl2") && errors.contains("1 of 2 logs"), "{errors}");
 }
 
 #[test]
@@ -216,21 +177,14 @@ fn impossible_settings_are_refused_with_their_reason() {
     simulated(folder);
     let cases: [(&str, &[&str]); 6] = [
         ("calibration.pings=9..1", &["A < B", "`9..1`"]),
-        (
-            "calibration.pings=5000..6000",
-            &["5000..6000", "the log has", "pond.sl2"],
-        ),
+        ("calibration.pings=5000..6000", &["5000..6000", "the log has", "pond.sl2"]),
         ("calibration.pings=10..99999", &["the log has"]),
         ("cloud.geometry=flat", &["flat", "nadir"]),
         ("outliers.min_neighbors=-1", &["-1"]),
         ("first_return.threshold=nan", &["between 0 and 1"]),
     ];
     for (setting, words) in cases {
-        one_line(
-            folder,
-            &["process", "pond.sl2", "-o", "out", "--set", setting],
-            words,
-        );
+        one_line(folder, &["process", "pond.sl2", "-o", "out", "--set", setting], words);
     }
     let files: [(&str, &[&str]); 3] = [
         ("[cloud\nalpha2_deg = 3\n", &["line 1"]),
@@ -239,14 +193,7 @@ fn impossible_settings_are_refused_with_their_reason() {
     ];
     for (text, words) in files {
         fs::write(folder.join("mine.toml"), text).expect("settings");
-        let args = [
-            "process",
-            "pond.sl2",
-            "-o",
-            "out",
-            "--settings",
-            "mine.toml",
-        ];
+        let args = ["process", "pond.sl2", "-o", "out", "--settings", "mine.toml"];
         let text = refusal(folder, &args, 1);
         assert_eq!(text.lines().count(), 1, "{text}");
         assert!(words.iter().all(|word| text.contains(word)), "{text}");
@@ -264,56 +211,23 @@ fn outputs_that_cannot_be_are_refused_before_the_work() {
     simulated(folder);
     let log = fs::read(folder.join("pond.sl2")).expect("the log");
     let before = names(folder);
-    one_line(
-        folder,
-        &["process", "pond.sl2", "-o", "pond.sl2"],
-        &["pond.sl2"],
-    );
-    one_line(
-        folder,
-        &["snapshot", "pond.sl2", "-o", "pond.sl2"],
-        &[".png"],
-    );
+    one_line(folder, &["process", "pond.sl2", "-o", "pond.sl2"], &["pond.sl2"]);
+    one_line(folder, &["snapshot", "pond.sl2", "-o", "pond.sl2"], &[".png"]);
     one_line(folder, &["simulate", "-o", "no/pond"], &["make it first"]);
     one_line(folder, &["simulate", "-o", "."], &["folder"]);
-    let filter = [
-        "filter",
-        "pond.truth.csv",
-        "-o",
-        "pond",
-        "--radius",
-        "1",
-        "--min-neighbors",
-        "1",
-    ];
+    let filter =
+        ["filter", "pond.truth.csv", "-o", "pond", "--radius", "1", "--min-neighbors", "1"];
     one_line(folder, &filter, &[".laz"]);
     assert_eq!(names(folder), before);
     assert_eq!(fs::read(folder.join("pond.sl2")).expect("the log"), log);
     for wrong in ["0", "-1", "nan", "inf"] {
         let radius = format!("--radius={wrong}");
-        let args = [
-            "filter",
-            "x.csv",
-            "-o",
-            "y.csv",
-            &radius,
-            "--min-neighbors",
-            "1",
-        ];
+        let args = ["filter", "x.csv", "-o", "y.csv", &radius, "--min-neighbors", "1"];
         refusal(folder, &args, 2);
     }
     refusal(
         folder,
-        &[
-            "filter",
-            "x.csv",
-            "-o",
-            "y.csv",
-            "--radius",
-            "1",
-            "--min-neighbors",
-            "0",
-        ],
+        &["filter", "x.csv", "-o", "y.csv", "--radius", "1", "--min-neighbors", "0"],
         2,
     );
 }
@@ -324,16 +238,7 @@ fn columns_are_found_named_or_asked_for() {
     let folder = temporary.path();
     let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("points");
     let filter = |cloud: &'static str| {
-        [
-            "filter",
-            cloud,
-            "-o",
-            "kept.csv",
-            "--radius",
-            "1",
-            "--min-neighbors",
-            "1",
-        ]
+        ["filter", cloud, "-o", "kept.csv", "--radius", "1", "--min-neighbors", "1"]
     };
     write("twice.csv", "x,x,y,z\n1,2,3,4\n");
     one_line(folder, &filter("twice.csv:x,y,z"), &["`x` is named twice"]);
@@ -347,10 +252,7 @@ fn columns_are_found_named_or_asked_for() {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("warning") && text.contains("`id`"), "{text}");
     // A row that is no place has no neighbours; it does not stop the others.
-    write(
-        "holes.csv",
-        "\u{feff}x,y,z\r\n1,2,3\r\nnan,2,3\r\n# rest\r\n1,2,3\r\ninf,0,0\r\n",
-    );
+    write("holes.csv", "\u{feff}x,y,z\r\n1,2,3\r\nnan,2,3\r\n# rest\r\n1,2,3\r\ninf,0,0\r\n");
     let text = run(folder, &filter("holes.csv"));
     assert!(text.starts_with("kept 2 of 4"), "{text}");
 }
@@ -384,33 +286,17 @@ fn a_folder_of_logs_is_listed_and_each_log_processed() {
         serde_json::from_str(&run(folder, &["info", "trip", "--json"])).expect("JSON");
     assert_eq!(list.as_array().map(Vec::len), Some(3));
     assert_eq!(list[2]["side_scan"]["pings"], 20);
-    let process = [
-        "process",
-        "trip",
-        "--each",
-        "--no-objects",
-        "--products",
-        "track",
-        "-o",
-        "out",
-    ];
+    let process = ["process", "trip", "--each", "--no-objects", "--products", "track", "-o", "out"];
     run(folder, &process);
     for name in ["a", "b", "line"] {
-        assert!(
-            folder.join("out").join(name).join("report.json").is_file(),
-            "{name}"
-        );
+        assert!(folder.join("out").join(name).join("report.json").is_file(), "{name}");
     }
     // They are one picture.
     let snapshot = ["snapshot", "trip", "-o", "x.png", "--view", "map"];
     run(folder, &snapshot);
     assert!(folder.join("x.png").is_file());
     fs::create_dir(folder.join("empty")).expect("a folder");
-    one_line(
-        folder,
-        &["info", "empty"],
-        &["a folder without a log", "SL2", "empty"],
-    );
+    one_line(folder, &["info", "empty"], &["a folder without a log", "SL2", "empty"]);
     // A folder with one log is that log.
     for name in ["b.sl3", "line.xtf"] {
         fs::remove_file(trip.join(name)).expect("the file");
@@ -426,51 +312,18 @@ fn what_the_system_says_is_put_plainly() {
     fs::write(folder.join("two.csv"), "1 2\n3 4\n").expect("a file");
     fs::write(folder.join("short.csv"), "x,y,z\n1,2,3\n4,5\n").expect("a file");
     let filter = |name: &'static str| {
-        [
-            "filter",
-            name,
-            "-o",
-            "k.csv",
-            "--radius",
-            "1",
-            "--min-neighbors",
-            "1",
-        ]
+        ["filter", name, "-o", "k.csv", "--radius", "1", "--min-neighbors", "1"]
     };
     let cases: [(&[&str], &[&str]); 9] = [
-        (
-            &["info", "absent.sl2"],
-            &["no such file or folder", "check the path", "absent.sl2"],
-        ),
-        (
-            &["process", "absent.sl2", "-o", "out"],
-            &["no such file or folder"],
-        ),
-        (
-            &["process", "pond.sl2", "-o", "pond.sl2/out"],
-            &["part of the path is a file"],
-        ),
-        (
-            &["process", "pond.sl2", "-o", "out", "--settings", "no.toml"],
-            &["no such file"],
-        ),
-        (
-            &["process", "pond.sl2", "-o", "out", "--settings", "."],
-            &["it is a folder"],
-        ),
-        (
-            &["compare", "pond.sl2", "no.csv"],
-            &["no such file or folder"],
-        ),
+        (&["info", "absent.sl2"], &["no such file or folder", "check the path", "absent.sl2"]),
+        (&["process", "absent.sl2", "-o", "out"], &["no such file or folder"]),
+        (&["process", "pond.sl2", "-o", "pond.sl2/out"], &["part of the path is a file"]),
+        (&["process", "pond.sl2", "-o", "out", "--settings", "no.toml"], &["no such file"]),
+        (&["process", "pond.sl2", "-o", "out", "--settings", "."], &["it is a folder"]),
+        (&["compare", "pond.sl2", "no.csv"], &["no such file or folder"]),
         (&filter("."), &["."]),
-        (
-            &filter("two.csv"),
-            &["line 1", "2 fields", "x, y and z", "name the columns"],
-        ),
-        (
-            &filter("short.csv"),
-            &["line 3", "column `z`", "mend the line"],
-        ),
+        (&filter("two.csv"), &["line 1", "2 fields", "x, y and z", "name the columns"]),
+        (&filter("short.csv"), &["line 3", "column `z`", "mend the line"]),
     ];
     for (args, words) in cases {
         one_line(folder, args, words);
@@ -483,9 +336,7 @@ fn what_the_system_says_is_put_plainly() {
 fn a_snapshot_says_what_drew_it_and_no_more() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let output = std::process::Command::new(crate::support::program())
-        .args([
-            "snapshot", "-o", "demo.png", "--size", "320x240", "--view", "profile",
-        ])
+        .args(["snapshot", "-o", "demo.png", "--size", "320x240", "--view", "profile"])
         .current_dir(temporary.path())
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
@@ -495,9 +346,6 @@ fn a_snapshot_says_what_drew_it_and_no_more() {
         .expect("the program starts");
     let text = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{text}");
-    assert!(
-        text.starts_with("drawn by ") && text.lines().count() == 1,
-        "{text}"
-    );
+    assert!(text.starts_with("drawn by ") && text.lines().count() == 1, "{text}");
     assert!(temporary.path().join("demo.png").is_file());
 }

@@ -24,20 +24,12 @@ fn the_page_asks_for_nothing_and_agrees_with_the_files() {
     let page = page(&out);
 
     // Nothing is fetched: every picture is in the page, and can be read by another decoder.
-    let pictures: Vec<&str> = [
-        between(&page, "href=\"", "\""),
-        between(&page, "src=\"", "\""),
-    ]
-    .concat();
+    let pictures: Vec<&str> =
+        [between(&page, "href=\"", "\""), between(&page, "src=\"", "\"")].concat();
     assert!(pictures.len() >= 3, "{} pictures", pictures.len());
     for picture in pictures {
-        let (kind, text) = picture
-            .split_once(";base64,")
-            .expect("a picture in the page");
-        assert!(
-            ["data:image/png", "data:image/jpeg"].contains(&kind),
-            "{kind}"
-        );
+        let (kind, text) = picture.split_once(";base64,").expect("a picture in the page");
+        assert!(["data:image/png", "data:image/jpeg"].contains(&kind), "{kind}");
         assert!(text.len() > 100, "{kind} of {} letters", text.len());
     }
     assert!(!page.contains("<script") && !page.contains("url(http"));
@@ -51,10 +43,7 @@ fn the_page_asks_for_nothing_and_agrees_with_the_files() {
         .collect();
     let table = fs::read_to_string(out.join("isobaths/storage.csv")).expect("a table");
     let same = table.lines().skip(1).any(|line| {
-        let cells: Vec<f64> = line
-            .split(',')
-            .map(|cell| cell.parse().expect("a number"))
-            .collect();
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
         (cells[0] - shown[0]).abs() < 5e-3
             && (cells[1] - shown[1]).abs() < 1.0
             && (cells[2] - shown[2]).abs() < 1.0
@@ -64,17 +53,11 @@ fn the_page_asks_for_nothing_and_agrees_with_the_files() {
     // Its inputs are named without their folder, with the fingerprint of the record.
     let record = fs::read_to_string(out.join("report.json")).expect("a record");
     let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
-    let fingerprint = record["inputs"][0]["sha256"]
-        .as_str()
-        .expect("a fingerprint");
+    let fingerprint = record["inputs"][0]["sha256"].as_str().expect("a fingerprint");
     assert!(page.contains(&format!("<code>{fingerprint}</code>")));
     assert!(!page.contains(&folder.display().to_string()));
     for warning in record["warnings"].as_array().expect("warnings") {
-        let beginning = warning
-            .as_str()
-            .expect("a sentence")
-            .split(['\'', '"', '&', '<'])
-            .next();
+        let beginning = warning.as_str().expect("a sentence").split(['\'', '"', '&', '<']).next();
         assert!(page.contains(beginning.unwrap_or_default()), "{warning}");
     }
 }
@@ -86,24 +69,10 @@ fn a_name_from_outside_stays_text_and_the_page_alone_can_be_asked_for() {
     simulated(folder);
     let name = "<b>pond & co.sl2";
     fs::rename(folder.join("pond.sl2"), folder.join(name)).expect("a new name");
-    run(
-        folder,
-        &[
-            "process",
-            name,
-            "-o",
-            "out",
-            "--no-objects",
-            "--products",
-            "report",
-        ],
-    );
+    run(folder, &["process", name, "-o", "out", "--no-objects", "--products", "report"]);
     let page = page(&folder.join("out"));
     assert!(page.contains("Survey &lt;b&gt;pond &amp; co"), "the title");
     assert!(!page.contains("<b>pond"));
-    assert!(
-        page.contains("Depth map with isobaths"),
-        "a map without depth.tif"
-    );
+    assert!(page.contains("Depth map with isobaths"), "a map without depth.tif");
     assert!(!folder.join("out/depth/depth.tif").exists());
 }

@@ -20,20 +20,12 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     };
     let review = Review::new(identity.clone(), vec!["rock".into(), "sunken boat".into()]);
     let drawn = Edit::Add {
-        mark: Mark {
-            side: Side::Port,
-            pings: 440..452,
-            near_m: 4.0,
-            far_m: 6.5,
-        },
+        mark: Mark { side: Side::Port, pings: 440..452, near_m: 4.0, far_m: 6.5 },
         class: 1,
     };
     let review = review.apply(&drawn).expect("a box");
     fs::write(folder.join("pond.review.json"), review.to_json()).expect("a review");
-    let said = run(
-        folder,
-        &["review", "pond.sl2", "-o", "out", "--part", "val"],
-    );
+    let said = run(folder, &["review", "pond.sl2", "-o", "out", "--part", "val"]);
     assert_eq!(
         said.trim_end(),
         "Wrote 1 boxes and 1 pictures for training, 0 of them hard negatives, into out"
@@ -41,21 +33,9 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     let text = |name: &str| fs::read_to_string(folder.join("out").join(name)).expect(name);
     assert_eq!(text("objects.csv").lines().count(), 2);
     let names = text("dataset/classes.txt");
-    assert!(
-        names.starts_with("wreck\nanchor\n"),
-        "the usual list: {names}"
-    );
+    assert!(names.starts_with("wreck\nanchor\n"), "the usual list: {names}");
     assert!(names.ends_with("\nsunken boat\n"), "and its own: {names}");
-    let args = [
-        "review",
-        "pond.sl2",
-        "-o",
-        "deeper",
-        "--part",
-        "val",
-        "--set",
-        "draft_m=0.5",
-    ];
+    let args = ["review", "pond.sl2", "-o", "deeper", "--part", "val", "--set", "draft_m=0.5"];
     run(folder, &args);
     let depth_m = |name: &str| -> f64 {
         let mut table = csv::Reader::from_path(folder.join(name)).expect("a table");
@@ -67,16 +47,10 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     let deeper_m = depth_m("deeper/objects.csv") - depth_m("out/objects.csv");
     assert!((deeper_m - 0.5).abs() < 0.011, "{deeper_m}");
     let label = text("dataset/labels/val/000000.txt");
-    assert!(
-        label.starts_with("14 ") && label.lines().count() == 1,
-        "{label}"
-    );
+    assert!(label.starts_with("14 ") && label.lines().count() == 1, "{label}");
     assert!(!folder.join("out/dataset/images/train/000000.png").exists());
 
-    let other = Identity {
-        pings: 9,
-        ..identity
-    };
+    let other = Identity { pings: 9, ..identity };
     let other = Review::new(other, vec!["rock".into()]).to_json();
     fs::write(folder.join("other.json"), other).expect("a review");
     let args = ["review", "pond.sl2", "--review", "other.json", "-o", "out"];

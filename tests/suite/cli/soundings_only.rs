@@ -3,17 +3,14 @@
 use super::*;
 use serde_json::Value;
 
-/// Seconds, longitude and latitude (minutes east of 11 degrees and north of 48) and depth of the soundings: four legs over a slope.
+/// Seconds, longitude and latitude (minutes east of 11 degrees and north of 48) and depth of the
+/// soundings: four legs over a slope.
 fn soundings() -> impl Iterator<Item = (usize, [f64; 2], f64)> {
     (0..400).map(|second| {
         let (leg, along) = (second / 100, second % 100);
         let along = if leg % 2 == 0 { along } else { 99 - along };
         let minutes = [31.0 + along as f64 * 8e-4, 7.0 + leg as f64 * 3e-3];
-        (
-            second,
-            minutes,
-            3.0 + along as f64 / 50.0 + leg as f64 / 10.0,
-        )
+        (second, minutes, 3.0 + along as f64 / 50.0 + leg as f64 / 10.0)
     })
 }
 
@@ -55,20 +52,12 @@ fn sentences_and_tables_make_a_depth_map() {
         assert_eq!(report["counts"]["pings"], 0, "{name}");
         let kept = report["counts"]["kept"].as_u64();
         // The last depth of a log may come after the last position.
-        assert!(
-            kept.is_some_and(|kept| (398..=400).contains(&kept)),
-            "{name}: {kept:?}"
-        );
+        assert!(kept.is_some_and(|kept| (398..=400).contains(&kept)), "{name}: {kept:?}");
         let depths = fs::read_to_string(out.join("depth/depth.xyz")).expect("depths");
-        let depths = depths
-            .lines()
-            .filter_map(|line| line.split(' ').nth(2)?.parse().ok());
+        let depths = depths.lines().filter_map(|line| line.split(' ').nth(2)?.parse().ok());
         let depths: Vec<f64> = depths.collect();
         assert!(depths.len() > 100, "{name}: {}", depths.len());
-        assert!(
-            depths.iter().all(|depth_m| (2.5..6.0).contains(depth_m)),
-            "{name}"
-        );
+        assert!(depths.iter().all(|depth_m| (2.5..6.0).contains(depth_m)), "{name}");
         fs::remove_dir_all(out).expect("the folder of the run");
     }
 }

@@ -31,18 +31,12 @@ fn a_sonogram_has_every_ping_on_one_page() {
     let info: serde_json::Value = serde_json::from_str(&info).expect("JSON");
     let pings = info["side_scan"]["pings"].as_u64().expect("a count") as usize;
     assert_eq!(pages.len(), pings.div_ceil(120), "{pings} pings");
-    let sizes: Vec<_> = pages
-        .iter()
-        .map(|page| image::image_dimensions(page).expect("a picture"))
-        .collect();
+    let sizes: Vec<_> =
+        pages.iter().map(|page| image::image_dimensions(page).expect("a picture")).collect();
     assert_eq!(sizes[0], (320, 200));
     assert!(sizes.iter().all(|size| size.1 == 200 && size.0 <= 320));
     let first = image::open(&pages[0]).expect("a picture").to_luma8();
-    let mean = first
-        .pixels()
-        .map(|pixel| u64::from(pixel.0[0]))
-        .sum::<u64>()
-        / (320 * 200);
+    let mean = first.pixels().map(|pixel| u64::from(pixel.0[0])).sum::<u64>() / (320 * 200);
     assert!(mean > 20, "a page is no black page: {mean}");
 }
 
@@ -53,10 +47,7 @@ fn a_film_has_frames_that_move() {
     simulated(folder);
     run(
         folder,
-        &[
-            "film", "pond.sl2", "-o", "pond.avi", "--size", "160x64", "--speed", "60", "--fps",
-            "10",
-        ],
+        &["film", "pond.sl2", "-o", "pond.avi", "--size", "160x64", "--speed", "60", "--fps", "10"],
     );
     let film = fs::read(folder.join("pond.avi")).expect("a film");
     let word = |at: usize| u32::from_le_bytes(film[at..at + 4].try_into().expect("four bytes"));
@@ -66,10 +57,7 @@ fn a_film_has_frames_that_move() {
     let frame = |at: usize| {
         let length = word(at + 4) as usize;
         let picture = image::load_from_memory(&film[at + 8..at + 8 + length]);
-        (
-            picture.expect("a JPEG").to_luma8(),
-            at + 8 + length + length % 2,
-        )
+        (picture.expect("a JPEG").to_luma8(), at + 8 + length + length % 2)
     };
     let (first, next) = frame(224);
     let (second, _) = frame(next);

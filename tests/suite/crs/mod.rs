@@ -23,23 +23,15 @@ fn places_are_those_of_proj_to_a_millimetre_and_come_back() {
             continue;
         };
         let place = crs.place(position);
-        assert!(
-            (place[0] - x).hypot(place[1] - y) < 1e-3,
-            "{crs}: {place:?}, not {x}, {y}"
-        );
+        assert!((place[0] - x).hypot(place[1] - y) < 1e-3, "{crs}: {place:?}, not {x}, {y}");
         let back = crs.to_lon_lat(place);
         let off_deg = (back.lon_deg - position.lon_deg).hypot(back.lat_deg - position.lat_deg);
         assert!(off_deg < 1e-8, "{crs}: {back:?}");
         held += 1;
     }
-    eprintln!(
-        "{held} systems agree, {} are not known: {refused:?}",
-        refused.len()
-    );
+    eprintln!("{held} systems agree, {} are not known: {refused:?}", refused.len());
     assert!(held > 150, "{held}");
-    for named in [
-        2154, 2193, 3006, 3035, 3857, 6350, 25832, 26912, 28355, 32612, 32756,
-    ] {
+    for named in [2154, 2193, 3006, 3035, 3857, 6350, 25832, 26912, 28355, 32612, 32756] {
         assert!(!refused.contains(&named), "{named}");
     }
 }
@@ -56,15 +48,9 @@ fn what_cannot_be_exact_is_refused_in_a_sentence() {
         (9, "not known"),
     ] {
         let sentence = refusal(epsg);
-        assert!(
-            sentence.contains(why) && sentence.lines().count() == 1,
-            "{sentence}"
-        );
+        assert!(sentence.contains(why) && sentence.lines().count() == 1, "{sentence}");
     }
-    let river = LonLat {
-        lon_deg: -111.48,
-        lat_deg: 36.86,
-    };
+    let river = LonLat { lon_deg: -111.48, lat_deg: 36.86 };
     let elsewhere = CrsChoice::Epsg(32_733).at(river).expect_err("a refusal");
     assert!(elsewhere.to_string().contains("outside"), "{elsewhere}");
     assert_eq!(CrsChoice::Utm.at(river).map(|crs| crs.epsg()), Ok(32_612));

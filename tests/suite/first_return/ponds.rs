@@ -20,10 +20,7 @@ impl Pond {
         let progress = Progress::new();
         let simulated = simulate(scene, seed, &progress).expect("not cancelled");
         let survey = formats::open_bytes("pond.sl2", simulated.sl2_bytes(), &progress);
-        let pond = Self {
-            survey: survey.expect("a readable log"),
-            truth: simulated.pings,
-        };
+        let pond = Self { survey: survey.expect("a readable log"), truth: simulated.pings };
         assert_eq!(pond.survey.side_scan.len(), pond.truth.len());
         pond
     }
@@ -58,11 +55,8 @@ impl Errors {
         let mut errors = self.of_picks.clone();
         errors.sort_by(f64::total_cmp);
         let median = errors[errors.len() / 2];
-        let near: Vec<f64> = errors
-            .iter()
-            .copied()
-            .filter(|error| (error - median).abs() < GROSS_M)
-            .collect();
+        let near: Vec<f64> =
+            errors.iter().copied().filter(|error| (error - median).abs() < GROSS_M).collect();
         let bias_m = near.iter().sum::<f64>() / near.len() as f64;
         let mut absolute: Vec<f64> = errors.iter().map(|error| (error - bias_m).abs()).collect();
         absolute.sort_by(f64::total_cmp);
@@ -105,11 +99,8 @@ impl std::fmt::Display for Summary {
 
 type Kind = (&'static str, fn() -> Scene);
 
-const KINDS: [Kind; 3] = [
-    ("gentle", Scene::gentle),
-    ("steep", Scene::steep),
-    ("rough", Scene::rough),
-];
+const KINDS: [Kind; 3] =
+    [("gentle", Scene::gentle), ("steep", Scene::steep), ("rough", Scene::rough)];
 
 fn detector(
     method: Method,
@@ -117,12 +108,8 @@ fn detector(
     threshold: f32,
     dead_zone_m: f64,
 ) -> (ImageSettings, FirstReturnSettings) {
-    let settings = FirstReturnSettings {
-        method,
-        threshold,
-        dead_zone_m,
-        ..FirstReturnSettings::default()
-    };
+    let settings =
+        FirstReturnSettings { method, threshold, dead_zone_m, ..FirstReturnSettings::default() };
     (ImageSettings { samples }, settings)
 }
 
@@ -158,13 +145,7 @@ fn tracker_stays_within_a_centimetre_on_ponds_of_every_kind() {
 /// The tracker with its defaults.
 fn tracked(survey: &Survey) -> FirstReturns {
     let settings = FirstReturnSettings::default();
-    detect(
-        survey,
-        &ImageSettings::default(),
-        &settings,
-        &Progress::new(),
-    )
-    .expect("not cancelled")
+    detect(survey, &ImageSettings::default(), &settings, &Progress::new()).expect("not cancelled")
 }
 
 #[test]
@@ -181,22 +162,14 @@ fn part_of_a_log_is_tracked_as_in_the_whole() {
         for side in Side::BOTH {
             // Picks hold NaN where there is none, so they are compared as text.
             let (part, whole) = (part.side(side), &whole.side(side)[pings.clone()]);
-            assert_eq!(
-                format!("{part:?}"),
-                format!("{whole:?}"),
-                "{side:?} {pings:?}"
-            );
+            assert_eq!(format!("{part:?}"), format!("{whole:?}"), "{side:?} {pings:?}");
         }
     }
 }
 
 #[test]
 fn missing_and_wrong_depths_do_not_lead_the_tracker_astray() {
-    for change in [
-        |_| f32::NAN,
-        |depth_m| 2.1 * depth_m,
-        |depth_m| 0.4 * depth_m,
-    ] {
+    for change in [|_| f32::NAN, |depth_m| 2.1 * depth_m, |depth_m| 0.4 * depth_m] {
         let mut pond = Pond::new(&Scene::gentle(), 3);
         for ping in std::sync::Arc::make_mut(&mut pond.survey.side_scan) {
             ping.depth_m = change(ping.depth_m);
@@ -225,7 +198,8 @@ fn weed_is_flagged_and_open_ground_is_not() {
     assert!(share(flagged[1]) > 0.6, "weed: {flagged:?}");
 }
 
-/// Weed counts: its canopy is not within 25 cm of the ground. `cargo bench -- confidence` prints the shares over many ponds.
+/// Weed counts: its canopy is not within 25 cm of the ground. `cargo bench -- confidence` prints
+/// the shares over many ponds.
 #[test]
 fn a_sure_first_return_is_right_and_an_unsure_one_seldom() {
     let ways = [
@@ -270,16 +244,8 @@ fn a_sure_first_return_is_right_and_an_unsure_one_seldom() {
 fn the_slider_acts_on_the_tracker() {
     let pond = Pond::new(&Scene::gentle(), 2);
     let found = |threshold| {
-        let settings = FirstReturnSettings {
-            threshold,
-            ..FirstReturnSettings::default()
-        };
-        let returns = detect(
-            &pond.survey,
-            &ImageSettings::default(),
-            &settings,
-            &Progress::new(),
-        );
+        let settings = FirstReturnSettings { threshold, ..FirstReturnSettings::default() };
+        let returns = detect(&pond.survey, &ImageSettings::default(), &settings, &Progress::new());
         let returns = returns.expect("not cancelled");
         let sides = Side::BOTH.into_iter().flat_map(|side| returns.side(side));
         sides.filter(|pick| pick.is_some()).count()
@@ -294,25 +260,15 @@ fn the_slider_acts_on_the_tracker() {
 fn a_cancelled_search_stops() {
     let pond = Pond::new(&Scene::gentle(), 2);
     for method in [Method::Threshold, Method::Tracker] {
-        let settings = FirstReturnSettings {
-            method,
-            ..FirstReturnSettings::default()
-        };
+        let settings = FirstReturnSettings { method, ..FirstReturnSettings::default() };
         let progress = Progress::new();
         progress.cancel();
-        assert!(
-            detect(
-                &pond.survey,
-                &ImageSettings::default(),
-                &settings,
-                &progress
-            )
-            .is_err()
-        );
+        assert!(detect(&pond.survey, &ImageSettings::default(), &settings, &progress).is_err());
     }
 }
 
-/// The table that the choice of the detector rests on: `cargo test --release -- --ignored --nocapture every_detector`.
+/// The table that the choice of the detector rests on: `cargo
+/// test --release -- --ignored --nocapture every_detector`.
 /// `FIRST_POND=101` takes other ponds, to develop on.
 #[test]
 #[ignore = "a table over 60 ponds, minutes long"]
@@ -321,43 +277,17 @@ fn every_detector_on_twenty_ponds_of_every_kind() {
     let first: u64 = number("FIRST_POND").unwrap_or(1);
     let seeds = first..first + number("PONDS").unwrap_or(20);
     let detectors = [
-        (
-            "published words 0.30",
-            detector(Method::Threshold, SampleMode::Words, 0.30, 0.82),
-        ),
-        (
-            "bytes threshold 0.30",
-            detector(Method::Threshold, SampleMode::Bytes, 0.30, 0.5),
-        ),
-        (
-            "bytes threshold 0.50",
-            detector(Method::Threshold, SampleMode::Bytes, 0.50, 0.5),
-        ),
-        (
-            "tracker on words 0.30",
-            detector(Method::Tracker, SampleMode::Words, 0.30, 0.82),
-        ),
-        (
-            "tracker 0.10",
-            detector(Method::Tracker, SampleMode::Bytes, 0.10, 0.5),
-        ),
-        (
-            "tracker 0.30",
-            detector(Method::Tracker, SampleMode::Bytes, 0.30, 0.5),
-        ),
-        (
-            "tracker 0.50",
-            detector(Method::Tracker, SampleMode::Bytes, 0.50, 0.5),
-        ),
+        ("published words 0.30", detector(Method::Threshold, SampleMode::Words, 0.30, 0.82)),
+        ("bytes threshold 0.30", detector(Method::Threshold, SampleMode::Bytes, 0.30, 0.5)),
+        ("bytes threshold 0.50", detector(Method::Threshold, SampleMode::Bytes, 0.50, 0.5)),
+        ("tracker on words 0.30", detector(Method::Tracker, SampleMode::Words, 0.30, 0.82)),
+        ("tracker 0.10", detector(Method::Tracker, SampleMode::Bytes, 0.10, 0.5)),
+        ("tracker 0.30", detector(Method::Tracker, SampleMode::Bytes, 0.30, 0.5)),
+        ("tracker 0.50", detector(Method::Tracker, SampleMode::Bytes, 0.50, 0.5)),
     ];
-    let settings: Vec<_> = detectors
-        .iter()
-        .map(|(_, settings)| settings.clone())
-        .collect();
+    let settings: Vec<_> = detectors.iter().map(|(_, settings)| settings.clone()).collect();
     for (kind, scene) in KINDS {
-        for ((name, _), found) in detectors
-            .iter()
-            .zip(measure(&scene(), seeds.clone(), &settings))
+        for ((name, _), found) in detectors.iter().zip(measure(&scene(), seeds.clone(), &settings))
         {
             println!("{kind:7} {name:22} {found}");
         }

@@ -21,7 +21,8 @@ fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> 
     pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
 }
 
-/// Mean byte from `from_m` to `to_m` beyond the pick, over the ping and two neighbours to each side.
+/// Mean byte from `from_m` to `to_m` beyond the pick, over the ping and two neighbours to each
+/// side.
 fn brightness(survey: &Survey, ping: usize, side: Side, from_m: f64, to_m: f64) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0);
     for ping in ping.saturating_sub(2)..(ping + 3).min(survey.side_scan.len()) {
@@ -36,7 +37,8 @@ fn brightness(survey: &Survey, ping: usize, side: Side, from_m: f64, to_m: f64) 
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// The line lies on an edge: darker before it (20 cm, and everything from 0.8 m on) than beyond it, on nearly all pings.
+/// The line lies on an edge: darker before it (20 cm, and everything from 0.8 m on) than beyond it,
+/// on nearly all pings.
 #[test]
 fn river_line_lies_on_the_bottom_edge_along_the_whole_log() {
     let Some((survey, returns)) = tracked("humminbird-glen-canyon/Rec00001.DAT") else {
@@ -61,7 +63,8 @@ fn river_line_lies_on_the_bottom_edge_along_the_whole_log() {
     }
 }
 
-/// Where boulders lie before a brighter bottom, the line follows them. Looked at in the waterfall: their edges are plain to see.
+/// Where boulders lie before a brighter bottom, the line follows them. Looked at in the waterfall:
+/// their edges are plain to see.
 #[test]
 fn river_line_follows_faint_boulders() {
     let Some((survey, returns)) = tracked("humminbird-glen-canyon/Rec00001.DAT") else {
@@ -73,21 +76,17 @@ fn river_line_follows_faint_boulders() {
         (Side::Port, 659..668, 3.45),
         (Side::Starboard, 812..828, 3.70),
     ] {
-        let ranges = pings
-            .clone()
-            .filter_map(|ping| range_m(&survey, &returns, ping, side));
+        let ranges = pings.clone().filter_map(|ping| range_m(&survey, &returns, ping, side));
         let mut ranges: Vec<f64> = ranges.collect();
         ranges.sort_by(f64::total_cmp);
         let median_m = ranges[ranges.len() / 2];
         // Before, it ran along the ground behind them, 0.5 to 1.3 m farther.
-        assert!(
-            (median_m - edge_m).abs() < 0.20,
-            "{side:?} {pings:?}: {median_m:.2} m"
-        );
+        assert!((median_m - edge_m).abs() < 0.20, "{side:?} {pings:?}: {median_m:.2} m");
     }
 }
 
-/// The transcoded log holds the same picture on another grid of samples: the line must be the same in metres.
+/// The transcoded log holds the same picture on another grid of samples: the line must be the same
+/// in metres.
 #[test]
 fn transcoded_river_gives_the_same_line() {
     let Some((survey, returns)) = tracked("humminbird-glen-canyon/Rec00001.DAT") else {
@@ -108,11 +107,6 @@ fn transcoded_river_gives_the_same_line() {
         let at = |share: f64| apart_m[(share * apart_m.len() as f64) as usize];
         assert!(apart_m.len() > 3400, "{side:?}: {}", apart_m.len());
         println!("{side:?}: median {:.3} m, 90 % {:.3} m", at(0.5), at(0.9));
-        assert!(
-            at(0.5) < 0.03 && at(0.9) < 0.15,
-            "{side:?}: {} {}",
-            at(0.5),
-            at(0.9)
-        );
+        assert!(at(0.5) < 0.03 && at(0.9) < 0.15, "{side:?}: {} {}", at(0.5), at(0.9));
     }
 }

@@ -1,4 +1,5 @@
-//! Results that are made of a log's tail are those of the whole log, but for what is measured over all of it.
+//! Results that are made of a log's tail are those of the whole log, but for what is measured over
+//! all of it.
 
 use crate::support::{demo_log, real_data};
 use bathyscope_log::formats::{open_bytes, open_growing, open_tail};
@@ -30,20 +31,9 @@ fn grow(whole: &[u8], share: f64, settings: &Settings) -> [(Survey, Products); 2
         let end = begin + (whole.len() - begin) * step / STEPS;
         let seam = survey.seam().expect("a seam");
         let tail = open_tail(&survey, &seam, bytes(whole, end), &progress).expect("a tail");
-        survey = survey
-            .extended(tail, &seam, &mut versions)
-            .expect("it goes on");
-        let unchanged = survey
-            .side_scan
-            .partition_point(|ping| ping.time_s < seam.time_s);
-        let made = extend(
-            &survey,
-            unchanged,
-            &products,
-            &settings_of,
-            &mut results,
-            &progress,
-        );
+        survey = survey.extended(tail, &seam, &mut versions).expect("it goes on");
+        let unchanged = survey.side_scan.partition_point(|ping| ping.time_s < seam.time_s);
+        let made = extend(&survey, unchanged, &products, &settings_of, &mut results, &progress);
         products = made.expect("results");
         assert_eq!(products.navigation.pings.len(), survey.side_scan.len());
         assert_eq!(products.navigation.soundings.len(), survey.soundings.len());
@@ -56,30 +46,21 @@ fn grow(whole: &[u8], share: f64, settings: &Settings) -> [(Survey, Products); 2
     [(survey, products), (finished, expected)]
 }
 
-/// Shares of picks, places and points that agree, and how many more points there are than there should be.
+/// Shares of picks, places and points that agree, and how many more points there are than there
+/// should be.
 fn agreement([(survey, made), (finished, expected)]: &[(Survey, Products); 2]) -> [f64; 4] {
     assert!(format!("{:?}", survey.side_scan) == format!("{:?}", finished.side_scan));
     let pings = finished.side_scan.len();
     let same_pick = |side: Side| {
-        let pairs = made
-            .returns
-            .side(side)
-            .iter()
-            .zip(expected.returns.side(side));
+        let pairs = made.returns.side(side).iter().zip(expected.returns.side(side));
         let same = pairs.enumerate().filter(|(ping, (a, b))| {
-            let step_m = finished
-                .span(*ping, side)
-                .map_or(0.0, |span| span.metres_per_sample());
+            let step_m = finished.span(*ping, side).map_or(0.0, |span| span.metres_per_sample());
             let apart_m = f64::from((a.sample - b.sample).abs()) * step_m;
             (a.sample.is_nan() && b.sample.is_nan()) || apart_m < 0.02
         });
         same.count() as f64 / pings as f64
     };
-    let places = made
-        .navigation
-        .pings
-        .iter()
-        .zip(expected.navigation.pings.iter());
+    let places = made.navigation.pings.iter().zip(expected.navigation.pings.iter());
     let near = places.filter(|(a, b)| {
         (a.east_m - b.east_m).hypot(a.north_m - b.north_m) < 0.05 || a.east_m.is_nan()
     });
@@ -101,8 +82,9 @@ fn assert_agrees(name: &str, figures: [f64; 4]) {
         100.0 * near,
         100.0 * more
     );
-    // Results of a tail are provisional: the tracker sees no pings behind them, and scale and stretches are those of a shorter log. What
-    // the whole log gives in the end is held to the byte elsewhere.
+    // Results of a tail are provisional: the tracker sees no pings behind them, and scale and
+    // stretches are those of a shorter log. What the whole log gives in the end is held to the byte
+    // elsewhere.
     assert!(port > 0.98 && starboard > 0.98, "picks of {name}");
     assert!(near > 0.99, "places of {name}");
     assert!(more.abs() < 0.05, "points of {name}");
@@ -120,11 +102,7 @@ fn results_of_the_tail_agree_with_those_of_the_whole_log() {
         let [(_, made), (_, expected)] = &both;
         let ends = |products: &Products| products.exclusions.stretches.len();
         assert!(ends(made).abs_diff(ends(expected)) <= 1);
-        let points = made
-            .cloud
-            .points
-            .iter()
-            .map(|point| (point.source, point.ping));
+        let points = made.cloud.points.iter().map(|point| (point.source, point.ping));
         assert!(points.is_sorted(), "the order of the cloud");
     }
 }

@@ -1,4 +1,5 @@
-//! What is read of the tail of a growing log makes the very survey that the whole file makes, wherever it was split.
+//! What is read of the tail of a growing log makes the very survey that the whole file makes,
+//! wherever it was split.
 
 use crate::support::real_data;
 use bathyscope_log::formats::{open_growing, open_tail};
@@ -45,11 +46,7 @@ fn grown(known: &Survey, files: &Files) -> (Survey, bool) {
 }
 
 fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
-    assert_eq!(
-        grown.side_scan.len(),
-        whole.side_scan.len(),
-        "pings, {what}"
-    );
+    assert_eq!(grown.side_scan.len(), whole.side_scan.len(), "pings, {what}");
     for (a, b) in grown.side_scan.iter().zip(whole.side_scan.iter()) {
         let depths = [a, b].map(|ping| ping.depth_m.to_bits());
         assert_eq!(depths[0], depths[1], "depth of a ping, {what}");
@@ -59,11 +56,7 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
             "{what}"
         );
     }
-    assert_eq!(
-        grown.soundings.len(),
-        whole.soundings.len(),
-        "soundings, {what}"
-    );
+    assert_eq!(grown.soundings.len(), whole.soundings.len(), "soundings, {what}");
     assert_eq!(grown.soundings, whole.soundings, "soundings, {what}");
     assert_eq!(grown.swath, whole.swath, "swath, {what}");
     assert_eq!(grown.channels, whole.channels, "channels, {what}");
@@ -77,25 +70,9 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
             && a.position == b.position
             && a.cog_rad.to_bits() == b.cog_rad.to_bits()
     };
-    assert_eq!(
-        grown.track.fixes.len(),
-        whole.track.fixes.len(),
-        "fixes, {what}"
-    );
-    assert!(
-        grown
-            .track
-            .fixes
-            .iter()
-            .zip(whole.track.fixes.iter())
-            .all(same_fix),
-        "fixes, {what}"
-    );
-    assert_eq!(
-        grown.track.frame.origin(),
-        whole.track.frame.origin(),
-        "{what}"
-    );
+    assert_eq!(grown.track.fixes.len(), whole.track.fixes.len(), "fixes, {what}");
+    assert!(grown.track.fixes.iter().zip(whole.track.fixes.iter()).all(same_fix), "fixes, {what}");
+    assert_eq!(grown.track.frame.origin(), whole.track.frame.origin(), "{what}");
     assert_eq!(grown.echograms.len(), whole.echograms.len(), "{what}");
     for (a, b) in grown.echograms.iter().zip(&whole.echograms) {
         assert_eq!((a.kind, &a.pings), (b.kind, &b.pings), "{what}");
@@ -113,8 +90,8 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
     }
 }
 
-/// Splits a log at many places, torn records among them, and lets it grow in one and in several steps. Returns how often the tail was
-/// enough.
+/// Splits a log at many places, torn records among them, and lets it grow in one and in several
+/// steps. Returns how often the tail was enough.
 fn split_everywhere(files: &Files, places: usize, name: &str) -> [usize; 2] {
     let finished = whole(files).expect("a log");
     let mut counts = [0, 0];
@@ -133,11 +110,7 @@ fn split_everywhere(files: &Files, places: usize, name: &str) -> [usize; 2] {
             at = (at + 0.037).min(1.0);
             survey = grown(&survey, &cut(files, at)).0;
         }
-        assert_same(
-            &survey,
-            &finished,
-            &format!("{name} from {share:.4} in steps"),
-        );
+        assert_same(&survey, &finished, &format!("{name} from {share:.4} in steps"));
     }
     counts
 }
@@ -146,17 +119,16 @@ fn one(name: &str, bytes: Vec<u8>) -> Files {
     vec![(PathBuf::from(name), bytes)]
 }
 
-/// Frames of all kinds: primary, down-scan, side-scan as both in one or as two, a bottom that is lost for a while.
+/// Frames of all kinds: primary, down-scan, side-scan as both in one or as two, a bottom that is
+/// lost for a while.
 fn frames(pings: i32, halves: bool) -> Vec<Frame> {
     let each = (0..pings).flat_map(|ping| {
         let depth_ft = match ping {
             200..260 => [8.0, 20.0, 11.0, 25.0][(ping / 7 % 4) as usize],
             _ => 10.0 + 0.01 * ping as f32,
         };
-        let frame = |channel, late_ms| Frame {
-            depth_ft,
-            ..Frame::new(channel, ping * 60 + late_ms)
-        };
+        let frame =
+            |channel, late_ms| Frame { depth_ft, ..Frame::new(channel, ping * 60 + late_ms) };
         let mut all = vec![frame(0, 0), frame(2, 4)];
         match halves {
             false => all.push(frame(5, 9)),
@@ -190,7 +162,8 @@ fn an_xtf_file_grows_to_what_the_whole_file_is() {
     let degrees = xtf(400, 1, 3, (-71.0, 42.0), 5.0);
     let counts = split_everywhere(&one("a.xtf", degrees), 43, "xtf");
     assert!(counts[0] > counts[1], "{counts:?}");
-    // Metres of an unknown zone count from the first ping; 16-bit samples have a scale of their own.
+    // Metres of an unknown zone count from the first ping; 16-bit samples have a scale of their
+    // own.
     let metres = xtf(400, 2, 0, (480_000.0, 4_600_000.0), 5.0);
     split_everywhere(&one("b.xtf", metres), 43, "xtf in metres");
 }
@@ -215,9 +188,7 @@ fn a_clock_that_is_set_back_goes_on_in_the_tail() {
         let (survey, _) = grown(&known, &files);
         assert_eq!(survey.side_scan.len(), finished.side_scan.len());
         let pairs = survey.side_scan.iter().zip(finished.side_scan.iter());
-        let worst_s = pairs
-            .map(|(a, b)| (a.time_s - b.time_s).abs())
-            .fold(0.0, f64::max);
+        let worst_s = pairs.map(|(a, b)| (a.time_s - b.time_s).abs()).fold(0.0, f64::max);
         assert!(worst_s < 1e-6, "{worst_s} s at {share}");
     }
 }
@@ -231,11 +202,7 @@ fn what_another_log_adds_is_not_taken() {
     other.iter_mut().for_each(|frame| frame.data = vec![9; 333]);
     let files = one("a.sl2", sl2(&other));
     let tail = open_tail(&known, &seam, held(&files), &Progress::new()).expect("a log");
-    assert!(
-        known
-            .extended(tail, &seam, &mut SurveyVersions::default())
-            .is_none()
-    );
+    assert!(known.extended(tail, &seam, &mut SurveyVersions::default()).is_none());
 }
 
 #[test]
@@ -245,16 +212,10 @@ fn real_recordings_grow_to_what_the_whole_files_are() {
     };
     let mut logs: Vec<PathBuf> = ["lowrance", "xtf"]
         .iter()
-        .flat_map(|folder| {
-            std::fs::read_dir(data.join(folder))
-                .into_iter()
-                .flatten()
-                .flatten()
-        })
+        .flat_map(|folder| std::fs::read_dir(data.join(folder)).into_iter().flatten().flatten())
         .map(|entry| entry.path())
         .filter(|path| {
-            path.metadata()
-                .is_ok_and(|found| (1_000_000..40_000_000).contains(&found.len()))
+            path.metadata().is_ok_and(|found| (1_000_000..40_000_000).contains(&found.len()))
         })
         .collect();
     logs.sort();
@@ -270,11 +231,7 @@ fn real_recordings_grow_to_what_the_whole_files_are() {
                 continue;
             };
             let (survey, anew) = grown(&known, &files);
-            let name = path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             eprintln!(
                 "{name} split at {share}: {} pings, read anew: {anew}",
                 survey.side_scan.len()

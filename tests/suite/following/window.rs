@@ -1,4 +1,5 @@
-//! The window beside a recorder: a writer adds records at 20 times real speed while the program looks on.
+//! The window beside a recorder: a writer adds records at 20 times real speed while the program
+//! looks on.
 
 use crate::residuals::wait;
 use crate::support::{demo_log, real_data};
@@ -39,10 +40,7 @@ fn opened(path: &Path) -> App {
 }
 
 fn pings(app: &App) -> usize {
-    app.log
-        .survey
-        .as_ref()
-        .map_or(0, |survey| survey.side_scan.len())
+    app.log.survey.as_ref().map_or(0, |survey| survey.side_scan.len())
 }
 
 /// Writes the rest of a log at [`SPEED`]; `duration_s` is that of all of it.
@@ -64,7 +62,8 @@ fn record(path: PathBuf, whole: Vec<u8>, from: usize, duration_s: f64) -> JoinHa
     })
 }
 
-/// Polls until a condition holds; pings never become fewer, and the longest that they were behind is returned, seconds.
+/// Polls until a condition holds; pings never become fewer, and the longest that they were behind
+/// is returned, seconds.
 fn watch(app: &mut App, mut is_done: impl FnMut(&mut App) -> bool) -> f64 {
     let (start, mut last, mut behind_s) = (Instant::now(), pings(app), 0.0_f64);
     while !is_done(app) {
@@ -122,27 +121,15 @@ fn assert_as_finished(app: &mut App, path: &Path, folder: &Path) {
     assert_eq!(survey.warnings, finished.warnings);
     assert_eq!(made.settings, expected.settings);
     // NaN is no number that equals itself: what is written tells.
-    assert!(
-        format!("{:?}", made.navigation) == format!("{:?}", expected.navigation),
-        "navigation"
-    );
-    assert!(
-        format!("{:?}", made.returns) == format!("{:?}", expected.returns),
-        "returns"
-    );
+    assert!(format!("{:?}", made.navigation) == format!("{:?}", expected.navigation), "navigation");
+    assert!(format!("{:?}", made.returns) == format!("{:?}", expected.returns), "returns");
     assert!(
         format!("{:?}", made.calibration) == format!("{:?}", expected.calibration),
         "calibration"
     );
-    assert!(
-        format!("{:?}", made.cloud) == format!("{:?}", expected.cloud),
-        "cloud"
-    );
+    assert!(format!("{:?}", made.cloud) == format!("{:?}", expected.cloud), "cloud");
     assert_eq!(made.classes, expected.classes);
-    assert!(
-        format!("{:?}", made.depths) == format!("{:?}", expected.depths),
-        "depths"
-    );
+    assert!(format!("{:?}", made.depths) == format!("{:?}", expected.depths), "depths");
     let [followed, opened] = ["followed", "opened"].map(|name| folder.join(name));
     export(app, &followed);
     export(&mut fresh, &opened);
@@ -243,11 +230,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
         let products = app.log.products.as_ref().expect("results");
         let boxes = app.log.reviewing.review.boxes();
         let boxes = boxes.filter(|one| one.state == State::Added).count();
-        (
-            products.returns.is_drawn(Side::Port, 40),
-            boxes,
-            products.exclusions.ping(110).is_some(),
-        )
+        (products.returns.is_drawn(Side::Port, 40), boxes, products.exclusions.ping(110).is_some())
     };
     assert_eq!(drawn(&app), (true, 1, true));
     assert_eq!(app.log.reviewing.review.identity().pings, pings(&app));
@@ -259,10 +242,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
         near_m: 5.0,
         far_m: 7.0,
     };
-    let edit = Edit::Add {
-        mark: mark.clone(),
-        class: 0,
-    };
+    let edit = Edit::Add { mark: mark.clone(), class: 0 };
     app.apply(Command::Edit { edit, live: false });
     assert!(app.log.reviewing.review.boxes().any(|one| one.mark == mark));
     for _ in 0..2 {
@@ -303,10 +283,7 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
     };
     watch(&mut app, |app| searched(app) + 150 > count);
     let boxes = app.log.reviewing.review.boxes().len();
-    eprintln!(
-        "{boxes} boxes, searched to ping {} of {count}",
-        searched(&app)
-    );
+    eprintln!("{boxes} boxes, searched to ping {} of {count}", searched(&app));
     assert!(boxes > 0);
     if let Some(id) = rejected {
         let kept = app.log.reviewing.review.get(id).map(|one| one.state);
@@ -316,7 +293,8 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
     assert!(steps <= 2, "what the program finds is no step: {steps}");
 }
 
-/// Follows a part of the demo, does something to its file, and returns what is said of it and how many pings stay.
+/// Follows a part of the demo, does something to its file, and returns what is said of it and how
+/// many pings stay.
 fn spoil(spoil: impl FnOnce(&Path, &[u8])) -> (String, usize) {
     let demo = std::fs::read(demo_log()).expect("the demo");
     let folder = tempfile::tempdir().expect("a folder");
@@ -324,13 +302,10 @@ fn spoil(spoil: impl FnOnce(&Path, &[u8])) -> (String, usize) {
     std::fs::write(&path, &demo[..demo.len() / 2]).expect("a log");
     let mut app = opened(&path);
     toggle(&mut app);
-    watch(&mut app, |app| {
-        matches!(app.follow_status(), Some(FollowStatus::Growing { .. }))
-    });
+    watch(&mut app, |app| matches!(app.follow_status(), Some(FollowStatus::Growing { .. })));
     let mut file = OpenOptions::new().append(true).open(&path).expect("a log");
     let half = demo.len() / 2;
-    file.write_all(&demo[half..half + demo.len() / 10])
-        .expect("room");
+    file.write_all(&demo[half..half + demo.len() / 10]).expect("room");
     drop(file);
     let before = pings(&app);
     watch(&mut app, |app| pings(app) > before);
@@ -339,10 +314,8 @@ fn spoil(spoil: impl FnOnce(&Path, &[u8])) -> (String, usize) {
     spoil(&path, &demo);
     watch(&mut app, |app| app.follow_status().is_none());
     wait(&mut app);
-    let said: Vec<String> = app.notices[notices..]
-        .iter()
-        .map(|notice| notice.text.clone())
-        .collect();
+    let said: Vec<String> =
+        app.notices[notices..].iter().map(|notice| notice.text.clone()).collect();
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(!app.is_following() && app.log.whole.is_none());
     assert!(app.log.products.is_some() && !app.log.is_behind());
@@ -382,11 +355,7 @@ fn a_log_that_is_cut_short_replaced_or_gone_ends_it_in_one_sentence() {
 fn what_cannot_be_followed_is_said() {
     let mut app = threads();
     toggle(&mut app);
-    assert!(
-        app.notices[0].text.contains("open the log"),
-        "{:?}",
-        app.notices
-    );
+    assert!(app.notices[0].text.contains("open the log"), "{:?}", app.notices);
     app.apply(Command::OpenDemo);
     wait(&mut app);
     toggle(&mut app);
@@ -406,16 +375,10 @@ fn a_log_in_which_nothing_is_written_costs_nothing_and_ends_as_it_was() {
     toggle(&mut app);
     let start = Instant::now();
     watch(&mut app, |_| start.elapsed() > Duration::from_secs(6));
-    assert!(matches!(
-        app.follow_status(),
-        Some(FollowStatus::Silent { .. })
-    ));
+    assert!(matches!(app.follow_status(), Some(FollowStatus::Silent { .. })));
     end(&mut app);
     let after = app.log.products.clone().expect("results");
-    assert!(
-        Arc::ptr_eq(&before.cloud, &after.cloud),
-        "nothing was made anew"
-    );
+    assert!(Arc::ptr_eq(&before.cloud, &after.cloud), "nothing was made anew");
     assert_eq!(std::fs::read(&path).expect("a log"), bytes);
 }
 
@@ -432,8 +395,7 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     wait(&mut app);
     toggle(&mut app);
     let mut file: File = OpenOptions::new().append(true).open(&path).expect("a log");
-    file.write_all(&demo[demo.len() / 2..demo.len() * 3 / 4])
-        .expect("room");
+    file.write_all(&demo[demo.len() / 2..demo.len() * 3 / 4]).expect("room");
     let before = pings(&app);
     watch(&mut app, |app| pings(app) > before);
     let mark = bathyscope_objects::Mark {
@@ -442,10 +404,7 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
         near_m: 5.0,
         far_m: 7.0,
     };
-    let edit = Edit::Add {
-        mark: mark.clone(),
-        class: 0,
-    };
+    let edit = Edit::Add { mark: mark.clone(), class: 0 };
     app.apply(Command::Edit { edit, live: false });
     app.apply(Command::SaveProject);
     wait(&mut app);
@@ -456,20 +415,15 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     let mut again = threads();
     again.apply(Command::Open(project));
     wait(&mut again);
-    let boxes: Vec<_> = again
-        .log
-        .reviewing
-        .review
-        .boxes()
-        .map(|one| one.mark.clone())
-        .collect();
+    let boxes: Vec<_> = again.log.reviewing.review.boxes().map(|one| one.mark.clone()).collect();
     assert_eq!(boxes, [mark], "{:?}", again.notices);
     let whole = opened(&path);
     assert_eq!(pings(&again), pings(&whole));
 }
 
-/// Follows a log from a share on with the scale of a flat stretch and none chosen. The stretch that was in use when following began stays in
-/// use, at the end too; returns whether a flatter one was offered, with what it was taken for.
+/// Follows a log from a share on with the scale of a flat stretch and none chosen. The stretch that
+/// was in use when following began stays in use, at the end too; returns whether a flatter one was
+/// offered, with what it was taken for.
 fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<String>) {
     let scale = |app: &App| {
         let made = &app.log.products.as_ref().expect("results").calibration;
@@ -481,11 +435,7 @@ fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<Strin
     let (_folder, mut app) = follow(whole, name, share, |app| {
         let mut settings = bathyscope_products::pipeline::Settings::clone(&app.log.settings);
         settings.calibration.mode = ScaleMode::FlatSpot;
-        app.apply(Command::Change {
-            settings: Box::new(settings),
-            label: "scale",
-            live: false,
-        });
+        app.apply(Command::Change { settings: Box::new(settings), label: "scale", live: false });
         watch(app, |app| !app.log.is_behind());
         at_start = Some(scale(app));
     });

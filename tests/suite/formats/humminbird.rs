@@ -49,10 +49,7 @@ fn a_recording_copied_out_of_its_folder_opens_by_its_only_dat() {
         let mut files = files.clone();
         files.swap(0, first);
         let survey = read(files);
-        assert_eq!(
-            (survey.side_scan.len(), survey.start_unix_s),
-            (40, Some(1.6e9))
-        );
+        assert_eq!((survey.side_scan.len(), survey.start_unix_s), (40, Some(1.6e9)));
     }
 }
 
@@ -71,14 +68,7 @@ fn a_lost_port_ping_leaves_its_starboard_half() {
     files[2].1.drain(ping * 7..ping * 8);
     let survey = read(files);
     assert_eq!(survey.side_scan.len(), 40);
-    assert_eq!(
-        survey
-            .side_scan
-            .iter()
-            .filter(|ping| ping.port.is_none())
-            .count(),
-        1
-    );
+    assert_eq!(survey.side_scan.iter().filter(|ping| ping.port.is_none()).count(), 1);
 }
 
 #[test]

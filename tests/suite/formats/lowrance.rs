@@ -21,10 +21,7 @@ fn sl3_data_begins_where_frame_size_less_packet_says() {
         frames.insert(4, Frame::new(8, 90));
         let survey = read(handmade::sl3(&frames, header));
         assert_eq!(survey.side_scan.len(), 10);
-        assert_eq!(
-            outward(&survey, 9, Side::Starboard),
-            Frame::new(5, 0).data[200..]
-        );
+        assert_eq!(outward(&survey, 9, Side::Starboard), Frame::new(5, 0).data[200..]);
         assert_eq!(counts(&survey)[2], (ChannelKind::Other(8), 1));
     }
 }
@@ -57,12 +54,7 @@ fn one_side_alone_is_a_survey_too() {
     let survey = read(handmade::sl2(&frames));
     assert_eq!(survey.side_scan.len(), 9);
     assert_eq!(survey.side_scan_state, SideScanState::Usable);
-    assert!(
-        survey
-            .side_scan
-            .iter()
-            .all(|ping| ping.port.is_none() && ping.starboard.is_some())
-    );
+    assert!(survey.side_scan.iter().all(|ping| ping.port.is_none() && ping.starboard.is_some()));
 }
 
 #[test]
@@ -70,11 +62,8 @@ fn range_is_a_matter_of_each_ping() {
     let mut frames = handmade::survey_frames(4);
     frames[7].range_ft = (-100.0, 100.0);
     let survey = read(handmade::sl2(&frames));
-    let far_m: Vec<f32> = survey
-        .side_scan
-        .iter()
-        .map(|ping| ping.starboard.unwrap().far_m)
-        .collect();
+    let far_m: Vec<f32> =
+        survey.side_scan.iter().map(|ping| ping.starboard.unwrap().far_m).collect();
     assert!((far_m[2] - 18.288).abs() < 1e-4 && (far_m[3] - 30.48).abs() < 1e-4);
     assert_eq!(survey.channels[1].range_m, Some((0.0, 30.48)));
 }
@@ -90,10 +79,7 @@ fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
     let survey = read(handmade::sl2(&frames));
     assert_eq!(survey.soundings.len(), 100);
     let depth_m = survey.side_scan[30].depth_m;
-    assert!(
-        (depth_m - (10.0 + 60.0 - 2.0) * 0.3048).abs() < 1e-4,
-        "{depth_m}"
-    );
+    assert!((depth_m - (10.0 + 60.0 - 2.0) * 0.3048).abs() < 1e-4, "{depth_m}");
     assert!(says(&survey, "keel offset"));
 }
 
@@ -101,8 +87,7 @@ fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
 fn swath_ft(survey: &Survey, ping: usize) -> Vec<[f64; 2]> {
     let soundings = survey.swath_soundings(&survey.swath[ping]);
     let feet = soundings.map(|one| [one.side.to_starboard(one.out_m), one.depth_m]);
-    feet.map(|pair| pair.map(|metres| (metres / 0.3048 * 1e3).round() / 1e3))
-        .collect()
+    feet.map(|pair| pair.map(|metres| (metres / 0.3048 * 1e3).round() / 1e3)).collect()
 }
 
 /// A log with three frames of StructureScan 3D after other frames.
@@ -188,9 +173,8 @@ fn a_frame_that_counts_more_depths_than_it_has_bytes_is_dropped() {
 
 #[test]
 fn depth_comes_from_another_channel_where_the_primary_has_none() {
-    let mut frames: Vec<Frame> = (0..60)
-        .flat_map(|ping| [0, 2, 5].map(|channel| Frame::new(channel, ping * 50)))
-        .collect();
+    let mut frames: Vec<Frame> =
+        (0..60).flat_map(|ping| [0, 2, 5].map(|channel| Frame::new(channel, ping * 50))).collect();
     for frame in &mut frames {
         frame.depth_ft = if frame.channel == 2 { 8.0 } else { 0.0 };
     }
@@ -201,11 +185,7 @@ fn depth_comes_from_another_channel_where_the_primary_has_none() {
 
 #[test]
 fn unix_time_only_where_it_is_one() {
-    for (clock, expected) in [
-        (1_600_000_000, Some(1.6e9)),
-        (u32::MAX, None),
-        (1_317_703, None),
-    ] {
+    for (clock, expected) in [(1_600_000_000, Some(1.6e9)), (u32::MAX, None), (1_317_703, None)] {
         let mut frames = handmade::survey_frames(5);
         frames[0].clock = clock;
         assert_eq!(read(handmade::sl2(&frames)).start_unix_s, expected);
@@ -249,12 +229,7 @@ fn a_frame_size_of_zero_costs_one_frame() {
     bytes[frame + 28..frame + 30].fill(0);
     let survey = read(bytes);
     assert_eq!(survey.side_scan.len(), 60 - 1);
-    assert!(
-        survey
-            .warnings
-            .iter()
-            .any(|warning| warning.place == Some((0, frame as u64)))
-    );
+    assert!(survey.warnings.iter().any(|warning| warning.place == Some((0, frame as u64))));
 }
 
 #[test]
@@ -287,11 +262,7 @@ fn after_a_restart_the_pings_stay_in_file_order() {
     frames.extend(handmade::survey_frames(50));
     let survey = read(handmade::sl2(&frames));
     assert_eq!(survey.side_scan.len(), 150);
-    let offsets: Vec<u64> = survey
-        .side_scan
-        .iter()
-        .map(|ping| ping.port.unwrap().offset)
-        .collect();
+    let offsets: Vec<u64> = survey.side_scan.iter().map(|ping| ping.port.unwrap().offset).collect();
     assert!(offsets.is_sorted());
     assert!(survey.side_scan.is_sorted_by(|a, b| a.time_s <= b.time_s));
     assert!(says(&survey, "set back"));
@@ -305,10 +276,7 @@ fn noise_is_named_even_with_a_good_header() {
         .filter(|frame| frame.channel == 5)
         .for_each(|frame| frame.range_ft = (-5.0, 5.0));
     let survey = read(handmade::sl2(&frames));
-    assert!(matches!(
-        survey.side_scan_state,
-        SideScanState::Noise { .. }
-    ));
+    assert!(matches!(survey.side_scan_state, SideScanState::Noise { .. }));
     assert!(!survey.has_side_scan());
 }
 
@@ -317,12 +285,6 @@ fn a_fix_thrown_far_away_is_dropped() {
     let mut frames = handmade::survey_frames(30);
     frames[1].xy_m = (-9_000_000, 17);
     let survey = read(handmade::sl2(&frames));
-    assert!(
-        survey
-            .track
-            .fixes
-            .iter()
-            .all(|fix| fix.position.lat_deg > 20.0)
-    );
+    assert!(survey.track.fixes.iter().all(|fix| fix.position.lat_deg > 20.0));
     assert!(says(&survey, "kilometres"));
 }

@@ -1,5 +1,5 @@
-//! Logs are read as they are: the real ones to the counts of their README, small handmade ones for every trap of the
-//! formats.
+//! Logs are read as they are: the real ones to the counts of their README, small handmade ones for
+//! every trap of the formats.
 
 mod humminbird;
 mod lowrance;
@@ -26,34 +26,21 @@ fn read(bytes: Vec<u8>) -> Survey {
 }
 
 fn counts(survey: &Survey) -> Vec<(ChannelKind, usize)> {
-    survey
-        .channels
-        .iter()
-        .map(|channel| (channel.kind, channel.ping_count))
-        .collect()
+    survey.channels.iter().map(|channel| (channel.kind, channel.ping_count)).collect()
 }
 
 fn says(survey: &Survey, words: &str) -> bool {
-    survey
-        .warnings
-        .iter()
-        .any(|warning| warning.text.contains(words))
+    survey.warnings.iter().any(|warning| warning.text.contains(words))
 }
 
 fn depth_span_m(survey: &Survey) -> (f32, f32) {
-    survey
-        .soundings
-        .iter()
-        .fold((f32::MAX, f32::MIN), |(low, high), sounding| {
-            (low.min(sounding.depth_m), high.max(sounding.depth_m))
-        })
+    survey.soundings.iter().fold((f32::MAX, f32::MIN), |(low, high), sounding| {
+        (low.min(sounding.depth_m), high.max(sounding.depth_m))
+    })
 }
 
 fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
     let mut samples = Vec::new();
-    survey
-        .samples(ping, side)
-        .expect("samples")
-        .copy_outward(&mut samples);
+    survey.samples(ping, side).expect("samples").copy_outward(&mut samples);
     samples
 }

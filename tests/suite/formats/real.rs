@@ -7,26 +7,14 @@ fn river_survey() {
     let Some(survey) = open("humminbird-glen-canyon/Rec00001.DAT") else {
         return;
     };
-    let kinds = [
-        ChannelKind::Primary,
-        ChannelKind::Secondary,
-        ChannelKind::Port,
-        ChannelKind::Starboard,
-    ];
+    let kinds =
+        [ChannelKind::Primary, ChannelKind::Secondary, ChannelKind::Port, ChannelKind::Starboard];
     assert_eq!(
         counts(&survey),
-        kinds
-            .into_iter()
-            .zip([1727, 1726, 3453, 3453])
-            .collect::<Vec<_>>()
+        kinds.into_iter().zip([1727, 1726, 3453, 3453]).collect::<Vec<_>>()
     );
     assert_eq!(survey.side_scan.len(), 3453);
-    assert!(
-        survey
-            .side_scan
-            .iter()
-            .all(|ping| ping.port.is_some() && ping.starboard.is_some())
-    );
+    assert!(survey.side_scan.iter().all(|ping| ping.port.is_some() && ping.starboard.is_some()));
     assert_eq!(survey.side_scan_state, SideScanState::Usable);
     assert_eq!(survey.start_unix_s, Some(1_382_657_324.0));
     for channel in &survey.channels {
@@ -59,23 +47,10 @@ fn transcoded_river_is_the_river() {
     let Some(river) = open("humminbird-glen-canyon/Rec00001.DAT") else {
         return;
     };
-    for file in [
-        "lowrance/glencanyon-transcoded.sl2",
-        "lowrance/glencanyon-transcoded.sl3",
-    ] {
+    for file in ["lowrance/glencanyon-transcoded.sl2", "lowrance/glencanyon-transcoded.sl3"] {
         let Some(survey) = open(file) else { return };
-        let kinds = [
-            ChannelKind::Primary,
-            ChannelKind::DownScan,
-            ChannelKind::Composite,
-        ];
-        assert_eq!(
-            counts(&survey),
-            kinds
-                .into_iter()
-                .zip([1727, 1726, 3453])
-                .collect::<Vec<_>>()
-        );
+        let kinds = [ChannelKind::Primary, ChannelKind::DownScan, ChannelKind::Composite];
+        assert_eq!(counts(&survey), kinds.into_iter().zip([1727, 1726, 3453]).collect::<Vec<_>>());
         assert_eq!(survey.start_unix_s, river.start_unix_s);
         for (ping, original) in survey.side_scan.iter().zip(river.side_scan.iter()) {
             assert_eq!(ping.time_s, original.time_s);
@@ -86,11 +61,7 @@ fn transcoded_river_is_the_river() {
             }
         }
         for side in Side::BOTH {
-            assert!(
-                correlation(&survey, &river, 1000, side) > 0.9,
-                "{file} {}",
-                side.name()
-            );
+            assert!(correlation(&survey, &river, 1000, side) > 0.9, "{file} {}", side.name());
         }
     }
 }
@@ -99,16 +70,11 @@ fn transcoded_river_is_the_river() {
 fn correlation(a: &Survey, b: &Survey, ping: usize, side: Side) -> f64 {
     let (a, b) = (outward(a, ping, side), outward(b, ping, side));
     let at = |samples: &[u8], index: usize| f64::from(samples[index * samples.len() / 1000]);
-    let pairs: Vec<(f64, f64)> = (0..1000)
-        .map(|index| (at(&a, index), at(&b, index)))
-        .collect();
+    let pairs: Vec<(f64, f64)> = (0..1000).map(|index| (at(&a, index), at(&b, index))).collect();
     let mean = |pick: fn(&(f64, f64)) -> f64| pairs.iter().map(pick).sum::<f64>() / 1000.0;
     let (ma, mb) = (mean(|pair| pair.0), mean(|pair| pair.1));
     let sum = |term: &dyn Fn(f64, f64) -> f64| {
-        pairs
-            .iter()
-            .map(|&(x, y)| term(x - ma, y - mb))
-            .sum::<f64>()
+        pairs.iter().map(|&(x, y)| term(x - ma, y - mb)).sum::<f64>()
     };
     sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
 }
@@ -118,15 +84,8 @@ fn down_scan_only() {
     let Some(survey) = open("lowrance/river-downscan-only.sl2") else {
         return;
     };
-    let kinds = [
-        ChannelKind::Primary,
-        ChannelKind::Secondary,
-        ChannelKind::DownScan,
-    ];
-    assert_eq!(
-        counts(&survey),
-        kinds.into_iter().zip([325, 330, 653]).collect::<Vec<_>>()
-    );
+    let kinds = [ChannelKind::Primary, ChannelKind::Secondary, ChannelKind::DownScan];
+    assert_eq!(counts(&survey), kinds.into_iter().zip([325, 330, 653]).collect::<Vec<_>>());
     assert_eq!(survey.side_scan_state, SideScanState::Absent);
     assert!(says(&survey, "no side-scan"));
     // No Unix time in it: the first frame's clock is the unit's millisecond counter.
@@ -138,12 +97,8 @@ fn down_scan_only() {
     assert!((span.1 - span.0 - 87.0).abs() < 0.5);
     let start = survey.track.fixes[0].position;
     assert!((start.lat_deg - 53.235).abs() < 0.001 && (start.lon_deg - 39.959).abs() < 0.001);
-    let repeats = survey
-        .track
-        .fixes
-        .windows(2)
-        .filter(|pair| pair[0].position == pair[1].position)
-        .count();
+    let repeats =
+        survey.track.fixes.windows(2).filter(|pair| pair[0].position == pair[1].position).count();
     assert!(repeats * 100 / survey.track.fixes.len() >= 85, "{repeats}");
 }
 
@@ -152,15 +107,8 @@ fn stray_bytes_and_noise() {
     let Some(survey) = open("lowrance/elite4-stray-bytes.sl2") else {
         return;
     };
-    let kinds = [
-        ChannelKind::Primary,
-        ChannelKind::DownScan,
-        ChannelKind::Composite,
-    ];
-    assert_eq!(
-        counts(&survey),
-        kinds.into_iter().zip([1, 3, 3]).collect::<Vec<_>>()
-    );
+    let kinds = [ChannelKind::Primary, ChannelKind::DownScan, ChannelKind::Composite];
+    assert_eq!(counts(&survey), kinds.into_iter().zip([1, 3, 3]).collect::<Vec<_>>());
     // Two bytes are no frame that was lost: there is nothing to be done about them.
     assert!(survey.warnings.iter().all(|one| one.place.is_none()));
     assert!(
@@ -188,30 +136,12 @@ fn southern_sl3_with_short_headers_and_negative_time() {
         assert_eq!(survey.channels[0].time_span_s.unwrap().0, first_s);
         assert_eq!(survey.channels[3].sample_count, (2000, 2000));
         assert_eq!(survey.channels[4].sample_count, (512, 512));
-        assert!(matches!(
-            survey.side_scan_state,
-            SideScanState::Noise { .. }
-        ));
+        assert!(matches!(survey.side_scan_state, SideScanState::Noise { .. }));
         // Depth is 0 in the side-scan frames: it comes from the primary channel.
-        assert!(
-            survey
-                .side_scan
-                .iter()
-                .all(|ping| (10.7..11.2).contains(&ping.depth_m))
-        );
+        assert!(survey.side_scan.iter().all(|ping| (10.7..11.2).contains(&ping.depth_m)));
         assert!((survey.track.fixes[0].position.lat_deg + 42.886).abs() < 0.001);
-        assert!(
-            survey
-                .track
-                .fixes
-                .iter()
-                .all(|fix| fix.compass_rad.is_nan())
-        );
-        assert!(
-            survey
-                .start_unix_s
-                .is_some_and(|unix_s| (1.72e9..1.73e9).contains(&unix_s))
-        );
+        assert!(survey.track.fixes.iter().all(|fix| fix.compass_rad.is_nan()));
+        assert!(survey.start_unix_s.is_some_and(|unix_s| (1.72e9..1.73e9).contains(&unix_s)));
     }
 }
 
@@ -220,10 +150,7 @@ fn xtf() {
     let Some(survey) = open("xtf/000_1236.xtf") else {
         return;
     };
-    assert_eq!(
-        counts(&survey),
-        [(ChannelKind::Port, 1446), (ChannelKind::Starboard, 1446)]
-    );
+    assert_eq!(counts(&survey), [(ChannelKind::Port, 1446), (ChannelKind::Starboard, 1446)]);
     assert_eq!(survey.side_scan.len(), 1446);
     assert_eq!(survey.side_scan_state, SideScanState::Usable);
     assert_eq!(survey.channels[0].sample_count, (512, 512));
@@ -244,9 +171,7 @@ fn mean_between(survey: &Survey, ping: usize, near_m: f64, far_m: f64) -> Option
     let samples = survey.samples(ping, Side::Starboard)?;
     let [from, to] = [near_m, far_m].map(|range_m| span.sample_at(range_m).max(0.0) as usize);
     let (from, to) = (from.min(samples.len()), to.min(samples.len()));
-    let sum: f64 = (from..to)
-        .map(|sample| f64::from(samples.get(sample)))
-        .sum();
+    let sum: f64 = (from..to).map(|sample| f64::from(samples.get(sample))).sum();
     (to > from + 4).then(|| sum / (to - from) as f64)
 }
 

@@ -8,13 +8,9 @@ fn refuse(bytes: &[u8]) -> OpenError {
 
 #[test]
 fn not_a_log_broken_and_unsupported_are_different_sentences() {
-    for text in [
-        &b""[..],
-        b"a",
-        b"BND5 and some more",
-        &[0; 5000],
-        b"{\"type\": \"FeatureCollection\"}",
-    ] {
+    for text in
+        [&b""[..], b"a", b"BND5 and some more", &[0; 5000], b"{\"type\": \"FeatureCollection\"}"]
+    {
         let error = refuse(text);
         assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
     }
@@ -68,12 +64,7 @@ fn progress_ends_at_the_end() {
     assert_eq!(progress.fraction(), 1.0);
     formats::open_files(handmade::humminbird(40, false, false), &progress).unwrap();
     assert_eq!(progress.fraction(), 1.0);
-    formats::open_bytes(
-        "log.xtf",
-        handmade::xtf(9, 1, 3, (1.0, 2.0), 0.0),
-        &progress,
-    )
-    .unwrap();
+    formats::open_bytes("log.xtf", handmade::xtf(9, 1, 3, (1.0, 2.0), 0.0), &progress).unwrap();
     assert_eq!(progress.fraction(), 1.0);
 }
 

@@ -1,4 +1,5 @@
-//! The table of formats is what README.md, the flow for archives, the commands and the messages say.
+//! The table of formats is what README.md, the flow for archives, the commands and the messages
+//! say.
 
 use super::*;
 use crate::cli::run;
@@ -40,11 +41,11 @@ fn the_table_in_the_readme_is_that_of_the_program() {
 #[test]
 fn the_flow_for_archives_opens_the_files_of_every_format() {
     let endings = FORMATS.iter().flat_map(|format| format.endings);
-    // The parts of a recording are found beside its description, and a folder of an archive holds other texts and tables too.
+    // The parts of a recording are found beside its description, and a folder of an archive holds
+    // other texts and tables too.
     let opened = endings.filter(|(_, role)| matches!(role, FileRole::Log | FileRole::Description));
-    let names: Vec<String> = opened
-        .map(|(ending, _)| format!("\".{}\"", ending.to_ascii_lowercase()))
-        .collect();
+    let names: Vec<String> =
+        opened.map(|(ending, _)| format!("\".{}\"", ending.to_ascii_lowercase())).collect();
     let line = format!("\nENDINGS = {{{}}}\n", names.join(", "));
     let flow = text("assets/archive/Snakefile");
     assert!(flow.contains(&line), "write this into the Snakefile:{line}");
@@ -59,10 +60,7 @@ fn the_program_lists_its_formats() {
     let rows = json.as_array().expect("a list");
     assert_eq!(rows.len(), FORMATS.len());
     for (format, row) in FORMATS.iter().zip(rows) {
-        assert!(
-            text.contains(&format!("{}\n  recorders      ", format.name)),
-            "{text}"
-        );
+        assert!(text.contains(&format!("{}\n  recorders      ", format.name)), "{text}");
         assert!(text.contains(format.tried()), "{text}");
         assert_eq!(row["name"].as_str(), Some(format.name));
         assert_eq!(row["tried_on"].as_str(), format.tried_on);

@@ -66,39 +66,23 @@ impl Seeds {
             let outcome = program(path, &strings(args));
             assert_eq!(outcome.code, Some(0), "{args:?}: {}", outcome.stderr);
         }
-        write(
-            "small.sl3",
-            &handmade::sl3(&handmade::survey_frames(40), 168),
-        );
+        write("small.sl3", &handmade::sl3(&handmade::survey_frames(40), 168));
         write("small.xtf", &handmade::xtf(40, 2, 3, (-111.5, 36.9), 4.0));
         let survey = formats::open(&path.join("pond.sl2"), &Progress::new()).expect("a log");
         write("pond.review.json", review_of(&survey).as_bytes());
         write("bottom.toml", bottom_of(&survey).as_bytes());
         let at = |i: usize| (-111.0 + 1e-6 * i as f64, 36.0 + 1e-6 * i as f64);
         let rows = |line: &dyn Fn(usize) -> String| (0..60).map(line).collect::<String>();
-        let csv = rows(&|i| {
-            format!(
-                "{},{},{},{}\n",
-                i as f64 * 0.5 - 5.0,
-                at(i).0,
-                at(i).1,
-                i * 3
-            )
-        });
-        write(
-            "track.csv",
-            format!("time,lon,lat,heading_deg\n{csv}").as_bytes(),
-        );
+        let csv =
+            rows(&|i| format!("{},{},{},{}\n", i as f64 * 0.5 - 5.0, at(i).0, at(i).1, i * 3));
+        write("track.csv", format!("time,lon,lat,heading_deg\n{csv}").as_bytes());
         let gpx = rows(&|i| {
             let (lon, lat) = at(i);
             format!(
                 "<trkpt lat=\"{lat}\" lon=\"{lon}\"><time>2021-10-12T00:53:{i:02}Z</time></trkpt>\n"
             )
         });
-        write(
-            "track.gpx",
-            format!("<gpx><trk><trkseg>\n{gpx}</trkseg></trk></gpx>\n").as_bytes(),
-        );
+        write("track.gpx", format!("<gpx><trk><trkseg>\n{gpx}</trkseg></trk></gpx>\n").as_bytes());
         let start_s = survey.start_unix_s.unwrap_or(0.0) - 60.0;
         let level = rows(&|i| format!("{},{}\n", start_s + 10.0 * i as f64, 1.0 + 0.01 * i as f64));
         write("level.csv", format!("time,level_m\n{level}").as_bytes());
@@ -109,9 +93,7 @@ impl Seeds {
         });
         grey.save(path.join("grey.png")).expect("a picture");
         grey.save(path.join("grey.jpg")).expect("a picture");
-        image::DynamicImage::ImageRgb16(wide)
-            .save(path.join("deep.png"))
-            .expect("a picture");
+        image::DynamicImage::ImageRgb16(wide).save(path.join("deep.png")).expect("a picture");
         Self { folder }
     }
 
@@ -134,13 +116,7 @@ impl Seeds {
 
     /// A log with scars; its name.
     fn harmed_log(&self, random: &mut Random, folder: &Path) -> String {
-        let name = random.pick(&[
-            "pond.sl2",
-            "pond.sl2",
-            "small.sl3",
-            "small.xtf",
-            "Rec00007.DAT",
-        ]);
+        let name = random.pick(&["pond.sl2", "pond.sl2", "small.sl3", "small.xtf", "Rec00007.DAT"]);
         if name == "Rec00007.DAT" {
             let mut files = handmade::humminbird(40, false, false);
             let harmed = random.below(files.len());
@@ -177,10 +153,7 @@ fn review_of(survey: &bathyscope_log::survey::Survey) -> String {
             near_m: 3.0,
             far_m: 4.5,
         };
-        let edit = Edit::Add {
-            mark,
-            class: index % 2,
-        };
+        let edit = Edit::Add { mark, class: index % 2 };
         review = review.apply(&edit).expect("a box");
     }
     review.to_json()
@@ -202,7 +175,8 @@ fn info(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     }
 }
 
-/// The search for objects costs most of the time and is the same for all, so that one in five has it.
+/// The search for objects costs most of the time and is the same for all, so that one in five has
+/// it.
 fn processed(random: &mut Random, name: &str, more: &[&str]) -> Vec<String> {
     let mut args = strings(&["process", name, "-o", "out"]);
     args.extend(strings(more));
@@ -302,25 +276,10 @@ fn points(seeds: &Seeds, random: &mut Random, folder: &Path) -> String {
 
 fn filter(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     let name = points(seeds, random, folder);
-    let output = random.pick(&[
-        "kept.csv",
-        "kept.ply",
-        "kept.las",
-        "kept.laz",
-        "kept.copc.laz",
-    ]);
+    let output = random.pick(&["kept.csv", "kept.ply", "kept.las", "kept.laz", "kept.copc.laz"]);
     let radius = random.pick(&["1", "1e-9", "1e9", "1e300"]);
     let neighbors = random.pick(&["1", "10", "500", "1000000"]);
-    strings(&[
-        "filter",
-        &name,
-        "-o",
-        output,
-        "--radius",
-        radius,
-        "--min-neighbors",
-        neighbors,
-    ])
+    strings(&["filter", &name, "-o", output, "--radius", radius, "--min-neighbors", neighbors])
 }
 
 fn compare(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
@@ -352,11 +311,7 @@ fn raster(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
 fn model(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/detector_models");
     let mut names: Vec<_> = fs::read_dir(models).expect("models").flatten().collect();
-    names.retain(|name| {
-        name.path()
-            .extension()
-            .is_some_and(|suffix| suffix == "onnx")
-    });
+    names.retain(|name| name.path().extension().is_some_and(|suffix| suffix == "onnx"));
     names.sort_by_key(std::fs::DirEntry::file_name);
     let path = names[random.below(names.len())].path();
     let sound = fs::read(&path).expect("a model");

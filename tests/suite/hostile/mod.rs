@@ -1,14 +1,17 @@
-//! Input that is made to harm, or was harmed: logs, settings, tables, rasters, pictures, models, tracks and reviews, through the
-//! program itself. Whatever they hold, it ends with exit code 0, 1 or 2, says why in one printable line, leaves no half file, and
-//! takes less than ten seconds of processor time and 500 MB.
+//! Input that is made to harm, or was harmed: logs, settings, tables, rasters, pictures, models,
+//! tracks and reviews, through the program itself. Whatever they hold, it ends with exit code 0, 1
+//! or 2, says why in one printable line, leaves no half file, and takes less than ten seconds of
+//! processor time and 500 MB.
 //!
-//! `named` are those that once did otherwise, each by itself. `kinds` makes as many more as are asked for: a few here, and with
+//! `named` are those that once did otherwise, each by itself. `kinds` makes as many more as are
+//! asked for: a few here, and with
 //!
 //! ```text
 //! BATHYSCOPE_HOSTILE=2000 cargo test --release --test suite hostile::recorded -- --ignored --nocapture
 //! ```
 //!
-//! two thousand, of which the worst are printed. `BATHYSCOPE_HOSTILE_FROM=N` begins with case N: a failure names its number.
+//! two thousand, of which the worst are printed. `BATHYSCOPE_HOSTILE_FROM=N` begins with case N: a
+//! failure names its number.
 
 mod kinds;
 mod mutate;
@@ -33,11 +36,7 @@ fn survives(folder: &Path, args: &[String]) -> Outcome {
     if let Some(fault) = fault(&outcome, folder) {
         panic!("{args:?}: {fault}");
     }
-    assert!(
-        outcome.peak_mib < MOST_MIB,
-        "{args:?} takes {} MiB",
-        outcome.peak_mib
-    );
+    assert!(outcome.peak_mib < MOST_MIB, "{args:?} takes {} MiB", outcome.peak_mib);
     outcome
 }
 

@@ -60,7 +60,8 @@ pub(super) const WILD: [&str; 28] = [
     "3.5",
 ];
 
-/// What makes trouble in text: commands to a terminal, letters that turn others round, what never ends.
+/// What makes trouble in text: commands to a terminal, letters that turn others round, what never
+/// ends.
 fn snippet(random: &mut Random) -> String {
     let plain = [
         "\u{1b}[2J\u{1b}[31m",
@@ -121,10 +122,7 @@ fn replace_number(random: &mut Random, bytes: &mut Vec<u8>) {
         return;
     };
     let start = from + start;
-    let length = bytes[start..]
-        .iter()
-        .take_while(|byte| is_number(byte))
-        .count();
+    let length = bytes[start..].iter().take_while(|byte| is_number(byte)).count();
     bytes.splice(start..start + length, random.pick(&WILD).bytes());
 }
 
@@ -145,22 +143,14 @@ pub(super) fn bytes(random: &mut Random, sound: &[u8]) -> Vec<u8> {
     let scars = 1 + random.below(most);
     for _ in 0..scars {
         // Half of them in the head, where a file says what it is.
-        let reach = if random.below(2) == 0 {
-            1024
-        } else {
-            usize::MAX
-        };
+        let reach = if random.below(2) == 0 { 1024 } else { usize::MAX };
         let at = random.below(bytes.len().min(reach));
         let wild = match random.below(5) {
             0 => [0; 8],
             1 => [0xFF; 8],
-            2 => random
-                .pick(&[1e30_f64, -1.0, f64::NAN, 1e-30, 5e3])
-                .to_le_bytes(),
+            2 => random.pick(&[1e30_f64, -1.0, f64::NAN, 1e-30, 5e3]).to_le_bytes(),
             3 => {
-                let float = random
-                    .pick(&[f32::MAX, f32::NAN, -5.0, 1e-20, 1e6_f32])
-                    .to_le_bytes();
+                let float = random.pick(&[f32::MAX, f32::NAN, -5.0, 1e-20, 1e6_f32]).to_le_bytes();
                 [float, float].concat().try_into().expect("eight bytes")
             }
             _ => random.next().to_le_bytes(),

@@ -7,7 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-/// Seconds of processor time after which a run is stopped: beside other tests a search for objects takes several times what it does alone.
+/// Seconds of processor time after which a run is stopped: beside other tests a search for objects
+/// takes several times what it does alone.
 const STOPPED_AFTER_S: f64 = 90.0;
 /// Letters of a line for people; longer ones are cut.
 const LONGEST_LINE: usize = 1000;
@@ -80,14 +81,13 @@ fn processor_s(child: &Child) -> Option<f64> {
 
 fn resident_mib(child: &Child) -> Option<u64> {
     let status = fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
-    let peak = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kib: u64 = peak.trim().trim_end_matches(" kB").parse().ok()?;
     Some(kib >> 10)
 }
 
-/// What is wrong with how a run ended, in a sentence: it went down, said what no terminal should get, or left half a file.
+/// What is wrong with how a run ended, in a sentence: it went down, said what no terminal should
+/// get, or left half a file.
 pub(super) fn fault(outcome: &Outcome, folder: &Path) -> Option<String> {
     let Outcome { code, stderr, .. } = outcome;
     let shows = |letter: char| !letter.is_control() && !matches!(letter, '\u{202a}'..='\u{202e}');
@@ -98,30 +98,19 @@ pub(super) fn fault(outcome: &Outcome, folder: &Path) -> Option<String> {
     if stderr.contains("a fault in Bathyscope itself") {
         return Some(format!("it panicked: {stderr}"));
     }
-    let refusals = stderr
-        .lines()
-        .filter(|line| line.starts_with("bathyscope: "))
-        .count();
+    let refusals = stderr.lines().filter(|line| line.starts_with("bathyscope: ")).count();
     match code {
         Some(0) if refusals == 0 => {}
         // clap reports wrong usage itself.
         Some(2) => {}
         Some(1) if refusals == 1 => {
-            if !stderr
-                .lines()
-                .last()
-                .is_some_and(|line| line.starts_with("bathyscope: "))
-            {
+            if !stderr.lines().last().is_some_and(|line| line.starts_with("bathyscope: ")) {
                 return Some(format!("its reason does not come last: {stderr}"));
             }
         }
         _ => return Some(format!("it ends with {code:?}: {stderr}")),
     }
-    if *code != Some(2)
-        && stderr
-            .lines()
-            .any(|line| line.chars().count() > LONGEST_LINE)
-    {
+    if *code != Some(2) && stderr.lines().any(|line| line.chars().count() > LONGEST_LINE) {
         return Some("it says more than anybody reads".to_owned());
     }
     leftover(folder).map(|name| format!("it leaves {name}"))

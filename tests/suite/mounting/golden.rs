@@ -42,10 +42,7 @@ fn a_transducer_lies_where_pyproj_has_it() {
     let mut worst_m = 0.0_f64;
     for case in golden["arms"].as_array().expect("cases") {
         let number = |name: &str| case[name].as_f64().expect("a number");
-        let at = |lon: &str, lat: &str| LonLat {
-            lon_deg: number(lon),
-            lat_deg: number(lat),
-        };
+        let at = |lon: &str, lat: &str| LonLat { lon_deg: number(lon), lat_deg: number(lat) };
         // A compass that is 30 degrees off, and the offset that puts it right.
         let survey = resting(at("lon", "lat"), number("heading_deg") - 30.0);
         let mounting = MountingSettings {
@@ -54,10 +51,8 @@ fn a_transducer_lies_where_pyproj_has_it() {
             heading_offset_deg: 30.0,
             ..MountingSettings::default()
         };
-        let heading = HeadingSettings {
-            source: HeadingSource::Compass,
-            ..HeadingSettings::default()
-        };
+        let heading =
+            HeadingSettings { source: HeadingSource::Compass, ..HeadingSettings::default() };
         for projection in [Projection::Enu, Projection::Mercator] {
             let positions = PositionSettings {
                 heading: &heading,
@@ -67,9 +62,7 @@ fn a_transducer_lies_where_pyproj_has_it() {
             };
             let made = navigate_with(&survey, positions, &Progress::new());
             let made = made.expect("nobody cancels");
-            let [ping] = made.pings[..] else {
-                panic!("one ping")
-            };
+            let [ping] = made.pings[..] else { panic!("one ping") };
             let found = made.to_lon_lat(&survey.track, ping.east_m, ping.north_m);
             let off_m = distance_m(found, at("to_lon", "to_lat"));
             worst_m = worst_m.max(off_m);

@@ -1,4 +1,5 @@
-//! How a recorder is mounted: lever arm and metres against pyproj, everything else against surveys that were simulated askew.
+//! How a recorder is mounted: lever arm and metres against pyproj, everything else against surveys
+//! that were simulated askew.
 
 mod golden;
 mod sailed;
@@ -12,7 +13,8 @@ use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::{self, Products, Settings};
 use bathyscope_simulation::{Artefacts, ObjectKind, ObjectSettings, Scene, TrackSettings};
 
-/// Two lines to and fro over a gentle bed with three objects that both see, and nothing that disturbs but speckle.
+/// Two lines to and fro over a gentle bed with three objects that both see, and nothing that
+/// disturbs but speckle.
 fn scene() -> Scene {
     let object = |east_m, north_m| ObjectSettings {
         kind: ObjectKind::Block,
@@ -56,7 +58,8 @@ fn processed(
     (survey, products.expect("nobody cancels"))
 }
 
-/// Distances between where the pings are placed and where they truly were, metres: their root mean square.
+/// Distances between where the pings are placed and where they truly were, metres: their root mean
+/// square.
 fn off_m(known: &KnownSurvey, products: &Products) -> f64 {
     let pairs = products.navigation.pings.iter().zip(&known.truth.pings);
     let off =

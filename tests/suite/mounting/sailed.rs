@@ -1,4 +1,5 @@
-//! Surveys of recorders that are mounted askew: with the right settings they are right, without them they are off by as much.
+//! Surveys of recorders that are mounted askew: with the right settings they are right, without
+//! them they are off by as much.
 
 use super::{off_m, processed, scene, settings};
 use crate::cli::run;
@@ -14,7 +15,8 @@ use std::path::Path;
 /// Metres forward and to starboard, and their length.
 const ARM_M: [f64; 2] = [2.5, -1.5];
 
-/// Distances of the sightings of all objects from their true places, and of the sightings of one object from each other, metres.
+/// Distances of the sightings of all objects from their true places, and of the sightings of one
+/// object from each other, metres.
 fn objects_m(known: &KnownSurvey, survey: &Survey, products: &Products) -> [Vec<f64>; 2] {
     let locator = ObjectLocator::new(survey, products);
     let mut found = [Vec::new(), Vec::new()];
@@ -58,10 +60,7 @@ fn a_lever_arm_puts_pings_objects_and_depths_where_they_are() {
     let right = with(&["mounting.forward_m=2.5", "mounting.right_m=-1.5"]);
     let mirrored = with(&["mounting.forward_m=2.5", "mounting.right_m=1.5"]);
     // A metre of rounding is in the fixes.
-    assert!(
-        (none.0 - arm_m).abs() < 0.3 && right.0 < 0.6,
-        "{none:?} {right:?}"
-    );
+    assert!((none.0 - arm_m).abs() < 0.3 && right.0 < 0.6, "{none:?} {right:?}");
     assert!(none.1 > 0.8 * arm_m && right.1 < 0.8, "{none:?} {right:?}");
     // Opposite lines move an object both ways: only the right arm has them agree.
     assert!(none.2 > 1.6 * arm_m && right.2 < 1.0, "{none:?} {right:?}");
@@ -86,9 +85,7 @@ fn the_arm_turns_with_the_fitted_track_where_headings_are_steps() {
     let pairs = stretched.navigation.pings.iter().zip(&known.truth.pings);
     let off = pairs.skip(60).map(|(ping, truth)| {
         let (east_m, north_m) = (ping.east_m, ping.north_m);
-        let at = stretched
-            .navigation
-            .to_lon_lat(&survey.track, east_m, north_m);
+        let at = stretched.navigation.to_lon_lat(&survey.track, east_m, north_m);
         bathyscope_log::support::geo::distance_m(at, truth.position)
     });
     let off: Vec<f64> = off.collect();
@@ -117,15 +114,8 @@ fn a_heading_offset_is_that_of_the_compass_alone() {
     let offset = "mounting.heading_offset_deg=12";
     let [off, right] = [mean_deg(&[compass]), mean_deg(&[compass, offset])];
     println!("compass: {off:.2} degrees, with its offset {right:.2}");
-    assert!(
-        (off + 12.0).abs() < 0.5 && right.abs() < 0.5,
-        "{off} {right}"
-    );
-    for source in [
-        HeadingSource::TrackFit,
-        HeadingSource::Cog,
-        HeadingSource::Steps,
-    ] {
+    assert!((off + 12.0).abs() < 0.5 && right.abs() < 0.5, "{off} {right}");
+    for source in [HeadingSource::TrackFit, HeadingSource::Cog, HeadingSource::Steps] {
         let mut plain = settings(&[]);
         plain.heading.source = source;
         let mut with = plain.clone();
@@ -134,10 +124,7 @@ fn a_heading_offset_is_that_of_the_compass_alone() {
             [plain, with].map(|settings| processed(&known, &settings, None).1.navigation);
         let bits = |heading_rad: f64| heading_rad.to_bits();
         let mut pairs = one.pings.iter().zip(other.pings.iter());
-        assert!(
-            pairs.all(|(a, b)| bits(a.heading_rad) == bits(b.heading_rad)),
-            "{source:?}"
-        );
+        assert!(pairs.all(|(a, b)| bits(a.heading_rad) == bits(b.heading_rad)), "{source:?}");
     }
 }
 
@@ -161,9 +148,7 @@ fn a_clock_that_is_behind_finds_its_place_on_another_receivers_track() {
         let (survey, products) = processed(&known, &settings(assignments), Some(&track));
         let places = products.navigation.pings.iter().map(|ping| {
             let (east_m, north_m) = (ping.east_m, ping.north_m);
-            products
-                .navigation
-                .to_lon_lat(&survey.track, east_m, north_m)
+            products.navigation.to_lon_lat(&survey.track, east_m, north_m)
         });
         let off = places
             .zip(&known.truth.pings)
@@ -183,10 +168,7 @@ fn a_clock_that_is_behind_finds_its_place_on_another_receivers_track() {
 fn products(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-        let (path, name) = (
-            entry.path(),
-            entry.file_name().to_string_lossy().into_owned(),
-        );
+        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
         match path.is_dir() {
             true => {
                 let inner = products(&path).into_iter();
@@ -201,17 +183,9 @@ fn products(folder: &Path) -> Vec<(String, Vec<u8>)> {
 
 /// Boxes around all objects, of a log with these sides, as a file.
 fn review(known: &KnownSurvey, swapped_sides: bool) -> String {
-    let identity = Identity {
-        swapped_sides,
-        ..Identity::of(&known.survey)
-    };
+    let identity = Identity { swapped_sides, ..Identity::of(&known.survey) };
     let mut review = Review::new(identity, vec!["rock".to_owned()]);
-    for seen in known
-        .truth
-        .objects
-        .iter()
-        .flat_map(|object| &object.sightings)
-    {
+    for seen in known.truth.objects.iter().flat_map(|object| &object.sightings) {
         let mark = true_box(&known.survey, seen).expect("more than a glimpse");
         let added = review.apply(&Edit::Add { mark, class: 0 });
         review = added.expect("a box");
@@ -240,19 +214,13 @@ fn a_mirrored_recorder_with_its_sides_exchanged_gives_the_same_bytes() {
     let wrong = process("wrong", true, &[]);
     let exchanged = process("exchanged", true, &["--set", "mounting.swap_sides=true"]);
     // These hold the settings, and the name of the run that follows from them.
-    let records = [
-        "manifest.json",
-        "report.json",
-        "report.html",
-        "quality/residuals.json",
-    ];
+    let records = ["manifest.json", "report.json", "report.html", "quality/residuals.json"];
     let named = |all: &[(String, Vec<u8>)], name: &str| {
         let file = all.iter().find(|(file, _)| file == name);
         file.unwrap_or_else(|| panic!("{name}")).1.clone()
     };
-    let files: Vec<_> = (plain.iter())
-        .filter(|(name, _)| !records.contains(&name.as_str()))
-        .collect();
+    let files: Vec<_> =
+        (plain.iter()).filter(|(name, _)| !records.contains(&name.as_str())).collect();
     for (name, bytes) in &files {
         assert!(named(&exchanged, name) == *bytes, "{name} differs");
     }
@@ -265,10 +233,7 @@ fn a_mirrored_recorder_with_its_sides_exchanged_gives_the_same_bytes() {
     println!("{differ} of them differ while the sides are wrong");
     assert!(3 * differ > count, "{differ}");
     let report = String::from_utf8(named(&exchanged, "report.json")).expect("text");
-    assert!(
-        report.contains("Port and starboard are exchanged"),
-        "{report}"
-    );
+    assert!(report.contains("Port and starboard are exchanged"), "{report}");
 }
 
 #[test]
@@ -289,16 +254,11 @@ fn every_side_of_a_mirrored_log_is_that_of_the_boat() {
     assert!(exchanged == right, "the clouds differ");
     let outward = |survey: &Survey, side| -> Vec<u8> {
         let samples = survey.samples(40, side).expect("samples");
-        (0..samples.len())
-            .map(|sample| samples.get(sample))
-            .collect()
+        (0..samples.len()).map(|sample| samples.get(sample)).collect()
     };
     for side in Side::BOTH {
         assert_eq!(outward(&survey, side), outward(&plain.survey, side));
-        assert_eq!(
-            outward(&mirrored.survey, side),
-            outward(&plain.survey, side.other())
-        );
+        assert_eq!(outward(&mirrored.survey, side), outward(&plain.survey, side.other()));
     }
 }
 
@@ -312,13 +272,8 @@ fn late() -> Scene {
         radius_m: 2.5,
         height_m: if (column + row) % 2 == 0 { 0.7 } else { -0.5 },
     });
-    let mut scene = Scene {
-        bed: BedSettings {
-            mounds: mounds.collect(),
-            ..scene.bed.clone()
-        },
-        ..scene
-    };
+    let mut scene =
+        Scene { bed: BedSettings { mounds: mounds.collect(), ..scene.bed.clone() }, ..scene };
     scene.mounting.latency_s = 0.8;
     scene
 }
@@ -332,10 +287,7 @@ fn late_positions_are_put_right_and_crossings_show_how_late_they_are() {
     };
     let [late_m, right_m] = [off(&[]), off(&["mounting.latency_s=0.8"])];
     println!("positions: {late_m:.2} m off, with their latency {right_m:.2} m");
-    assert!(
-        right_m < 0.6 && late_m > 2.0 * right_m,
-        "{late_m} {right_m}"
-    );
+    assert!(right_m < 0.6 && late_m > 2.0 * right_m, "{late_m} {right_m}");
 
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
@@ -351,22 +303,12 @@ fn late_positions_are_put_right_and_crossings_show_how_late_they_are() {
         let number = |key: &str| latency[key].as_f64().expect("a number");
         let page = std::fs::read_to_string(folder.join(name).join("report.html")).expect("a page");
         let advice = page.contains("set <code>mounting.latency_s</code>");
-        (
-            [
-                number("latency_s"),
-                number("standard_error_s"),
-                number("in_force_s"),
-            ],
-            advice,
-        )
+        ([number("latency_s"), number("standard_error_s"), number("in_force_s")], advice)
     };
     let (free, advised) = found("free", &[]);
     let (held, advised_again) = found("held", &["--set", "mounting.latency_s=0.8"]);
     println!("latency: {free:?} as recorded, {held:?} with it in force");
-    assert!(
-        (free[0] - 0.8).abs() < 0.25 && free[1] < 0.2 && free[2] == 0.0,
-        "{free:?}"
-    );
+    assert!((free[0] - 0.8).abs() < 0.25 && free[1] < 0.2 && free[2] == 0.0, "{free:?}");
     assert!((held[0] - 0.8).abs() < 0.25 && held[2] == 0.8, "{held:?}");
     assert!(advised && !advised_again);
 }

@@ -1,4 +1,5 @@
-//! `source.crs`: positions in metres of a system that the log does not name. `source.frequency_khz`: which side-scan is shown.
+//! `source.crs`: positions in metres of a system that the log does not name.
+//! `source.frequency_khz`: which side-scan is shown.
 
 use super::golden::golden;
 use super::settings;
@@ -26,22 +27,17 @@ fn metres_lie_where_pyproj_has_them() {
         let named = settings(&[&format!("source.crs=EPSG:{}", case["epsg"])]);
         assert_eq!(named.check(), Ok(()), "{case}");
         let survey = pipeline::as_set(recorded, &named, None).expect("it fits");
-        let place = LonLat {
-            lon_deg: number("lon"),
-            lat_deg: number("lat"),
-        };
+        let place = LonLat { lon_deg: number("lon"), lat_deg: number("lat") };
         let off_m = distance_m(survey.track.fixes[0].position, place);
         worst_m = worst_m.max(off_m);
         assert!(off_m < 1e-3, "{case}: {off_m} m");
-        // 19 steps of half a metre of the grid, which is no more than a thousandth off the ground's (web Mercator apart).
+        // 19 steps of half a metre of the grid, which is no more than a thousandth off the ground's
+        // (web Mercator apart).
         let length_m = distance_m(survey.track.fixes[19].position, place);
         if number("epsg") != 3857.0 {
             assert!((length_m - 9.5).abs() < 0.02, "{case}: {length_m} m");
         }
-        let said = survey
-            .warnings
-            .iter()
-            .any(|one| one.text.contains("source.crs"));
+        let said = survey.warnings.iter().any(|one| one.text.contains("source.crs"));
         assert!(!said, "it is known now");
     }
     println!("first fixes: {worst_m:.1e} m from pyproj's at most");
@@ -52,9 +48,7 @@ fn what_is_missing_or_wrong_is_said_in_a_sentence_that_names_the_setting() {
     let line = log((606_900.0, 4_732_000.0));
     let warnings: Vec<_> = line.warnings.iter().map(|one| one.text.as_str()).collect();
     assert!(
-        warnings
-            .iter()
-            .any(|text| text.contains("set source.crs to its EPSG number")),
+        warnings.iter().any(|text| text.contains("set source.crs to its EPSG number")),
         "{warnings:?}"
     );
     let refused = |value: &str| {
@@ -79,10 +73,7 @@ fn what_is_missing_or_wrong_is_said_in_a_sentence_that_names_the_setting() {
         ("EPSG:2263", "in metres"),
     ] {
         let said = refused(value);
-        assert!(
-            said.contains(words) && said.contains("source.crs"),
-            "{value}: {said}"
-        );
+        assert!(said.contains(words) && said.contains("source.crs"), "{value}: {said}");
         assert!(!said.contains('\n'), "{said}");
     }
     // Metres of web Mercator lie thousands of kilometres off the middle of any zone.
@@ -124,30 +115,18 @@ fn a_run_is_told_the_system_and_says_so() {
         [2, 3].map(|column| fields[column].parse().expect("degrees"))
     };
     let table = std::fs::read_to_string(folder.join("out/points/first_returns.csv")).unwrap();
-    assert!(
-        first(&table).iter().all(|degrees| degrees.abs() < 0.001),
-        "{table}"
-    );
-    run(
-        folder,
-        &[&args[..], &["--set", "source.crs=EPSG:32618"]].concat(),
-    );
+    assert!(first(&table).iter().all(|degrees| degrees.abs() < 0.001), "{table}");
+    run(folder, &[&args[..], &["--set", "source.crs=EPSG:32618"]].concat());
     let table = std::fs::read_to_string(folder.join("out/points/first_returns.csv")).unwrap();
     let [lon_deg, lat_deg] = first(&table);
     assert!((lon_deg + 73.694_126).abs() < 1e-4 && (lat_deg - 42.733_069).abs() < 1e-4);
     let report = std::fs::read_to_string(folder.join("out/report.json")).unwrap();
-    assert!(
-        report.contains("are taken for those of EPSG:32618"),
-        "{report}"
-    );
+    assert!(report.contains("are taken for those of EPSG:32618"), "{report}");
     let bytes = handmade::xtf(60, 1, 0, (-8_203_600.0, 5_271_000.0), 7.5);
     std::fs::write(folder.join("line.xtf"), bytes).expect("a log");
     let wrong = [&args[..], &["--set", "source.crs=EPSG:32618"]].concat();
     let said = refusal(folder, &wrong, 1);
-    assert!(
-        said.contains("source.crs: the log's position") && said.contains("line.xtf"),
-        "{said}"
-    );
+    assert!(said.contains("source.crs: the log's position") && said.contains("line.xtf"), "{said}");
 }
 
 #[test]
@@ -157,16 +136,11 @@ fn the_side_scan_of_a_frequency_is_shown_on_request() {
     let folder = folder.path();
     std::fs::write(folder.join("line.xtf"), &bytes).expect("a log");
     let info = run(folder, &["info", "line.xtf"]);
-    assert!(
-        info.contains("set source.frequency_khz to show 400 kHz"),
-        "{info}"
-    );
+    assert!(info.contains("set source.frequency_khz to show 400 kHz"), "{info}");
     let far_m = |set: &[&str]| {
         let recorded = formats::open_bytes("line.xtf", bytes.clone(), &Progress::new());
         let survey = pipeline::as_set(recorded.expect("a log"), &settings(set), None);
-        survey.expect("it fits").side_scan[9]
-            .port
-            .map(|span| span.far_m)
+        survey.expect("it fits").side_scan[9].port.map(|span| span.far_m)
     };
     assert_eq!(far_m(&[]), Some(25.0));
     assert_eq!(far_m(&["source.frequency_khz=455"]), Some(12.5));

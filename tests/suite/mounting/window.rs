@@ -1,4 +1,5 @@
-//! The mounting in the window: by panel and by key, taken back, kept in a project, and as the default of a recorder.
+//! The mounting in the window: by panel and by key, taken back, kept in a project, and as the
+//! default of a recorder.
 
 use super::{off_m, scene};
 use crate::cli::run;
@@ -30,11 +31,7 @@ fn written(folder: &Path, name: &str, seed: u64) -> KnownSurvey {
 fn open(window: &mut Window, path: &Path) {
     drop_file(window, path.to_owned());
     settle(window);
-    assert!(
-        app(window).log.products.is_some(),
-        "{:?}",
-        app(window).notices
-    );
+    assert!(app(window).log.products.is_some(), "{:?}", app(window).notices);
 }
 
 fn act(window: &mut Window, action: Action) {
@@ -63,15 +60,8 @@ fn an_arm_is_typed_shown_and_taken_back() {
     type_into(&mut window, "Forward", 2.5);
     type_into(&mut window, "Starboard", -1.5);
     println!("{before_m:.2} m, mounted {:.2} m", off(&window));
-    assert!(
-        before_m > 2.5 && off(&window) < 0.6,
-        "{before_m} {}",
-        off(&window)
-    );
-    assert_eq!(
-        app(&window).undo_label(),
-        Some("transducer to starboard of the antenna -1.50 m")
-    );
+    assert!(before_m > 2.5 && off(&window) < 0.6, "{before_m} {}", off(&window));
+    assert_eq!(app(&window).undo_label(), Some("transducer to starboard of the antenna -1.50 m"));
     let said = "The transducer is 2.50 m forward and 1.50 m to port of the antenna.";
     assert!(window.query_by_label(said).is_some());
 
@@ -94,24 +84,14 @@ fn an_arm_is_typed_shown_and_taken_back() {
 fn mark_port(window: &mut Window) {
     let survey = app(window).log.survey.clone().expect("a log");
     let review = Review::new(Identity::of(&survey), vec!["rock".to_owned()]);
-    let mark = bathyscope_objects::Mark {
-        side: Side::Port,
-        pings: 100..120,
-        near_m: 4.0,
-        far_m: 6.0,
-    };
+    let mark =
+        bathyscope_objects::Mark { side: Side::Port, pings: 100..120, near_m: 4.0, far_m: 6.0 };
     let review = review.apply(&Edit::Add { mark, class: 0 }).expect("a box");
     let path = survey.source.files[0].with_file_name("boxes.json");
     std::fs::write(&path, review.to_json()).expect("a file");
-    let stroke = BottomStroke {
-        side: Side::Port,
-        path: vec![[40.0, 4.0], [60.0, 3.5]],
-        ink: Ink::Bottom,
-    };
-    for command in [
-        Command::OpenFile(FileToOpen::Review(path)),
-        Command::DrawBottom(stroke),
-    ] {
+    let stroke =
+        BottomStroke { side: Side::Port, path: vec![[40.0, 4.0], [60.0, 3.5]], ink: Ink::Bottom };
+    for command in [Command::OpenFile(FileToOpen::Review(path)), Command::DrawBottom(stroke)] {
         window.state_mut().app.apply(command);
         settle(window);
     }
@@ -122,11 +102,7 @@ fn sides(window: &Window) -> [Side; 3] {
     let log = &app(window).log;
     let first = log.reviewing.review.boxes().next().expect("a box");
     let drawn = &log.products.as_ref().expect("results").returns.drawn;
-    [
-        first.mark.side,
-        log.settings.bottom.lines[0].side,
-        drawn[0].0,
-    ]
+    [first.mark.side, log.settings.bottom.lines[0].side, drawn[0].0]
 }
 
 #[test]
@@ -137,53 +113,29 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     let mut window = empty_window();
     open(&mut window, &log);
     let project = folder.path().join("pond.bathyscope");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Project(project.clone())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Project(project.clone())));
     settle(&mut window);
     mark_port(&mut window);
     let picks = |window: &Window| {
-        let returns = app(window)
-            .log
-            .products
-            .as_ref()
-            .expect("results")
-            .returns
-            .clone();
+        let returns = app(window).log.products.as_ref().expect("results").returns.clone();
         [returns.port.clone(), returns.starboard.clone()]
     };
     let [port, starboard] = picks(&window);
     assert_eq!(sides(&window), [Side::Port; 3]);
-    let selected = LogPlace {
-        side: Some(Side::Port),
-        sample: Some(500.0),
-        ..LogPlace::ping(110)
-    };
-    window
-        .state_mut()
-        .app
-        .apply(Command::Select(Some(selected)));
+    let selected = LogPlace { side: Some(Side::Port), sample: Some(500.0), ..LogPlace::ping(110) };
+    window.state_mut().app.apply(Command::Select(Some(selected)));
     press(&mut window, Modifiers::SHIFT, Key::S);
     settle(&mut window);
     assert!(!mounting(&window).swap_sides, "it asks");
-    window
-        .get_by_label("Exchange port and starboard")
-        .click_accesskit();
+    window.get_by_label("Exchange port and starboard").click_accesskit();
     settle(&mut window);
     assert!(mounting(&window).swap_sides);
     assert_eq!(sides(&window), [Side::Starboard; 3]);
     assert_eq!(picks(&window), [starboard.clone(), port.clone()]);
-    assert_eq!(
-        app(&window).view.selection.and_then(|mark| mark.side),
-        Some(Side::Starboard)
-    );
+    assert_eq!(app(&window).view.selection.and_then(|mark| mark.side), Some(Side::Starboard));
     assert_eq!(app(&window).undo_label(), Some("sides of the recorder"));
     act(&mut window, Action::Undo);
-    assert_eq!(
-        (sides(&window), mounting(&window).swap_sides),
-        ([Side::Port; 3], false)
-    );
+    assert_eq!((sides(&window), mounting(&window).swap_sides), ([Side::Port; 3], false));
     assert_eq!(picks(&window), [port, starboard]);
     act(&mut window, Action::Redo);
     change(&mut window, "mounting.forward_m=2.5");
@@ -191,32 +143,19 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     press(&mut window, Modifiers::COMMAND, Key::S);
     settle(&mut window);
     let by_window = folder.path().join("window");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Products(by_window.clone())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
     settle(&mut window);
     let left = mounting(&window);
     drop(window);
 
     // Without a window it is the same survey, byte for byte.
-    let args = [
-        "process",
-        "pond.bathyscope",
-        "--no-objects",
-        "-o",
-        "process",
-    ];
+    let args = ["process", "pond.bathyscope", "--no-objects", "-o", "process"];
     run(folder.path(), &args);
     let read = |name: &str| {
         ["window", "process"]
             .map(|of| std::fs::read(folder.path().join(of).join(name)).expect(name))
     };
-    for name in [
-        "points/cloud.csv",
-        "points/first_returns.csv",
-        "mosaic/mosaic.tif",
-    ] {
+    for name in ["points/cloud.csv", "points/first_returns.csv", "mosaic/mosaic.tif"] {
         let [window, process] = read(name);
         assert!(window == process, "{name} differs");
     }
@@ -242,17 +181,11 @@ fn a_review_beside_the_log_says_which_sides_it_means() {
     mark_port(&mut window);
     act(&mut window, Action::SwapSides);
     let review = folder.path().join("pond.review.json");
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Review(review.clone())));
+    window.state_mut().app.apply(Command::Write(FileToWrite::Review(review.clone())));
     settle(&mut window);
     drop(window);
     let text = std::fs::read_to_string(&review).expect("a review");
-    assert!(
-        text.contains("\"swapped_sides\": true") && text.contains("\"starboard\""),
-        "{text}"
-    );
+    assert!(text.contains("\"swapped_sides\": true") && text.contains("\"starboard\""), "{text}");
     let bottom = std::fs::read_to_string(folder.path().join("pond.bottom.toml")).expect("edits");
     assert!(bottom.contains("swapped_sides = true"), "{bottom}");
 
@@ -269,11 +202,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     for (name, seed) in [("first.sl2", 3), ("second.sl2", 4), ("third.sl2", 5)] {
         written(folder, name, seed);
     }
-    std::fs::write(
-        folder.join("other.xtf"),
-        handmade::xtf(60, 1, 3, (-73.6, 42.7), 7.5),
-    )
-    .unwrap();
+    std::fs::write(folder.join("other.xtf"), handmade::xtf(60, 1, 3, (-73.6, 42.7), 7.5)).unwrap();
     let mut window = empty_window();
     open(&mut window, &folder.join("first.sl2"));
     let add = |window: &mut Window, name: &str| {
@@ -282,17 +211,9 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
         settle(window);
     };
     add(&mut window, "second.sl2");
-    assert!(
-        window
-            .query_by_label_contains("It has no default")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("It has no default").is_some());
     change(&mut window, "mounting.forward_m=2.5");
-    assert!(
-        window
-            .query_by_label_contains("Of this log alone")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("Of this log alone").is_some());
     let label = Action::UseMounting.label();
     window.get_by_label(label).click_accesskit();
     settle(&mut window);
@@ -302,28 +223,17 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     };
     assert_eq!(mountings(&window), [2.5, 2.5], "open logs of the recorder");
     let said = format!("From the default of {RECORDER}.");
-    assert!(
-        window.query_by_label(&said).is_some(),
-        "{}",
-        app(&window).recorder()
-    );
+    assert!(window.query_by_label(&said).is_some(), "{}", app(&window).recorder());
     assert!(app(&window).logs().all(|log| !log.is_behind()));
 
     // Those that are opened from then on, but no other recorder's.
     add(&mut window, "third.sl2");
     add(&mut window, "other.xtf");
     assert_eq!(mountings(&window), [2.5, 2.5, 2.5, 0.0]);
-    let notice = app(&window)
-        .notices
-        .iter()
-        .find(|one| one.text.contains("default mounting of"));
+    let notice = app(&window).notices.iter().find(|one| one.text.contains("default mounting of"));
     assert!(notice.is_some_and(|one| one.text.contains("third")));
     act(&mut window, Action::Undo);
-    assert_eq!(
-        mountings(&window)[..2],
-        [0.0, 2.5],
-        "as it was before it was for all"
-    );
+    assert_eq!(mountings(&window)[..2], [0.0, 2.5], "as it was before it was for all");
     assert!(app(&window).mountings().is_empty());
     act(&mut window, Action::Redo);
     assert_eq!(app(&window).mountings().len(), 1);
@@ -351,11 +261,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     assert!(again.query_by_label(&other).is_some());
     act(&mut again, Action::ForgetMounting);
     assert!(app(&again).mountings().is_empty());
-    assert_eq!(
-        mounting(&again).forward_m,
-        1.0,
-        "open logs stay as they are"
-    );
+    assert_eq!(mounting(&again).forward_m, 1.0, "open logs stay as they are");
 }
 
 #[test]
@@ -393,36 +299,22 @@ fn the_system_of_metres_is_typed_in_the_panel() {
         settle(window);
     };
     enter(&mut window, "4326");
-    let refused = app(&window)
-        .notices
-        .last()
-        .map(|one| one.text.clone())
-        .expect("a notice");
-    assert!(
-        refused.contains("source.crs: EPSG:4326 (WGS 84) has degrees"),
-        "{refused}"
-    );
+    let refused = app(&window).notices.last().map(|one| one.text.clone()).expect("a notice");
+    assert!(refused.contains("source.crs: EPSG:4326 (WGS 84) has degrees"), "{refused}");
     assert_eq!(app(&window).log.settings.source.crs, None);
     enter(&mut window, "32618");
     let now = places(&window);
     println!("{now:?}");
     assert!(
-        now.iter()
-            .all(|[lon, lat, ..]| (lon + 73.69).abs() < 0.01 && (lat - 42.73).abs() < 0.01)
+        now.iter().all(|[lon, lat, ..]| (lon + 73.69).abs() < 0.01 && (lat - 42.73).abs() < 0.01)
     );
     // Both in one plane on the Earth, as far apart as their metres say.
-    let [one, other] = now[..] else {
-        panic!("two logs")
-    };
+    let [one, other] = now[..] else { panic!("two logs") };
     assert!(one[2].abs() < 100.0 && one[3].abs() < 100.0, "{one:?}");
     let apart_m = (one[2] - other[2]).hypot(one[3] - other[3]);
     println!("{apart_m:.3} m apart");
     assert!((apart_m - 50.0).abs() < 0.1, "{apart_m}");
-    assert!(
-        window
-            .query_by_label_contains("Positions are metres of EPSG:32618")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("Positions are metres of EPSG:32618").is_some());
     act(&mut window, Action::Undo);
     assert!(places(&window).iter().all(|[lon, ..]| lon.abs() < 0.01));
 }
@@ -451,9 +343,7 @@ fn the_waterfall_is_drawn_anew_when_sides_are_exchanged() {
         let [width, height] = [view.width(), view.height()].map(|points| points as u32 - 1);
         drawn.push(image::imageops::crop_imm(&image, left, top, width, height).to_image());
     }
-    let [plain, exchanged] = &drawn[..] else {
-        panic!("two pictures")
-    };
+    let [plain, exchanged] = &drawn[..] else { panic!("two pictures") };
     assert_eq!(plain.dimensions(), exchanged.dimensions());
     let pairs = plain.pixels().zip(exchanged.pixels());
     let differ = pairs.filter(|(one, other)| one != other).count();

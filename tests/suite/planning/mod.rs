@@ -1,4 +1,5 @@
-//! Lines to sail next: where they may run, and what the command writes and refuses; `ponds` sails them.
+//! Lines to sail next: where they may run, and what the command writes and refuses; `ponds` sails
+//! them.
 
 mod ponds;
 
@@ -28,11 +29,7 @@ fn known(lines: &[f64], length_m: f64) -> SurveyCoverage {
 }
 
 fn asked(minutes: f64, turn_radius_m: f64) -> PlanSettings {
-    PlanSettings {
-        minutes,
-        turn_radius_m,
-        ..PlanSettings::default()
-    }
+    PlanSettings { minutes, turn_radius_m, ..PlanSettings::default() }
 }
 
 /// Places along a way, some ten centimetres apart.
@@ -72,21 +69,13 @@ fn lines_and_turns_stay_in_the_polygon_and_off_the_island_and_turn_no_sharper_th
     let known = known(&[-10.0, 0.0, 10.0], 120.0);
     for radius_m in [3.0, 6.0] {
         let rings = [shore.clone(), island.clone()];
-        let made = plan(
-            &known,
-            Some(&rings),
-            &asked(12.0, radius_m),
-            &Progress::new(),
-        );
+        let made = plan(&known, Some(&rings), &asked(12.0, radius_m), &Progress::new());
         let made = made.expect("a plan");
         assert!(made.lines.len() > 4 && made.minutes() <= 12.0 && made.minutes() > 10.5);
         assert_eq!(made.turns_outside, 0);
         let way: Vec<[f64; 2]> = made.way.iter().map(|one| one.place).collect();
         for place in along(&way) {
-            assert!(
-                is_inside(&shore, place) && !is_inside(&island, place),
-                "{place:?}"
-            );
+            assert!(is_inside(&shore, place) && !is_inside(&island, place), "{place:?}");
         }
         for corner in way.windows(3) {
             let side = |i: usize, j: usize| {
@@ -102,15 +91,8 @@ fn lines_and_turns_stay_in_the_polygon_and_off_the_island_and_turn_no_sharper_th
             .windows(2)
             .map(|pair| (pair[0][0] - pair[1][0]).hypot(pair[0][1] - pair[1][1]))
             .sum();
-        assert!(
-            (length_m / made.length_m - 1.0).abs() < 0.01,
-            "{length_m} {}",
-            made.length_m
-        );
-        let starts = made
-            .way
-            .iter()
-            .filter(|one| matches!(one.station, WaypointKind::Start(_)));
+        assert!((length_m / made.length_m - 1.0).abs() < 0.01, "{length_m} {}", made.length_m);
+        let starts = made.way.iter().filter(|one| matches!(one.station, WaypointKind::Start(_)));
         assert_eq!(starts.count(), made.lines.len());
         assert!(made.after.mean_sigma_m < 0.75 * made.before.mean_sigma_m);
     }
@@ -120,25 +102,15 @@ fn lines_and_turns_stay_in_the_polygon_and_off_the_island_and_turn_no_sharper_th
 fn a_missing_strip_is_sailed_along_and_a_spacing_is_kept() {
     let known = known(&[0.0, 10.0, 20.0, 60.0, 70.0, 80.0], 150.0);
     let made = plan(&known, None, &asked(4.0, 4.0), &Progress::new()).expect("a plan");
-    let is_in_strip = |leg: &Leg| {
-        [leg.from, leg.to]
-            .iter()
-            .all(|end| (20.0..60.0).contains(&end[1]))
-    };
-    let in_strip: f64 = made
-        .lines
-        .iter()
-        .filter(|leg| is_in_strip(leg))
-        .map(Leg::length_m)
-        .sum();
+    let is_in_strip =
+        |leg: &Leg| [leg.from, leg.to].iter().all(|end| (20.0..60.0).contains(&end[1]));
+    let in_strip: f64 = made.lines.iter().filter(|leg| is_in_strip(leg)).map(Leg::length_m).sum();
     assert!(in_strip > 0.85 * made.lines_m, "{:?}", made.lines);
     let again = plan(&known, None, &asked(4.0, 4.0), &Progress::new()).expect("a plan");
     assert_eq!(again.way, made.way, "the same again");
-    // Lines 10 m apart are close enough for 20 m: all that is left is the strip, which one line in its middle mends.
-    let close = PlanSettings {
-        spacing_m: Some(20.0),
-        ..asked(60.0, 4.0)
-    };
+    // Lines 10 m apart are close enough for 20 m: all that is left is the strip, which one line in
+    // its middle mends.
+    let close = PlanSettings { spacing_m: Some(20.0), ..asked(60.0, 4.0) };
     let mut known = known;
     known.range_m = 0.0;
     let made = plan(&known, None, &close, &Progress::new()).expect("a plan");
@@ -148,10 +120,9 @@ fn a_missing_strip_is_sailed_along_and_a_spacing_is_kept() {
 #[test]
 fn an_object_seen_from_one_side_is_passed_at_right_angles_and_not_under_the_boat() {
     let mut known = known(&[0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0], 60.0);
-    known.objects.push(SeenObject {
-        place: [30.0, 20.0],
-        headings_rad: vec![std::f64::consts::FRAC_PI_2],
-    });
+    known
+        .objects
+        .push(SeenObject { place: [30.0, 20.0], headings_rad: vec![std::f64::consts::FRAC_PI_2] });
     let made = plan(&known, None, &asked(0.5, 3.0), &Progress::new()).expect("a plan");
     assert_eq!((made.before.one_sided, made.after.one_sided), (1, 0));
     let passes = made.lines.iter().any(|leg| {
@@ -182,41 +153,20 @@ fn what_cannot_be_planned_is_said_in_a_sentence() {
     };
     let usual = asked(10.0, 4.0);
     assert_eq!(of(&known(&[], 0.0), None, &usual), PlanError::NoDepths);
-    assert_eq!(
-        of(&some, Some(&square(5000.0, 50.0)), &usual),
-        PlanError::AreaElsewhere
-    );
-    assert_eq!(
-        of(&some, Some(&square(50.0, 0.4)), &usual),
-        PlanError::NoArea
-    );
-    assert_eq!(
-        of(&some, Some(&square(50.0, 10.0)), &asked(10.0, 9.0)),
-        PlanError::NoRoom
-    );
+    assert_eq!(of(&some, Some(&square(5000.0, 50.0)), &usual), PlanError::AreaElsewhere);
+    assert_eq!(of(&some, Some(&square(50.0, 0.4)), &usual), PlanError::NoArea);
+    assert_eq!(of(&some, Some(&square(50.0, 10.0)), &asked(10.0, 9.0)), PlanError::NoRoom);
     assert_eq!(of(&some, None, &asked(0.1, 20.0)), PlanError::NoTime);
-    assert!(matches!(
-        of(&some, None, &asked(0.0, 4.0)),
-        PlanError::Settings(_)
-    ));
-    assert!(matches!(
-        of(&some, None, &asked(f64::NAN, 4.0)),
-        PlanError::Settings(_)
-    ));
+    assert!(matches!(of(&some, None, &asked(0.0, 4.0)), PlanError::Settings(_)));
+    assert!(matches!(of(&some, None, &asked(f64::NAN, 4.0)), PlanError::Settings(_)));
     let dense: Vec<f64> = (0..30).map(f64::from).collect();
     let mut dense = known(&dense, 60.0);
     dense.range_m = 0.0;
-    let close = PlanSettings {
-        spacing_m: Some(4.0),
-        ..usual
-    };
+    let close = PlanSettings { spacing_m: Some(4.0), ..usual };
     assert_eq!(of(&dense, None, &close), PlanError::NothingToMend);
     let cancelled = Progress::new();
     cancelled.cancel();
-    assert!(matches!(
-        plan(&some, None, &usual, &cancelled),
-        Err(PlanError::Cancelled(_))
-    ));
+    assert!(matches!(plan(&some, None, &usual, &cancelled), Err(PlanError::Cancelled(_))));
 }
 
 #[test]
@@ -250,14 +200,8 @@ fn other_lines_give_another_plan_and_a_turn_that_leaves_the_water_is_counted() {
     let fewer = made.with_lines(made.lines[1..].to_vec());
     assert!(fewer.length_m < made.length_m && fewer.after.mean_sigma_m > made.after.mean_sigma_m);
     let whole = fewer.with_lines(made.lines.clone());
-    assert_eq!(
-        (&whole.way, whole.after.mean_sigma_m),
-        (&made.way, made.after.mean_sigma_m)
-    );
-    let out = |north: f64| Leg {
-        from: [40.0, north],
-        to: [119.9, north],
-    };
+    assert_eq!((&whole.way, whole.after.mean_sigma_m), (&made.way, made.after.mean_sigma_m));
+    let out = |north: f64| Leg { from: [40.0, north], to: [119.9, north] };
     let drawn = made.with_lines(vec![out(5.0), out(12.0)]);
     assert_eq!(drawn.turns_outside, 1);
     assert!(made.with_lines(Vec::new()).way.is_empty());
@@ -271,17 +215,8 @@ fn the_command_writes_four_formats_with_the_same_places() {
     let mut counts = Vec::new();
     for ending in ["gpx", "kml", "plan", "waypoints"] {
         let name = format!("lines.{ending}");
-        let args = [
-            "plan",
-            "demo.sl2",
-            "-o",
-            &name,
-            "--minutes",
-            "2",
-            "--turn-radius",
-            "3",
-            "--json",
-        ];
+        let args =
+            ["plan", "demo.sl2", "-o", &name, "--minutes", "2", "--turn-radius", "3", "--json"];
         let printed: Value = serde_json::from_str(&run(folder, &args)).expect("JSON");
         assert!(printed["minutes"].as_f64().expect("a number") <= 2.0);
         assert!(
@@ -290,12 +225,7 @@ fn the_command_writes_four_formats_with_the_same_places() {
         let text = fs::read_to_string(folder.join(&name)).expect("a file");
         counts.push(match ending {
             "gpx" => text.matches("<rtept ").count(),
-            "kml" => text
-                .rsplit("<coordinates>")
-                .next()
-                .expect("the way")
-                .matches(',')
-                .count(),
+            "kml" => text.rsplit("<coordinates>").next().expect("the way").matches(',').count(),
             "plan" => {
                 let plan: Value = serde_json::from_str(&text).expect("JSON");
                 plan["mission"]["items"].as_array().expect("items").len()
@@ -303,20 +233,9 @@ fn the_command_writes_four_formats_with_the_same_places() {
             _ => text.lines().count() - 2,
         });
     }
-    assert!(
-        counts[0] > 3 && counts.iter().all(|count| *count == counts[0]),
-        "{counts:?}"
-    );
-    let said = run(
-        folder,
-        &["plan", "demo.sl2", "-o", "lines.gpx", "--minutes", "2"],
-    );
-    for words in [
-        "min at",
-        "mean sigma",
-        "after (predicted)",
-        "wrote lines.gpx",
-    ] {
+    assert!(counts[0] > 3 && counts.iter().all(|count| *count == counts[0]), "{counts:?}");
+    let said = run(folder, &["plan", "demo.sl2", "-o", "lines.gpx", "--minutes", "2"]);
+    for words in ["min at", "mean sigma", "after (predicted)", "wrote lines.gpx"] {
         assert!(said.contains(words), "{said}");
     }
 }
@@ -331,26 +250,14 @@ fn the_command_refuses_in_one_sentence_and_writes_nothing() {
     fs::write(folder.join("elsewhere.geojson"), elsewhere).expect("an area");
     fs::write(folder.join("none.geojson"), "{}").expect("no area");
     for (args, words) in [
-        (
-            vec!["demo.sl2", "-o", "lines.txt"],
-            ".waypoints (Mission Planner)",
-        ),
-        (
-            vec!["demo.sl2", "-o", "lines.gpx", "--minutes", "0"],
-            "0.1 to 1440 minutes",
-        ),
-        (
-            vec!["demo.sl2", "-o", "lines.gpx", "--speed", "0"],
-            "metres a second",
-        ),
+        (vec!["demo.sl2", "-o", "lines.txt"], ".waypoints (Mission Planner)"),
+        (vec!["demo.sl2", "-o", "lines.gpx", "--minutes", "0"], "0.1 to 1440 minutes"),
+        (vec!["demo.sl2", "-o", "lines.gpx", "--speed", "0"], "metres a second"),
         (
             vec!["demo.sl2", "-o", "lines.gpx", "--area", "elsewhere.geojson"],
             "away from the survey",
         ),
-        (
-            vec!["demo.sl2", "-o", "lines.gpx", "--area", "none.geojson"],
-            "no polygon",
-        ),
+        (vec!["demo.sl2", "-o", "lines.gpx", "--area", "none.geojson"], "no polygon"),
         (vec!["demo.gpx", "-o", "demo.gpx"], "written over"),
         (vec!["nothing.sl2", "-o", "lines.gpx"], "nothing.sl2"),
     ] {

@@ -21,7 +21,8 @@ const MINUTES: f64 = 4.0;
 const SPEED_MPS: f64 = 2.0;
 const RADIUS_M: f64 = 4.0;
 
-/// A pond of 80 by 70 m with a hole in its survey: a strip, a bay at one end, or ground in the middle.
+/// A pond of 80 by 70 m with a hole in its survey: a strip, a bay at one end, or ground in the
+/// middle.
 struct Pond {
     kind: BedKind,
     seed: u64,
@@ -47,34 +48,18 @@ impl Pond {
         let mut corners: Vec<[f64; 2]> = Vec::new();
         let mut sail = |from: f64, to: f64, lines: &mut dyn Iterator<Item = f64>| {
             for (rank, line) in lines.enumerate() {
-                let ends = if rank % 2 == 0 {
-                    [from, to]
-                } else {
-                    [to, from]
-                };
+                let ends = if rank % 2 == 0 { [from, to] } else { [to, from] };
                 corners.extend(ends.map(|end| [end, line]));
             }
         };
-        sail(
-            west,
-            east,
-            &mut lines.iter().copied().filter(|line| !is_cut(line)),
-        );
+        sail(west, east, &mut lines.iter().copied().filter(|line| !is_cut(line)));
         if hole[0] > west {
-            sail(
-                west,
-                hole[0],
-                &mut lines.iter().rev().copied().filter(is_cut),
-            );
+            sail(west, hole[0], &mut lines.iter().rev().copied().filter(is_cut));
         }
         if hole[1] < east {
             sail(east, hole[1], &mut lines.iter().copied().filter(is_cut));
         }
-        Self {
-            kind: kinds[index as usize % 3],
-            seed: 400 + index,
-            corners,
-        }
+        Self { kind: kinds[index as usize % 3], seed: 400 + index, corners }
     }
 
     /// A log of a way over this pond; `day` draws what goes wrong on it.
@@ -103,11 +88,7 @@ impl Pond {
                 sonar_every: 1,
                 ..RecorderSettings::default()
             },
-            artefacts: Artefacts {
-                weed_m: 0.0,
-                range_change: 1.0,
-                ..Artefacts::default()
-            },
+            artefacts: Artefacts { weed_m: 0.0, range_change: 1.0, ..Artefacts::default() },
             scattered_objects: 0,
             ..Scene::default()
         }
@@ -138,8 +119,8 @@ fn processed(scene: &Scene, seed: u64, frame: Option<&LocalFrame>) -> (Processed
     (ProcessedLog { survey, products }, truth)
 }
 
-/// Mean stated standard deviation and mean true error of a map over the water of a plan, metres. Where the map knows nothing, its depth is the
-/// mean depth and its sigma that of ignorance.
+/// Mean stated standard deviation and mean true error of a map over the water of a plan, metres.
+/// Where the map knows nothing, its depth is the mean depth and its sigma that of ignorance.
 fn judged(logs: &[ProcessedLog], made: &Plan, truth: &Simulated) -> [f64; 2] {
     let frame = &logs[0].survey.track.frame;
     let origin = frame.origin();
@@ -161,10 +142,7 @@ fn judged(logs: &[ProcessedLog], made: &Plan, truth: &Simulated) -> [f64; 2] {
             continue;
         }
         let [x, y] = plane.place(frame.to_lon_lat(east, north));
-        let found = surface
-            .grid
-            .index_at(x, y)
-            .filter(|cell| surface.depth_m[*cell].is_finite());
+        let found = surface.grid.index_at(x, y).filter(|cell| surface.depth_m[*cell].is_finite());
         let (depth_m, sigma_m) = found.map_or((mean_m, limit_m), |cell| {
             (f64::from(surface.depth_m[cell]), surface.spread_m[cell])
         });
@@ -175,7 +153,8 @@ fn judged(logs: &[ProcessedLog], made: &Plan, truth: &Simulated) -> [f64; 2] {
     sums.map(|sum| sum / count)
 }
 
-/// Evenly spaced lines over the water of a plan, along its length or across, as many as the minutes reach for.
+/// Evenly spaced lines over the water of a plan, along its length or across, as many as the minutes
+/// reach for.
 fn parallel(
     made: &Plan,
     frame: &LocalFrame,
@@ -218,7 +197,8 @@ fn parallel(
     corners
 }
 
-/// Stated sigma and true error: as surveyed, with the planned lines, with parallel ones along and across.
+/// Stated sigma and true error: as surveyed, with the planned lines, with parallel ones along and
+/// across.
 struct Outcome {
     before: [f64; 2],
     planned: [f64; 2],
@@ -231,35 +211,17 @@ fn sail(index: u64) -> Outcome {
     let progress = Progress::new();
     let (first, truth) = processed(&pond.scene(pond.corners.clone(), None), 10 * index, None);
     let frame = first.survey.track.frame.clone();
-    let known = survey_coverage(
-        std::slice::from_ref(&first),
-        &ObjectList::default(),
-        &progress,
-    )
-    .expect("nobody cancels")
-    .expect("a log");
-    let asked = PlanSettings {
-        minutes: MINUTES,
-        turn_radius_m: RADIUS_M,
-        ..PlanSettings::default()
-    };
+    let known = survey_coverage(std::slice::from_ref(&first), &ObjectList::default(), &progress)
+        .expect("nobody cancels")
+        .expect("a log");
+    let asked =
+        PlanSettings { minutes: MINUTES, turn_radius_m: RADIUS_M, ..PlanSettings::default() };
     let made = plan(&known, None, &asked, &progress).expect("a plan");
-    assert!(
-        (made.speed_mps - SPEED_MPS).abs() < 0.1,
-        "{}",
-        made.speed_mps
-    );
-    assert!(
-        made.minutes() <= MINUTES && made.turns_outside == 0,
-        "{}",
-        made.minutes()
-    );
+    assert!((made.speed_mps - SPEED_MPS).abs() < 0.1, "{}", made.speed_mps);
+    assert!(made.minutes() <= MINUTES && made.turns_outside == 0, "{}", made.minutes());
     let scene_frame = {
         let scene = Scene::default();
-        LocalFrame::new(LonLat {
-            lon_deg: scene.longitude_deg,
-            lat_deg: scene.latitude_deg,
-        })
+        LocalFrame::new(LonLat { lon_deg: scene.longitude_deg, lat_deg: scene.latitude_deg })
     };
     let way = made.way.iter();
     let way = way.map(|one| scene_frame.to_enu(frame.to_lon_lat(one.place[0], one.place[1])));
@@ -296,8 +258,8 @@ fn sail(index: u64) -> Outcome {
     outcome
 }
 
-/// Means over some ponds: stated sigma and true error before, planned, with parallel lines along and across. Planned lines leave less sigma
-/// than either, and far less error than before.
+/// Means over some ponds: stated sigma and true error before, planned, with parallel lines along
+/// and across. Planned lines leave less sigma than either, and far less error than before.
 fn mends_more(ponds: std::ops::Range<u64>) -> [[f64; 4]; 2] {
     let outcomes: Vec<Outcome> = ponds.map(sail).collect();
     let means = [0, 1].map(|which| {

@@ -31,15 +31,10 @@ pub(super) fn check_tables(folder: &Path, review: &Review) {
         // The pond of the demo lies at 29.41 N 82.11 W.
         let [lon, lat]: [f64; 2] =
             [&line[10], &line[11]].map(|degrees| degrees.parse().expect("degrees"));
-        assert!(
-            f64::abs(lon + 82.11) < 1e-3 && f64::abs(lat - 29.41) < 1e-3,
-            "{line:?}"
-        );
+        assert!(f64::abs(lon + 82.11) < 1e-3 && f64::abs(lat - 29.41) < 1e-3, "{line:?}");
     }
     // A point for each object, however many of the accepted boxes show it.
-    let decided = lines
-        .iter()
-        .filter(|line| ["accepted", "added"].contains(&&line[4]));
+    let decided = lines.iter().filter(|line| ["accepted", "added"].contains(&&line[4]));
     let numbers: std::collections::BTreeSet<&str> = decided.map(|line| &line[20]).collect();
     assert!(!numbers.contains("") && numbers.len() <= objects);
     let points = numbers.len();
@@ -88,14 +83,9 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
         assert_eq!(yolo.lines().count(), sure.len());
         assert_eq!(voc.matches("<difficult>0<").count(), sure.len());
         for (line, one) in yolo.lines().zip(&sure) {
-            let numbers: Vec<f64> = line
-                .split(' ')
-                .map(|number| number.parse().expect("a number"))
-                .collect();
-            assert_eq!(
-                numbers[0] as u64 + 1,
-                one["category_id"].as_u64().expect("a class")
-            );
+            let numbers: Vec<f64> =
+                line.split(' ').map(|number| number.parse().expect("a number")).collect();
+            assert_eq!(numbers[0] as u64 + 1, one["category_id"].as_u64().expect("a class"));
             let [left, width] = [0, 2].map(|index| one["bbox"][index].as_f64().expect("pixels"));
             assert!((numbers[1] * 416.0 - (left + 0.5 * width)).abs() < 0.01);
         }
@@ -104,23 +94,14 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
     }
     assert_eq!(manifest["hard_negatives"], negatives);
     let objects = review.boxes().filter(|one| one.state.is_object()).count();
-    assert!(
-        labelled >= objects,
-        "{labelled} labels of {objects} objects"
-    );
+    assert!(labelled >= objects, "{labelled} labels of {objects} objects");
 }
 
 /// What lies in a dataset's folder, by name.
 fn listed(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let mut names: Vec<String> = entries
-        .map(|entry| {
-            entry
-                .expect("an entry")
-                .file_name()
-                .to_string_lossy()
-                .into_owned()
-        })
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
     names
@@ -143,10 +124,7 @@ fn a_second_export_replaces_the_first_and_never_other_peoples_pictures() {
     window.run();
     assert!(!export(&mut window).is_error);
     let pictures = listed(&dataset.join("images/train"));
-    assert!(
-        pictures.len() > 1 && pictures[0] == "000000.png",
-        "{pictures:?}"
-    );
+    assert!(pictures.len() > 1 && pictures[0] == "000000.png", "{pictures:?}");
     for name in listed(&dataset.join("labels/train")) {
         let label = fs::read_to_string(dataset.join("labels/train").join(name));
         assert_eq!(label.expect("a label"), "", "all was rejected");
@@ -160,21 +138,12 @@ fn a_second_export_replaces_the_first_and_never_other_peoples_pictures() {
     }
     window.run();
     assert!(!export(&mut window).is_error);
-    assert_eq!(
-        listed(&dataset.join("images/train")),
-        ["000000.png", "mine.txt"]
-    );
+    assert_eq!(listed(&dataset.join("images/train")), ["000000.png", "mine.txt"]);
     assert_eq!(listed(&dataset.join("voc/train")), ["000000.xml"]);
 
     let manifest = dataset.join("manifest.json");
     fs::write(&manifest, "{\"program\": \"another\"}").expect("a file");
     let refused = export(&mut window);
-    assert!(
-        refused.is_error && refused.text.contains("pictures of something else"),
-        "{refused:?}"
-    );
-    assert_eq!(
-        fs::read_to_string(manifest).expect("a file"),
-        "{\"program\": \"another\"}"
-    );
+    assert!(refused.is_error && refused.text.contains("pictures of something else"), "{refused:?}");
+    assert_eq!(fs::read_to_string(manifest).expect("a file"), "{\"program\": \"another\"}");
 }

@@ -1,11 +1,13 @@
-//! The boxes against the truth, as the analyst sees it: curve, figures, list of mistakes, missed objects.
+//! The boxes against the truth, as the analyst sees it: curve, figures, list of mistakes, missed
+//! objects.
 
 use super::*;
 use bathyscope::app::MistakeSort;
 use bathyscope_objects::truth::{Mistake, SurveyTruth};
 use egui_kittest::kittest::NodeT as _;
 
-/// The demo, whose truth is known, with what a detector would find that misses two objects and sees two where nothing is.
+/// The demo, whose truth is known, with what a detector would find that misses two objects and sees
+/// two where nothing is.
 fn judged() -> (tempfile::TempDir, Window) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = demo_window();
@@ -29,12 +31,7 @@ fn propose_with_mistakes(window: &mut Window, folder: &Path) {
     let ghosts = [(100, 0.61), (900, 0.33)].map(|(ping, score)| Detection {
         class: 1,
         score,
-        mark: Mark {
-            side: Side::Starboard,
-            pings: ping..ping + 9,
-            near_m: 9.0,
-            far_m: 10.0,
-        },
+        mark: Mark { side: Side::Starboard, pings: ping..ping + 9, near_m: 9.0, far_m: 10.0 },
     });
     found.extend(ghosts);
     let review = Review::new(identity(window), names.clone());
@@ -59,12 +56,7 @@ fn slide(window: &mut Window, confidence: f64) {
 }
 
 fn counts(window: &Window) -> [usize; 3] {
-    let standing = app(window)
-        .log
-        .reviewing
-        .judging
-        .standing()
-        .expect("a standing");
+    let standing = app(window).log.reviewing.judging.standing().expect("a standing");
     let counts = standing.counts;
     [counts.found, counts.false_alarms, counts.missed()]
 }
@@ -160,9 +152,7 @@ fn the_matrix_says_what_was_taken_for_what() {
     window.get_by_label_contains(&format!("2 false alarms: {name}"));
     let matrix = window.get_by_label_contains("Confusion matrix, rows truth, columns proposed");
     let said = matrix.accesskit_node().label().expect("a name");
-    let found = said
-        .split("; ")
-        .filter_map(|cell| cell.split_once(" found: "));
+    let found = said.split("; ").filter_map(|cell| cell.split_once(" found: "));
     let count = |(count, _): (&str, &str)| count.rsplit(' ').next()?.parse::<usize>().ok();
     assert_eq!(found.filter_map(count).sum::<usize>(), counts(&window)[0]);
 }
@@ -193,12 +183,7 @@ fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
     press(&mut window, Modifiers::NONE, Key::Enter);
     let review = Review::new(identity(&window), classes());
     let drawn = Edit::Add {
-        mark: Mark {
-            side: Side::Port,
-            pings: 10..20,
-            near_m: 3.0,
-            far_m: 5.0,
-        },
+        mark: Mark { side: Side::Port, pings: 10..20, near_m: 3.0, far_m: 5.0 },
         class: 0,
     };
     let review = review.apply(&drawn).expect("a box");
@@ -219,11 +204,7 @@ fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
     .expect("a table");
     app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Truth(table)));
     window.run();
-    assert!(
-        window
-            .query_by_label_contains("ping 99999 is beyond")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("ping 99999 is beyond").is_some());
     assert_eq!(counts(&window), [0, 0, 1]);
 }
 
@@ -246,10 +227,7 @@ fn the_table_of_the_demo_is_what_its_scene_gives() {
     let read = SurveyTruth::parse(bundled, &of).expect("our own table");
     let mut sightings = simulated.objects.iter().flat_map(|object| {
         let name = object.kind.name();
-        object
-            .sightings
-            .iter()
-            .map(move |sighting| (name, sighting))
+        object.sightings.iter().map(move |sighting| (name, sighting))
     });
     for known in &read.objects {
         let (name, sighting) = sightings.next().expect("a sighting");

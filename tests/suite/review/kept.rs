@@ -1,4 +1,5 @@
-//! Decisions are kept on the way, and offered again: never lost by a closed window, never mixed into another log.
+//! Decisions are kept on the way, and offered again: never lost by a closed window, never mixed
+//! into another log.
 
 use super::*;
 
@@ -23,9 +24,7 @@ fn proposed_in(folder: &Path) -> (PathBuf, Window) {
 
 fn kept(folder: &Path) -> Option<Review> {
     let text = fs::read_to_string(folder.join("pond.review.unsaved.json")).ok()?;
-    let bytes = fs::metadata(folder.join("pond.sl2"))
-        .expect("the log")
-        .len();
+    let bytes = fs::metadata(folder.join("pond.sl2")).expect("the log").len();
     let identity =
         serde_json::from_str::<serde_json::Value>(&text).expect("JSON")["survey"].clone();
     assert_eq!(identity["byte_count"], bytes);
@@ -49,28 +48,18 @@ fn decisions_are_kept_every_few_seconds_and_at_the_end_and_taken_up_by_a_click()
     assert_eq!(decided(&kept(folder.path()).expect("kept at once")), 1);
     press(&mut window, Modifiers::NONE, Key::R);
     window.run();
-    assert_eq!(
-        decided(&kept(folder.path()).expect("kept")),
-        1,
-        "not at every decision"
-    );
+    assert_eq!(decided(&kept(folder.path()).expect("kept")), 1, "not at every decision");
     let due = app(&window).autosave_due().expect("something to keep");
     assert!(due <= std::time::Duration::from_secs(3) && !due.is_zero());
     assert!(app(&window).is_at_risk());
     app_mut(&mut window).keep_decisions();
     assert!(!app(&window).is_at_risk());
     let last = review_of(&window).clone();
-    assert_eq!(
-        kept(folder.path()).as_ref().map(Review::shared),
-        Some(last.shared())
-    );
+    assert_eq!(kept(folder.path()).as_ref().map(Review::shared), Some(last.shared()));
     drop(window);
 
     let (_, mut window) = opened(folder.path());
-    assert!(
-        !app(&window).log.reviewing.has_boxes(),
-        "offered, not taken"
-    );
+    assert!(!app(&window).log.reviewing.has_boxes(), "offered, not taken");
     window.get_by_label_contains("Decisions about 2 boxes were not saved");
     window.get_by_label("Restore unsaved decisions").click();
     window.run();
@@ -88,10 +77,7 @@ fn decisions_are_kept_every_few_seconds_and_at_the_end_and_taken_up_by_a_click()
     let (_, window) = opened(folder.path());
     assert_eq!(review_of(&window).shared(), last.shared());
     assert!(window.query_by_label("Restore unsaved decisions").is_none());
-    assert!(
-        fs::read(&log).expect("the log") == before,
-        "the log is never written"
-    );
+    assert!(fs::read(&log).expect("the log") == before, "the log is never written");
 }
 
 #[test]
@@ -126,10 +112,7 @@ fn decisions_that_nobody_took_up_are_set_aside_and_those_of_another_log_left_alo
     press(&mut window, Modifiers::NONE, Key::A);
     app_mut(&mut window).keep_decisions();
     assert_eq!(fs::read_to_string(&file).expect("left alone"), second);
-    assert!(
-        app(&window).is_at_risk(),
-        "and the analyst is asked when closing"
-    );
+    assert!(app(&window).is_at_risk(), "and the analyst is asked when closing");
 }
 
 #[test]

@@ -66,10 +66,7 @@ pub(crate) fn propose(window: &mut Window, detections: &[Detection], folder: &Pa
     let review = empty.adopt("test model", &classes(), detections, &raster(window));
     let path = folder.join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
-    window
-        .state_mut()
-        .app
-        .apply(Command::OpenFile(FileToOpen::Review(path.clone())));
+    window.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(path.clone())));
     window.run();
     assert_eq!(review_of(window).boxes().len(), detections.len());
     path
@@ -124,10 +121,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     }
     assert!(presses <= 2 * 50, "{presses} key presses for 50 boxes");
     for (id, state) in &expected {
-        assert_eq!(
-            review_of(&window).get(*id).map(|one| one.state),
-            Some(*state)
-        );
+        assert_eq!(review_of(&window).get(*id).map(|one| one.state), Some(*state));
     }
     let named = review_of(&window);
     let trees = (named.boxes()).filter(|one| named.class_name(one.class) == TREE.1);
@@ -143,9 +137,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     press(&mut window, Modifiers::COMMAND, Key::S);
     assert!(!app(&window).log.reviewing.is_unsaved());
     let mut next = demo_window();
-    next.state_mut()
-        .app
-        .apply(Command::OpenFile(FileToOpen::Review(path)));
+    next.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(path)));
     next.run();
     assert_eq!(review_of(&next), review_of(&window));
 
@@ -153,10 +145,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     export_by_keys(&mut window, &folder);
     let exported = folder.join("boxes.review.json");
     let mut again = demo_window();
-    again
-        .state_mut()
-        .app
-        .apply(Command::OpenFile(FileToOpen::Review(exported)));
+    again.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(exported)));
     again.run();
     assert_eq!(review_of(&again), review_of(&window));
     check_tables(&folder, review_of(&window));
@@ -222,15 +211,8 @@ fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
     assert_eq!(states(&window), after);
     press(&mut window, Modifiers::NONE, Key::U);
     assert_eq!(
-        after
-            .iter()
-            .filter(|state| **state == State::Proposed)
-            .count()
-            + 1,
-        states(&window)
-            .iter()
-            .filter(|state| **state == State::Proposed)
-            .count(),
+        after.iter().filter(|state| **state == State::Proposed).count() + 1,
+        states(&window).iter().filter(|state| **state == State::Proposed).count(),
     );
 }
 
@@ -312,10 +294,7 @@ fn the_list_of_classes_is_edited_and_a_new_name_holds_for_all_boxes_as_one_step(
     assert_eq!(list(&window)[..2], ["anchor", "wreck"]);
     press(&mut window, Modifiers::NONE, Key::Num1);
     assert_eq!(class_of(&window, id), "anchor");
-    let rename = Command::RenameClass {
-        from: "anchor".to_owned(),
-        to: "mooring".to_owned(),
-    };
+    let rename = Command::RenameClass { from: "anchor".to_owned(), to: "mooring".to_owned() };
     (window.state_mut().app).apply(rename);
     window.run();
     assert_eq!(list(&window)[..2], ["mooring", "wreck"]);
@@ -338,22 +317,15 @@ fn arrows_move_the_box_only_while_it_is_edited() {
     let (_folder, mut window) = proposed(4);
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
-    let mark = |window: &Window| {
-        review_of(window)
-            .get(id)
-            .map(|one| one.mark.clone())
-            .expect("the box")
-    };
+    let mark =
+        |window: &Window| review_of(window).get(id).map(|one| one.mark.clone()).expect("the box");
     let before = mark(&window);
     press(&mut window, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(mark(&window), before);
     press(&mut window, Modifiers::NONE, Key::E);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Edit);
     press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
-    assert_eq!(
-        mark(&window).pings,
-        before.pings.start + 10..before.pings.end + 10
-    );
+    assert_eq!(mark(&window).pings, before.pings.start + 10..before.pings.end + 10);
     press(&mut window, Modifiers::COMMAND, Key::ArrowLeft);
     assert_eq!(mark(&window).pings.end, before.pings.end + 9);
     press(&mut window, Modifiers::NONE, Key::S);
@@ -382,30 +354,15 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     window.state_mut().app.apply(Command::Open(log.clone()));
     window.run();
     assert!(!app(&window).log.reviewing.has_boxes());
-    let add = Edit::Add {
-        mark: found[1].mark.clone(),
-        class: 0,
-    };
+    let add = Edit::Add { mark: found[1].mark.clone(), class: 0 };
     let app_now = &mut window.state_mut().app;
-    app_now.apply(Command::Edit {
-        edit: add,
-        live: false,
-    });
+    app_now.apply(Command::Edit { edit: add, live: false });
     let beside = app_now.review_path().expect("a place for the review");
     assert_eq!(beside, folder.path().join("other.review.json"));
     // The same file, spelt in another way.
-    app_now.apply(Command::Write(FileToWrite::Review(
-        folder.path().join(".").join("other.sl2"),
-    )));
-    assert_eq!(
-        fs::read(&log).expect("the log").len(),
-        bytes.len() / 2,
-        "the log stays"
-    );
-    window
-        .state_mut()
-        .app
-        .apply(Command::Write(FileToWrite::Review(beside)));
+    app_now.apply(Command::Write(FileToWrite::Review(folder.path().join(".").join("other.sl2"))));
+    assert_eq!(fs::read(&log).expect("the log").len(), bytes.len() / 2, "the log stays");
+    window.state_mut().app.apply(Command::Write(FileToWrite::Review(beside)));
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
     assert_eq!(states(&window), decided);
@@ -422,21 +379,14 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     let found = detections(&window, 10);
     propose(&mut window, &found, folder.path());
     press(&mut window, Modifiers::NONE, Key::F);
-    app_mut(&mut window).apply(Command::Edit {
-        edit: Edit::Reject(BoxId(1)),
-        live: false,
-    });
+    app_mut(&mut window).apply(Command::Edit { edit: Edit::Reject(BoxId(1)), live: false });
     window.run();
     window.get_by_label_contains("1 of 10 decided");
     window.get_by_label_contains(", 10 boxes in view");
     let slider = window.get_by_role_and_label(Role::Slider, "Confidence");
     slider.set_value_accesskit(0.62);
     window.run();
-    let sure = found
-        .iter()
-        .skip(1)
-        .filter(|found| found.score >= 0.62)
-        .count();
+    let sure = found.iter().skip(1).filter(|found| found.score >= 0.62).count();
     assert!((1..9).contains(&sure));
     let counts = app(&window).log.reviewing.counts();
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
@@ -460,11 +410,7 @@ fn what_is_written_about_a_box_is_kept_when_the_next_one_is_selected() {
     let note = window.get_by_role_and_label(Role::TextInput, "Note on the box");
     note.type_text("two tyres, see dive 3");
     window.run();
-    assert_eq!(
-        states(&window),
-        [State::Proposed; 4],
-        "letters are text here"
-    );
+    assert_eq!(states(&window), [State::Proposed; 4], "letters are text here");
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(
         review_of(&window).get(id).map(|one| one.note.as_str()),

@@ -17,13 +17,8 @@ pub(crate) fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
 
 fn farthest_m(window: &Window) -> f64 {
     let survey = app(window).log.survey.as_ref().expect("a survey");
-    let sides = survey
-        .side_scan
-        .iter()
-        .flat_map(|ping| [ping.port, ping.starboard]);
-    sides
-        .flatten()
-        .fold(0.0, |far_m, side| f64::max(far_m, f64::from(side.far_m)))
+    let sides = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
+    sides.flatten().fold(0.0, |far_m, side| f64::max(far_m, f64::from(side.far_m)))
 }
 
 pub(crate) fn drag(window: &mut Window, from: Pos2, to: Pos2) {
@@ -58,50 +53,25 @@ fn a_missed_object_is_drawn_with_the_mouse_and_moved() {
     let mark = &one.mark;
     assert!(near(mark.pings.start as f64, 300.0, 4.0), "{mark:?}");
     assert!(near(mark.pings.end as f64, 400.0, 4.0), "{mark:?}");
-    assert!(
-        near(mark.near_m, 5.0, 0.1) && near(mark.far_m, 8.0, 0.1),
-        "{mark:?}"
-    );
+    assert!(near(mark.near_m, 5.0, 0.1) && near(mark.far_m, 8.0, 0.1), "{mark:?}");
     assert_eq!(selected(&window), one.id);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
-    assert!(
-        window
-            .query_by_label_contains("box 1 selected: object, added")
-            .is_some()
-    );
+    assert!(window.query_by_label_contains("box 1 selected: object, added").is_some());
 
     // Without the tool a drag moves the picture, with it the box, and its far edge alone.
     press(&mut window, Modifiers::NONE, Key::E);
     let (from, to) = (at(&window, 350.0, -6.5), at(&window, 450.0, -7.5));
     drag(&mut window, from, to);
-    let moved = review_of(&window)
-        .get(one.id)
-        .expect("the box")
-        .mark
-        .clone();
+    let moved = review_of(&window).get(one.id).expect("the box").mark.clone();
     assert!(near(moved.pings.start as f64, 400.0, 8.0), "{moved:?}");
-    assert!(
-        near(moved.near_m, 6.0, 0.2) && near(moved.far_m, 9.0, 0.2),
-        "{moved:?}"
-    );
+    assert!(near(moved.near_m, 6.0, 0.2) && near(moved.far_m, 9.0, 0.2), "{moved:?}");
     let (from, to) = (at(&window, 450.0, -moved.far_m), at(&window, 470.0, -10.0));
     drag(&mut window, from, to);
-    let sized = review_of(&window)
-        .get(one.id)
-        .expect("the box")
-        .mark
-        .clone();
-    assert_eq!(
-        (sized.pings.clone(), sized.near_m),
-        (moved.pings.clone(), moved.near_m)
-    );
+    let sized = review_of(&window).get(one.id).expect("the box").mark.clone();
+    assert_eq!((sized.pings.clone(), sized.near_m), (moved.pings.clone(), moved.near_m));
     assert!(near(sized.far_m, 10.0, 0.2), "{sized:?}");
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    let back = review_of(&window)
-        .get(one.id)
-        .expect("the box")
-        .mark
-        .clone();
+    let back = review_of(&window).get(one.id).expect("the box").mark.clone();
     assert_eq!(back, moved, "a drag is one step");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -121,20 +91,12 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drag_at(place);
     window.drop_at(place);
     window.run();
-    let one = app(&window)
-        .log
-        .reviewing
-        .selected_box()
-        .cloned()
-        .expect("a box");
+    let one = app(&window).log.reviewing.selected_box().cloned().expect("a box");
     assert_eq!(one.mark, *mark);
     assert!(window.query_by_label_contains("Picture of box").is_some());
     window.get_by_label("Accept box").click();
     window.run();
-    assert_eq!(
-        review_of(&window).get(one.id).map(|one| one.state),
-        Some(State::Accepted)
-    );
+    assert_eq!(review_of(&window).get(one.id).map(|one| one.state), Some(State::Accepted));
     // The next box has come one to one.
     press(&mut window, Modifiers::NONE, Key::F);
     let beside = at(&window, middle, -5.0);
@@ -213,14 +175,9 @@ fn a_target_is_marked_by_a_click_or_at_the_pointer() {
         let boxes = review_of(window).boxes();
         boxes.map(|one| one.mark.clone()).collect()
     };
-    let [point] = &points(&window)[..] else {
-        panic!("{:?}", points(&window))
-    };
+    let [point] = &points(&window)[..] else { panic!("{:?}", points(&window)) };
     let range_m = 0.5 * (point.near_m + point.far_m);
-    assert!(
-        (range_m - 6.0).abs() < 0.1 && point.side == Side::Port,
-        "{point:?}"
-    );
+    assert!((range_m - 6.0).abs() < 0.1 && point.side == Side::Port, "{point:?}");
     assert!((point.pings.start as f64 - 300.0).abs() < 4.0, "{point:?}");
     assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
     let id = selected(&window);

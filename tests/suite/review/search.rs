@@ -19,19 +19,13 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     assert!(found > 100, "{found}");
     assert!(review_of(&window).classes().contains(&"log".to_owned()));
     assert!(window.query_by_label_contains("end_to_end.onnx").is_some());
-    assert!(
-        !app(&window).log.reviewing.is_unsaved(),
-        "proposals are no loss"
-    );
+    assert!(!app(&window).log.reviewing.is_unsaved(), "proposals are no loss");
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
     press(&mut window, Modifiers::NONE, Key::R);
     window.get_by_label("Find objects").click_accesskit();
     window.run();
-    assert_eq!(
-        review_of(&window).get(id).map(|one| one.state),
-        Some(State::Rejected)
-    );
+    assert_eq!(review_of(&window).get(id).map(|one| one.state), Some(State::Rejected));
     assert_eq!(review_of(&window).boxes().len(), found, "each once");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -42,10 +36,7 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     app_mut(&mut window).apply(Command::Do(Action::FindObjects));
     window.run();
     let notice = app(&window).notices.last().expect("a refusal");
-    assert!(
-        notice.is_error && notice.text.contains("nms_inside"),
-        "{notice:?}"
-    );
+    assert!(notice.is_error && notice.text.contains("nms_inside"), "{notice:?}");
 }
 
 /// Lets workers go on until something is there.
@@ -83,10 +74,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     assert!(review.boxes().all(|one| one.mark.pings.end <= gap.start));
     let note = app.search_note().expect("a search that was stopped");
     let covered = format!("covers pings 0 to {} of {}", gap.start - 1, gap.end);
-    assert!(
-        note.contains("was stopped") && note.contains(&covered),
-        "{note}"
-    );
+    assert!(note.contains("was stopped") && note.contains(&covered), "{note}");
     let comparison = app.log.reviewing.judging.comparison().expect("the truth");
     assert!(comparison.unsearched() > 0);
     let standing = app.log.reviewing.judging.standing().expect("a standing");
@@ -112,9 +100,8 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     let review = review_of(&window);
     let (names, found) = (review.classes().to_vec(), detections(&window, 6));
     let half = review.identity().pings / 2;
-    let first: Vec<Detection> = (found.into_iter())
-        .filter(|one| one.mark.pings.end <= half)
-        .collect();
+    let first: Vec<Detection> =
+        (found.into_iter()).filter(|one| one.mark.pings.end <= half).collect();
     let empty = Review::new(identity(&window), names.clone());
     let part = empty.adopt_part("a model", &names, &first, &raster(&window), 0..half);
     let path = folder.path().join("part.review.json");
@@ -130,10 +117,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     let covered = format!("The search was stopped: it covers pings 0 to {}", half - 1);
     assert!(window.get_all_by_label_contains(&covered).count() > 0);
     for finished in ["All boxes in sight are decided", "all decided"] {
-        assert!(
-            window.query_by_label_contains(finished).is_none(),
-            "{finished}"
-        );
+        assert!(window.query_by_label_contains(finished).is_none(), "{finished}");
     }
     // The report says so as well.
     let products = folder.path().join("products");
@@ -165,11 +149,7 @@ pub(super) fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
                     side: sighting.side,
                     pings: sighting.first_ping..(sighting.last_ping + 1).min(pings),
                     near_m: sighting.near_m,
-                    far_m: if end_m.is_finite() {
-                        end_m
-                    } else {
-                        sighting.far_m
-                    },
+                    far_m: if end_m.is_finite() { end_m } else { sighting.far_m },
                 },
             });
         }

@@ -1,5 +1,6 @@
-//! The detector that comes with the program: on the demo survey, whose objects are known, and against onnxruntime
-//! (`oracle.py` made `boxes.json` from the shipped file and a chip of the test split).
+//! The detector that comes with the program: on the demo survey, whose objects are known, and
+//! against onnxruntime (`oracle.py` made `boxes.json` from the shipped file and a chip of the test
+//! split).
 
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -13,7 +14,8 @@ const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
 const DEMO: &[u8] = include_bytes!("../../../assets/demo.sl2");
 const SCENE: &str = include_str!("../../../assets/demo.toml");
 
-/// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs off the range.
+/// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs
+/// off the range.
 fn clear_box(seen: &ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let far_m = seen.shadow_m[1].max(seen.far_m);
@@ -60,10 +62,7 @@ fn finds_the_objects_of_the_demo() {
         clear += marks.len();
         hit += marks.iter().filter(seen).count();
         let kind = object.kind.name();
-        assert!(
-            marks.iter().any(|mark| named(&mark)),
-            "no pass over a {kind} found it"
-        );
+        assert!(marks.iter().any(|mark| named(&mark)), "no pass over a {kind} found it");
     }
     // Whatever lies on an object or in its shadow is no false alarm, glimpses included.
     let known: Vec<Mark> = truth
@@ -91,11 +90,7 @@ fn finds_the_objects_of_the_demo() {
         found.len()
     );
     assert!(hit * 10 >= clear * 8, "{hit} of {clear}");
-    assert!(
-        false_alarms * 5 <= found.len(),
-        "{false_alarms} of {}",
-        found.len()
-    );
+    assert!(false_alarms * 5 <= found.len(), "{false_alarms} of {}", found.len());
 }
 
 /// A box as onnxruntime has it.
@@ -127,12 +122,7 @@ fn agrees_with_onnxruntime() {
     assert_eq!(found.len(), expected.len());
     for (one, other) in found.iter().zip(&expected) {
         assert_eq!(one.class, other.class);
-        assert!(
-            (one.score - other.score).abs() < 1e-4,
-            "{} {}",
-            one.score,
-            other.score
-        );
+        assert!((one.score - other.score).abs() < 1e-4, "{} {}", one.score, other.score);
         let rect = [one.rect.x0, one.rect.y0, one.rect.x1, one.rect.y1];
         for (edge, other) in rect.iter().zip(other.edges_px) {
             // A ten-thousandth of the picture's width.

@@ -27,13 +27,15 @@ struct Case {
     /// Distances of the objects from the line, metres.
     off_m: [f64; 2],
     recorder: fn(&mut RecorderSettings),
-    /// Heights of a hundred that are known at least, and the median of their errors at most, as a share of the height.
+    /// Heights of a hundred that are known at least, and the median of their errors at most, as a
+    /// share of the height.
     least_known: usize,
     most_error: f64,
 }
 
-/// The simulator's usual recorder at its range; one that is set to a range of 30 m, with as much noise as that or a tenth of it, and a
-/// gain that grows to the end of the range; and one whose bytes are amplitudes, in deeper water.
+/// The simulator's usual recorder at its range; one that is set to a range of 30 m, with as much
+/// noise as that or a tenth of it, and a gain that grows to the end of the range; and one whose
+/// bytes are amplitudes, in deeper water.
 const CASES: [Case; 5] = [
     Case {
         name: "usual, 12 m",
@@ -48,7 +50,8 @@ const CASES: [Case; 5] = [
         depth_m: 4.0,
         off_m: [5.0, 13.0],
         recorder: |recorder| set_to(recorder, 30.0),
-        // The ground fades in the noise, and most shadows end where none is left: a picture does not tell these heights.
+        // The ground fades in the noise, and most shadows end where none is left: a picture does
+        // not tell these heights.
         least_known: 20,
         most_error: 0.25,
     },
@@ -99,7 +102,8 @@ fn set_to(recorder: &mut RecorderSettings, range_m: f64) {
     recorder.tvg_limit_m = range_m;
 }
 
-/// Fifty objects along one line: of random kinds, 0.3 to 1.5 m high and no higher than a third of the depth, off to either side.
+/// Fifty objects along one line: of random kinds, 0.3 to 1.5 m high and no higher than a third of
+/// the depth, off to either side.
 fn scene(case: &Case, seed: u64) -> Scene {
     let mut moments = Moments(seed);
     let mut between = |from: f64, to: f64| from + (to - from) * moments.share();
@@ -127,7 +131,8 @@ fn scene(case: &Case, seed: u64) -> Scene {
     scene
 }
 
-/// The box that an analyst draws around what the picture shows of an object, with the height of what casts its longest shadow.
+/// The box that an analyst draws around what the picture shows of an object, with the height of
+/// what casts its longest shadow.
 fn drawn(truth: &Simulated, index: usize) -> Option<(Mark, f64)> {
     let seen = truth.objects[index].sightings.first()?;
     let shown = seen.shown.as_ref()?;
@@ -193,10 +198,7 @@ fn heights_of_five_hundred_objects_are_as_good_with_every_recorder() {
 /// Measures the heights of the objects of surveys; the thresholds were chosen on none of them.
 fn check(case: &Case, seeds: &[u64]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut all = Found {
-        errors: Vec::new(),
-        unknown: 0,
-    };
+    let mut all = Found { errors: Vec::new(), unknown: 0 };
     for seed in seeds {
         let found = Found::of(case, *seed, folder.path());
         all.errors.extend(found.errors);

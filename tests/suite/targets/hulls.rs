@@ -33,7 +33,8 @@ fn scene() -> Scene {
     scene
 }
 
-/// What an analyst draws who sees all of it: pings and edges of the echo, the end of the longest shadow, and that shadow.
+/// What an analyst draws who sees all of it: pings and edges of the echo, the end of the longest
+/// shadow, and that shadow.
 fn edges(seen: &ObjectPass) -> (Mark, f64, MeasuredShadow) {
     let [top_m, end_m] = seen.shadow_m;
     let mark = Mark {
@@ -53,20 +54,12 @@ fn hulls_of_thirty_metres_are_measured_by_hand_drawn_edges_and_a_measured_shadow
     let (log, truth) = written(folder.path(), "hulls.sl2", &scene(), 4);
     let mut app = opened(&log);
     for object in &truth.objects {
-        let [seen] = &object.sightings[..] else {
-            panic!("one pass: {:?}", object.sightings)
-        };
+        let [seen] = &object.sightings[..] else { panic!("one pass: {:?}", object.sightings) };
         let (mark, border_m, shadow) = edges(seen);
         let id = app.log.reviewing.review.next_id();
-        let added = Edit::Add {
-            mark: mark.clone(),
-            class: 0,
-        };
-        for one in [
-            added,
-            Edit::SetEdges { id, mark, border_m },
-            Edit::SetShadow(id, Some(shadow)),
-        ] {
+        let added = Edit::Add { mark: mark.clone(), class: 0 };
+        for one in [added, Edit::SetEdges { id, mark, border_m }, Edit::SetShadow(id, Some(shadow))]
+        {
             edit(&mut app, one);
         }
         let found = target(&app, id);
@@ -81,10 +74,7 @@ fn hulls_of_thirty_metres_are_measured_by_hand_drawn_edges_and_a_measured_shadow
             found.sigma_m
         );
         assert!((found.length_m / LENGTH_M - 1.0).abs() < 0.05, "length");
-        assert!(
-            (found.height_m / seen.top_height_m - 1.0).abs() < 0.10,
-            "height"
-        );
+        assert!((found.height_m / seen.top_height_m - 1.0).abs() < 0.10, "height");
         assert!(off_m < 1.0, "position");
         // A normal error lies within three standard deviations.
         assert!(off_m < 3.0 * found.sigma_m);
@@ -124,39 +114,25 @@ fn a_measured_shadow_tells_the_height_of_its_box_until_that_is_taken_back() {
         app.notices.last().is_some_and(|notice| notice.is_error),
         "there is neither a shadow nor a box"
     );
-    let added = Edit::Add {
-        mark: mark.clone(),
-        class: 0,
-    };
+    let added = Edit::Add { mark: mark.clone(), class: 0 };
     edit(&mut app, added);
     let id = only_box(&app).id;
     let found = target(&app, id);
     measure(&mut app, &mark, shadow);
-    let height_m = app
-        .measured_height()
-        .expect("measured")
-        .expect("a height")
-        .height_m();
+    let height_m = app.measured_height().expect("measured").expect("a height").height_m();
     press(&mut app, Action::UseShadow);
     let one = only_box(&app);
     assert_eq!(one.shadow, Some(shadow));
     let measured = target(&app, id);
     // The altitude is that over the box there, and that over a few pings here.
-    assert!(
-        (measured.height_m / height_m - 1.0).abs() < 0.02,
-        "{} {height_m}",
-        measured.height_m
-    );
+    assert!((measured.height_m / height_m - 1.0).abs() < 0.02, "{} {height_m}", measured.height_m);
     assert!((measured.height_m / found.height_m - 1.0).abs() > 1e-6);
 
     // The file of the review keeps it, and refuses one that cannot be.
     let review = app.log.reviewing.review.clone();
     let identity = review.identity().clone();
     let text = review.to_json();
-    assert_eq!(
-        Review::from_json(&text, &identity).expect("our own file"),
-        *review
-    );
+    assert_eq!(Review::from_json(&text, &identity).expect("our own file"), *review);
     let broken = text.replace(&format!("\"ping\": {}", shadow.ping), "\"ping\": 0");
     assert_ne!(broken, text);
     assert!(Review::from_json(&broken, &identity).is_err());

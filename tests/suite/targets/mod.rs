@@ -1,4 +1,5 @@
-//! Targets as an analyst makes them: edges drawn by hand on a wreck, points, names, and what leaves the program of them.
+//! Targets as an analyst makes them: edges drawn by hand on a wreck, points, names, and what leaves
+//! the program of them.
 
 mod heights;
 mod hulls;
@@ -14,7 +15,8 @@ use bathyscope_simulation::{
 };
 use std::path::{Path, PathBuf};
 
-/// A level bed so deep under the boat, one line to the east over it, and nothing that disturbs but speckle.
+/// A level bed so deep under the boat, one line to the east over it, and nothing that disturbs but
+/// speckle.
 fn level_scene(depth_m: f64, line_m: f64, objects: Vec<ObjectSettings>) -> Scene {
     Scene {
         bed: BedSettings {
@@ -42,8 +44,9 @@ fn level_scene(depth_m: f64, line_m: f64, objects: Vec<ObjectSettings>) -> Scene
     }
 }
 
-/// Has a recorder see the ground to this range: a gain that follows the level ground, and little noise. With the usual one it sinks to
-/// nought beyond some 13 m, and where there is no ground no shadow ends.
+/// Has a recorder see the ground to this range: a gain that follows the level ground, and little
+/// noise. With the usual one it sinks to nought beyond some 13 m, and where there is no ground no
+/// shadow ends.
 fn see_far(scene: &mut Scene, range_m: f64) {
     let recorder = &mut scene.recorder;
     recorder.range_m = range_m;

@@ -14,13 +14,8 @@ const APART_M: f64 = 12.0;
 const DEPTH_M: f64 = 3.0;
 
 /// The five shapes.
-const KINDS: [ObjectKind; 5] = [
-    ObjectKind::Block,
-    ObjectKind::Cylinder,
-    ObjectKind::Tyre,
-    ObjectKind::Rock,
-    ObjectKind::Boat,
-];
+const KINDS: [ObjectKind; 5] =
+    [ObjectKind::Block, ObjectKind::Cylinder, ObjectKind::Tyre, ObjectKind::Rock, ObjectKind::Boat];
 
 /// Whether a shape is that of a kind.
 fn is_of(kind: ObjectKind, shape: ShapeKind) -> bool {
@@ -50,11 +45,7 @@ fn size_m(kind: ObjectKind, between: &mut impl FnMut(f64, f64) -> f64) -> [f64; 
         }
         ObjectKind::Rock => {
             let length_m = between(0.6, 1.6);
-            [
-                length_m,
-                length_m * between(0.7, 1.0),
-                length_m * between(0.4, 0.6),
-            ]
+            [length_m, length_m * between(0.7, 1.0), length_m * between(0.4, 0.6)]
         }
         _ => {
             let length_m = between(3.0, 8.0);
@@ -75,7 +66,8 @@ enum Looks {
 /// Half of the distance between two lines, metres.
 const BESIDE_M: f64 = 5.5;
 
-/// Sixty objects along one line or between two, of the five kinds in turn, 3 to 8 m off a line to either side, in any direction.
+/// Sixty objects along one line or between two, of the five kinds in turn, 3 to 8 m off a line to
+/// either side, in any direction.
 fn scene(seed: u64, looks: Looks) -> Scene {
     let mut moments = Moments(seed);
     let mut between = |from: f64, to: f64| from + (to - from) * moments.share();
@@ -186,7 +178,8 @@ fn median(errors: &mut [f64]) -> f64 {
     errors[errors.len() / 2]
 }
 
-/// Name, seed, which nothing was chosen on, passes, and whether the recorder sees as far as the objects lie.
+/// Name, seed, which nothing was chosen on, passes, and whether the recorder sees as far as the
+/// objects lie.
 type Case = (&'static str, u64, Looks, bool);
 
 #[test]

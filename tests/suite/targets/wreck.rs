@@ -13,8 +13,9 @@ const WIDTH_M: f64 = 6.0;
 const HEIGHT_M: f64 = 2.5;
 const DEPTH_M: f64 = 8.0;
 
-/// A hull with steep sides and a flat deck along the line, 16 m to starboard of it. Of an open hull with a list the higher gunwale may be
-/// the near one, whose shadow falls on the rest of it: one shadow then does not tell the height.
+/// A hull with steep sides and a flat deck along the line, 16 m to starboard of it. Of an open hull
+/// with a list the higher gunwale may be the near one, whose shadow falls on the rest of it: one
+/// shadow then does not tell the height.
 fn scene() -> Scene {
     let hull = ObjectSettings {
         kind: ObjectKind::Block,
@@ -32,7 +33,8 @@ fn scene() -> Scene {
     scene
 }
 
-/// What an analyst draws who sees all of it: pings of the echo, its near edge, the border to the shadow, and the end of that.
+/// What an analyst draws who sees all of it: pings of the echo, its near edge, the border to the
+/// shadow, and the end of that.
 fn edges(truth: &Simulated) -> (Mark, f64) {
     let [seen] = &truth.objects[0].sightings[..] else {
         panic!("one pass: {:?}", truth.objects[0].sightings)
@@ -61,22 +63,9 @@ fn draw(app: &mut App, truth: &Simulated) -> Mark {
         far_m: mark.far_m + 1.1,
         ..mark.clone()
     };
-    edit(
-        app,
-        Edit::Add {
-            mark: rough,
-            class: 0,
-        },
-    );
+    edit(app, Edit::Add { mark: rough, class: 0 });
     let id = only_box(app).id;
-    edit(
-        app,
-        Edit::SetEdges {
-            id,
-            mark: mark.clone(),
-            border_m,
-        },
-    );
+    edit(app, Edit::SetEdges { id, mark: mark.clone(), border_m });
     mark
 }
 
@@ -148,11 +137,7 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     assert_eq!(review.class_name(one.class), "steam tug");
     assert_eq!(
         (one.name.as_str(), one.confidence, one.note.as_str()),
-        (
-            "Anna <Maria>",
-            Some(Confidence::Probable),
-            "boiler amidships"
-        )
+        ("Anna <Maria>", Some(Confidence::Probable), "boiler amidships")
     );
     // The file of the review keeps all of it.
     let survey = app.log.survey.clone().expect("a survey");
@@ -167,28 +152,19 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     app.apply(Command::Write(FileToWrite::Products(products.clone())));
     settle(&mut app);
     let targets = std::fs::read_to_string(products.join("objects/targets.gpx")).expect("waypoints");
-    for text in [
-        "<name>Anna &lt;Maria&gt;</name><cmt>boiler amidships</cmt>",
-        "<type>steam tug</type>",
-    ] {
+    for text in
+        ["<name>Anna &lt;Maria&gt;</name><cmt>boiler amidships</cmt>", "<type>steam tug</type>"]
+    {
         assert!(targets.contains(text), "{text}: {targets}");
     }
     assert_eq!(targets.matches("<wpt ").count(), 1);
     let page = std::fs::read_to_string(products.join("report.html")).expect("a report");
-    for text in [
-        "Anna &lt;Maria&gt;",
-        "steam tug",
-        "boiler amidships",
-        "probable",
-    ] {
+    for text in ["Anna &lt;Maria&gt;", "steam tug", "boiler amidships", "probable"] {
         assert!(page.contains(text), "{text}");
     }
 
     // Its picture: an image of its own.
-    let row = page
-        .split("Anna &lt;Maria&gt;")
-        .nth(1)
-        .expect("its section");
+    let row = page.split("Anna &lt;Maria&gt;").nth(1).expect("its section");
     let section = row.split("</section>").next().unwrap_or(row);
     assert!(section.contains("<img "), "no picture");
 

@@ -26,16 +26,9 @@ fn the_profile_says_its_values() {
              bottom 4.00 m below transducer by sounding"
         )
     );
-    window
-        .state_mut()
-        .app
-        .apply(Command::Hover(Some(LogPlace::ping(270))));
+    window.state_mut().app.apply(Command::Hover(Some(LogPlace::ping(270))));
     window.run_steps(2);
-    assert!(
-        name(&window).contains("ping 270: port first return none"),
-        "{}",
-        name(&window)
-    );
+    assert!(name(&window).contains("ping 270: port first return none"), "{}", name(&window));
 }
 
 #[test]
@@ -44,10 +37,8 @@ fn the_profile_is_the_intensity_that_the_search_sees() {
     let progress = Progress::new();
     for samples in [SampleMode::Bytes, SampleMode::Words] {
         let image = ImageSettings { samples };
-        let settings = FirstReturnSettings {
-            method: Method::Threshold,
-            ..FirstReturnSettings::default()
-        };
+        let settings =
+            FirstReturnSettings { method: Method::Threshold, ..FirstReturnSettings::default() };
         let dead_zone_m = settings.dead_zone_m;
         let normalisation = Normalisation::measure(&survey, &image, dead_zone_m, &progress);
         let normalisation = normalisation.expect("not cancelled");
@@ -57,7 +48,8 @@ fn the_profile_is_the_intensity_that_the_search_sees() {
             for side in Side::BOTH {
                 let profile = normalisation.profile(&survey, ping, side);
                 assert_eq!(profile.len(), 400 / per_value);
-                // Beyond the dead zone, where the search begins: masked words may lie above the threshold.
+                // Beyond the dead zone, where the search begins: masked words may lie above the
+                // threshold.
                 let span = survey.side_scan[ping].side(side).expect("a recorded side");
                 let dead = (span.sample_at(dead_zone_m) - 1e-6).ceil() as usize;
                 let passes = |index: &usize| profile[*index] >= settings.threshold;

@@ -16,24 +16,13 @@ fn demo() -> App {
 
 /// The number in front of `unit`.
 fn before(text: &str, unit: &str) -> Option<f64> {
-    text.split_once(unit)?
-        .0
-        .split_whitespace()
-        .last()?
-        .parse()
-        .ok()
+    text.split_once(unit)?.0.split_whitespace().last()?.parse().ok()
 }
 
 #[test]
 fn the_range_is_that_of_the_range_lines_with_the_recorded_one_beside_it() {
     let app = demo();
-    let offset_m = app
-        .log
-        .products
-        .as_ref()
-        .expect("results")
-        .calibration
-        .offset_m;
+    let offset_m = app.log.products.as_ref().expect("results").calibration.offset_m;
     assert!(offset_m.abs() > 0.02, "the demo has an offset: {offset_m}");
     let mut window = window(app, [600.0, 400.0]);
     settle(&mut window);
@@ -44,7 +33,8 @@ fn the_range_is_that_of_the_range_lines_with_the_recorded_one_beside_it() {
     let recorded = before(&said, " m as recorded").expect("the recorded range");
     let (_, range) = said.split_once("range ").expect("a range");
     let calibrated = before(range, " m").expect("the range");
-    // The recorder's own scale is in force, less the fitted offset; both are rounded to centimetres.
+    // The recorder's own scale is in force, less the fitted offset; both are rounded to
+    // centimetres.
     assert!((recorded - offset_m - calibrated).abs() < 0.0101, "{said}");
 }
 
@@ -54,11 +44,7 @@ fn a_dashed_first_return_is_explained() {
     for (margin_m, dashed) in [("0.01", true), ("10", false)] {
         let mut app = demo();
         let assignment = format!("first_return.above_bottom_margin_m={margin_m}");
-        let settings = app
-            .log
-            .settings
-            .with_assignment(&assignment)
-            .expect("a setting");
+        let settings = app.log.settings.with_assignment(&assignment).expect("a setting");
         app.apply(Command::Change {
             settings: Box::new(settings),
             label: "above-bottom margin",

@@ -1,4 +1,5 @@
-//! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of range.
+//! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of
+//! range.
 
 use bathyscope_bottom::first_return::{FirstReturns, Pick};
 use bathyscope_log::survey::{
@@ -37,7 +38,8 @@ pub(super) fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
     }
 }
 
-/// 20 m to each side in 400 samples; a bottom at 4 m under dark water, brighter to starboard, every ping the same.
+/// 20 m to each side in 400 samples; a bottom at 4 m under dark water, brighter to starboard, every
+/// ping the same.
 pub(super) fn even_bottom(pings: usize) -> Survey {
     let side = |gain: usize| {
         (0..400_usize).map(move |sample| match sample {
@@ -50,8 +52,8 @@ pub(super) fn even_bottom(pings: usize) -> Survey {
     survey_of(bytes, std::iter::repeat_n(spans, pings))
 }
 
-/// A bed that rises and falls, with ripples, a target with its shadow to starboard, and a range that is halved for the
-/// last third of the pings.
+/// A bed that rises and falls, with ripples, a target with its shadow to starboard, and a range
+/// that is halved for the last third of the pings.
 pub(super) fn pond() -> Survey {
     let (mut bytes, mut spans) = (Vec::new(), Vec::new());
     for ping in 0..600_usize {
@@ -94,11 +96,7 @@ pub(super) fn pond_returns(survey: &Survey) -> FirstReturns {
                 confidence: 0.9,
                 above_bottom: side == Side::Starboard && (80..180).contains(&ping),
             };
-            if side == Side::Port && (250..300).contains(&ping) {
-                Pick::NONE
-            } else {
-                pick
-            }
+            if side == Side::Port && (250..300).contains(&ping) { Pick::NONE } else { pick }
         };
         survey.side_scan.iter().enumerate().map(pick).collect()
     };

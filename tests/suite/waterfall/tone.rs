@@ -1,4 +1,5 @@
-//! Gain, stripes and geometry of the picture, pixel by pixel against the numbers that it is drawn by.
+//! Gain, stripes and geometry of the picture, pixel by pixel against the numbers that it is drawn
+//! by.
 
 use super::synthetic::{span, survey_of};
 use super::{Window, settle, window};
@@ -18,7 +19,8 @@ const BED_M: f64 = 4.0;
 const WHITE: f64 = 1000.0;
 const FAR_M: f64 = 20.0;
 
-/// A level bed 4 m down whose echo falls with the range, half as strong to starboard; every 50th ping three times as bright.
+/// A level bed 4 m down whose echo falls with the range, half as strong to starboard; every 50th
+/// ping three times as bright.
 fn falling() -> Survey {
     let mut bytes = Vec::new();
     let mut spans = Vec::new();
@@ -55,11 +57,7 @@ fn shown(change: impl FnOnce(&mut Settings)) -> App {
     settings.picture.black = Some(0.0);
     settings.picture.white = Some(WHITE);
     change(&mut settings);
-    app.apply(Command::Change {
-        settings: Box::new(settings),
-        label: "picture",
-        live: false,
-    });
+    app.apply(Command::Change { settings: Box::new(settings), label: "picture", live: false });
     app.poll();
     assert!(app.picture().is_some() && app.histogram().is_some());
     app
@@ -71,15 +69,12 @@ fn greys(window: &mut Harness<'_, Window>, x: u32) -> Vec<u8> {
     (0..300).map(|y| picture.get_pixel(x, y).0[0]).collect()
 }
 
-/// Rows of the picture that hold neither words nor the ends of the ground, by side, with their distance from the middle, metres.
+/// Rows of the picture that hold neither words nor the ends of the ground, by side, with their
+/// distance from the middle, metres.
 fn rows(least_m: f64) -> impl Iterator<Item = (usize, Side, f64)> {
     (30..265_usize).filter_map(move |row| {
         let across_m = (row as f64 + 0.5 - 150.0) * FAR_M / 150.0;
-        let side = if across_m < 0.0 {
-            Side::Port
-        } else {
-            Side::Starboard
-        };
+        let side = if across_m < 0.0 { Side::Port } else { Side::Starboard };
         (across_m.abs() > least_m).then_some((row, side, across_m.abs()))
     })
 }
@@ -107,11 +102,7 @@ fn the_shader_shows_what_the_numbers_say_in_every_geometry() {
         let picture = app.picture().expect("a picture");
         let gain = picture.gain.as_ref().expect("a gain table");
         let tone = app.log.settings.picture.tone();
-        let least_m = if geometry == PictureGeometry::Slant {
-            4.6
-        } else {
-            1.0
-        };
+        let least_m = if geometry == PictureGeometry::Slant { 4.6 } else { 1.0 };
         let (mut looked_at, mut worst) = (0, 0.0_f64);
         for (row, side, across_m) in rows(least_m) {
             let scale = picture.scales.at(side, 210);
@@ -127,10 +118,7 @@ fn the_shader_shows_what_the_numbers_say_in_every_geometry() {
             worst = worst.max(off);
             looked_at += 1;
         }
-        eprintln!(
-            "{geometry:?}: {looked_at} pixels, worst {:.1} % off",
-            100.0 * worst
-        );
+        eprintln!("{geometry:?}: {looked_at} pixels, worst {:.1} % off", 100.0 * worst);
         // A level is a whole number: at 8 it is 12 % from the next.
         assert!(looked_at > 150 && worst < 0.16, "{geometry:?} {worst}");
     }
@@ -139,10 +127,7 @@ fn the_shader_shows_what_the_numbers_say_in_every_geometry() {
 #[test]
 fn normalised_ground_is_even_over_range_and_alike_on_both_sides() {
     let spread = |gain: Gain| {
-        let mut window = window(
-            shown(|settings| settings.picture.gain = gain),
-            [400.0, 300.0],
-        );
+        let mut window = window(shown(|settings| settings.picture.gain = gain), [400.0, 300.0]);
         let greys = greys(&mut window, 210);
         let ground: Vec<f64> = rows(4.8).map(|(row, ..)| f64::from(greys[row])).collect();
         let mean = ground.iter().sum::<f64>() / ground.len() as f64;
@@ -161,24 +146,17 @@ fn normalised_ground_is_even_over_range_and_alike_on_both_sides() {
 #[test]
 fn the_stripe_filter_takes_a_bright_ping_to_its_neighbours() {
     let contrast = |filter: bool| {
-        let mut window = window(
-            shown(|settings| settings.picture.stripe_filter = filter),
-            [400.0, 300.0],
-        );
+        let mut window =
+            window(shown(|settings| settings.picture.stripe_filter = filter), [400.0, 300.0]);
         let [bright, beside] = [225, 215].map(|x| {
             let greys = greys(&mut window, x);
-            rows(4.8)
-                .map(|(row, ..)| f64::from(greys[row]))
-                .sum::<f64>()
+            rows(4.8).map(|(row, ..)| f64::from(greys[row])).sum::<f64>()
         });
         bright / beside
     };
     let [before, after] = [contrast(false), contrast(true)];
     eprintln!("a bright ping: {before:.2} times its neighbours, {after:.2} with the filter");
-    assert!(
-        before > 2.0 && (after - 1.0).abs() < 0.1,
-        "{before} {after}"
-    );
+    assert!(before > 2.0 && (after - 1.0).abs() < 0.1, "{before} {after}");
 }
 
 #[test]
@@ -192,41 +170,21 @@ fn ground_range_puts_an_echo_and_the_pointer_where_they_lie() {
     window.run_steps(2);
     let state = window.state();
     let mark = state.app.view.hover.expect("the pointer is over a ping");
-    let scale = state
-        .app
-        .picture()
-        .expect("a picture")
-        .scales
-        .at(Side::Starboard, 210);
+    let scale = state.app.picture().expect("a picture").scales.at(Side::Starboard, 210);
     let expected_m = scale.recorded_m(9.0_f64.hypot(f64::from(scale.altitude_m)));
-    assert!(
-        (f64::from(scale.altitude_m) - BED_M).abs() < 0.3,
-        "{scale:?}"
-    );
+    assert!((f64::from(scale.altitude_m) - BED_M).abs() < 0.3, "{scale:?}");
     assert_eq!((mark.ping, mark.side), (210, Some(Side::Starboard)));
     let sample = f64::from(mark.sample.expect("a sample"));
     assert!((sample - expected_m / 0.05).abs() < 1.5, "{sample}");
-    assert!(
-        pushed_text(&window).contains("9.00 m on the ground"),
-        "{}",
-        pushed_text(&window)
-    );
+    assert!(pushed_text(&window).contains("9.00 m on the ground"), "{}", pushed_text(&window));
     // Who draws the bottom sees the water above it.
     let app = &mut window.state_mut().app;
     app.apply(Command::Do(Action::DrawBottom));
     assert_eq!(app.log.reviewing.tool, Tool::Bottom);
     window.hover_at(pos2(211.5, 150.0 + (2.0 / FAR_M * 150.0) as f32));
     window.run_steps(2);
-    let mark = window
-        .state()
-        .app
-        .view
-        .hover
-        .expect("the pointer is over a ping");
-    assert!(
-        (mark.sample.expect("a sample") - 40.0).abs() < 1.5,
-        "{mark:?}"
-    );
+    let mark = window.state().app.view.hover.expect("the pointer is over a ping");
+    assert!((mark.sample.expect("a sample") - 40.0).abs() < 1.5, "{mark:?}");
 }
 
 /// The words beside the pointer.
@@ -247,12 +205,7 @@ fn flipped_and_swapped_a_ping_is_read_where_it_is_shown() {
     settle(&mut window);
     window.hover_at(pos2(100.5, 75.0));
     window.run_steps(2);
-    let mark = window
-        .state()
-        .app
-        .view
-        .hover
-        .expect("the pointer is over a ping");
+    let mark = window.state().app.view.hover.expect("the pointer is over a ping");
     assert_eq!((mark.ping, mark.side), (299, Some(Side::Starboard)));
     // Ping 225 is bright: it stands 225 from the right.
     let [bright, beside] = [399 - 225, 399 - 215].map(|x| greys(&mut window, x)[60]);

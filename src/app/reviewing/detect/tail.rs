@@ -1,7 +1,7 @@
 //! Searching what a followed log has got since it was searched.
 //!
-//! What is found is no step of the history: undo takes back what the analyst did. A step that brings an older version of the boxes back
-//! leaves pings unsearched, and they are searched again.
+//! What is found is no step of the history: undo takes back what the analyst did. A step that
+//! brings an older version of the boxes back leaves pings unsearched, and they are searched again.
 
 use super::{LABEL, LEAST_SCORE};
 use crate::app::error::AppError;
@@ -99,28 +99,17 @@ impl App {
             }
             Ok(found)
         });
-        self.findings.search.tail.running = Some(Running {
-            log: id,
-            from,
-            to,
-            task,
-        });
+        self.findings.search.tail.running = Some(Running { log: id, from, to, task });
     }
 
     /// Collects what was found, also when the log is not followed any more.
     pub(in crate::app) fn collect_tail(&mut self) {
-        let found = match self
-            .findings
-            .search
-            .tail
-            .running
-            .as_ref()
-            .map(|running| running.task.poll())
-        {
-            Some(TaskOutcome::Done(found)) => found,
-            Some(TaskOutcome::Failed) => Err(AppError::Failed("the search for objects")),
-            Some(TaskOutcome::Pending) | None => return,
-        };
+        let found =
+            match self.findings.search.tail.running.as_ref().map(|running| running.task.poll()) {
+                Some(TaskOutcome::Done(found)) => found,
+                Some(TaskOutcome::Failed) => Err(AppError::Failed("the search for objects")),
+                Some(TaskOutcome::Pending) | None => return,
+            };
         let Some(running) = self.findings.search.tail.running.take() else {
             return;
         };
@@ -137,9 +126,7 @@ impl App {
     fn adopt_tail(&mut self, running: &Running, found: &[Detection]) {
         let &Running { log, from, to, .. } = running;
         // The edge of the picture is no object, and what begins before is there already.
-        let inside = found
-            .iter()
-            .filter(|one| one.mark.pings.start > from || from == 0);
+        let inside = found.iter().filter(|one| one.mark.pings.start > from || from == 0);
         let inside: Vec<Detection> = inside.cloned().collect();
         let adopted = self.adopted(log, &inside, from..to);
         if let Some((log, review)) = self.log_mut(log).zip(adopted) {

@@ -1,5 +1,5 @@
-//! The connected places where the bottom changed, from where the change is detected out to where it disappears in noise, and what of it is drawn
-//! between measured places.
+//! The connected places where the bottom changed, from where the change is detected out to where it
+//! disappears in noise, and what of it is drawn between measured places.
 
 use super::{CellChange, ChangeErrors};
 use bathyscope_log::support::statistics::{median, spread_about};
@@ -8,7 +8,8 @@ use bathyscope_log::support::statistics::{median, spread_about};
 const SMOOTHED_M: f64 = 1.0;
 /// Most cells of that: averages of more say nothing else.
 const MOST_SMOOTHED: usize = 10;
-/// A place ends where the change is less than so many standard deviations of what undetected cells show.
+/// A place ends where the change is less than so many standard deviations of what undetected cells
+/// show.
 const RIM_SIGMAS: f64 = 1.5;
 
 /// A raster of changes, row by row.
@@ -33,7 +34,8 @@ pub struct ChangeRegion {
     pub is_fill: bool,
     /// Indices of its cells.
     pub cells: Vec<usize>,
-    /// Standard deviation of the rise of each, metres, because it is drawn between places that both maps measured; all err together.
+    /// Standard deviation of the rise of each, metres, because it is drawn between places that both
+    /// maps measured; all err together.
     pub between_m: Vec<f64>,
 }
 
@@ -48,11 +50,12 @@ impl ChangeField<'_> {
         })
     }
 
-    /// The places where a change is detected, each grown as far as the smoothed change keeps its sign and stands out of the noise, in the order of
-    /// their first cells.
+    /// The places where a change is detected, each grown as far as the smoothed change keeps its
+    /// sign and stands out of the noise, in the order of their first cells.
     ///
-    /// Noise is what undetected cells show, in units of their stated errors. Their median is what one map is set off from the other, and a place
-    /// has a cell that stands out of that by more than the depths' own errors.
+    /// Noise is what undetected cells show, in units of their stated errors. Their median is what
+    /// one map is set off from the other, and a place has a cell that stands out of that by more
+    /// than the depths' own errors.
     pub fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
         let smoothed = self.smoothed(errors);
         let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
@@ -71,10 +74,7 @@ impl ChangeField<'_> {
         }
         let is_seed = |index: usize| {
             self.cell(index).is_some_and(|cell| {
-                let from_others = CellChange {
-                    rise_m: cell.rise_m - offset_m,
-                    ..cell
-                };
+                let from_others = CellChange { rise_m: cell.rise_m - offset_m, ..cell };
                 cell.is_detected(errors) && from_others.is_detected(&ChangeErrors::NONE)
             })
         };
@@ -128,8 +128,8 @@ impl ChangeField<'_> {
         cells
     }
 
-    /// A region of some cells. Farther from measured places than the change is wide where it was measured, what is drawn is as uncertain as it is
-    /// large.
+    /// A region of some cells. Farther from measured places than the change is wide where it was
+    /// measured, what is drawn is as uncertain as it is large.
     fn region(&self, is_fill: bool, cells: Vec<usize>, away_m: &[f32]) -> ChangeRegion {
         let width_m2 = self.width_m2(&cells);
         let between = cells.iter().map(|&cell| {
@@ -137,19 +137,14 @@ impl ChangeField<'_> {
             let known = (-0.5 * away_m * away_m / width_m2).exp();
             (1.0 - known) * f64::from(self.rise_m[cell].abs())
         });
-        ChangeRegion {
-            is_fill,
-            between_m: between.collect(),
-            cells,
-        }
+        ChangeRegion { is_fill, between_m: between.collect(), cells }
     }
 
-    /// Variance of the Gaussian mound that has the moments of the change in the measured cells of a region, square metres: on one line that
-    /// crosses a mound its own, for the square of a Gaussian has half of its variance.
+    /// Variance of the Gaussian mound that has the moments of the change in the measured cells of a
+    /// region, square metres: on one line that crosses a mound its own, for the square of a
+    /// Gaussian has half of its variance.
     fn width_m2(&self, cells: &[usize]) -> f64 {
-        let measured = cells
-            .iter()
-            .filter(|cell| self.is_measured[**cell] != [false; 2]);
+        let measured = cells.iter().filter(|cell| self.is_measured[**cell] != [false; 2]);
         let mut sums = [0.0; 4];
         for &cell in measured {
             let weight = f64::from(self.rise_m[cell]).powi(2);
@@ -166,7 +161,8 @@ impl ChangeField<'_> {
         2.0 * self.cell_area_m2 * moment.max(0.5)
     }
 
-    /// Distance from each cell to the nearest one that was measured, of the map whose is farther, metres.
+    /// Distance from each cell to the nearest one that was measured, of the map whose is farther,
+    /// metres.
     fn away_m(&self) -> Vec<f32> {
         let [newer, older] = [0, 1].map(|map| {
             let start = self.is_measured.iter().map(|of| match of[map] {
@@ -176,14 +172,12 @@ impl ChangeField<'_> {
             chamfered(start.collect(), self.columns)
         });
         let cell_m = self.cell_area_m2.sqrt() as f32;
-        let farther = newer
-            .into_iter()
-            .zip(older)
-            .map(|(one, other)| one.max(other));
+        let farther = newer.into_iter().zip(older).map(|(one, other)| one.max(other));
         farther.map(|cells| cell_m * cells).collect()
     }
 
-    /// The change in units of its stated error, averaged over the known cells of a square; NaN where the change is not known.
+    /// The change in units of its stated error, averaged over the known cells of a square; NaN
+    /// where the change is not known.
     fn smoothed(&self, errors: &ChangeErrors) -> Vec<f64> {
         let reach = (SMOOTHED_M / self.cell_area_m2.sqrt()).round() as usize;
         let reach = reach.clamp(1, MOST_SMOOTHED);
@@ -201,14 +195,12 @@ impl ChangeField<'_> {
         let across = summed(&own, [self.columns, rows], [1, self.columns], reach);
         let square = summed(&across, [rows, self.columns], [self.columns, 1], reach);
         let means = square.into_iter().zip(&own);
-        means
-            .map(|([sum, count], own)| if own[1] > 0.0 { sum / count } else { f64::NAN })
-            .collect()
+        means.map(|([sum, count], own)| if own[1] > 0.0 { sum / count } else { f64::NAN }).collect()
     }
 }
 
-/// Sums of the values within so many steps of each along one axis; the axis and the other one by their counts and by how far apart their
-/// neighbours lie.
+/// Sums of the values within so many steps of each along one axis; the axis and the other one by
+/// their counts and by how far apart their neighbours lie.
 fn summed(
     values: &[[f64; 2]],
     [along, others]: [usize; 2],
@@ -236,7 +228,8 @@ fn summed(
     sums
 }
 
-/// Distances in cells from those that start at 0, by steps to the eight neighbours in two sweeps (Borgefors 1986): at most 8 % too long.
+/// Distances in cells from those that start at 0, by steps to the eight neighbours in two sweeps
+/// (Borgefors 1986): at most 8 % too long.
 fn chamfered(mut away: Vec<f32>, columns: usize) -> Vec<f32> {
     let diagonal = std::f32::consts::SQRT_2;
     for _ in 0..2 {

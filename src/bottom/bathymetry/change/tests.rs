@@ -1,22 +1,16 @@
 use super::*;
 
-const ERRORS: ChangeErrors = ChangeErrors {
-    systematic_m: 0.03,
-    range_m: 5.0,
-};
+const ERRORS: ChangeErrors = ChangeErrors { systematic_m: 0.03, range_m: 5.0 };
 
 fn cell(rise_m: f64) -> CellChange {
-    CellChange {
-        rise_m,
-        sigma_m: 0.04,
-        area_m2: 0.25,
-    }
+    CellChange { rise_m, sigma_m: 0.04, area_m2: 0.25 }
 }
 
 /// 40 by 40 cells of half a metre.
 const SIDE: usize = 40;
 
-/// Rises by the metres east and south of the first cell, under noise of a centimetre that repeats, with measured columns every so many.
+/// Rises by the metres east and south of the first cell, under noise of a centimetre that repeats,
+/// with measured columns every so many.
 struct Field {
     rise_m: Vec<f32>,
     sigma_m: Vec<f32>,
@@ -35,9 +29,7 @@ impl Field {
         Self {
             rise_m: noisy.collect(),
             sigma_m: vec![0.02; SIDE * SIDE],
-            is_measured: cells
-                .map(|cell| [(cell % SIDE).is_multiple_of(every); 2])
-                .collect(),
+            is_measured: cells.map(|cell| [(cell % SIDE).is_multiple_of(every); 2]).collect(),
         }
     }
 
@@ -87,17 +79,10 @@ fn a_place_has_its_whole_volume_and_noise_has_none() {
     assert!((totals.median_rise_m().expect("cells") - 0.01).abs() < 0.004);
 
     let raised = Field::new(1, |_, _| 0.3).totals();
-    assert_eq!(
-        raised.fill.cells,
-        SIDE * SIDE,
-        "no cell is left to say what noise is"
-    );
+    assert_eq!(raised.fill.cells, SIDE * SIDE, "no cell is left to say what noise is");
     // Half a metre of fill in a third of the map is none of what sets one map off from the other.
     let third = Field::new(1, |east_m, _| 0.5 * f64::from(u8::from(east_m < 7.0))).totals();
-    assert!(
-        (third.fill.volume_m3 - 0.5 * 7.0 * 20.0).abs() < 2.0,
-        "{third:?}"
-    );
+    assert!((third.fill.volume_m3 - 0.5 * 7.0 * 20.0).abs() < 2.0, "{third:?}");
     let quiet = Field::new(1, |_, _| 0.02).totals();
     assert_eq!([quiet.fill.cells, quiet.cut.cells], [0, 0]);
     let [fill_m3, cut_m3] = quiet.hidden_m3(&ERRORS);
@@ -132,15 +117,9 @@ fn errors_of_a_volume_average_out_over_large_areas_but_for_what_is_the_same_ever
     };
     // 10 m2 are within the range: all err together. 10 000 m2: by sqrt(pi 25 / 50 000).
     let [small, large] = [40, 40_000].map(|cells| sum(cells).sigma_m3(&ERRORS));
-    assert!(
-        (small[0] - 0.4).abs() < 1e-9 && (small[1] - 0.3).abs() < 1e-9,
-        "{small:?}"
-    );
+    assert!((small[0] - 0.4).abs() < 1e-9 && (small[1] - 0.3).abs() < 1e-9, "{small:?}");
     let expected = 10_000.0 * 0.04 * (PI * 25.0 / 50_000.0_f64).sqrt();
-    assert!(
-        (large[0] - expected).abs() < 1e-6 && (large[1] - 300.0).abs() < 1e-6,
-        "{large:?}"
-    );
+    assert!((large[0] - expected).abs() < 1e-6 && (large[1] - 300.0).abs() < 1e-6, "{large:?}");
     assert!((sum(40).within_95_m3(&ERRORS) - 1.96 * 0.5).abs() < 1e-9);
     assert_eq!(ChangeSum::default().within_95_m3(&ERRORS), 0.0);
 }

@@ -15,7 +15,8 @@ pub enum Matching {
     },
     /// The triangulated surface of the reference points at the place.
     Surface {
-        /// The surface has no triangles between points farther apart than twice this ([`Tin::with_max_gap`]), metres.
+        /// The surface has no triangles between points farther apart than twice this
+        /// ([`Tin::with_max_gap`]), metres.
         max_gap_m: f64,
     },
 }
@@ -44,8 +45,8 @@ pub struct Match {
 /// Points placed by a worker between two looks at whether the work was cancelled.
 const CHUNK: usize = 1024;
 
-/// Finds the reference of each measured point, in their order; points without one are left out, as are those that are not
-/// finite. Points are east, north, elevation, metres; of both in one plane.
+/// Finds the reference of each measured point, in their order; points without one are left out, as
+/// are those that are not finite. Points are east, north, elevation, metres; of both in one plane.
 pub fn match_points(
     measured: &[[f64; 3]],
     reference: &[[f64; 3]],
@@ -118,10 +119,8 @@ fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
     progress.start(measured.len() as u64);
     // One number a point, not a list a chunk: a log has more than a million points.
     let mut references_z_m = vec![f64::NAN; measured.len()];
-    references_z_m
-        .par_chunks_mut(CHUNK)
-        .zip(measured.par_chunks(CHUNK))
-        .try_for_each(|(found, points)| {
+    references_z_m.par_chunks_mut(CHUNK).zip(measured.par_chunks(CHUNK)).try_for_each(
+        |(found, points)| {
             progress.check()?;
             let mut reference = reference();
             for (found, point) in found.iter_mut().zip(points) {
@@ -132,7 +131,8 @@ fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
             }
             progress.advance(points.len() as u64);
             Ok(())
-        })?;
+        },
+    )?;
     let known = || {
         let found = references_z_m.iter().enumerate();
         found.filter(|(_, z_m)| !z_m.is_nan())
@@ -155,11 +155,7 @@ struct NearPoints {
 impl NearPoints {
     fn new(points: Vec<[f64; 3]>, radius_m: f64) -> Option<Self> {
         let places: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
-        Some(Self {
-            nearest: Nearest::of(&places)?,
-            points,
-            radius_m,
-        })
+        Some(Self { nearest: Nearest::of(&places)?, points, radius_m })
     }
 
     fn at(&self, place: [f64; 2]) -> Option<f64> {
@@ -172,12 +168,8 @@ impl NearPoints {
 }
 
 fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) -> Option<Tin> {
-    let node = |[east_m, north_m, z_m]: [f64; 3]| Node {
-        east_m,
-        north_m,
-        depth_m: -z_m,
-        spread_m: 0.0,
-    };
+    let node =
+        |[east_m, north_m, z_m]: [f64; 3]| Node { east_m, north_m, depth_m: -z_m, spread_m: 0.0 };
     let mut nodes = Vec::with_capacity(points.clone().count());
     nodes.extend(points.map(node));
     Some(Tin::new(nodes)?.with_max_gap(max_gap_m))
@@ -190,45 +182,26 @@ mod tests {
 
     fn reference() -> Vec<[f64; 3]> {
         let points = golden_points();
-        points
-            .iter()
-            .map(|p| [p.east_m, p.north_m, -p.depth_m])
-            .collect()
+        points.iter().map(|p| [p.east_m, p.north_m, -p.depth_m]).collect()
     }
 
     #[test]
     fn the_nearest_is_that_of_a_search_through_all() {
         let reference = reference();
         let measured: Vec<[f64; 3]> = (0..3000)
-            .map(|i| {
-                [
-                    0.37 * f64::from(i % 32) - 1.0,
-                    0.11 * f64::from(i / 32),
-                    -3.0,
-                ]
-            })
+            .map(|i| [0.37 * f64::from(i % 32) - 1.0, 0.11 * f64::from(i / 32), -3.0])
             .collect();
         let radius_m = 0.6;
-        let found = match_points(
-            &measured,
-            &reference,
-            Matching::Nearest { radius_m },
-            &Progress::new(),
-        );
-        let brute = measured
-            .iter()
-            .enumerate()
-            .filter_map(|(index, [x, y, _])| {
-                let off = |point: &&[f64; 3]| (point[0] - x).hypot(point[1] - y);
-                let nearest = reference.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-                (off(&nearest) <= radius_m).then_some((index, nearest[2]))
-            });
+        let found =
+            match_points(&measured, &reference, Matching::Nearest { radius_m }, &Progress::new());
+        let brute = measured.iter().enumerate().filter_map(|(index, [x, y, _])| {
+            let off = |point: &&[f64; 3]| (point[0] - x).hypot(point[1] - y);
+            let nearest = reference.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            (off(&nearest) <= radius_m).then_some((index, nearest[2]))
+        });
         let brute: Vec<(usize, f64)> = brute.collect();
-        let found: Vec<(usize, f64)> = found
-            .unwrap()
-            .iter()
-            .map(|m| (m.measured, m.reference_z_m))
-            .collect();
+        let found: Vec<(usize, f64)> =
+            found.unwrap().iter().map(|m| (m.measured, m.reference_z_m)).collect();
         assert!(brute.len() > 500 && brute.len() < 2500, "{}", brute.len());
         assert_eq!(found, brute);
     }
@@ -239,10 +212,7 @@ mod tests {
         let matching = Matching::Surface { max_gap_m: 20.0 };
         let found = match_points(&measured, &reference(), matching, &Progress::new()).unwrap();
         for (one, golden) in found.iter().zip(&GOLDEN) {
-            assert!(
-                (one.difference_m - (golden.linear - 3.0)).abs() < 1e-9,
-                "{one:?}"
-            );
+            assert!((one.difference_m - (golden.linear - 3.0)).abs() < 1e-9, "{one:?}");
         }
         assert_eq!(found.len(), GOLDEN.len());
     }
@@ -251,9 +221,7 @@ mod tests {
     fn what_is_no_number_has_no_reference() {
         let nearest = Matching::Nearest { radius_m: 5.0 };
         let find = |measured: &[[f64; 3]], reference: &[[f64; 3]], matching| {
-            match_points(measured, reference, matching, &Progress::new())
-                .unwrap()
-                .len()
+            match_points(measured, reference, matching, &Progress::new()).unwrap().len()
         };
         assert_eq!(
             find(
@@ -264,9 +232,6 @@ mod tests {
             1
         );
         assert_eq!(find(&[[0.0; 3]], &[], nearest), 0);
-        assert_eq!(
-            find(&[[0.0; 3]], &[], Matching::Surface { max_gap_m: 1.0 }),
-            0
-        );
+        assert_eq!(find(&[[0.0; 3]], &[], Matching::Surface { max_gap_m: 1.0 }), 0);
     }
 }

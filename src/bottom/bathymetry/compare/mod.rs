@@ -1,11 +1,12 @@
-//! Residuals: what was measured against a reference, and what an international standard would say of it.
+//! Residuals: what was measured against a reference, and what an international standard would say
+//! of it.
 //!
-//! In: points with elevations, and a reference. Out: their differences with statistics, and the share within each order of IHO S-44.
-//! It uses `support`.
+//! In: points with elevations, and a reference. Out: their differences with statistics, and the
+//! share within each order of IHO S-44. It uses `support`.
 //!
-//! `matching` finds the reference of each measured point, `orders` holds the limits of IHO S-44, `tables` sorts differences by what
-//! they may hang on. Everywhere a difference is
-//! measured minus reference elevation, so that up is positive: a bottom measured too shallow gives more than 0.
+//! `matching` finds the reference of each measured point, `orders` holds the limits of IHO S-44,
+//! `tables` sorts differences by what they may hang on. Everywhere a difference is measured minus
+//! reference elevation, so that up is positive: a bottom measured too shallow gives more than 0.
 
 mod matching;
 mod orders;
@@ -26,7 +27,8 @@ pub struct Comparison {
     pub measured: usize,
     /// Of these, points without a reference near enough.
     pub unmatched: usize,
-    /// Statistics of the differences, measured minus reference elevation; absent where nothing was matched.
+    /// Statistics of the differences, measured minus reference elevation; absent where nothing was
+    /// matched.
     #[serde(flatten)]
     pub residuals: Option<Residuals>,
     /// Share of the matched points within each order's limit; empty where nothing was matched.
@@ -44,7 +46,8 @@ pub struct OrderShare {
 }
 
 impl Comparison {
-    /// Of `measured` points those in `matches` have a reference; the water's surface is at `water_level_m` in their elevations.
+    /// Of `measured` points those in `matches` have a reference; the water's surface is at
+    /// `water_level_m` in their elevations.
     pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
         let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
         let within = |order: SurveyOrder| {

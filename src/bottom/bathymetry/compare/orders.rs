@@ -13,7 +13,8 @@ pub struct SurveyOrder {
     pub b: f64,
 }
 
-/// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest first.
+/// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest
+/// first.
 pub(crate) const ORDERS: [SurveyOrder; 4] = [
     order("exclusive", 0.15, 0.0075),
     order("special", 0.25, 0.0075),
@@ -47,10 +48,7 @@ mod tests {
         ];
         for (order, row) in ORDERS.into_iter().zip(printed) {
             for (depth_m, limit_m) in depths_m.into_iter().zip(row) {
-                assert!(
-                    (order.limit_m(depth_m) - limit_m).abs() < 5.1e-5,
-                    "{order:?} {depth_m}"
-                );
+                assert!((order.limit_m(depth_m) - limit_m).abs() < 5.1e-5, "{order:?} {depth_m}");
             }
         }
     }

@@ -16,8 +16,8 @@ pub struct Bin {
     pub residuals: Residuals,
 }
 
-/// Statistics for each stretch of `width` of a variable that holds any difference, in rising order. Pairs are the variable and the
-/// difference, metres; those that are not finite are left out.
+/// Statistics for each stretch of `width` of a variable that holds any difference, in rising order.
+/// Pairs are the variable and the difference, metres; those that are not finite are left out.
 pub fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
     let finite =
         pairs.filter(|(variable, difference)| variable.is_finite() && difference.is_finite());
@@ -37,8 +37,9 @@ pub fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
     keyed.chunk_by(|a, b| a.0 == b.0).filter_map(bin).collect()
 }
 
-/// A width of 1, 2 or 5 times a power of ten that makes 6 to 15 stretches, more or less, of what lies between the 1st and the 99th
-/// percentile of `values`, which are sorted; `None` where they are all the same.
+/// A width of 1, 2 or 5 times a power of ten that makes 6 to 15 stretches, more or less, of what
+/// lies between the 1st and the 99th percentile of `values`, which are sorted; `None` where they
+/// are all the same.
 pub fn suited_width(values: &mut [f64]) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| bathyscope_log::support::statistics::quantile(values, share);
@@ -71,11 +72,7 @@ const COLUMNS: i64 = 100;
 impl DifferenceHistogram {
     /// Of differences in metres; the ends hold 99 % of them or more. `None` without any.
     pub fn of(differences: &[f64]) -> Option<Self> {
-        let mut sorted: Vec<f64> = differences
-            .iter()
-            .copied()
-            .filter(|d| d.is_finite())
-            .collect();
+        let mut sorted: Vec<f64> = differences.iter().copied().filter(|d| d.is_finite()).collect();
         let width_m = 0.2 * suited_width(&mut sorted).unwrap_or(0.05);
         let column = |difference: f64| (difference / width_m).floor() as i64;
         let middle = column(*sorted.get(sorted.len() / 2)?);
@@ -107,26 +104,16 @@ mod tests {
 
     #[test]
     fn bins_hold_what_falls_into_them() {
-        let pairs = [
-            (0.0, 1.0),
-            (0.9, 3.0),
-            (1.0, 5.0),
-            (-0.1, 7.0),
-            (f64::NAN, 9.0),
-        ];
+        let pairs = [(0.0, 1.0), (0.9, 3.0), (1.0, 5.0), (-0.1, 7.0), (f64::NAN, 9.0)];
         let bins = binned(pairs.into_iter(), 1.0);
-        let found: Vec<(f64, usize, f64)> = bins
-            .iter()
-            .map(|bin| (bin.from, bin.residuals.n, bin.residuals.mean_m))
-            .collect();
+        let found: Vec<(f64, usize, f64)> =
+            bins.iter().map(|bin| (bin.from, bin.residuals.n, bin.residuals.mean_m)).collect();
         assert_eq!(found, [(-1.0, 1, 7.0), (0.0, 2, 2.0), (1.0, 1, 5.0)]);
     }
 
     #[test]
     fn widths_are_round() {
-        let mut depths: Vec<f64> = (0..=1000)
-            .map(|index| 2.0 + 0.003 * f64::from(index))
-            .collect();
+        let mut depths: Vec<f64> = (0..=1000).map(|index| 2.0 + 0.003 * f64::from(index)).collect();
         assert_eq!(suited_width(&mut depths), Some(0.5));
         assert_eq!(suited_width(&mut [1.0; 9]), None);
     }

@@ -6,19 +6,22 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{ends, median};
 use std::collections::{BTreeMap, HashMap};
 
-/// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
+/// Where the tracks of two logs cross fewer times than this, places along which both went count as
+/// well.
 pub const FEW_CROSSINGS: usize = 3;
 /// Side of the squares in which two logs measured the same, metres.
 const SQUARE_M: f64 = 1.0;
-/// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
+/// Squares of a block give one difference, since the errors of neighbours are alike: its side in
+/// squares, and the fewest squares.
 const BLOCK_SQUARES: i64 = 10;
 const LEAST_SQUARES: usize = 3;
 
-/// A boat that turns by more than this from the course that a line began with begins another, degrees.
+/// A boat that turns by more than this from the course that a line began with begins another,
+/// degrees.
 const LINE_TURN_DEG: f64 = 45.0;
 
-/// Crossings between logs; for pairs with fewer than three of them the blocks of 10 m in which both measured the same squares of 1 m
-/// too. By pair, in the order of the first log.
+/// Crossings between logs; for pairs with fewer than three of them the blocks of 10 m in which both
+/// measured the same squares of 1 m too. By pair, in the order of the first log.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -46,9 +49,7 @@ pub fn crossing_overlaps(
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, Cancelled> {
     let found = crossings(tracks, progress)?;
-    let between = found
-        .iter()
-        .filter(|one| one.passes[0].track != one.passes[1].track);
+    let between = found.iter().filter(|one| one.passes[0].track != one.passes[1].track);
     let lines: Vec<Vec<f64>> = tracks.iter().map(|track| line_starts_s(track)).collect();
     let line = |pass: CrosslinePass| {
         let before = tracks[pass.track].partition_point(|depth| depth.time_s <= pass.time_s);
@@ -60,19 +61,14 @@ pub fn crossing_overlaps(
         LogOverlap {
             gradient: one.gradient,
             lines: Some(one.passes.map(line)),
-            ..LogOverlap::new(
-                logs,
-                OverlapKind::Crossing,
-                place,
-                difference_m,
-                one.slope(),
-            )
+            ..LogOverlap::new(logs, OverlapKind::Crossing, place, difference_m, one.slope())
         }
     });
     Ok(log_overlaps.collect())
 }
 
-/// When the line began that each depth of a track lies on, seconds: a stretch of about one course, along which positions err alike.
+/// When the line began that each depth of a track lies on, seconds: a stretch of about one course,
+/// along which positions err alike.
 fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
     let mut line: Option<(f64, [f64; 2])> = None;
     let starts = track.iter().enumerate().map(|(index, depth)| {
@@ -91,13 +87,15 @@ fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
     starts.collect()
 }
 
-/// A square that two logs measured: depth by the first, and elevation by the second minus that by the first.
+/// A square that two logs measured: depth by the first, and elevation by the second minus that by
+/// the first.
 struct Shared {
     depth_m: f64,
     difference_m: f64,
 }
 
-/// Blocks of 10 m in which two logs measured the same squares of 1 m, of the pairs that are wanted, in their order.
+/// Blocks of 10 m in which two logs measured the same squares of 1 m, of the pairs that are wanted,
+/// in their order.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -119,23 +117,13 @@ pub fn overlaps(
         for (rank, &(first, first_m)) in logs.iter().enumerate() {
             let others = logs[rank + 1..].iter();
             for &(second, second_m) in others.filter(|(second, _)| is_wanted(&[first, *second])) {
-                let shared = Shared {
-                    depth_m: first_m,
-                    difference_m: first_m - second_m,
-                };
-                blocks
-                    .entry(([first, second], block))
-                    .or_default()
-                    .push(shared);
+                let shared = Shared { depth_m: first_m, difference_m: first_m - second_m };
+                blocks.entry(([first, second], block)).or_default().push(shared);
             }
         }
     }
-    let enough = blocks
-        .iter()
-        .filter(|(_, shared)| shared.len() >= LEAST_SQUARES);
-    Ok(enough
-        .map(|((logs, block), shared)| log_overlap(*logs, *block, shared))
-        .collect())
+    let enough = blocks.iter().filter(|(_, shared)| shared.len() >= LEAST_SQUARES);
+    Ok(enough.map(|((logs, block), shared)| log_overlap(*logs, *block, shared)).collect())
 }
 
 /// Median depth of every square of a log.
@@ -146,9 +134,7 @@ fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
         squares.entry(square).or_default().push(depth.depth_m);
     }
     let medians = squares.into_iter();
-    medians
-        .map(|(square, mut depths)| (square, median(&mut depths)))
-        .collect()
+    medians.map(|(square, mut depths)| (square, median(&mut depths))).collect()
 }
 
 fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> LogOverlap {
@@ -186,10 +172,7 @@ mod tests {
         for log_overlap in found {
             assert_eq!(log_overlap.logs, [0, 1]);
             assert_eq!(log_overlap.kind, OverlapKind::Overlap);
-            assert!(
-                (log_overlap.difference_m - 0.15).abs() < 1e-9,
-                "{log_overlap:?}"
-            );
+            assert!((log_overlap.difference_m - 0.15).abs() < 1e-9, "{log_overlap:?}");
             assert!((log_overlap.slope - 0.02).abs() < 0.005, "{log_overlap:?}");
         }
     }

@@ -1,12 +1,15 @@
-//! How much higher or lower the depths of one log are than those of the others, from where logs cross or overlap.
+//! How much higher or lower the depths of one log are than those of the others, from where logs
+//! cross or overlap.
 //!
-//! In: depths of several logs where these cross or overlap. Out: a height for each log, with its standard error.
-//! It uses `support`.
+//! In: depths of several logs where these cross or overlap. Out: a height for each log, with its
+//! standard error. It uses `support`.
 //!
-//! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
-//! height. Where two logs measured the same place their depths differ by the difference of these heights, so all overlaps together
-//! give the height of every log, but for one that they all share: the datum. `overlaps` finds the places, `network` solves for the
-//! heights, and with them for how far the positions of each log are off, since that moves depths on a slope.
+//! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all
+//! depths of its log by the same height. Where two logs measured the same place their depths differ
+//! by the difference of these heights, so all overlaps together give the height of every log, but
+//! for one that they all share: the datum. `overlaps` finds the places, `network` solves for the
+//! heights, and with them for how far the positions of each log are off, since that moves depths on
+//! a slope.
 
 mod log_overlaps;
 mod network;
@@ -19,7 +22,8 @@ use super::crosslines::TrackDepth;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::Serialize;
 
-/// What the heights of the logs count from: their differences say nothing about what all of them share.
+/// What the heights of the logs count from: their differences say nothing about what all of them
+/// share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Datum {
     /// The mean of the offsets of connected logs is zero: no log is taken for better than another.
@@ -50,11 +54,14 @@ pub struct LogOverlap {
     pub place: [f64; 2],
     /// Elevation by the second log minus that by the first, metres.
     pub difference_m: f64,
-    /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN where it is not known.
+    /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN
+    /// where it is not known.
     pub slope: f64,
-    /// What the depth grows by a metre to the east and to the north, metres; NaN where the slope's direction is not known.
+    /// What the depth grows by a metre to the east and to the north, metres; NaN where the slope's
+    /// direction is not known.
     pub gradient: [f64; 2],
-    /// When each log began the line that it was on there, whole seconds: overlaps of one line err together. `None` where that is not known.
+    /// When each log began the line that it was on there, whole seconds: overlaps of one line err
+    /// together. `None` where that is not known.
     pub lines: Option<[i64; 2]>,
 }
 
@@ -67,15 +74,7 @@ impl LogOverlap {
         difference_m: f64,
         slope: f64,
     ) -> Self {
-        Self {
-            logs,
-            kind,
-            place,
-            difference_m,
-            slope,
-            gradient: [f64::NAN; 2],
-            lines: None,
-        }
+        Self { logs, kind, place, difference_m, slope, gradient: [f64::NAN; 2], lines: None }
     }
 
     /// Whether the direction of the slope is known.
@@ -87,12 +86,14 @@ impl LogOverlap {
 /// The height offset of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogOffset {
-    /// What is to be added to every elevation of the log, metres, so that it agrees with the others; 0 for a log that crosses and overlaps no other.
+    /// What is to be added to every elevation of the log, metres, so that it agrees with the
+    /// others; 0 for a log that crosses and overlaps no other.
     pub offset_m: f64,
-    /// Its standard error against the datum, metres; NaN for a log that crosses and overlaps no other.
+    /// Its standard error against the datum, metres; NaN for a log that crosses and overlaps no
+    /// other.
     pub standard_error_m: f64,
-    /// Logs of the same group are connected by overlaps; groups are numbered by their first log. Heights of different groups cannot
-    /// be compared.
+    /// Logs of the same group are connected by overlaps; groups are numbered by their first log.
+    /// Heights of different groups cannot be compared.
     pub group: usize,
     /// Meetings of the log with others.
     #[serde(rename = "meetings")]
@@ -100,7 +101,8 @@ pub struct LogOffset {
 }
 
 impl LogOffset {
-    /// The offset as it is applied, metres: to the tenth of a millimetre, since it stands in records and is no better known.
+    /// The offset as it is applied, metres: to the tenth of a millimetre, since it stands in
+    /// records and is no better known.
     pub fn applied_m(&self) -> f64 {
         (self.offset_m * 1e4).round() / 1e4
     }
@@ -125,13 +127,15 @@ pub struct PairDifference {
     pub residual_m: f64,
 }
 
-/// What offsets leave of the difference between two logs is worth a warning from so many metres and standard errors on: errors of
-/// a crossing are not quite independent, so fewer standard errors would warn of surveys that are sound.
+/// What offsets leave of the difference between two logs is worth a warning from so many metres and
+/// standard errors on: errors of a crossing are not quite independent, so fewer standard errors
+/// would warn of surveys that are sound.
 const CONTRADICTION_M: f64 = 0.05;
 const CONTRADICTION_SIGMAS: f64 = 5.0;
 
 impl PairDifference {
-    /// Whether no offset of whole logs explains how these two differ: other ground, a bottom that moved, a wrong clock or water level.
+    /// Whether no offset of whole logs explains how these two differ: other ground, a bottom that
+    /// moved, a wrong clock or water level.
     pub fn is_contradiction(&self) -> bool {
         let left_m = self.residual_m.abs();
         left_m > CONTRADICTION_M && left_m > CONTRADICTION_SIGMAS * self.standard_error_m
@@ -154,8 +158,8 @@ impl HeightOffsets {
     }
 }
 
-/// Finds where logs cross or overlap and solves for their heights. `tracks` holds the depths under the boat of every log in time order, all in
-/// one plane, corrected for what is known.
+/// Finds where logs cross or overlap and solves for their heights. `tracks` holds the depths under
+/// the boat of every log in time order, all in one plane, corrected for what is known.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -184,10 +188,7 @@ mod tests {
             residual_m,
         };
         assert!(pair(-0.27, 0.03).is_contradiction());
-        assert!(
-            !pair(0.04, 0.001).is_contradiction(),
-            "too little to matter"
-        );
+        assert!(!pair(0.04, 0.001).is_contradiction(), "too little to matter");
         assert!(!pair(0.27, 0.06).is_contradiction(), "its overlaps scatter");
     }
 }

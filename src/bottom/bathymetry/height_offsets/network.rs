@@ -5,19 +5,22 @@ use crate::sparse::{Equations, Factor, Pattern};
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, spread_about};
 use std::collections::BTreeMap;
 
-/// Standard deviation of a difference on level ground, metres, and of the place of an overlap: they weigh overlaps against each
-/// other, so only their ratio matters. What a slope makes of half a metre is more than the noise of a sounding beyond 3 degrees.
+/// Standard deviation of a difference on level ground, metres, and of the place of an overlap: they
+/// weigh overlaps against each other, so only their ratio matters. What a slope makes of half a
+/// metre is more than the noise of a sounding beyond 3 degrees.
 const DEPTH_SIGMA_M: f64 = 0.03;
 const POSITION_SIGMA_M: f64 = 0.5;
 /// Slope that is assumed where none is known.
 const USUAL_SLOPE: f64 = 0.05;
-/// Tuning of Huber's and of Tukey's weights, in standard deviations: 95 % as efficient as least squares on normal noise.
+/// Tuning of Huber's and of Tukey's weights, in standard deviations: 95 % as efficient as least
+/// squares on normal noise.
 const HUBER: f64 = 1.345;
 const TUKEY: f64 = 4.685;
 const ROUNDS: usize = 50;
 /// Offsets that change by less than this are found, metres.
 const SETTLED_M: f64 = 1e-7;
-/// The scale of the residuals is at least this share of what the weights assume: differences may agree to the last digit.
+/// The scale of the residuals is at least this share of what the weights assume: differences may
+/// agree to the last digit.
 const LEAST_SCALE: f64 = 1e-6;
 /// What is assumed of differences before they check each other counts like so many of them.
 const ASSUMED_DIFFERENCES: f64 = 1.0;
@@ -28,12 +31,14 @@ const MEDIAN_SHARE: f64 = 1.2533;
 
 /// Heights of `count` logs from their overlaps.
 ///
-/// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares weighted by the noise that the slope
-/// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that an overlap over weed or on a lost bottom
-/// counts little or nothing. Where the direction of the slope is known the east and north shift of each log's positions, half a metre give or
-/// take, is found with its height, so that the standard errors hold what such a shift makes of a slope. They are those of the weighted
-/// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single overlaps scatter (a tide,
-/// positions that are off all along a line), they are larger by that much.
+/// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares
+/// weighted by the noise that the slope of the bottom lets expect, first with Huber's weights and
+/// from there with Tukey's, so that an overlap over weed or on a lost bottom counts little or
+/// nothing. Where the direction of the slope is known the east and north shift of each log's
+/// positions, half a metre give or take, is found with its height, so that the standard errors hold
+/// what such a shift makes of a slope. They are those of the weighted residuals; where pairs of
+/// logs, or the single lines of logs, disagree as a whole by more than their single overlaps
+/// scatter (a tide, positions that are off all along a line), they are larger by that much.
 pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> HeightOffsets {
     let known: Vec<LogOverlap> = log_overlaps
         .iter()
@@ -77,7 +82,8 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
     HeightOffsets { logs, pairs }
 }
 
-/// Standard deviation of the difference between two depths at one place, metres, where the bottom has some slope.
+/// Standard deviation of the difference between two depths at one place, metres, where the bottom
+/// has some slope.
 pub(crate) fn difference_sigma_m(slope: f64) -> f64 {
     let slope = if slope.is_nan() { USUAL_SLOPE } else { slope };
     DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
@@ -99,7 +105,8 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
     (shares, scale)
 }
 
-/// The group of every log, numbered in the order of their first logs: those that cross or overlap, directly or through others, share one.
+/// The group of every log, numbered in the order of their first logs: those that cross or overlap,
+/// directly or through others, share one.
 pub(crate) fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
@@ -130,7 +137,8 @@ struct LogNetwork<'a> {
     /// Standard deviation that each difference is expected to have.
     sigmas_m: Vec<f64>,
     size: usize,
-    /// Whether the shifts of positions are unknowns, too: east and north of each log, behind the heights.
+    /// Whether the shifts of positions are unknowns, too: east and north of each log, behind the
+    /// heights.
     has_shifts: bool,
     /// The member whose offset is zero; without one their mean is.
     fixed: Option<usize>,
@@ -160,10 +168,7 @@ impl<'a> LogNetwork<'a> {
         };
         Self {
             ends: log_overlaps.iter().map(|one| one.logs.map(place)).collect(),
-            sigmas_m: log_overlaps
-                .iter()
-                .map(|one| difference_sigma_m(one.slope))
-                .collect(),
+            sigmas_m: log_overlaps.iter().map(|one| difference_sigma_m(one.slope)).collect(),
             has_shifts: log_overlaps.iter().any(LogOverlap::has_gradient),
             log_overlaps,
             size: members.len(),
@@ -218,18 +223,11 @@ impl<'a> LogNetwork<'a> {
     /// Variance of a residual in units of what was expected of it.
     fn variance(&self, at: &Weighted, of_unknowns: &[f64]) -> f64 {
         let residuals = self.residuals(at);
-        let squares: f64 = residuals
-            .iter()
-            .zip(&at.shares)
-            .map(|(u, w)| w * u * u)
-            .sum();
+        let squares: f64 = residuals.iter().zip(&at.shares).map(|(u, w)| w * u * u).sum();
         // A shift takes a freedom as far as the overlaps say more of it than was assumed.
         let assumed = (POSITION_SIGMA_M / at.scale).powi(2);
         let shifts = &of_unknowns[self.size - 1..];
-        let shifts: f64 = shifts
-            .iter()
-            .map(|own| (1.0 - own / assumed).max(0.0))
-            .sum();
+        let shifts: f64 = shifts.iter().map(|own| (1.0 - own / assumed).max(0.0)).sum();
         let parameters = (self.size - 1) as f64 + shifts;
         let freedom = (at.shares.iter().sum::<f64>() - parameters).max(0.0);
         // A tree of single differences checks nothing: what was assumed of them counts then.
@@ -254,8 +252,9 @@ impl<'a> LogNetwork<'a> {
         .collect()
     }
 
-    /// What the mean residuals of the lines say of the variance of a single one, as those of the pairs do, a line by the weight of its overlaps:
-    /// that is what it counts in a height. Each overlap lies on a line of either log, so that what lines add counts twice. 0 where too few
+    /// What the mean residuals of the lines say of the variance of a single one, as those of the
+    /// pairs do, a line by the weight of its overlaps: that is what it counts in a height. Each
+    /// overlap lies on a line of either log, so that what lines add counts twice. 0 where too few
     /// lines cross.
     fn variance_of_lines(
         &self,
@@ -289,8 +288,9 @@ impl<'a> LogNetwork<'a> {
         2.0 * (squares + assumed) / (freedom + ASSUMED_DIFFERENCES) - single
     }
 
-    /// What the mean residuals of the pairs of logs say of the variance of a single one: larger than that of the single ones where
-    /// a pair disagrees with others as a whole. 0 where the pairs do not check each other.
+    /// What the mean residuals of the pairs of logs say of the variance of a single one: larger
+    /// than that of the single ones where a pair disagrees with others as a whole. 0 where the
+    /// pairs do not check each other.
     fn variance_of_pairs(&self, residuals: &[f64], shares: &[f64]) -> f64 {
         let mut pairs: BTreeMap<[usize; 2], [f64; 2]> = BTreeMap::new();
         let all = self.ends.iter().zip(&self.sigmas_m);
@@ -307,8 +307,8 @@ impl<'a> LogNetwork<'a> {
         }
     }
 
-    /// What the overlaps say of the heights of all logs but the first, which is taken for zero, and of the shifts; behind them what is assumed
-    /// of the shifts.
+    /// What the overlaps say of the heights of all logs but the first, which is taken for zero, and
+    /// of the shifts; behind them what is assumed of the shifts.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
@@ -329,8 +329,9 @@ impl<'a> LogNetwork<'a> {
         equations
     }
 
-    /// Heights by least squares with some weights, from the datum, and the matrix that they come from; `None` where the weights cut the logs
-    /// into several groups. The scale is that of the residuals, in which what is assumed of shifts is weighed against them.
+    /// Heights by least squares with some weights, from the datum, and the matrix that they come
+    /// from; `None` where the weights cut the logs into several groups. The scale is that of the
+    /// residuals, in which what is assumed of shifts is weighed against them.
     fn weighted(
         &self,
         pattern: &Pattern,
@@ -358,21 +359,14 @@ impl<'a> LogNetwork<'a> {
             Some(fixed) => heights_m[fixed],
             None => heights_m.iter().sum::<f64>() / self.size as f64,
         };
-        heights_m
-            .iter_mut()
-            .for_each(|height_m| *height_m -= datum_m);
+        heights_m.iter_mut().for_each(|height_m| *height_m -= datum_m);
         let is_known = heights_m.iter().all(|height_m| height_m.is_finite());
-        is_known.then_some(Weighted {
-            heights_m,
-            shifts_m,
-            shares,
-            scale,
-            factor,
-        })
+        is_known.then_some(Weighted { heights_m, shifts_m, shares, scale, factor })
     }
 
-    /// Variances of the heights from the datum, before they are scaled by that of the residuals: with the covariance `C` against the first log
-    /// and weights `w` that make the datum, `C_ii - 2 (C w)_i + w C w`.
+    /// Variances of the heights from the datum, before they are scaled by that of the residuals:
+    /// with the covariance `C` against the first log and weights `w` that make the datum, `C_ii - 2
+    /// (C w)_i + w C w`.
     fn variances(&self, factor: &Factor, of_unknowns: &[f64]) -> Vec<f64> {
         let weight = |log: usize| match self.fixed {
             Some(fixed) => f64::from(u8::from(log == fixed)),
@@ -389,12 +383,9 @@ impl<'a> LogNetwork<'a> {
         let mut with_datum = [with_datum];
         factor.solve_for(&mut with_datum);
         let with_datum = of_others(&with_datum[0]);
-        let datum: f64 = (0..self.size)
-            .map(|log| weight(log) * with_datum[log])
-            .sum();
+        let datum: f64 = (0..self.size).map(|log| weight(log) * with_datum[log]).sum();
         let own = of_others(of_unknowns).into_iter().zip(&with_datum);
-        own.map(|(own, with)| (own - 2.0 * with + datum).max(0.0))
-            .collect()
+        own.map(|(own, with)| (own - 2.0 * with + datum).max(0.0)).collect()
     }
 }
 
@@ -402,10 +393,7 @@ impl<'a> LogNetwork<'a> {
 fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<PairDifference> {
     let mut by_pair: BTreeMap<[usize; 2], Vec<&LogOverlap>> = BTreeMap::new();
     for log_overlap in log_overlaps {
-        by_pair
-            .entry(log_overlap.logs)
-            .or_default()
-            .push(log_overlap);
+        by_pair.entry(log_overlap.logs).or_default().push(log_overlap);
     }
     by_pair
         .into_iter()

@@ -27,8 +27,8 @@ impl DepthArea {
     }
 }
 
-/// The areas between each level and the next (`levels_m` ascends). Their borders are the isobaths ([`super::isobaths`],
-/// unsmoothed) and the edge of the surface.
+/// The areas between each level and the next (`levels_m` ascends). Their borders are the isobaths
+/// ([`super::isobaths`], unsmoothed) and the edge of the surface.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -41,10 +41,7 @@ pub fn depth_areas(
     levels_m
         .par_windows(2)
         .map(|between| {
-            let band = DepthBand {
-                surface,
-                levels_m: [between[0], between[1]],
-            };
+            let band = DepthBand { surface, levels_m: [between[0], between[1]] };
             let pieces = band.pieces(progress)?;
             let closed = rings::closed(&pieces);
             let placed = closed.iter().map(|stops| band.places(stops)).collect();
@@ -102,11 +99,7 @@ impl DepthBand<'_> {
     /// The isobaths within a square: the shallower one as it runs, the deeper one against its run.
     fn cuts(&self, square: &Square, pieces: &mut Vec<Piece>) {
         let [shallow, deep] = self.levels_m.map(|level_m| square.cuts(level_m));
-        let piece = |from, to| Piece {
-            from,
-            to,
-            square: square.cell,
-        };
+        let piece = |from, to| Piece { from, to, square: square.cell };
         let along = |[from, to]: [CellEdge; 2]| piece(Stop::Shallow(from), Stop::Shallow(to));
         let against = |[from, to]: [CellEdge; 2]| piece(Stop::Deep(to), Stop::Deep(from));
         pieces.extend(shallow.into_iter().flatten().map(along));
@@ -116,9 +109,7 @@ impl DepthBand<'_> {
     /// The sides of a square beyond which nothing is known, as far as they lie in the band.
     fn borders(&self, at: &Square, row: usize, column: usize, pieces: &mut Vec<Piece>) {
         let known = |row: Option<usize>, column: Option<usize>| {
-            row.zip(column)
-                .and_then(|(row, column)| square(self.surface, row, column))
-                .is_some()
+            row.zip(column).and_then(|(row, column)| square(self.surface, row, column)).is_some()
         };
         let open = [
             !known(row.checked_sub(1), Some(column)),
@@ -131,16 +122,8 @@ impl DepthBand<'_> {
             // Sides run clockwise from the north-west; against that, the square lies on the left.
             let [from, to] = [(side + 1) % 4, side];
             let depths_m = [from, to].map(|corner| at.depths_m[corner]);
-            let stops = self.stops(
-                edges[side],
-                [from, to].map(|corner| corners[corner]),
-                depths_m,
-            );
-            pieces.extend(stops.map(|[from, to]| Piece {
-                from,
-                to,
-                square: at.cell,
-            }));
+            let stops = self.stops(edges[side], [from, to].map(|corner| corners[corner]), depths_m);
+            pieces.extend(stops.map(|[from, to]| Piece { from, to, square: at.cell }));
         }
     }
 

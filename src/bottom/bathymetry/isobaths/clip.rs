@@ -3,11 +3,12 @@
 use super::lines::{Isobath, join};
 use std::collections::HashMap;
 
-/// Parts shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
+/// Parts shorter than this, metres, are left out: rounded to the millimetre of the files, they are
+/// no lines any more.
 pub(super) const LEAST_LENGTH_M: f64 = 0.01;
 
-/// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and enters the next one the place is the same
-/// number in both.
+/// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and
+/// enters the next one the place is the same number in both.
 pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for step in line.points.windows(2) {
@@ -21,14 +22,9 @@ pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     }
     let parts = parts.into_iter().map(|mut points| {
         points.dedup();
-        Isobath {
-            depth_m: line.depth_m,
-            points,
-        }
+        Isobath { depth_m: line.depth_m, points }
     });
-    parts
-        .filter(|part| part.length_m() > LEAST_LENGTH_M)
-        .collect()
+    parts.filter(|part| part.length_m() > LEAST_LENGTH_M).collect()
 }
 
 /// The part of a step in a box (Liang and Barsky 1984); `None` where they do not meet.
@@ -54,11 +50,7 @@ fn within(
             }
             continue;
         }
-        let (near, far) = if way[axis] > 0.0 {
-            (low, high)
-        } else {
-            (high, low)
-        };
+        let (near, far) = if way[axis] > 0.0 { (low, high) } else { (high, low) };
         let share = |edge: f64| (edge - from[axis]) / way[axis];
         if share(near) > entry.0 {
             entry = (share(near), Some((axis, near)));
@@ -81,7 +73,8 @@ fn within(
 /// Where a piece begins or ends, and its depth, bit by bit.
 type End = [u64; 3];
 
-/// The lines that pieces make: one that ends where another of its depth begins goes on there. Pieces that begin at the same place stay apart.
+/// The lines that pieces make: one that ends where another of its depth begins goes on there.
+/// Pieces that begin at the same place stay apart.
 pub fn joined(pieces: Vec<Isobath>) -> Vec<Isobath> {
     let end = |depth_m: f64, [x, y]: [f64; 2]| -> End { [depth_m, x, y].map(f64::to_bits) };
     let (mut by_begin, mut links, mut lines) = (HashMap::new(), Vec::new(), Vec::new());
@@ -119,14 +112,7 @@ mod tests {
     fn what_leaves_one_tile_enters_the_next_at_the_same_place() {
         let line = Isobath {
             depth_m: 2.0,
-            points: vec![
-                [1.0, 1.0],
-                [9.3, 4.7],
-                [11.7, 5.9],
-                [8.0, 8.0],
-                [7.0, 12.0],
-                [6.0, 9.0],
-            ],
+            points: vec![[1.0, 1.0], [9.3, 4.7], [11.7, 5.9], [8.0, 8.0], [7.0, 12.0], [6.0, 9.0]],
         };
         let west = clipped(&line, [0.0, 0.0, 10.0, 10.0]);
         let east = clipped(&line, [10.0, 0.0, 20.0, 10.0]);
@@ -138,10 +124,7 @@ mod tests {
         assert_eq!(west[1].points.last().map(|at| at[1]), Some(10.0));
         assert_eq!(clipped(&line, [20.0, 0.0, 30.0, 10.0]), []);
         assert_eq!(clipped(&line, [0.0, 0.0, 20.0, 20.0]), [line]);
-        let short = Isobath {
-            depth_m: 2.0,
-            points: vec![[1.0, 1.0], [1.001, 1.0]],
-        };
+        let short = Isobath { depth_m: 2.0, points: vec![[1.0, 1.0], [1.001, 1.0]] };
         assert_eq!(clipped(&short, [0.0, 0.0, 20.0, 20.0]), []);
     }
 
@@ -155,11 +138,7 @@ mod tests {
             depth_m: 2.0,
             points: vec![[3.0, 3.0], [17.0, 3.0], [17.0, 7.0], [3.0, 3.0]],
         };
-        let boxes = [
-            [20.0, 0.0, 30.0, 10.0],
-            [0.0, 0.0, 10.0, 10.0],
-            [10.0, 0.0, 20.0, 10.0],
-        ];
+        let boxes = [[20.0, 0.0, 30.0, 10.0], [0.0, 0.0, 10.0, 10.0], [10.0, 0.0, 20.0, 10.0]];
         let cut = |line: &Isobath| -> Vec<Isobath> {
             boxes.iter().flat_map(|tile| clipped(line, *tile)).collect()
         };
@@ -168,21 +147,12 @@ mod tests {
         let back = joined(pieces);
         assert_eq!(back.len(), 1);
         assert!((back[0].length_m() - line.length_m()).abs() < 1e-9);
-        assert_eq!(
-            (back[0].points[0], back[0].points.last()),
-            ([1.0, 1.0], Some(&[7.0, 9.0]))
-        );
+        assert_eq!((back[0].points[0], back[0].points.last()), ([1.0, 1.0], Some(&[7.0, 9.0])));
         let back = joined(cut(&ring));
         assert_eq!(back.len(), 1);
         assert!(back[0].is_ring() && (back[0].length_m() - ring.length_m()).abs() < 1e-9);
-        let other = Isobath {
-            depth_m: 3.0,
-            points: vec![[7.0, 9.0], [1.0, 9.0]],
-        };
-        assert_eq!(
-            joined(vec![line.clone(), other.clone(), ring.clone()]).len(),
-            3
-        );
+        let other = Isobath { depth_m: 3.0, points: vec![[7.0, 9.0], [1.0, 9.0]] };
+        assert_eq!(joined(vec![line.clone(), other.clone(), ring.clone()]).len(), 3);
         assert_eq!(joined(vec![line.clone(), line]).len(), 2);
     }
 }

@@ -8,12 +8,13 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
 
-/// How far beyond its ends a step is still taken to touch an edge, as a share of it: where a line passes through a corner, rounding must
-/// not let it slip between the two edges.
+/// How far beyond its ends a step is still taken to touch an edge, as a share of it: where a line
+/// passes through a corner, rounding must not let it slip between the two edges.
 const SLACK: f64 = 1e-9;
 /// As much across bands, metres.
 const SLACK_M: f64 = 1e-6;
-/// Corners of an area so near to each other, metres, are one: in the digits of files they would fold into a spike.
+/// Corners of an area so near to each other, metres, are one: in the digits of files they would
+/// fold into a spike.
 const SAME_M: f64 = 0.002;
 /// Most bands, and how often an edge is in one on average at most.
 const MOST_BANDS: usize = 4096;
@@ -32,7 +33,8 @@ pub struct ClipArea {
 }
 
 impl ClipArea {
-    /// Of rings that name each corner once; those without three corners, and corners that are no place, are left out.
+    /// Of rings that name each corner once; those without three corners, and corners that are no
+    /// place, are left out.
     pub fn new(rings: Vec<Vec<[f64; 2]>>) -> Self {
         let mut rings = rings;
         for ring in &mut rings {
@@ -87,9 +89,7 @@ impl ClipArea {
         for step in line.points.windows(2) {
             let [from, to] = [step[0], step[1]];
             let shares = self.shares(from, to);
-            let inner = shares
-                .iter()
-                .filter(|share| (SLACK..=1.0 - SLACK).contains(*share));
+            let inner = shares.iter().filter(|share| (SLACK..=1.0 - SLACK).contains(*share));
             let mut stops: Vec<f64> = inner.copied().collect();
             stops.dedup_by(|one, before| *one - *before < SLACK);
             stops.insert(0, 0.0);
@@ -122,9 +122,7 @@ impl ClipArea {
             join_ends(&mut parts, line.points[0]);
         }
         let lines = parts.into_iter().map(|points| Isobath { points, ..*line });
-        lines
-            .filter(|line| line.length_m() > LEAST_LENGTH_M)
-            .collect()
+        lines.filter(|line| line.length_m() > LEAST_LENGTH_M).collect()
     }
 
     /// The part of a depth area in the area.
@@ -143,15 +141,9 @@ impl ClipArea {
         };
         let polygon = |shape: Vec<Vec<[f64; 2]>>| {
             let mut rings = shape.into_iter().map(without_spikes);
-            Some(Polygon {
-                outline: rings.next()??,
-                holes: rings.flatten().collect(),
-            })
+            Some(Polygon { outline: rings.next()??, holes: rings.flatten().collect() })
         };
-        DepthArea {
-            polygons: polygons.into_iter().filter_map(polygon).collect(),
-            ..*area
-        }
+        DepthArea { polygons: polygons.into_iter().filter_map(polygon).collect(), ..*area }
     }
 
     /// The bands that lie between two northings.
@@ -173,7 +165,8 @@ impl ClipArea {
             let turn = cross(way, edge);
             let along = [cross(off, edge) / turn, cross(off, way) / turn];
             let meets = |share: &f64| (-SLACK..=1.0 + SLACK).contains(share);
-            // Where the two are parallel, neither is a number or they lie apart; the edges beside that one are met.
+            // Where the two are parallel, neither is a number or they lie apart; the edges beside
+            // that one are met.
             (turn != 0.0 && along.iter().all(meets)).then_some(along[0])
         };
         let bands = self.bands_over(from[1], to[1]);
@@ -184,8 +177,8 @@ impl ClipArea {
     }
 }
 
-/// A ring that names each corner once, closed, and without corners that are as good as the one before or the one before that; `None` where
-/// nothing is left.
+/// A ring that names each corner once, closed, and without corners that are as good as the one
+/// before or the one before that; `None` where nothing is left.
 fn without_spikes(ring: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     let is_same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < SAME_M;
     let mut kept: Vec<[f64; 2]> = Vec::with_capacity(ring.len() + 1);
@@ -228,22 +221,13 @@ mod tests {
     /// A bay with a notch in the north and an island.
     fn bay() -> ClipArea {
         ClipArea::new(vec![
-            vec![
-                [0.0, 0.0],
-                [10.0, 0.0],
-                [10.0, 10.0],
-                [5.0, 4.0],
-                [0.0, 10.0],
-            ],
+            vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [5.0, 4.0], [0.0, 10.0]],
             vec![[2.0, 1.0], [3.0, 1.0], [3.0, 2.0], [2.0, 2.0]],
         ])
     }
 
     fn line(points: &[[f64; 2]]) -> Isobath {
-        Isobath {
-            depth_m: 2.0,
-            points: points.to_vec(),
-        }
+        Isobath { depth_m: 2.0, points: points.to_vec() }
     }
 
     fn cut(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
@@ -253,14 +237,7 @@ mod tests {
 
     #[test]
     fn a_place_is_in_it_but_not_on_an_island() {
-        let places = [
-            [1.0, 1.0],
-            [2.5, 1.5],
-            [5.0, 5.0],
-            [9.5, 9.0],
-            [-1.0, 3.0],
-            [4.0, 99.0],
-        ];
+        let places = [[1.0, 1.0], [2.5, 1.5], [5.0, 5.0], [9.5, 9.0], [-1.0, 3.0], [4.0, 99.0]];
         let held = places.map(|place| bay().holds(place));
         assert_eq!(held, [true, false, false, true, false, false]);
         assert!(
@@ -271,19 +248,13 @@ mod tests {
     #[test]
     fn a_line_ends_at_edges_and_goes_on_behind_islands_and_notches() {
         let across = cut(&[[-5.0, 1.5], [15.0, 1.5]]);
-        assert_eq!(
-            across,
-            [[[0.0, 1.5], [2.0, 1.5]], [[3.0, 1.5], [10.0, 1.5]]]
-        );
+        assert_eq!(across, [[[0.0, 1.5], [2.0, 1.5]], [[3.0, 1.5], [10.0, 1.5]]]);
         // Through the notch, in several steps.
         let steps = cut(&[[-1.0, 7.0], [1.0, 7.0], [5.0, 7.0], [9.0, 7.0], [11.0, 7.0]]);
         assert_eq!(steps.len(), 2);
         assert_eq!(steps[0], [[0.0, 7.0], [1.0, 7.0], [2.5, 7.0]]);
         assert_eq!(steps[1], [[7.5, 7.0], [9.0, 7.0], [10.0, 7.0]]);
-        assert_eq!(
-            cut(&[[20.0, 0.0], [30.0, 5.0]]),
-            Vec::<Vec<[f64; 2]>>::new()
-        );
+        assert_eq!(cut(&[[20.0, 0.0], [30.0, 5.0]]), Vec::<Vec<[f64; 2]>>::new());
     }
 
     #[test]
@@ -293,14 +264,8 @@ mod tests {
         let length: f64 = through.iter().map(|part| line(part).length_m()).sum();
         assert!((length - 10.0).abs() < 1e-9, "{through:?}");
         // Along the southern edge, then out, and back in through a corner.
-        let along = cut(&[
-            [-1.0, 0.0],
-            [6.0, 0.0],
-            [6.0, -2.0],
-            [10.0, -2.0],
-            [10.0, 0.0],
-            [8.0, 3.0],
-        ]);
+        let along =
+            cut(&[[-1.0, 0.0], [6.0, 0.0], [6.0, -2.0], [10.0, -2.0], [10.0, 0.0], [8.0, 3.0]]);
         let last = along.last().expect("the part after the corner");
         assert_eq!(last.last(), Some(&[8.0, 3.0]));
         assert!(along.iter().flatten().all(|at| at[1] > -1e-9), "{along:?}");
@@ -310,7 +275,8 @@ mod tests {
     fn a_ring_inside_stays_one_and_one_that_is_cut_has_no_seam() {
         let inside = [[6.0, 1.0], [8.0, 1.0], [8.0, 3.0], [6.0, 1.0]];
         assert_eq!(cut(&inside), [inside.to_vec()]);
-        // Around the island it is whole, and where it leaves in the south it is open; it begins inside.
+        // Around the island it is whole, and where it leaves in the south it is open; it begins
+        // inside.
         let ring = [[7.0, 1.0], [7.0, -1.0], [4.0, -1.0], [4.0, 1.0], [7.0, 1.0]];
         let parts = cut(&ring);
         assert_eq!(parts, [[[4.0, 0.0], [4.0, 1.0], [7.0, 1.0], [7.0, 0.0]]]);
@@ -321,22 +287,13 @@ mod tests {
         let square = |west: f64, south: f64, side: f64| {
             let east = west + side;
             let north = south + side;
-            vec![
-                [west, south],
-                [east, south],
-                [east, north],
-                [west, north],
-                [west, south],
-            ]
+            vec![[west, south], [east, south], [east, north], [west, north], [west, south]]
         };
         let hole: Vec<[f64; 2]> = square(6.0, 1.0, 1.0).into_iter().rev().collect();
         let area = DepthArea {
             from_m: 1.0,
             to_m: 2.0,
-            polygons: vec![Polygon {
-                outline: square(-5.0, -5.0, 20.0),
-                holes: vec![hole],
-            }],
+            polygons: vec![Polygon { outline: square(-5.0, -5.0, 20.0), holes: vec![hole] }],
         };
         let part = bay().part_of(&area);
         // The bay without its notch, its island and the hole.
@@ -346,15 +303,8 @@ mod tests {
         assert_eq!(one.holes.len(), 2);
         assert_eq!(one.outline.first(), one.outline.last());
         assert!(part.polygons.iter().all(|one| one.area_m2() > 0.0));
-        let spiked = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [4.0, 1e-4],
-            [9.0, 0.0],
-            [4.0, 5e-4],
-            [4.0, 4.0],
-            [0.0, 1e-3],
-        ];
+        let spiked =
+            [[0.0, 0.0], [4.0, 0.0], [4.0, 1e-4], [9.0, 0.0], [4.0, 5e-4], [4.0, 4.0], [0.0, 1e-3]];
         let triangle = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 0.0]];
         assert_eq!(without_spikes(spiked.to_vec()), Some(triangle.to_vec()));
         assert_eq!(without_spikes(spiked[1..5].to_vec()), None);
@@ -364,7 +314,8 @@ mod tests {
 
     #[test]
     fn what_is_cut_is_inside_however_many_corners_there_are() {
-        // A star of many corners, and lines across it: their parts are as long as the places in it are many.
+        // A star of many corners, and lines across it: their parts are as long as the places in it
+        // are many.
         let corners = (0..3000).map(|index| {
             let turn = f64::from(index) / 3000.0 * std::f64::consts::TAU;
             let out_m = 50.0 + 20.0 * (37.0 * turn).sin();
@@ -373,9 +324,8 @@ mod tests {
         let star = ClipArea::new(vec![corners.collect()]);
         for row in -60..60 {
             let north_m = f64::from(row) + 0.31;
-            let points: Vec<[f64; 2]> = (-800..=800)
-                .map(|step| [f64::from(step) / 10.0, north_m])
-                .collect();
+            let points: Vec<[f64; 2]> =
+                (-800..=800).map(|step| [f64::from(step) / 10.0, north_m]).collect();
             let parts = star.parts_of(&line(&points));
             let cut_m: f64 = parts.iter().map(Isobath::length_m).sum();
             let held = (0..160_000)

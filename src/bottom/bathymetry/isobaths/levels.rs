@@ -21,8 +21,8 @@ const TARGET_LEVELS: f64 = 10.0;
 pub struct IsobathSettings {
     /// What the depths of the isobaths are round in, and are written in along the lines.
     pub unit: LengthUnit,
-    /// Metres from one isobath to the next, counted from depth 0, rounded to two digits of the unit; when not given, 1, 2 or 5 times a
-    /// power of ten of the unit that makes about ten.
+    /// Metres from one isobath to the next, counted from depth 0, rounded to two digits of the
+    /// unit; when not given, 1, 2 or 5 times a power of ten of the unit that makes about ten.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_m: Option<f64>,
     /// Depths of the isobaths, metres; when there are any, the interval does not count.
@@ -31,11 +31,12 @@ pub struct IsobathSettings {
     pub smooth: u32,
     /// Whether every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
-    /// No spot sounding is nearer to another than this, metres; when not given, a round distance by the extent of the map.
+    /// No spot sounding is nearer to another than this, metres; when not given, a round distance by
+    /// the extent of the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spot_radius_m: Option<f64>,
-    /// The file of the area that isobaths, the areas between them and spot soundings end at; when not given, they are wherever there are
-    /// depths.
+    /// The file of the area that isobaths, the areas between them and spot soundings end at; when
+    /// not given, they are wherever there are depths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip: Option<PathBuf>,
     /// What the file holds, once it has been read.
@@ -72,7 +73,8 @@ pub enum NoIsobaths {
     },
 }
 
-/// Metres from one of some rising depths to the next, and the first of them; `None` where they are not equally far apart, and of none.
+/// Metres from one of some rising depths to the next, and the first of them; `None` where they are
+/// not equally far apart, and of none.
 pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
     const ALONE_M: f64 = 1e6;
     let first_m = *levels_m.first()?;
@@ -83,7 +85,8 @@ pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
 }
 
 impl IsobathSettings {
-    /// The same with an interval that is round in a unit of so many metres, where it is left to the depths between two.
+    /// The same with an interval that is round in a unit of so many metres, where it is left to the
+    /// depths between two.
     pub fn round_in(&self, unit_m: f64, range_m: [f64; 2]) -> Self {
         // A unit of the settings counts for files and window alike.
         let unit_m = match self.unit {
@@ -91,10 +94,7 @@ impl IsobathSettings {
             other => other.metres(),
         };
         let chosen_m = || usual_interval_m(unit_m, range_m);
-        Self {
-            interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)),
-            ..self.clone()
-        }
+        Self { interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)), ..self.clone() }
     }
 
     /// The interval that is given, round in the unit: 1.52 m are 5 feet.
@@ -109,10 +109,7 @@ impl IsobathSettings {
 
     /// How the lines are rounded.
     pub fn smoothing(&self) -> Smoothing {
-        Smoothing {
-            passes: self.smooth,
-            toward_deep: self.shoal_safe,
-        }
+        Smoothing { passes: self.smooth, toward_deep: self.shoal_safe }
     }
 
     /// A depth in the unit of the lines, to a ten thousandth of it.
@@ -121,7 +118,8 @@ impl IsobathSettings {
         (depth_m / self.unit.metres() * 1e4).round() / 1e4 + 0.0
     }
 
-    /// A depth as charts print it: to a tenth of a metre or of a fathom or a whole foot, and never deeper than it is.
+    /// A depth as charts print it: to a tenth of a metre or of a fathom or a whole foot, and never
+    /// deeper than it is.
     pub fn charted(&self, depth_m: f64) -> String {
         let decimals = match self.unit {
             LengthUnit::Metres | LengthUnit::Fathoms => 1,
@@ -145,11 +143,11 @@ impl IsobathSettings {
             return None;
         }
         let first_two = levels_m.first().zip(levels_m.get(1));
-        self.given_m()
-            .or(first_two.map(|(first, second)| second - first))
+        self.given_m().or(first_two.map(|(first, second)| second - first))
     }
 
-    /// Those of some levels that a map makes thick and labels: every fifth; where none of them is one, or their depths were listed, all.
+    /// Those of some levels that a map makes thick and labels: every fifth; where none of them is
+    /// one, or their depths were listed, all.
     pub fn index_levels_m(&self, levels_m: &[f64]) -> Vec<f64> {
         let step_m = self.step_m(levels_m);
         let fifth = |level_m: &&f64| step_m.is_some_and(|step_m| Self::is_index(**level_m, step_m));
@@ -172,24 +170,19 @@ impl IsobathSettings {
         let interval_m = self.given_m().unwrap_or_else(usual_m);
         let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
         if last - first >= MOST_LEVELS {
-            return Err(NoIsobaths::TooMany {
-                interval_m,
-                least_m,
-                most_m,
-            });
+            return Err(NoIsobaths::TooMany { interval_m, least_m, most_m });
         }
         // A level bottom has an interval that is no number, and no isobath.
         let count = match interval_m > 0.0 && first <= last {
             true => (last - first) as usize + 1,
             false => 0,
         };
-        Ok((0..count)
-            .map(|step| tidy((first + step as f64) * interval_m))
-            .collect())
+        Ok((0..count).map(|step| tidy((first + step as f64) * interval_m)).collect())
     }
 }
 
-/// An interval that is round in a unit of so many metres, and makes about ten levels between two depths.
+/// An interval that is round in a unit of so many metres, and makes about ten levels between two
+/// depths.
 fn usual_interval_m(unit_m: f64, [least_m, most_m]: [f64; 2]) -> f64 {
     unit_m * readable((most_m - least_m) / TARGET_LEVELS / unit_m)
 }
@@ -221,10 +214,7 @@ mod tests {
     use super::*;
 
     fn levels(interval_m: Option<f64>, range_m: [f64; 2]) -> Vec<f64> {
-        let settings = IsobathSettings {
-            interval_m,
-            ..IsobathSettings::default()
-        };
+        let settings = IsobathSettings { interval_m, ..IsobathSettings::default() };
         settings.levels_m(range_m).unwrap()
     }
 
@@ -240,11 +230,7 @@ mod tests {
         let levels_m: Vec<f64> = (-3..12).map(|count| 0.2 * f64::from(count)).collect();
         let mut settings = IsobathSettings::default();
         assert_eq!(settings.index_levels_m(&levels_m), [0.0, 1.0, 2.0]);
-        assert_eq!(
-            settings.index_levels_m(&levels_m[4..7]).len(),
-            3,
-            "none is a fifth"
-        );
+        assert_eq!(settings.index_levels_m(&levels_m[4..7]).len(), 3, "none is a fifth");
         settings.depths_m = vec![1.0, 2.5];
         assert_eq!(settings.index_levels_m(&settings.depths_m), [1.0, 2.5]);
     }
@@ -263,10 +249,7 @@ mod tests {
         let levels_m = feet.levels_m(range_m).unwrap();
         assert_eq!(levels_m[..2], [1.524, 3.048], "5 and 10 feet");
         let metres = IsobathSettings::default().round_in(1.0, range_m);
-        assert_eq!(
-            metres.levels_m(range_m),
-            IsobathSettings::default().levels_m(range_m)
-        );
+        assert_eq!(metres.levels_m(range_m), IsobathSettings::default().levels_m(range_m));
     }
 
     #[test]
@@ -278,16 +261,10 @@ mod tests {
         };
         let in_feet = |settings: &IsobathSettings| -> Vec<f64> {
             let levels_m = settings.levels_m([1.0, 8.9]).unwrap();
-            levels_m
-                .iter()
-                .map(|level_m| settings.in_unit(*level_m))
-                .collect()
+            levels_m.iter().map(|level_m| settings.in_unit(*level_m)).collect()
         };
         assert_eq!(in_feet(&settings), [5.0, 10.0, 15.0, 20.0, 25.0]);
-        assert_eq!(
-            settings.step_m(&[]).map(|step_m| settings.in_unit(step_m)),
-            Some(5.0)
-        );
+        assert_eq!(settings.step_m(&[]).map(|step_m| settings.in_unit(step_m)), Some(5.0));
         settings.interval_m = None;
         assert_eq!(in_feet(&settings)[..2], [5.0, 10.0]);
         // The window's unit does not count then.
@@ -301,17 +278,11 @@ mod tests {
     #[test]
     fn a_charted_depth_is_never_deeper_than_the_depth() {
         let charted = |unit: LengthUnit, depth_m: f64| {
-            let settings = IsobathSettings {
-                unit,
-                ..IsobathSettings::default()
-            };
+            let settings = IsobathSettings { unit, ..IsobathSettings::default() };
             settings.charted(depth_m)
         };
         let metres = |depth_m| charted(LengthUnit::Metres, depth_m);
-        assert_eq!(
-            [metres(2.39), metres(2.3), metres(-0.02)],
-            ["2.3", "2.3", "-0.1"]
-        );
+        assert_eq!([metres(2.39), metres(2.3), metres(-0.02)], ["2.3", "2.3", "-0.1"]);
         assert_eq!(charted(LengthUnit::Feet, 3.0), "9");
         assert_eq!(charted(LengthUnit::Feet, 3.048), "10");
         assert_eq!(charted(LengthUnit::Fathoms, 1.8288), "1.0");
@@ -319,10 +290,7 @@ mod tests {
 
     #[test]
     fn a_list_wins_and_a_flood_is_refused() {
-        let mut settings = IsobathSettings {
-            interval_m: Some(1e-4),
-            ..IsobathSettings::default()
-        };
+        let mut settings = IsobathSettings { interval_m: Some(1e-4), ..IsobathSettings::default() };
         assert!(settings.levels_m([0.0, 3.0]).is_err());
         settings.depths_m = vec![3.0, 1.0, 3.0];
         assert_eq!(settings.levels_m([0.0, 3.0]), Ok(vec![1.0, 3.0]));

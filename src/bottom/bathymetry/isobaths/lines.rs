@@ -25,13 +25,12 @@ impl Isobath {
     /// Metres along it.
     pub fn length_m(&self) -> f64 {
         let steps = self.points.windows(2);
-        steps
-            .map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1]))
-            .sum()
+        steps.map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1])).sum()
     }
 }
 
-/// The isobaths of a surface at some depths, in the order of these. Lines end where the surface ends: none follows its edge.
+/// The isobaths of a surface at some depths, in the order of these. Lines end where the surface
+/// ends: none follows its edge.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -47,9 +46,7 @@ pub fn isobaths(
             let cuts = cuts(surface, level_m, progress)?;
             progress.advance(1);
             let lines = join(&cuts).into_iter();
-            Ok(lines
-                .filter_map(|edges| place(surface, level_m, &edges))
-                .collect())
+            Ok(lines.filter_map(|edges| place(surface, level_m, &edges)).collect())
         })
         .collect::<Result<_, Cancelled>>()?;
     Ok(drawn.into_iter().flatten().collect())
@@ -95,14 +92,9 @@ pub(super) fn join<E: Copy + Eq + Hash>(cuts: &[[E; 2]]) -> Vec<Vec<E>> {
 
 /// `None` where all of a ring is one place: a summit that just touches the level.
 fn place(surface: &Surface, level_m: f64, edges: &[CellEdge]) -> Option<Isobath> {
-    let mut points: Vec<[f64; 2]> = edges
-        .iter()
-        .map(|edge| crossing(surface, *edge, level_m))
-        .collect();
+    let mut points: Vec<[f64; 2]> =
+        edges.iter().map(|edge| crossing(surface, *edge, level_m)).collect();
     // A line through the centre of a cell crosses several edges there.
     points.dedup();
-    (points.len() > 1).then_some(Isobath {
-        depth_m: level_m,
-        points,
-    })
+    (points.len() > 1).then_some(Isobath { depth_m: level_m, points })
 }

@@ -2,8 +2,8 @@
 
 use crate::bathymetry::Surface;
 
-/// An edge between the centres of two neighbouring cells: twice the index of its western or northern cell, and one more where
-/// it runs south.
+/// An edge between the centres of two neighbouring cells: twice the index of its western or
+/// northern cell, and one more where it runs south.
 pub(super) type CellEdge = usize;
 
 /// A square of four centres, all of known depth.
@@ -35,11 +35,7 @@ pub(super) fn square(surface: &Surface, row: usize, column: usize) -> Option<Squ
     let depth_m = |cell: usize| f64::from(surface.depth_m[cell]);
     let depths_m = [cell, cell + 1, cell + columns + 1, cell + columns].map(depth_m);
     let known = depths_m.iter().all(|depth| !depth.is_nan());
-    known.then_some(Square {
-        cell,
-        depths_m,
-        columns,
-    })
+    known.then_some(Square { cell, depths_m, columns })
 }
 
 impl Square {
@@ -55,8 +51,8 @@ impl Square {
         [self.cell, self.cell + 1, south + 1, south]
     }
 
-    /// Cuts at a level. A corner at the level counts as deeper; of a saddle, the corners on the side of the mean of the four
-    /// are joined.
+    /// Cuts at a level. A corner at the level counts as deeper; of a saddle, the corners on the
+    /// side of the mean of the four are joined.
     pub(super) fn cuts(&self, level_m: f64) -> Cuts {
         let deeper = self.depths_m.map(|depth| depth >= level_m);
         let joined = || self.depths_m.iter().sum::<f64>() >= 4.0 * level_m;

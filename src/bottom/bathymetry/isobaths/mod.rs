@@ -1,11 +1,12 @@
 //! Lines of equal depth, the areas between them, and what lies below a level.
 //!
-//! In: a surface and the depths of the lines. Out: isobaths, depth areas, and area and volume below a level.
-//! It uses `survey` and `support`.
+//! In: a surface and the depths of the lines. Out: isobaths, depth areas, and area and volume below
+//! a level. It uses `survey` and `support`.
 //!
-//! `march` cuts the squares between the centres of cells, `lines` joins the cuts to isobaths, `areas` to polygons, `levels`
-//! chooses the depths, `shoalest` keeps lines from understating a shoal, `smooth` rounds lines where that is asked for, `clip` cuts lines at
-//! the edges of tiles, `clip_area` lines and areas at a shoreline, and `storage` counts area and volume.
+//! `march` cuts the squares between the centres of cells, `lines` joins the cuts to isobaths,
+//! `areas` to polygons, `levels` chooses the depths, `shoalest` keeps lines from understating a
+//! shoal, `smooth` rounds lines where that is asked for, `clip` cuts lines at the edges of tiles,
+//! `clip_area` lines and areas at a shoreline, and `storage` counts area and volume.
 
 mod areas;
 mod clip;

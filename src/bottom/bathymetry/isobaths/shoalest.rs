@@ -2,7 +2,8 @@
 
 use crate::bathymetry::{DepthPoint, Grid, Surface};
 
-/// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN where none was.
+/// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN
+/// where none was.
 pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoint>) -> Vec<f32> {
     let mut shoalest_m = vec![f32::NAN; grid.len()];
     for point in depths {
@@ -15,9 +16,10 @@ pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoi
     shoalest_m
 }
 
-/// A surface that is nowhere deeper than the depths it was made from: the four cells around each depth are as shallow as it, at least. A
-/// line of equal depth crosses no square of four centres whose cells are all shallower, so every depth that is shallower than the line lies
-/// on its shallow side.
+/// A surface that is nowhere deeper than the depths it was made from: the four cells around each
+/// depth are as shallow as it, at least. A line of equal depth crosses no square of four centres
+/// whose cells are all shallower, so every depth that is shallower than the line lies on its
+/// shallow side.
 pub fn with_shoalest<'a>(
     surface: &Surface,
     depths: impl IntoIterator<Item = &'a DepthPoint>,
@@ -110,10 +112,7 @@ mod tests {
             let polygons = || areas[0].polygons.iter();
             let rings = || polygons().flat_map(|one| one.holes.iter().chain([&one.outline]));
             for passes in 0..4 {
-                let smoothing = Smoothing {
-                    passes,
-                    toward_deep: true,
-                };
+                let smoothing = Smoothing { passes, toward_deep: true };
                 let rings: Vec<Vec<[f64; 2]>> =
                     rings().map(|ring| smoothed(ring, smoothing)).collect();
                 let is_deep = |point: &&DepthPoint| {
@@ -121,15 +120,8 @@ mod tests {
                     around.count() % 2 == 1
                 };
                 let beyond = points.iter().filter(|point| point.depth_m < level_m);
-                assert_eq!(
-                    beyond.filter(is_deep).count(),
-                    0,
-                    "{level_m} m, {passes} passes"
-                );
-                assert!(
-                    points.iter().filter(is_deep).count() > 0 || level_m > 2.5,
-                    "{level_m}"
-                );
+                assert_eq!(beyond.filter(is_deep).count(), 0, "{level_m} m, {passes} passes");
+                assert!(points.iter().filter(is_deep).count() > 0 || level_m > 2.5, "{level_m}");
             }
         }
     }
@@ -153,11 +145,7 @@ mod tests {
     fn what_is_deeper_beyond_the_grid_or_not_known_changes_nothing() {
         let mut surface = flat(4);
         surface.depth_m[0] = f32::NAN;
-        let points = [
-            depth(2.0, -2.0, 5.0),
-            depth(-50.0, 1e9, 1.0),
-            depth(0.4, -0.4, 1.0),
-        ];
+        let points = [depth(2.0, -2.0, 5.0), depth(-50.0, 1e9, 1.0), depth(0.4, -0.4, 1.0)];
         let safe = with_shoalest(&surface, &points);
         assert!(safe.depth_m[0].is_nan());
         assert!(safe.depth_m[1..].iter().all(|depth_m| *depth_m == 3.0));

@@ -7,12 +7,14 @@ use bathyscope_log::support::outline::between;
 pub struct Smoothing {
     /// How often.
     pub passes: u32,
-    /// Only where the line moves toward deeper water by it, so that nothing shallower comes to lie beyond it.
+    /// Only where the line moves toward deeper water by it, so that nothing shallower comes to lie
+    /// beyond it.
     pub toward_deep: bool,
 }
 
-/// Cuts the corners of a line (Chaikin 1974): each pass puts two points at a quarter and three quarters of every step and leaves the
-/// corners out. The ends of an open line stay; a ring, which ends where it began, stays one. The line moves by up to a quarter of a step.
+/// Cuts the corners of a line (Chaikin 1974): each pass puts two points at a quarter and three
+/// quarters of every step and leaves the corners out. The ends of an open line stay; a ring, which
+/// ends where it began, stays one. The line moves by up to a quarter of a step.
 pub fn smoothed(points: &[[f64; 2]], smoothing: Smoothing) -> Vec<[f64; 2]> {
     let mut line = points.to_vec();
     for _ in 0..smoothing.passes {
@@ -39,8 +41,7 @@ fn cut_corners(line: &[[f64; 2]], toward_deep: bool) -> Vec<[f64; 2]> {
         // The last point is the first one, whose corner lies between the last step and the first.
         corner(line[count - 2], line[0], line[1]);
     }
-    line.windows(3)
-        .for_each(|three| corner(three[0], three[1], three[2]));
+    line.windows(3).for_each(|three| corner(three[0], three[1], three[2]));
     let ends = match is_ring {
         true => [cut[0]; 2],
         false => [line[0], line[count - 1]],
@@ -62,17 +63,12 @@ mod tests {
     use super::*;
 
     fn passes(passes: u32) -> Smoothing {
-        Smoothing {
-            passes,
-            toward_deep: false,
-        }
+        Smoothing { passes, toward_deep: false }
     }
 
     fn area(ring: &[[f64; 2]]) -> f64 {
         let steps = ring.windows(2);
-        steps
-            .map(|s| 0.5 * (s[0][0] * s[1][1] - s[1][0] * s[0][1]))
-            .sum()
+        steps.map(|s| 0.5 * (s[0][0] * s[1][1] - s[1][0] * s[0][1])).sum()
     }
 
     #[test]
@@ -95,22 +91,17 @@ mod tests {
 
     #[test]
     fn toward_deep_water_a_hole_shrinks_and_a_shoal_only_grows() {
-        let safe = Smoothing {
-            passes: 3,
-            toward_deep: true,
-        };
+        let safe = Smoothing { passes: 3, toward_deep: true };
         // Deeper on the left: counter-clockwise around a hole, clockwise around a shoal.
         let hole = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
         assert!(area(&smoothed(&hole, safe)) < 0.9);
         let shoal: Vec<[f64; 2]> = hole.into_iter().rev().collect();
         assert_eq!(smoothed(&shoal, safe), shoal);
-        // Of a line to the east with a bend to the left and one to the right, the water south of it is shallow: it moves north alone.
+        // Of a line to the east with a bend to the left and one to the right, the water south of it
+        // is shallow: it moves north alone.
         let line = [[0.0, 0.0], [4.0, 0.0], [8.0, 4.0], [12.0, 4.0]];
         let moved = smoothed(&line, safe);
-        assert!(
-            moved.contains(&[8.0, 4.0]) && !moved.contains(&[4.0, 0.0]),
-            "{moved:?}"
-        );
+        assert!(moved.contains(&[8.0, 4.0]) && !moved.contains(&[4.0, 0.0]), "{moved:?}");
         assert_eq!([moved[0], moved[moved.len() - 1]], [line[0], line[3]]);
     }
 }

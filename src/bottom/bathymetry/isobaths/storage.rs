@@ -15,8 +15,8 @@ pub struct Storage {
     pub volume_m3: f64,
 }
 
-/// Area and volume below each level. Every cell counts as a column of its own depth; what was not measured does not count, nor do cells
-/// whose middle lies outside the area, where there is one.
+/// Area and volume below each level. Every cell counts as a column of its own depth; what was not
+/// measured does not count, nor do cells whose middle lies outside the area, where there is one.
 pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -> Vec<Storage> {
     let is_within = |cell: usize| {
         let middle = surface.grid.centre_of(cell);

@@ -14,8 +14,9 @@ pub struct SigmaByDistance {
 }
 
 impl SigmaByDistance {
-    /// A sounding that is left out is missed by the error of the prediction and by its own. Its neighbours predict it about as well as it
-    /// was measured, so that half of the square of the least miss is the noise of a depth.
+    /// A sounding that is left out is missed by the error of the prediction and by its own. Its
+    /// neighbours predict it about as well as it was measured, so that half of the square of the
+    /// least miss is the noise of a depth.
     pub(super) fn of(near: &[LeftOutMiss], far: &[LeftOutMiss]) -> Self {
         let mut steps = [bins(near, 1), bins(far, BINS)].concat();
         steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -27,11 +28,10 @@ impl SigmaByDistance {
         Self { steps }
     }
 
-    /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on as between the last two.
+    /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on
+    /// as between the last two.
     pub fn at(&self, away_m: f64) -> f64 {
-        let after = self
-            .steps
-            .partition_point(|[distance_m, _]| *distance_m <= away_m);
+        let after = self.steps.partition_point(|[distance_m, _]| *distance_m <= away_m);
         let pair = match (after, self.steps.len()) {
             (0, _) | (_, 1) => return self.steps.first().map_or(f64::NAN, |[_, sigma_m]| *sigma_m),
             (after, count) => after.min(count - 1),
@@ -55,12 +55,14 @@ fn bins(misses: &[LeftOutMiss], count: usize) -> Vec<[f64; 2]> {
     bins.collect()
 }
 
-/// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 % of them and half of what holds 95 %.
+/// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 %
+/// of them and half of what holds 95 %.
 fn spread(sizes: &[f64]) -> f64 {
     0.5 * (quantile(sizes, 0.683) + 0.5 * quantile(sizes, 0.954))
 }
 
-/// Makes the second numbers rise by giving neighbours that do not their mean (pool adjacent violators).
+/// Makes the second numbers rise by giving neighbours that do not their mean (pool adjacent
+/// violators).
 fn rising(steps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut pools: Vec<(f64, usize)> = Vec::new();
     for [_, value] in &steps {
@@ -73,14 +75,9 @@ fn rising(steps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
             pools.push((mean, many + more));
         }
     }
-    let values = pools
-        .into_iter()
-        .flat_map(|(value, count)| std::iter::repeat_n(value, count));
+    let values = pools.into_iter().flat_map(|(value, count)| std::iter::repeat_n(value, count));
     let places = steps.iter().map(|[place, _]| *place);
-    let mut made: Vec<[f64; 2]> = places
-        .zip(values)
-        .map(|(place, value)| [place, value])
-        .collect();
+    let mut made: Vec<[f64; 2]> = places.zip(values).map(|(place, value)| [place, value]).collect();
     made.dedup_by_key(|[place, _]| *place);
     made
 }
@@ -98,9 +95,7 @@ mod tests {
 
     #[test]
     fn a_stated_error_is_read_between_its_steps_and_beyond_them() {
-        let sigma = SigmaByDistance {
-            steps: vec![[1.0, 0.1], [3.0, 0.2]],
-        };
+        let sigma = SigmaByDistance { steps: vec![[1.0, 0.1], [3.0, 0.2]] };
         for (away_m, sigma_m) in [(0.0, 0.1), (1.0, 0.1), (2.0, 0.15), (3.0, 0.2), (5.0, 0.3)] {
             assert!((sigma.at(away_m) - sigma_m).abs() < 1e-12, "{away_m}");
         }

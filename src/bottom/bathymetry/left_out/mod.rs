@@ -1,11 +1,12 @@
 //! What the depths of a surface are worth: how far soundings that are left out are predicted wrong.
 //!
-//! In: depths with their places, and their surface. Out: a standard deviation for each cell, and by the distance to the nearest sounding.
-//! It uses `support`.
+//! In: depths with their places, and their surface. Out: a standard deviation for each cell, and by
+//! the distance to the nearest sounding. It uses `support`.
 //!
-//! They are left out in squares of two sizes, those of a few cells for the noise of the depths themselves and those as large as the gaps
-//! between lines for the ground in between. `by_distance` says how the error grows with the distance to the nearest sounding,
-//! `roughness` where it is larger or smaller than that.
+//! They are left out in squares of two sizes, those of a few cells for the noise of the depths
+//! themselves and those as large as the gaps between lines for the ground in between. `by_distance`
+//! says how the error grows with the distance to the nearest sounding, `roughness` where it is
+//! larger or smaller than that.
 
 mod by_distance;
 mod roughness;
@@ -24,15 +25,16 @@ const FOLDS: usize = 4;
 const LEAST_MISSES: usize = 40;
 /// Most soundings that are left out or kept: of more, as many are taken evenly from among them.
 const MOST_NODES: usize = 30_000;
-/// Large squares have a side of twice the distance to a sounding that this share of the map does not exceed: their middles are then as
-/// far from soundings as the map between lines.
+/// Large squares have a side of twice the distance to a sounding that this share of the map does
+/// not exceed: their middles are then as far from soundings as the map between lines.
 const DISTANCE_SHARE: f64 = 0.9;
 /// Side of the small squares, cells.
 const SMALL_CELLS: f64 = 2.0;
 /// Most cells whose distances say how large the large squares are.
 const MOST_CELLS_TRIED: usize = 10_000;
 
-/// A sounding that was left out: the predicted depth less its own, and its distance to the nearest sounding that was there, metres.
+/// A sounding that was left out: the predicted depth less its own, and its distance to the nearest
+/// sounding that was there, metres.
 #[derive(Clone, Copy, Debug)]
 struct LeftOutMiss {
     place: [f64; 2],
@@ -48,8 +50,8 @@ struct StatedError {
     far: Roughness,
 }
 
-/// Gives the known cells of a grid the standard deviation of their depth's error for their spread. `false` where too few soundings can be
-/// left out to tell: the spread then stays as it is.
+/// Gives the known cells of a grid the standard deviation of their depth's error for their spread.
+/// `false` where too few soundings can be left out to tell: the spread then stays as it is.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -80,8 +82,9 @@ pub(super) fn state_error(
     Ok(true)
 }
 
-/// What the error of a depth between soundings is by the distance to the nearest, as leaving soundings out shows it; distances up to
-/// `max_gap_m` count. `None` where there are too few soundings to tell.
+/// What the error of a depth between soundings is by the distance to the nearest, as leaving
+/// soundings out shows it; distances up to `max_gap_m` count. `None` where there are too few
+/// soundings to tell.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -133,7 +136,8 @@ impl StatedError {
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let step = nodes.len().div_ceil(MOST_NODES).max(1);
-        // Small squares ask for the neighbours of a sounding, so that whole large squares are taken.
+        // Small squares ask for the neighbours of a sounding, so that whole large squares are
+        // taken.
         let dense = nodes.iter().filter(|node| {
             step == 1 || column_and_row(node, squares.large_m)[0].rem_euclid(step as i64) == 0
         });
@@ -216,8 +220,7 @@ fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<LeftOutMiss
 
 /// The square that a sounding lies in.
 fn column_and_row(node: &Node, square_m: f64) -> [i64; 2] {
-    node.place()
-        .map(|metres| (metres / square_m).floor() as i64)
+    node.place().map(|metres| (metres / square_m).floor() as i64)
 }
 
 /// What [`DISTANCE_SHARE`] of some distances do not exceed; 0 of none.

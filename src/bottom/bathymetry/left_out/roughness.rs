@@ -1,9 +1,11 @@
-//! Where left-out soundings are missed by more than elsewhere at the same distance, and where by less.
+//! Where left-out soundings are missed by more than elsewhere at the same distance, and where by
+//! less.
 
 use super::{LeftOutMiss, SigmaByDistance};
 use std::collections::HashMap;
 
-/// A single miss counts as so many times its usual square at most: it is one wrong depth, not rough ground.
+/// A single miss counts as so many times its usual square at most: it is one wrong depth, not rough
+/// ground.
 const MOST_SQUARE: f64 = 9.0;
 /// So many squares that are as rough as usual count along: few misses say little.
 const USUAL_SQUARES: f64 = 1.0;
@@ -41,21 +43,12 @@ impl Roughness {
             });
             sum / weights
         };
-        Self {
-            square_m,
-            shares: squares
-                .keys()
-                .map(|square| (*square, around(*square)))
-                .collect(),
-        }
+        Self { square_m, shares: squares.keys().map(|square| (*square, around(*square))).collect() }
     }
 
     /// For questions about many places, of which most are near the one before.
     pub(super) fn sampler(&self) -> RoughnessSampler<'_> {
-        RoughnessSampler {
-            roughness: self,
-            last: None,
-        }
+        RoughnessSampler { roughness: self, last: None }
     }
 
     /// Of the squares whose middles are the corners around a place; 1 where nothing was left out.

@@ -11,16 +11,11 @@ fn lines(noise_m: f64, bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {
     let mut random = random();
     // Twelve of them have a standard deviation of 1, about 6.
     let mut noise = move || noise_m * ((0..12).map(|_| random()).sum::<f64>() - 6.0);
-    places
-        .map(|(east_m, north_m)| point(east_m, north_m, bed(east_m, north_m) + noise()))
-        .collect()
+    places.map(|(east_m, north_m)| point(east_m, north_m, bed(east_m, north_m) + noise())).collect()
 }
 
 fn made(points: Vec<DepthPoint>) -> Surface {
-    let settings = SurfaceSettings {
-        cell_m: Some(0.5),
-        ..SurfaceSettings::default()
-    };
+    let settings = SurfaceSettings { cell_m: Some(0.5), ..SurfaceSettings::default() };
     let made = surface(points, &settings, &Progress::new());
     made.expect("not cancelled").expect("a surface")
 }
@@ -38,10 +33,8 @@ fn cells(made: &Surface, bed: impl Fn(f64, f64) -> f64) -> Vec<([f64; 2], f64, f
 
 #[test]
 fn few_soundings_leave_the_spread_as_it_is() {
-    let few: Vec<DepthPoint> = lines(0.0, |east_m, _| 3.0 + 0.01 * east_m)
-        .into_iter()
-        .step_by(32)
-        .collect();
+    let few: Vec<DepthPoint> =
+        lines(0.0, |east_m, _| 3.0 + 0.01 * east_m).into_iter().step_by(32).collect();
     assert_eq!(made(few).spread_is, Spread::OfSoundings);
 }
 
@@ -58,9 +51,7 @@ fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
     // On the lines, and between them.
     for (band, least) in [(0.0..0.5, 0.005), (1.5..4.1, 0.03)] {
         let off_m = |north_m: f64| (north_m / 8.0 - (north_m / 8.0).round()).abs() * 8.0;
-        let here = cells
-            .iter()
-            .filter(|(place, ..)| band.contains(&off_m(place[1])));
+        let here = cells.iter().filter(|(place, ..)| band.contains(&off_m(place[1])));
         let ratios: Vec<f64> = here
             .map(|(_, error_m, sigma_m)| {
                 assert!(*sigma_m > least, "{sigma_m}");
@@ -71,10 +62,7 @@ fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
             ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
         };
         let [one, two] = [within(1.0), within(2.0)];
-        assert!(
-            (0.45..0.85).contains(&one) && two > 0.8,
-            "{band:?}: {one} {two}"
-        );
+        assert!((0.45..0.85).contains(&one) && two > 0.8, "{band:?}: {one} {two}");
     }
 }
 
@@ -87,22 +75,12 @@ fn rough_ground_is_worth_less_than_level_ground() {
     let made = made(lines(0.01, bed));
     let mean_m = |level: bool| {
         let here = cells(&made, bed).into_iter();
-        let here = here.filter(|([east_m, _], ..)| {
-            if level {
-                *east_m < 25.0
-            } else {
-                *east_m > 55.0
-            }
-        });
+        let here =
+            here.filter(|([east_m, _], ..)| if level { *east_m < 25.0 } else { *east_m > 55.0 });
         let sigmas: Vec<f64> = here.map(|(.., sigma_m)| sigma_m).collect();
         sigmas.iter().sum::<f64>() / sigmas.len() as f64
     };
-    assert!(
-        mean_m(false) > 2.0 * mean_m(true),
-        "{} {}",
-        mean_m(false),
-        mean_m(true)
-    );
+    assert!(mean_m(false) > 2.0 * mean_m(true), "{} {}", mean_m(false), mean_m(true));
 }
 
 #[test]

@@ -33,14 +33,8 @@ fn between_two_lines_the_depth_is_linear() {
 
 #[test]
 fn a_cell_says_what_its_depth_rests_on() {
-    let beside = line(0.6, 2.0).map(|point| DepthPoint {
-        is_sounding: false,
-        ..point
-    });
-    let points = line(0.0, 2.0)
-        .chain(beside)
-        .chain(line(10.0, 4.0))
-        .collect();
+    let beside = line(0.6, 2.0).map(|point| DepthPoint { is_sounding: false, ..point });
+    let points = line(0.0, 2.0).chain(beside).chain(line(10.0, 4.0)).collect();
     let map = made(points, 6.0);
     let at = |east_m, north_m| map.source[map.grid.index_at(east_m, north_m).unwrap()];
     assert_eq!(at(20.0, 0.01), CellSource::Sounding);
@@ -102,7 +96,8 @@ fn the_bay_of_a_bend_stays_empty() {
     assert_eq!(map.and_then(in_the_bay), None);
 }
 
-/// A spiral that opens from a radius of 60 m to 90 m: the chord of two gaps would lie up to 3 m inside the track.
+/// A spiral that opens from a radius of 60 m to 90 m: the chord of two gaps would lie up to 3 m
+/// inside the track.
 #[test]
 fn a_bend_is_not_bridged_by_a_lens_across_the_track() {
     let points: Vec<_> = (0..=400)
@@ -135,10 +130,7 @@ fn every_sounding_of_a_single_winding_track_has_its_cell() {
     let map = made(points.clone(), 20.0);
     for point in &points {
         let (depth_m, distance_m) = map.at(point.east_m, point.north_m).expect("a cell");
-        assert!(
-            (f64::from(depth_m) - point.depth_m).abs() < 0.02,
-            "{depth_m}"
-        );
+        assert!((f64::from(depth_m) - point.depth_m).abs() < 0.02, "{depth_m}");
         assert!(f64::from(distance_m) < map.grid.cell_m, "{distance_m}");
     }
     let known = map.distance_m.iter().filter(|distance| !distance.is_nan());
@@ -149,33 +141,17 @@ fn every_sounding_of_a_single_winding_track_has_its_cell() {
 #[test]
 fn one_straight_line_is_no_surface() {
     let points: Vec<_> = line(0.0, 2.0).collect();
-    assert_eq!(
-        surface(points.clone(), &settings(3.0), &Progress::new()),
-        Ok(None)
-    );
-    assert_eq!(
-        surface(Vec::new(), &settings(3.0), &Progress::new()),
-        Ok(None)
-    );
+    assert_eq!(surface(points.clone(), &settings(3.0), &Progress::new()), Ok(None));
+    assert_eq!(surface(Vec::new(), &settings(3.0), &Progress::new()), Ok(None));
 }
 
 #[test]
 fn each_method_honours_its_soundings_and_stays_within_their_depths() {
     let points = golden_points();
     let [least, most] = ends(points.iter().map(|p| p.depth_m));
-    for method in [
-        SurfaceMethod::Linear,
-        SurfaceMethod::Natural,
-        SurfaceMethod::InverseDistance,
-    ] {
-        let settings = SurfaceSettings {
-            method,
-            cell_m: Some(0.02),
-            ..SurfaceSettings::default()
-        };
-        let made = surface(points.clone(), &settings, &Progress::new())
-            .unwrap()
-            .unwrap();
+    for method in [SurfaceMethod::Linear, SurfaceMethod::Natural, SurfaceMethod::InverseDistance] {
+        let settings = SurfaceSettings { method, cell_m: Some(0.02), ..SurfaceSettings::default() };
+        let made = surface(points.clone(), &settings, &Progress::new()).unwrap().unwrap();
         for point in &points {
             // At the hull the middle of a sounding's own cell may lie outside.
             let Some((depth_m, distance_m)) = made.at(point.east_m, point.north_m) else {
@@ -186,12 +162,7 @@ fn each_method_honours_its_soundings_and_stays_within_their_depths() {
         }
         let known = made.depth_m.iter().filter(|depth| !depth.is_nan());
         assert!(known.clone().count() > 150_000);
-        assert!(
-            known
-                .copied()
-                .map(f64::from)
-                .all(|d| (least - 1e-6..=most + 1e-6).contains(&d))
-        );
+        assert!(known.copied().map(f64::from).all(|d| (least - 1e-6..=most + 1e-6).contains(&d)));
     }
 }
 
@@ -203,7 +174,8 @@ fn spreads(points: &[DepthPoint]) -> Surface {
 
 #[test]
 fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
-    // On a slope of 1 in 10, halfway between lines 10 m apart, the depths are 2 and 3 m: 0.5 m about their mean.
+    // On a slope of 1 in 10, halfway between lines 10 m apart, the depths are 2 and 3 m: 0.5 m
+    // about their mean.
     let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 3.0)).collect();
     let made = spreads(&points);
     let spread = |north_m| made.spread_m[made.grid.index_at(20.2, north_m).unwrap()];
@@ -211,10 +183,7 @@ fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
     assert!(spread(0.2) < 0.2 && spread(0.2) < spread(2.2));
     // Where the soundings of one place disagree, it is at least their own spread.
     let noisy = |point: DepthPoint| {
-        [-0.3, 0.0, 0.3].map(|noise_m| DepthPoint {
-            depth_m: 2.0 + noise_m,
-            ..point
-        })
+        [-0.3, 0.0, 0.3].map(|noise_m| DepthPoint { depth_m: 2.0 + noise_m, ..point })
     };
     let points: Vec<_> = points.into_iter().flat_map(noisy).collect();
     let made = spreads(&points);
@@ -228,18 +197,12 @@ fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
 #[test]
 fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
     let mut points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 4.0)).collect();
-    points.extend(line(5.0, 9.0).map(|point| DepthPoint {
-        weight: 0.0,
-        ..point
-    }));
+    points.extend(line(5.0, 9.0).map(|point| DepthPoint { weight: 0.0, ..point }));
     let made = made(points.clone(), 6.0);
     assert!((made.at(20.0, 5.0).unwrap().0 - 3.0).abs() < 0.06);
     let progress = Progress::new();
     progress.cancel();
-    assert_eq!(
-        surface(points.clone(), &settings(6.0), &progress),
-        Err(Cancelled)
-    );
+    assert_eq!(surface(points.clone(), &settings(6.0), &progress), Err(Cancelled));
 }
 
 #[test]

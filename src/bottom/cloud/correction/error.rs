@@ -36,9 +36,5 @@ pub enum WaterLevelError {
 }
 
 fn moment(unix_s: f64) -> String {
-    format!(
-        "{} {}",
-        calendar::date(unix_s),
-        calendar::time_of_day(unix_s)
-    )
+    format!("{} {}", calendar::date(unix_s), calendar::time_of_day(unix_s))
 }

@@ -1,11 +1,13 @@
-//! From recorded depths to depths below a level: sound speed, draft, and the water's own height over time.
+//! From recorded depths to depths below a level: sound speed, draft, and the water's own height
+//! over time.
 //!
-//! In: recorded depths and slant ranges, and what the settings say of the water. Out: depths below the chosen level.
-//! It uses `survey` and `support`.
+//! In: recorded depths and slant ranges, and what the settings say of the water. Out: depths below
+//! the chosen level. It uses `survey` and `support`.
 //!
-//! It stands where points are made, because a sound speed scales slant ranges before any geometry, and so that soundings and
-//! side-scan points, and all that is drawn or written of them, are corrected alike and once. `sound_speed` has the equation,
-//! `statement` says in words what was done.
+//! It stands where points are made, because a sound speed scales slant ranges before any geometry,
+//! and so that soundings and side-scan points, and all that is drawn or written of them, are
+//! corrected alike and once. `sound_speed` has the equation, `statement` says in words what was
+//! done.
 
 mod error;
 mod sound_speed;
@@ -24,7 +26,8 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WaterLevelSettings {
-    /// Readings of a gauge or tide over the time of the survey, as [`bathyscope_log::formats::read_gauge`] reads them.
+    /// Readings of a gauge or tide over the time of the survey, as
+    /// [`bathyscope_log::formats::read_gauge`] reads them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     /// What the file holds, once it has been read.
@@ -37,7 +40,8 @@ pub struct WaterLevelSettings {
 pub struct DepthSettings {
     /// How deep the transducer hangs below the water's surface, metres.
     pub draft_m: f64,
-    /// Height of the water's surface above the level that depths count from, metres; with readings, that of the gauge's zero.
+    /// Height of the water's surface above the level that depths count from, metres; with readings,
+    /// that of the gauge's zero.
     pub water_level_m: f64,
     /// Readings of the water's height.
     pub water_level: WaterLevelSettings,
@@ -50,13 +54,16 @@ pub struct DepthSettings {
 
 /// What is done to the depths of one survey.
 ///
-/// With the sound speed `c`, that of the recorder `c0`, the draft `t`, the water's height `h` at the time and the height offset `o`, a
-/// depth `d` below the transducer becomes `d c / c0 + t - h - o`; a slant range `r` becomes `r c / c0`.
+/// With the sound speed `c`, that of the recorder `c0`, the draft `t`, the water's height `h` at
+/// the time and the height offset `o`, a depth `d` below the transducer becomes `d c / c0 + t - h -
+/// o`; a slant range `r` becomes `r c / c0`.
 ///
-/// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times the rate at which the water rises:
-/// 1 cm for 6 minutes where it rises 10 cm an hour, and as much as the height of a tide for hours. What of it is the same all along
-/// the log is in the height offset that crossings show; what changes along the log stays, unless `mounting.clock_offset_s` says
-/// how far the clock is behind. Recorders take the time from the satellites, so a drift within a log is below a second.
+/// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times
+/// the rate at which the water rises: 1 cm for 6 minutes where it rises 10 cm an hour, and as much
+/// as the height of a tide for hours. What of it is the same all along the log is in the height
+/// offset that crossings show; what changes along the log stays, unless `mounting.clock_offset_s`
+/// says how far the clock is behind. Recorders take the time from the satellites, so a drift within
+/// a log is below a second.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Correction {
     settings: DepthSettings,
@@ -71,7 +78,8 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// For a survey. Where the readings do not cover it they are left aside, and [`Correction::refused`] says why.
+    /// For a survey. Where the readings do not cover it they are left aside, and
+    /// [`Correction::refused`] says why.
     pub fn new(settings: DepthSettings, survey: &Survey) -> Self {
         let over = over_survey(&settings.water_level, survey);
         let mut made = Self {
@@ -99,9 +107,7 @@ impl Correction {
     /// What slant ranges and depths are multiplied with, `c / c0`.
     pub fn range_factor(&self) -> f64 {
         let speed = &self.settings.sound_speed;
-        speed
-            .water_m_s()
-            .map_or(1.0, |water_m_s| water_m_s / speed.recorder_m_s)
+        speed.water_m_s().map_or(1.0, |water_m_s| water_m_s / speed.recorder_m_s)
     }
 
     /// Whether a sound speed is given or computed.
@@ -114,7 +120,8 @@ impl Correction {
         self.settings.draft_m > 0.0
     }
 
-    /// Elevation of a place that lies `below_m` metres, by the true speed of sound, below the transducer at a time of the log.
+    /// Elevation of a place that lies `below_m` metres, by the true speed of sound, below the
+    /// transducer at a time of the log.
     pub fn z_m(&self, time_s: f64, below_m: f64) -> f64 {
         self.level_m(time_s) + self.settings.height_offset_m - self.settings.draft_m - below_m
     }
@@ -129,15 +136,15 @@ impl Correction {
         self.settings.height_offset_m
     }
 
-    /// The water's height in the middle of the survey, metres above the level that depths count from.
+    /// The water's height in the middle of the survey, metres above the level that depths count
+    /// from.
     pub fn middle_level_m(&self) -> f64 {
         self.middle_level_m
     }
 
     /// The readings in force.
     pub fn gauge(&self) -> Option<&Gauge> {
-        self.start_unix_s
-            .and(self.settings.water_level.gauge.as_deref())
+        self.start_unix_s.and(self.settings.water_level.gauge.as_deref())
     }
 
     /// The water's height at a time of the log.
@@ -150,7 +157,8 @@ impl Correction {
     }
 }
 
-/// Unix seconds of the log's zero, and the time of the log's middle, where readings cover the survey; `None` without readings.
+/// Unix seconds of the log's zero, and the time of the log's middle, where readings cover the
+/// survey; `None` without readings.
 fn over_survey(
     level: &WaterLevelSettings,
     survey: &Survey,
@@ -169,11 +177,7 @@ fn over_survey(
     };
     let (readings_s, log_s) = (gauge.span_s(), [from_s, to_s].map(|s| start_unix_s + s));
     if log_s[0] < readings_s[0] || log_s[1] > readings_s[1] {
-        return Err(WaterLevelError::NotCovered {
-            readings_s,
-            log_s,
-            path: path(),
-        });
+        return Err(WaterLevelError::NotCovered { readings_s, log_s, path: path() });
     }
     Ok(Some((start_unix_s, 0.5 * (from_s + to_s))))
 }

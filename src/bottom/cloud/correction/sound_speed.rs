@@ -2,11 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a recorder is taken to assume: 1500 m/s, usual for sea water. Some assume 4800 feet a second (1463 m/s), usual for
-/// fresh water, or let their owner choose; logs of fish-finders do not say which.
+/// What a recorder is taken to assume: 1500 m/s, usual for sea water. Some assume 4800 feet a
+/// second (1463 m/s), usual for fresh water, or let their owner choose; logs of fish-finders do not
+/// say which.
 const RECORDER_M_S: f64 = 1500.0;
 
-/// `sound_speed.*` settings. Without `m_s` and `temperature_c` ranges stay as the recorder computed them.
+/// `sound_speed.*` settings. Without `m_s` and `temperature_c` ranges stay as the recorder computed
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SoundSpeedSettings {
@@ -18,7 +20,8 @@ pub struct SoundSpeedSettings {
     pub temperature_c: Option<f64>,
     /// Practical salinity: 0 in fresh water, 35 in the ocean.
     pub salinity_psu: f64,
-    /// Depth that temperature and salinity stand for, metres: half the water's depth where they are the same throughout.
+    /// Depth that temperature and salinity stand for, metres: half the water's depth where they are
+    /// the same throughout.
     pub depth_m: f64,
     /// The speed that the recorder computed its ranges and depths with, metres a second.
     pub recorder_m_s: f64,
@@ -57,26 +60,12 @@ impl SoundSpeedSettings {
     }
 }
 
-/// Coefficients of Chen and Millero: `c = Cw + A s + B s^1.5 + D s^2`, each a polynomial in temperature (columns) and
-/// pressure in bar (rows).
+/// Coefficients of Chen and Millero: `c = Cw + A s + B s^1.5 + D s^2`, each a polynomial in
+/// temperature (columns) and pressure in bar (rows).
 const C_W: [[f64; 6]; 4] = [
-    [
-        1402.388,
-        5.03711,
-        -5.80852e-2,
-        3.3420e-4,
-        -1.478e-6,
-        3.1464e-9,
-    ],
+    [1402.388, 5.03711, -5.80852e-2, 3.3420e-4, -1.478e-6, 3.1464e-9],
     [0.153563, 6.8982e-4, -8.1788e-6, 1.3621e-7, -6.1185e-10, 0.0],
-    [
-        3.126e-5,
-        -1.7107e-6,
-        2.5974e-8,
-        -2.5335e-10,
-        1.0405e-12,
-        0.0,
-    ],
+    [3.126e-5, -1.7107e-6, 2.5974e-8, -2.5335e-10, 1.0405e-12, 0.0],
     [-9.7729e-9, 3.8504e-10, -2.3643e-12, 0.0, 0.0, 0.0],
 ];
 const A: [[f64; 5]; 4] = [
@@ -88,11 +77,13 @@ const A: [[f64; 5]; 4] = [
 const B: [[f64; 2]; 2] = [[-1.922e-2, -4.42e-5], [7.3637e-5, 1.7945e-7]];
 const D: [[f64; 1]; 2] = [[1.727e-3], [-7.9836e-6]];
 
-/// Speed of sound, metres a second, in water of a temperature (0 to 40 C) and a practical salinity (0 to 40) at a depth.
+/// Speed of sound, metres a second, in water of a temperature (0 to 40 C) and a practical salinity
+/// (0 to 40) at a depth.
 ///
-/// The UNESCO equation: Chen and Millero, J. Acoust. Soc. Am. 62 (1977) 1129, as printed by Fofonoff and Millard, UNESCO
-/// Technical Papers in Marine Science 44 (1983) 46. It holds in fresh water too, which the equations of Mackenzie (1981) and
-/// Del Grosso (1974) do not. The pressure is taken as a tenth of a bar a metre, within 3 %: in 100 m that is 0.05 m/s.
+/// The UNESCO equation: Chen and Millero, J. Acoust. Soc. Am. 62 (1977) 1129, as printed by
+/// Fofonoff and Millard, UNESCO Technical Papers in Marine Science 44 (1983) 46. It holds in fresh
+/// water too, which the equations of Mackenzie (1981) and Del Grosso (1974) do not. The pressure is
+/// taken as a tenth of a bar a metre, within 3 %: in 100 m that is 0.05 m/s.
 pub(super) fn sound_speed_m_s(temperature_c: f64, salinity_psu: f64, depth_m: f64) -> f64 {
     at_pressure(temperature_c, salinity_psu, 0.1 * depth_m)
 }
@@ -107,9 +98,7 @@ fn at_pressure(t: f64, s: f64, bar: f64) -> f64 {
 /// Horner's rule over rows of pressure and columns of temperature.
 fn polynomial<const N: usize>(rows: &[[f64; N]], t: f64, bar: f64) -> f64 {
     let row = |row: &[f64; N]| row.iter().rev().fold(0.0, |sum, factor| sum * t + factor);
-    rows.iter()
-        .rev()
-        .fold(0.0, |sum, factors| sum * bar + row(factors))
+    rows.iter().rev().fold(0.0, |sum, factors| sum * bar + row(factors))
 }
 
 #[cfg(test)]
@@ -118,8 +107,9 @@ mod tests {
 
     #[test]
     fn speeds_are_those_of_unesco() {
-        // The check value of Fofonoff and Millard (1983), page 48: S 40, T 40 C, 10 000 dbar. The others by the Python package
-        // `seawater` 3.3.5 (`svel(s, t / 1.00024, p)`: it takes temperatures of 1990, the equation those of 1968).
+        // The check value of Fofonoff and Millard (1983), page 48: S 40, T 40 C, 10 000 dbar. The
+        // others by the Python package `seawater` 3.3.5 (`svel(s, t / 1.00024, p)`: it takes
+        // temperatures of 1990, the equation those of 1968).
         for (t, s, bar, expected) in [
             (40.0, 40.0, 1000.0, 1731.995),
             (20.0, 0.0, 0.0, 1482.343308),

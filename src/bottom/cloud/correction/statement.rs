@@ -23,7 +23,8 @@ impl DepthReference {
         }
     }
 
-    /// Over a scale of depths in some unit, `m`; short where nothing was corrected, which is the rule.
+    /// Over a scale of depths in some unit, `m`; short where nothing was corrected, which is the
+    /// rule.
     pub fn title(self, unit: &str) -> String {
         match self {
             Self::Transducer => format!("depth, {unit}"),
@@ -57,10 +58,7 @@ impl Correction {
             some => format!("Applied: {}", some.join("; ")),
         };
         [
-            format!(
-                "Depths are below {}. {applied}.",
-                self.reference().in_words()
-            ),
+            format!("Depths are below {}. {applied}.", self.reference().in_words()),
             format!("Not corrected: {}.", missing.join(", ")),
         ]
     }
@@ -110,14 +108,9 @@ impl Correction {
                 0.0 => String::new(),
                 offset_s => format!(", {offset_s} s later than the log's clock says,"),
             };
-            applied.push(format!(
-                "water level by the readings of {name}{zero}{clock} taken off"
-            ));
+            applied.push(format!("water level by the readings of {name}{zero}{clock} taken off"));
         } else if settings.water_level_m != 0.0 {
-            applied.push(format!(
-                "water level {} m taken off",
-                settings.water_level_m
-            ));
+            applied.push(format!("water level {} m taken off", settings.water_level_m));
         }
         if settings.height_offset_m != 0.0 {
             applied.push(format!(
@@ -136,9 +129,6 @@ impl Correction {
             (settings.sound_speed.water_m_s().is_some(), "sound speed"),
         ];
         let unknown = known.iter().filter(|(known, _)| !known);
-        unknown
-            .map(|(_, name)| *name)
-            .chain(["roll and pitch"])
-            .collect()
+        unknown.map(|(_, name)| *name).chain(["roll and pitch"]).collect()
     }
 }

@@ -2,11 +2,7 @@ use super::*;
 use bathyscope_log::survey::{MountingSettings, Sounding};
 
 fn survey(start_unix_s: Option<f64>) -> Survey {
-    let sounding = |time_s| Sounding {
-        time_s,
-        depth_m: 3.0,
-        locked: true,
-    };
+    let sounding = |time_s| Sounding { time_s, depth_m: 3.0, locked: true };
     Survey {
         start_unix_s,
         soundings: vec![sounding(0.0), sounding(1800.0)].into(),
@@ -21,10 +17,7 @@ fn readings() -> WaterLevelSettings {
         readings: vec![(1_634_000_000.0, 1.5), (1_634_003_600.0, 2.5)],
         ..Gauge::default()
     };
-    WaterLevelSettings {
-        file: Some(gauge.path.clone()),
-        gauge: Some(Arc::new(gauge)),
-    }
+    WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) }
 }
 
 #[test]
@@ -33,20 +26,15 @@ fn everything_at_once_is_the_sum_of_its_parts() {
         draft_m: 0.4,
         water_level_m: 100.0,
         water_level: readings(),
-        sound_speed: SoundSpeedSettings {
-            m_s: Some(1485.0),
-            ..SoundSpeedSettings::default()
-        },
+        sound_speed: SoundSpeedSettings { m_s: Some(1485.0), ..SoundSpeedSettings::default() },
         height_offset_m: -0.07,
     };
     let made = Correction::new(settings, &survey(Some(1_634_000_000.0)));
     assert_eq!(made.refused(), None);
-    // 3 m at 0.99 of the speed, 0.4 m deeper, and the water half an hour later 102 m above the level.
+    // 3 m at 0.99 of the speed, 0.4 m deeper, and the water half an hour later 102 m above the
+    // level.
     let depth_m = made.depth_m(1800.0, 3.0);
-    assert!(
-        (depth_m - (3.0 * 0.99 + 0.4 - 102.0 + 0.07)).abs() < 1e-9,
-        "{depth_m}"
-    );
+    assert!((depth_m - (3.0 * 0.99 + 0.4 - 102.0 + 0.07)).abs() < 1e-9, "{depth_m}");
     assert!((made.middle_level_m() - 101.75).abs() < 1e-9);
     let said = made.statement();
     for words in [
@@ -74,17 +62,12 @@ fn nothing_known_changes_nothing_and_says_so() {
 
 #[test]
 fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right() {
-    // The water rises 1 m an hour. A recorder whose clock is 6 minutes behind takes readings that are 10 cm too low.
+    // The water rises 1 m an hour. A recorder whose clock is 6 minutes behind takes readings that
+    // are 10 cm too low.
     let behind = survey(Some(1_634_000_000.0));
     let with = |clock_offset_s| {
-        let settings = DepthSettings {
-            water_level: readings(),
-            ..DepthSettings::default()
-        };
-        let mounting = MountingSettings {
-            clock_offset_s,
-            ..MountingSettings::default()
-        };
+        let settings = DepthSettings { water_level: readings(), ..DepthSettings::default() };
+        let mounting = MountingSettings { clock_offset_s, ..MountingSettings::default() };
         Correction::new(settings, &behind.clone().mounted(&mounting))
     };
     let [wrong, right] = [with(0.0), with(360.0)];
@@ -92,11 +75,7 @@ fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right
         let off_m = wrong.depth_m(time_s, 3.0) - right.depth_m(time_s, 3.0);
         assert!((off_m - 0.1).abs() < 1e-9, "{time_s}: {off_m}");
     }
-    assert!(
-        right.statement().contains("360 s later"),
-        "{}",
-        right.statement()
-    );
+    assert!(right.statement().contains("360 s later"), "{}", right.statement());
     // Put an hour ahead, the log ends after the last reading.
     assert!(with(3600.0).refused().is_some());
 }
@@ -104,30 +83,15 @@ fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right
 #[test]
 fn readings_that_do_not_cover_the_log_are_refused() {
     let with = |start_unix_s| {
-        let settings = DepthSettings {
-            water_level: readings(),
-            ..DepthSettings::default()
-        };
+        let settings = DepthSettings { water_level: readings(), ..DepthSettings::default() };
         Correction::new(settings, &survey(start_unix_s))
     };
     let late = with(Some(1_634_002_000.0));
     let why = late.refused().expect("a reason").to_string();
-    assert!(
-        why.contains("01:53:20") && why.contains("01:56:40"),
-        "{why}"
-    );
+    assert!(why.contains("01:53:20") && why.contains("01:56:40"), "{why}");
     // Nothing is corrected by half.
     assert_eq!(late.depth_m(0.0, 3.0), 3.0);
-    assert!(
-        late.statement()
-            .contains("Not corrected: draft, water level")
-    );
+    assert!(late.statement().contains("Not corrected: draft, water level"));
     assert!(with(Some(1_633_999_999.0)).refused().is_some());
-    assert!(
-        with(None)
-            .refused()
-            .expect("a reason")
-            .to_string()
-            .contains("does not know the time")
-    );
+    assert!(with(None).refused().expect("a reason").to_string().contains("does not know the time"));
 }

@@ -1,6 +1,7 @@
 //! Cell numbers along one axis.
 
-/// Cells along one axis. Long empty stretches can be left out, so that a far outlier costs one cell, not a grid.
+/// Cells along one axis. Long empty stretches can be left out, so that a far outlier costs one
+/// cell, not a grid.
 #[derive(Debug)]
 pub(super) struct CellAxis {
     /// Where each occupied stretch begins, ascending, with its first cell number.
@@ -11,19 +12,17 @@ pub(super) struct CellAxis {
 }
 
 impl CellAxis {
-    /// More cells than this along an axis make their numbers inexact: empty stretches must be left out.
+    /// More cells than this along an axis make their numbers inexact: empty stretches must be left
+    /// out.
     const MAX_DIRECT: f64 = 1e9;
 
     /// One cell for everything.
     pub(super) fn single() -> Self {
-        Self {
-            stretches: vec![(0.0, 0)],
-            cells_per_m: 0.0,
-            len: 1,
-        }
+        Self { stretches: vec![(0.0, 0)], cells_per_m: 0.0, len: 1 }
     }
 
-    /// Evenly from the smallest to the largest of the values; `None` when there would be too many cells to number.
+    /// Evenly from the smallest to the largest of the values; `None` when there would be too many
+    /// cells to number.
     pub(super) fn even(values: impl Iterator<Item = f64>, cell_m: f64) -> Option<Self> {
         let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
             (min.min(value), max.max(value))
@@ -36,8 +35,9 @@ impl CellAxis {
         })
     }
 
-    /// As [`CellAxis::even`], but a gap of more than a cell between two values starts a new stretch, which is numbered on
-    /// with one empty cell between. Values on the two sides of a gap are no neighbours.
+    /// As [`CellAxis::even`], but a gap of more than a cell between two values starts a new
+    /// stretch, which is numbered on with one empty cell between. Values on the two sides of a gap
+    /// are no neighbours.
     pub(super) fn compact(values: impl Iterator<Item = f64>, cell_m: f64) -> Self {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -50,11 +50,7 @@ impl CellAxis {
                 stretches.push((pair[1], last + 2));
             }
         }
-        let mut axis = Self {
-            stretches,
-            cells_per_m,
-            len: 0,
-        };
+        let mut axis = Self { stretches, cells_per_m, len: 0 };
         axis.len = u64::from(axis.cell(sorted[sorted.len() - 1])) + 1;
         axis
     }

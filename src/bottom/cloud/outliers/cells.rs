@@ -5,7 +5,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// A grid with more cells than this times the points is mostly empty: sorting by comparison is cheaper than counting.
+/// A grid with more cells than this times the points is mostly empty: sorting by comparison is
+/// cheaper than counting.
 const DENSE_CELLS_PER_POINT: u64 = 4;
 /// Points that are looked at to find out whether the cloud is flat, at most.
 const FLATNESS_POINTS: usize = 1_000_000;
@@ -49,17 +50,10 @@ impl Axes {
     fn new(place: &impl PointPlace, order: &[u32], cell_m: f64) -> Self {
         let along = |axis: usize| order.iter().map(move |&index| place(index)[axis]);
         let even = |axis: usize| CellAxis::even(along(axis), cell_m);
-        let few = |axes: &Axes| {
-            axes.cell_count()
-                .is_some_and(|count| is_dense(count, order.len()))
-        };
+        let few = |axes: &Axes| axes.cell_count().is_some_and(|count| is_dense(count, order.len()));
         if let (Some(x), Some(y)) = (even(0), even(1)) {
             let flat = is_flat(place, order, &x, &y, cell_m);
-            let z = if flat {
-                Some(CellAxis::single())
-            } else {
-                even(2)
-            };
+            let z = if flat { Some(CellAxis::single()) } else { even(2) };
             if let Some(axes) = z.map(|z| Self { x, y, z }).filter(few) {
                 return axes;
             }
@@ -72,10 +66,7 @@ impl Axes {
     }
 
     fn cell_count(&self) -> Option<u64> {
-        self.x
-            .len
-            .checked_mul(self.stride())?
-            .checked_mul(self.z.len)
+        self.x.len.checked_mul(self.stride())?.checked_mul(self.z.len)
     }
 
     fn stride(&self) -> u64 {
@@ -91,8 +82,8 @@ fn is_dense(cell_count: u64, points: usize) -> bool {
     cell_count <= DENSE_CELLS_PER_POINT * points as u64 + 4096 && cell_count < u64::from(u32::MAX)
 }
 
-/// Whether most of the points in a column of cells are within a cell of each other in height: then columns cost fewer
-/// tests than cells. Judged on a sample.
+/// Whether most of the points in a column of cells are within a cell of each other in height: then
+/// columns cost fewer tests than cells. Judged on a sample.
 fn is_flat(
     place: &impl PointPlace,
     order: &[u32],
@@ -127,19 +118,13 @@ impl CellPoints {
     ) -> Result<Self, Cancelled> {
         let axes = Axes::new(place, &order, cell_m);
         progress.check()?;
-        let order = match axes
-            .cell_count()
-            .filter(|&count| is_dense(count, order.len()))
-        {
+        let order = match axes.cell_count().filter(|&count| is_dense(count, order.len())) {
             Some(count) => by_counting(place, &order, &axes, count as usize),
             None => by_comparing(place, order, &axes),
         };
         progress.check()?;
         let sorted: Vec<[f64; 3]> = order.par_iter().map(|&index| place(index)).collect();
-        let x_cells = sorted
-            .par_iter()
-            .map(|point| axes.x.cell(point[0]))
-            .collect();
+        let x_cells = sorted.par_iter().map(|point| axes.x.cell(point[0])).collect();
         Ok(Self {
             rows: rows(&sorted, &axes),
             points: sorted,
@@ -187,15 +172,9 @@ fn rows(sorted: &[[f64; 3]], axes: &Axes) -> Vec<CellRow> {
     let mut rows: Vec<CellRow> = Vec::new();
     for (start, &key) in keys.iter().enumerate() {
         if rows.last().is_none_or(|row| row.key != key) {
-            rows.push(CellRow {
-                key,
-                start: start as u32,
-            });
+            rows.push(CellRow { key, start: start as u32 });
         }
     }
-    rows.push(CellRow {
-        key: u64::MAX,
-        start: sorted.len() as u32,
-    });
+    rows.push(CellRow { key: u64::MAX, start: sorted.len() as u32 });
     rows
 }

@@ -3,11 +3,12 @@
 //! In: places, a radius and a number of neighbours. Out: which places are kept.
 //! It uses `support`.
 //!
-//! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than the radius. The points
-//! are sorted into cells one radius wide, so that all that matters to a cell lies in the cells around it, and in memory
-//! the cells of a row lie side by side. Counting stops as soon as a point is known to be kept. A flat cloud is sorted
-//! into columns instead, because its cells above and below are empty. Where a cell is so full that testing all in it would take
-//! too long, a tree of boxes counts instead.
+//! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than
+//! the radius. The points are sorted into cells one radius wide, so that all that matters to a cell
+//! lies in the cells around it, and in memory the cells of a row lie side by side. Counting stops
+//! as soon as a point is known to be kept. A flat cloud is sorted into columns instead, because its
+//! cells above and below are empty. Where a cell is so full that testing all in it would take too
+//! long, a tree of boxes counts instead.
 
 mod axis;
 mod cells;
@@ -18,13 +19,15 @@ use axis::CellAxis;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use cells::CellPoints;
 
-/// Cells are this much wider than the radius, so that rounding never puts neighbours two cells apart.
+/// Cells are this much wider than the radius, so that rounding never puts neighbours two cells
+/// apart.
 const CELL_MARGIN: f64 = 1.0 + 1e-6;
 
-/// Which points have more than `min_neighbors` points (themselves included) strictly within `radius_m`: one flag a point.
+/// Which points have more than `min_neighbors` points (themselves included) strictly within
+/// `radius_m`: one flag a point.
 ///
-/// Distances are compared in f64. Points with a coordinate that is not finite are dropped and are nobody's neighbours.
-/// Memory is proportional to the number of points, however far apart they lie.
+/// Distances are compared in f64. Points with a coordinate that is not finite are dropped and are
+/// nobody's neighbours. Memory is proportional to the number of points, however far apart they lie.
 pub fn keep(
     points: &[[f64; 3]],
     radius_m: f64,
@@ -59,10 +62,7 @@ pub(super) fn keep_places(
     }
     let cells = CellPoints::sorted(place, order, radius_m * CELL_MARGIN, progress)?;
     for (&index, flag) in
-        cells
-            .order
-            .iter()
-            .zip(sweep::flags(&cells, radius_m, min_neighbors, progress)?)
+        cells.order.iter().zip(sweep::flags(&cells, radius_m, min_neighbors, progress)?)
     {
         kept[index as usize] = flag;
     }

@@ -11,10 +11,12 @@ use std::sync::OnceLock;
 const ROWS_A_TASK: usize = 64;
 /// Tests between two looks at whether a point has enough neighbours.
 const BLOCK: usize = 8;
-/// Tests of one point, after which the tree is asked instead: in the densest survey a point has its neighbours together sooner.
+/// Tests of one point, after which the tree is asked instead: in the densest survey a point has its
+/// neighbours together sooner.
 const MOST_TESTS: usize = 2048;
 
-/// For each sorted point, whether more than `min_neighbors` points lie strictly within the radius, itself included.
+/// For each sorted point, whether more than `min_neighbors` points lie strictly within the radius,
+/// itself included.
 pub(super) fn flags(
     cells: &CellPoints,
     radius_m: f64,
@@ -74,10 +76,7 @@ fn sweep_row(cells: &CellPoints, row: usize, counter: &Counter, flags: &mut Vec<
     let mut first = own.start;
     while first < own.row_end {
         let cell = cells.x_cells[first];
-        let length = cells.x_cells[first..own.row_end]
-            .iter()
-            .take_while(|&&x| x == cell)
-            .count();
+        let length = cells.x_cells[first..own.row_end].iter().take_while(|&&x| x == cell).count();
         own.slide_to(cell, &cells.x_cells);
         for slice in around.iter_mut() {
             slice.slide_to(cell, &cells.x_cells);
@@ -94,14 +93,11 @@ fn sweep_row(cells: &CellPoints, row: usize, counter: &Counter, flags: &mut Vec<
 
 fn slice_of(cells: &CellPoints, row: usize) -> RowSlice {
     let start = cells.rows[row].start as usize;
-    RowSlice {
-        start,
-        end: start,
-        row_end: cells.rows[row + 1].start as usize,
-    }
+    RowSlice { start, end: start, row_end: cells.rows[row + 1].start as usize }
 }
 
-/// The occupied rows around a row, itself left out: two beside it, and three in the layers below and above.
+/// The occupied rows around a row, itself left out: two beside it, and three in the layers below
+/// and above.
 fn neighbour_rows(cells: &CellPoints, row: usize) -> ([RowSlice; 8], usize) {
     let rows = &cells.rows[..cells.rows.len() - 1];
     let key = rows[row].key;
@@ -150,12 +146,11 @@ impl Counter<'_> {
         }
         let (mut found, mut tested) = (0, 0);
         for slice in slices {
-            // In blocks without a branch in them; a look at the count after each keeps dense cells cheap.
+            // In blocks without a branch in them; a look at the count after each keeps dense cells
+            // cheap.
             for block in self.points[slice].chunks(BLOCK) {
-                found += block
-                    .iter()
-                    .filter(|point| distance_square(at, point) < self.square)
-                    .count();
+                found +=
+                    block.iter().filter(|point| distance_square(at, point) < self.square).count();
                 if found >= self.enough {
                     return true;
                 }

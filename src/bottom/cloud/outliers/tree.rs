@@ -1,8 +1,10 @@
-//! Counts neighbours in a tree of boxes: for points among so many others that testing each would take too long.
+//! Counts neighbours in a tree of boxes: for points among so many others that testing each would
+//! take too long.
 //!
-//! A box that lies within the radius as a whole is counted by its number of points, one that lies beyond is passed over, so that
-//! a million points at one place cost one test. Rounding is monotonic: the square of the distance to the far corner of a box,
-//! computed as for a point, is never below that of a point in the box, so that the outcome is that of testing each.
+//! A box that lies within the radius as a whole is counted by its number of points, one that lies
+//! beyond is passed over, so that a million points at one place cost one test. Rounding is
+//! monotonic: the square of the distance to the far corner of a box, computed as for a point, is
+//! never below that of a point in the box, so that the outcome is that of testing each.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -14,7 +16,8 @@ const LEAF: usize = 16;
 pub(super) struct Tree {
     /// The points, those of a box side by side.
     points: Vec<[f64; 3]>,
-    /// The box around all points, then both halves of each box: box `n` has the halves `2 n + 1` and `2 n + 2`.
+    /// The box around all points, then both halves of each box: box `n` has the halves `2 n + 1`
+    /// and `2 n + 2`.
     boxes: Vec<PointBounds>,
 }
 
@@ -26,20 +29,14 @@ struct PointBounds {
 }
 
 impl PointBounds {
-    const NONE: Self = Self {
-        low: [f64::INFINITY; 3],
-        high: [f64::NEG_INFINITY; 3],
-    };
+    const NONE: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     fn of(points: &[[f64; 3]]) -> Self {
         points.iter().fold(Self::NONE, |Self { low, high }, point| {
             let pick = |of: fn(f64, f64) -> f64, bound: [f64; 3]| {
                 [0, 1, 2].map(|axis| of(bound[axis], point[axis]))
             };
-            Self {
-                low: pick(f64::min, low),
-                high: pick(f64::max, high),
-            }
+            Self { low: pick(f64::min, low), high: pick(f64::max, high) }
         })
     }
 
@@ -69,8 +66,9 @@ impl Tree {
         Self { points, boxes }
     }
 
-    /// Whether at least `enough` points lie strictly within the radius, of which the square is given. Large boxes are looked at
-    /// first, so that the answer is often known before any point is tested.
+    /// Whether at least `enough` points lie strictly within the radius, of which the square is
+    /// given. Large boxes are looked at first, so that the answer is often known before any point
+    /// is tested.
     pub(super) fn has_enough(&self, at: &[f64; 3], square: f64, enough: usize) -> bool {
         let (mut found, mut possible) = (0, self.points.len());
         let mut open = VecDeque::from([(0, 0..self.points.len())]);
@@ -86,9 +84,7 @@ impl Tree {
                 }
                 None => {
                     let points = self.points[range.clone()].iter();
-                    points
-                        .filter(|point| distance_square(at, point) < square)
-                        .count()
+                    points.filter(|point| distance_square(at, point) < square).count()
                 }
             };
             found += inside;
@@ -137,14 +133,12 @@ mod tests {
 
     #[test]
     fn the_tree_counts_as_testing_each_point_does() {
-        // A lattice, so that many points lie at the radius exactly, some of it twice, with a crowd at one place.
+        // A lattice, so that many points lie at the radius exactly, some of it twice, with a crowd
+        // at one place.
         let lattice = (0..4096).map(|i| [i % 16, i / 16 % 16, i / 256].map(f64::from));
         let crowd = std::iter::repeat_n([7.5, 7.5, 7.25], 3000);
-        let points: Vec<[f64; 3]> = lattice
-            .clone()
-            .chain(lattice.step_by(3))
-            .chain(crowd)
-            .collect();
+        let points: Vec<[f64; 3]> =
+            lattice.clone().chain(lattice.step_by(3)).chain(crowd).collect();
         let tree = Tree::new(points.clone());
         for square in [1.0, 4.0, 6.75, 81.0, f64::INFINITY] {
             for at in points.iter().step_by(97) {

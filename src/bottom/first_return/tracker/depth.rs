@@ -18,19 +18,13 @@ impl Depths {
     pub(super) fn of(survey: &Survey, chunk: &TrackerChunk, cell_m: f64) -> Self {
         let depths = chunk.pings.iter().map(|&ping| {
             let depth_m = f64::from(survey.locked_depth_m(ping as usize));
-            if depth_m > 0.0 {
-                depth_m / cell_m
-            } else {
-                f64::NAN
-            }
+            if depth_m > 0.0 { depth_m / cell_m } else { f64::NAN }
         });
-        Self {
-            cells: depths.collect(),
-            near: chunk.near_m / cell_m,
-        }
+        Self { cells: depths.collect(), near: chunk.near_m / cell_m }
     }
 
-    /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth, no change.
+    /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth,
+    /// no change.
     pub(super) fn weigh(&self, scores: &mut Scores) {
         let (near, far) = TUNING.depth_window;
         for (row, depth) in self.known() {
@@ -39,11 +33,13 @@ impl Depths {
         }
     }
 
-    /// Lowers what lies beyond the recorded depth, if any of the line does: the bottom below the boat returns at that range,
-    /// so nothing farther can be the first return. Under a boulder's or a wreck's echo the line would else run on along the
-    /// ground. Returns whether anything was lowered.
+    /// Lowers what lies beyond the recorded depth, if any of the line does: the bottom below the
+    /// boat returns at that range, so nothing farther can be the first return. Under a boulder's or
+    /// a wreck's echo the line would else run on along the ground. Returns whether anything was
+    /// lowered.
     ///
-    /// The depth must have earned it: it is believed where it bounds the line on nearly all pings of the chunk.
+    /// The depth must have earned it: it is believed where it bounds the line on nearly all pings
+    /// of the chunk.
     pub(super) fn forbid_beyond(&self, line: &[usize], scores: &mut Scores) -> bool {
         let nearest = |depth: f64| self.cell(TUNING.depth_window.0 * depth);
         let limit = |depth: f64| self.cell(TUNING.farthest_share * depth);

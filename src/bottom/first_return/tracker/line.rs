@@ -14,9 +14,7 @@ pub(super) const RIVAL_M: f64 = 0.25;
 
 /// The mean score of the line around each row; `None` where it is no pick.
 pub(super) fn evidence(scores: &TrackerGrid, line: &[usize]) -> Vec<Option<f32>> {
-    let own: Vec<f32> = (0..line.len())
-        .map(|row| scores.row(row)[line[row]])
-        .collect();
+    let own: Vec<f32> = (0..line.len()).map(|row| scores.row(row)[line[row]]).collect();
     (0..line.len())
         .map(|row| {
             let near = row.saturating_sub(ALONG)..line.len().min(row + ALONG + 1);

@@ -1,13 +1,14 @@
-//! The bottom edge as a whole line: the path over range, along the track, that gathers most evidence of a step from water
-//! to bottom and jumps least.
+//! The bottom edge as a whole line: the path over range, along the track, that gathers most
+//! evidence of a step from water to bottom and jumps least.
 //!
-//! In: a survey, with the scale of its picture. Out: a sample and a confidence for each ping on both sides.
-//! It uses `survey` and `support`.
+//! In: a survey, with the scale of its picture. Out: a sample and a confidence for each ping on
+//! both sides. It uses `survey` and `support`.
 //!
-//! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score` measures the step at
-//! every sample, `depth` compares the recorded depth with it, `viterbi` finds the best path, `line` says where it is a pick
-//! and how sure, and `refine` finds the edge within a fraction of a sample on the picture that `straight` lays along the line,
-//! with what `onset` finds just before it.
+//! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score`
+//! measures the step at every sample, `depth` compares the recorded depth with it, `viterbi` finds
+//! the best path, `line` says where it is a pick and how sure, and `refine` finds the edge within a
+//! fraction of a sample on the picture that `straight` lays along the line, with what `onset` finds
+//! just before it.
 
 mod depth;
 mod grid;
@@ -30,8 +31,8 @@ use std::ops::Range;
 
 /// What the tracker is set to; chosen on simulated ponds and looked at on real recordings.
 ///
-/// Lengths are in metres where the bottom decides, with limits in cells of the picture where the recorder's grid does:
-/// a range of 37 m in 512 samples is coarser than any step.
+/// Lengths are in metres where the bottom decides, with limits in cells of the picture where the
+/// recorder's grid does: a range of 37 m in 512 samples is coarser than any step.
 struct Tuning {
     /// Length of the windows compared on both sides of a step, metres.
     window_m: f64,
@@ -39,16 +40,18 @@ struct Tuning {
     window_cells: usize,
     /// Farthest that the line moves from ping to ping without a leap, metres.
     move_m: f64,
-    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell. Little: a bottom that slopes
-    /// 20 degrees along the track moves 5 cm at every ping, and must not be left for it.
+    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell.
+    /// Little: a bottom that slopes 20 degrees along the track moves 5 cm at every ping, and must
+    /// not be left for it.
     move_cost_per_m: f64,
     /// See `move_cost_per_m`.
     move_cost_per_cell: f64,
-    /// How many standard deviations of the noise the echo before a step may lie above quiet water. Over the boulders of the real
-    /// river the step from a boulder to the ground behind it is often the greater one; the first is the one from the water.
+    /// How many standard deviations of the noise the echo before a step may lie above quiet water.
+    /// Over the boulders of the real river the step from a boulder to the ground behind it is often
+    /// the greater one; the first is the one from the water.
     quiet: f32,
-    /// Score that each further one costs. On the river any from 0.3 on finds the boulders; on ponds none up to 1 changes the
-    /// error by more than a tenth of a millimetre.
+    /// Score that each further one costs. On the river any from 0.3 on finds the boulders; on ponds
+    /// none up to 1 changes the error by more than a tenth of a millimetre.
     loud_cost: f32,
     /// How much brighter the water may grow with range, bytes a metre.
     water_grows_per_m: f64,
@@ -58,7 +61,8 @@ struct Tuning {
     depth_cost: f32,
     /// Window around the recorded depth, as shares of it.
     depth_window: (f64, f64),
-    /// Farthest that a first return lies, as a share of a depth to be believed: both are rounded and noisy.
+    /// Farthest that a first return lies, as a share of a depth to be believed: both are rounded
+    /// and noisy.
     farthest_share: f64,
     /// Share of the pings whose line must lie before that for the depth to be believed.
     depth_trust: f64,
@@ -93,13 +97,7 @@ pub(super) fn track(
 ) -> Result<[Vec<MethodPick>; 2], Cancelled> {
     let mut sides = [Vec::new(), Vec::new()];
     let chunks = Side::BOTH.map(|side| runs::chunks(survey, side, &pings));
-    progress.start(
-        chunks
-            .iter()
-            .flatten()
-            .map(|chunk| chunk.kept.len() as u64)
-            .sum(),
-    );
+    progress.start(chunks.iter().flatten().map(|chunk| chunk.kept.len() as u64).sum());
     for ((side, chunks), picks) in Side::BOTH.into_iter().zip(&chunks).zip(&mut sides) {
         let tracked = chunks
             .par_iter()
@@ -142,10 +140,8 @@ impl Workspace {
     ) -> Vec<MethodPick> {
         let cell_m = chunk.metres_per_sample * rows::cell(normalisation.samples) as f64;
         self.rows.load(survey, normalisation, side, chunk);
-        self.scores.measure(
-            &self.rows,
-            &score::Kernel::new(normalisation, settings, chunk, cell_m),
-        );
+        self.scores
+            .measure(&self.rows, &score::Kernel::new(normalisation, settings, chunk, cell_m));
         let depths = depth::Depths::of(survey, chunk, cell_m);
         depths.weigh(&mut self.scores);
         let motion = viterbi::MotionCost::at(cell_m);

@@ -1,8 +1,9 @@
 //! The echo just before the edge: a stone, the side of a boulder, the crest of a bump.
 //!
-//! The edge is read off a profile that is averaged over many pings, which a stone of two pings does not survive. Its echo is
-//! weaker than that of the ground behind it, but it is the first return. So each row is read once more, hardly averaged:
-//! where does what lies unbroken before the edge rise out of the water?
+//! The edge is read off a profile that is averaged over many pings, which a stone of two pings does
+//! not survive. Its echo is weaker than that of the ground behind it, but it is the first return.
+//! So each row is read once more, hardly averaged: where does what lies unbroken before the edge
+//! rise out of the water?
 
 use super::grid::TrackerGrid;
 use super::rows::SampleRows;
@@ -10,16 +11,19 @@ use super::straight::{extract, gaussian, smooth_along};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;
 
-/// Standard deviation of the averaging along the track, pings, and length of that along the range, metres.
+/// Standard deviation of the averaging along the track, pings, and length of that along the range,
+/// metres.
 const ALONG_PINGS: f32 = 0.6;
 const BLUR_M: f64 = 0.04;
-/// The water is measured from the first to the second distance before the edge, the bottom so far beyond it, metres.
+/// The water is measured from the first to the second distance before the edge, the bottom so far
+/// beyond it, metres.
 const WATER_M: (f64, f64) = (0.45, 0.25);
 const BOTTOM_M: (f64, f64) = (0.03, 0.12);
-/// Rise above the water that is an onset, as a share of the usual contrast between bottom and water.
+/// Rise above the water that is an onset, as a share of the usual contrast between bottom and
+/// water.
 const RISE: f32 = 0.18;
-/// So many standard deviations of the water that rise must be. In louder water nothing that faint can be distinguished from noise,
-/// and the edge stays where it is.
+/// So many standard deviations of the water that rise must be. In louder water nothing that faint
+/// can be distinguished from noise, and the edge stays where it is.
 const QUIET: f32 = 4.0;
 /// How much earlier than usual an onset may be by its noise alone, metres.
 const NOISE_M: f64 = 0.003;
@@ -44,8 +48,8 @@ struct EdgeLevels {
 impl Onsets {
     /// Moves the places of the edge to earlier onsets, so far as those stand out from noise.
     ///
-    /// Every onset lies a little before the edge that is read off the averaged profile; the usual lead is not taken for a
-    /// stone.
+    /// Every onset lies a little before the edge that is read off the averaged profile; the usual
+    /// lead is not taken for a stone.
     pub(super) fn advance(
         &mut self,
         rows: &SampleRows,
@@ -61,8 +65,7 @@ impl Onsets {
         self.lay_straight(rows, stretches, places, middle, cells(BLUR_M / 2.0, 1));
         self.levels.clear();
         for row in 0..places.len() {
-            self.levels
-                .push(EdgeLevels::of(self.picture.row(row), &water, &bottom));
+            self.levels.push(EdgeLevels::of(self.picture.row(row), &water, &bottom));
         }
         let rise = RISE * self.median(|row| row.bottom - row.water);
         if rise < QUIET * self.median(|row| row.deviation) {
@@ -74,11 +77,7 @@ impl Onsets {
                 rises_above(levels.water + rise, picture).map_or(f32::NAN, |at| at - middle as f32)
             })
             .collect();
-        let mut known: Vec<f32> = leads
-            .iter()
-            .copied()
-            .filter(|lead| !lead.is_nan())
-            .collect();
+        let mut known: Vec<f32> = leads.iter().copied().filter(|lead| !lead.is_nan()).collect();
         let usual = upper_median(&mut known, f32::total_cmp).unwrap_or(0.0);
         let noise = (NOISE_M / cell_m) as f32;
         for (place, lead) in places.iter_mut().zip(&leads) {
@@ -103,13 +102,7 @@ impl Onsets {
         let weights = gaussian(ALONG_PINGS);
         self.picture.reset(places.len(), 2 * middle + 1, 0.0);
         for stretch in stretches {
-            extract(
-                rows,
-                stretch,
-                &places[stretch.clone()],
-                middle,
-                &mut self.band,
-            );
+            extract(rows, stretch, &places[stretch.clone()], middle, &mut self.band);
             smooth_along(&self.band, &weights, &mut self.averaged);
             for (index, row) in stretch.clone().enumerate() {
                 blur_row(self.averaged.row(index), blur, self.picture.row_mut(row));
@@ -145,7 +138,8 @@ fn blur_row(values: &[f32], reach: usize, out: &mut [f32]) {
     }
 }
 
-/// Where, coming from the end, the values last lie above a level, interpolated; `None` where they never fall below it.
+/// Where, coming from the end, the values last lie above a level, interpolated; `None` where they
+/// never fall below it.
 fn rises_above(level: f32, values: &[f32]) -> Option<f32> {
     let below = values.iter().rposition(|&value| value < level)?;
     let high = *values.get(below + 1)?;

@@ -1,9 +1,10 @@
 //! From the cell that the line goes through to the place of the edge within a fraction of it.
 //!
-//! The first search smooths along the track and so blurs a sloping edge. Here the picture is laid straight along the
-//! line, searched again close by with shorter windows, and the edge is then read off the averaged profile at a fixed drop
-//! below the bottom's plateau. The recorders' picture is logarithmic, so the toe of a strong echo shows earlier than that of
-//! a weak one; a fixed drop in bytes is a fixed drop in decibels, at which both edges lie equally far from the true range.
+//! The first search smooths along the track and so blurs a sloping edge. Here the picture is laid
+//! straight along the line, searched again close by with shorter windows, and the edge is then read
+//! off the averaged profile at a fixed drop below the bottom's plateau. The recorders' picture is
+//! logarithmic, so the toe of a strong echo shows earlier than that of a weak one; a fixed drop in
+//! bytes is a fixed drop in decibels, at which both edges lie equally far from the true range.
 
 use super::grid::{TrackerGrid, peak_offset};
 use super::onset::Onsets;
@@ -14,8 +15,8 @@ use super::viterbi::{MotionCost, Paths};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;
 
-/// Standard deviation, in pings, of the smoothing of: the line that the picture is laid straight by, the picture that is
-/// searched again, the profile that the edge is read off.
+/// Standard deviation, in pings, of the smoothing of: the line that the picture is laid straight
+/// by, the picture that is searched again, the profile that the edge is read off.
 const LINE_PINGS: f32 = 3.0;
 const SEARCH_PINGS: f32 = 1.1;
 const PROFILE_PINGS: f32 = 6.0;
@@ -29,7 +30,8 @@ const MOVE: (usize, f32) = (4, 0.5);
 /// Where beyond the edge the plateau of the bottom lies, and before it the water, metres.
 const PLATEAU_M: (f64, f64) = (0.05, 0.14);
 const WATER_M: (f64, f64) = (0.07, 0.17);
-/// Drop below the plateau at which the edge is read, as a share of the median contrast between plateau and water.
+/// Drop below the plateau at which the edge is read, as a share of the median contrast between
+/// plateau and water.
 const DROP: f32 = 0.6;
 /// The edge is read at least this share of a row's own contrast above the water.
 const LEAST_RISE: f32 = 0.15;
@@ -46,7 +48,8 @@ pub(super) struct Refiner {
 }
 
 impl Refiner {
-    /// The place of the edge on every row, in cells. `limit` is how far the line moves from row to row without a leap.
+    /// The place of the edge on every row, in cells. `limit` is how far the line moves from row to
+    /// row without a leap.
     pub(super) fn refine(
         &mut self,
         rows: &SampleRows,
@@ -65,15 +68,12 @@ impl Refiner {
             extract(rows, &stretch, &found, reach, &mut self.band);
             smooth_along(&self.band, &gaussian(PROFILE_PINGS), &mut self.smoothed);
             for (index, row) in stretch.enumerate() {
-                self.profiles
-                    .row_mut(row)
-                    .copy_from_slice(self.smoothed.row(index));
+                self.profiles.row_mut(row).copy_from_slice(self.smoothed.row(index));
             }
             places.extend(found);
         }
-        let profiles: Vec<LineProfile> = (0..line.len())
-            .map(|row| LineProfile::of(self.profiles.row(row), cell_m))
-            .collect();
+        let profiles: Vec<LineProfile> =
+            (0..line.len()).map(|row| LineProfile::of(self.profiles.row(row), cell_m)).collect();
         let mut contrasts: Vec<f32> = profiles.iter().map(LineProfile::contrast).collect();
         let drop = DROP * upper_median(&mut contrasts, f32::total_cmp).unwrap_or(0.0);
         for (place, profile) in places.iter_mut().zip(&profiles) {
@@ -99,19 +99,11 @@ impl Refiner {
         for row in 0..stretch.len() {
             short_steps(self.smoothed.row(row), window, self.scores.row_mut(row));
         }
-        let motion = MotionCost {
-            limit: MOVE.0,
-            cost: MOVE.1,
-            leap: f32::INFINITY,
-        };
+        let motion = MotionCost { limit: MOVE.0, cost: MOVE.1, leap: f32::INFINITY };
         let found = self.paths.line(&self.scores, &motion);
-        let placed = found
-            .iter()
-            .zip(line)
-            .enumerate()
-            .map(|(row, (&cell, &line))| {
-                line - half as f32 + cell as f32 + peak_offset(self.scores.row(row), cell)
-            });
+        let placed = found.iter().zip(line).enumerate().map(|(row, (&cell, &line))| {
+            line - half as f32 + cell as f32 + peak_offset(self.scores.row(row), cell)
+        });
         placed.collect()
     }
 }
@@ -120,13 +112,11 @@ fn cells(metres: f64, cell_m: f64, least: usize) -> usize {
     ((metres / cell_m).round() as usize).clamp(least, 255)
 }
 
-/// The score of the first search, with windows short enough for the place of the edge, on a few cells.
+/// The score of the first search, with windows short enough for the place of the edge, on a few
+/// cells.
 fn short_steps(cells: &[f32], window: usize, out: &mut [f32]) {
     for at in window..(cells.len() + 1).saturating_sub(window) {
-        let (near, far) = (
-            moments(&cells[at - window..at]),
-            moments(&cells[at..at + window]),
-        );
+        let (near, far) = (moments(&cells[at - window..at]), moments(&cells[at..at + window]));
         out[at] = ((far.0 - near.0) / (near.1 + far.1 + FLOOR).sqrt()).min(MOST);
     }
 }
@@ -134,9 +124,9 @@ fn short_steps(cells: &[f32], window: usize, out: &mut [f32]) {
 /// Mean and variance.
 fn moments(values: &[f32]) -> (f32, f32) {
     let n = values.len() as f32;
-    let (sum, square) = values.iter().fold((0.0, 0.0), |(sum, square), &value| {
-        (sum + value, square + value * value)
-    });
+    let (sum, square) = values
+        .iter()
+        .fold((0.0, 0.0), |(sum, square), &value| (sum + value, square + value * value));
     let mean = sum / n;
     (mean, (square / n - mean * mean).max(0.0))
 }
@@ -174,18 +164,12 @@ impl<'a> LineProfile<'a> {
         let least = self.water + LEAST_RISE * self.contrast();
         let level = (self.plateau - drop).max(least);
         let middle = self.values.len() / 2;
-        let below = self.values[..self.plateau_end]
-            .iter()
-            .rposition(|&value| value < level);
+        let below = self.values[..self.plateau_end].iter().rposition(|&value| value < level);
         let Some(below) = below.filter(|&below| below + 1 < self.values.len()) else {
             return 0.0;
         };
         let (low, high) = (self.values[below], self.values[below + 1]);
-        let share = if high > low {
-            (level - low) / (high - low)
-        } else {
-            0.0
-        };
+        let share = if high > low { (level - low) / (high - low) } else { 0.0 };
         below as f32 + share.clamp(0.0, 1.0) - middle as f32
     }
 }

@@ -12,7 +12,8 @@ pub(super) fn cell(samples: SampleMode) -> usize {
     }
 }
 
-/// Cells that are searched, nearest first. Recorders write some 3000; a damaged header must not ask for gigabytes.
+/// Cells that are searched, nearest first. Recorders write some 3000; a damaged header must not ask
+/// for gigabytes.
 const MOST_CELLS: usize = 16_384;
 
 /// Rows of equal width; cells that were not recorded are zero.

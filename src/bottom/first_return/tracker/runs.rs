@@ -3,7 +3,8 @@
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
-/// Pings that a chunk answers for. Chunks begin at multiples of it, whatever part of the log is asked for.
+/// Pings that a chunk answers for. Chunks begin at multiples of it, whatever part of the log is
+/// asked for.
 const KEPT: usize = 512;
 
 /// Pings beyond both ends of a chunk that its line is found with, so that neighbours meet.
@@ -35,10 +36,7 @@ impl TrackerChunk {
 pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> Vec<TrackerChunk> {
     let mut chunks = Vec::new();
     for run in runs(survey, side) {
-        let Some(span) = run
-            .first()
-            .and_then(|&ping| survey.span(ping as usize, side))
-        else {
+        let Some(span) = run.first().and_then(|&ping| survey.span(ping as usize, side)) else {
             continue;
         };
         for start in (0..run.len()).step_by(KEPT) {
@@ -111,10 +109,7 @@ mod tests {
     fn line_breaks_at_time_gaps_and_range_changes() {
         let survey = survey((0..300).map(|ping| {
             let gap_s = if ping < 100 { 0.0 } else { 10.0 };
-            (
-                gap_s + 0.05 * f64::from(ping),
-                if ping < 200 { 12.0 } else { 15.0 },
-            )
+            (gap_s + 0.05 * f64::from(ping), if ping < 200 { 12.0 } else { 15.0 })
         }));
         let chunks = chunks(&survey, Side::Port, &(0..300));
         let starts: Vec<u32> = chunks.iter().map(|chunk| chunk.pings[0]).collect();
@@ -127,11 +122,7 @@ mod tests {
     fn every_ping_is_answered_for_once_and_chunks_do_not_depend_on_the_request() {
         let survey = survey((0..2000).map(|ping| (0.05 * f64::from(ping), 12.0)));
         let all = chunks(&survey, Side::Port, &(0..2000));
-        let kept: Vec<u32> = all
-            .iter()
-            .flat_map(TrackerChunk::kept_pings)
-            .copied()
-            .collect();
+        let kept: Vec<u32> = all.iter().flat_map(TrackerChunk::kept_pings).copied().collect();
         assert!(kept.into_iter().eq(0..2000));
         let some = chunks(&survey, Side::Port, &(700..701));
         assert_eq!(some.len(), 1);

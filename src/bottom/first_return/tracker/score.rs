@@ -14,10 +14,12 @@ const ALONG: [u16; 4] = [22, 15, 5, 1];
 /// Smoothed values are kept as 8 times a byte, in integers, so that sums over windows are exact.
 const FINE: f32 = 8.0;
 
-/// Variance of the noise floor, bytes squared: even quiet water is not certain to less than 3 bytes.
+/// Variance of the noise floor, bytes squared: even quiet water is not certain to less than 3
+/// bytes.
 pub(super) const FLOOR: f32 = 9.0;
 
-/// Neighbouring pings to each side of which an echo may be the one that reaches the threshold: speckle fades any one of them.
+/// Neighbouring pings to each side of which an echo may be the one that reaches the threshold:
+/// speckle fades any one of them.
 const LOUD_ALONG: isize = 2;
 
 /// Windows before a step that must be dark together.
@@ -32,7 +34,8 @@ pub(super) struct Kernel {
     window: usize,
     /// First cell that can be a return.
     first: usize,
-    /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour; above 255 for none.
+    /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour;
+    /// above 255 for none.
     level: u16,
     /// How much brighter the water may grow from cell to cell, in fine values.
     creep: f32,
@@ -52,10 +55,9 @@ impl Kernel {
         };
         Self {
             window: ((TUNING.window_m / cell_m).round() as usize).clamp(TUNING.window_cells, 255),
-            // Far beyond any row is far enough: sums of indices must not wrap where a header's range is next to nothing.
-            first: ((settings.dead_zone_m - chunk.near_m) / cell_m)
-                .ceil()
-                .clamp(0.0, 1e9) as usize,
+            // Far beyond any row is far enough: sums of indices must not wrap where a header's
+            // range is next to nothing.
+            first: ((settings.dead_zone_m - chunk.near_m) / cell_m).ceil().clamp(0.0, 1e9) as usize,
             level: level.ceil().clamp(0.0, 256.0) as u16,
             creep: FINE * (TUNING.water_grows_per_m * cell_m).min(255.0) as f32,
         }
@@ -75,11 +77,12 @@ pub(super) struct Scores {
     before: Vec<f32>,
 }
 
-/// Rows that are measured together: what is known of a cell's water waits for that of the cell before, so one row's waits are filled with the
-/// others' work.
+/// Rows that are measured together: what is known of a cell's water waits for that of the cell
+/// before, so one row's waits are filled with the others' work.
 const TOGETHER: usize = 4;
 
-/// Sums of the first cells of a row, from none to all; they may wrap, differences over a window do not.
+/// Sums of the first cells of a row, from none to all; they may wrap, differences over a window do
+/// not.
 #[derive(Default)]
 struct RunningSums {
     sums: Vec<u32>,
@@ -92,11 +95,7 @@ impl Scores {
 
     /// Replaces the scores by those of the rows.
     pub(super) fn measure(&mut self, rows: &SampleRows, kernel: &Kernel) {
-        vectorised(Measure {
-            scores: self,
-            rows,
-            kernel,
-        });
+        vectorised(Measure { scores: self, rows, kernel });
     }
 
     /// The same, not vectorised.
@@ -114,10 +113,7 @@ impl Scores {
             for (index, row) in (first..=last).take(TOGETHER).enumerate() {
                 let RunningSums { sums, squares } = &self.sums[index];
                 brightness_before(&mut self.before, sums, kernel);
-                let water = WaterBrightness {
-                    before: &self.before,
-                    quiet: &self.quiet[index],
-                };
+                let water = WaterBrightness { before: &self.before, quiet: &self.quiet[index] };
                 let out = self.grid.row_mut(row);
                 step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
                 self.find_loudest(rows, row, kernel.window);
@@ -167,7 +163,8 @@ impl Scores {
         }
     }
 
-    /// For every cell, the loudest one in the window that begins there, over this ping and its neighbours.
+    /// For every cell, the loudest one in the window that begins there, over this ping and its
+    /// neighbours.
     #[inline(always)]
     fn find_loudest(&mut self, rows: &SampleRows, row: usize, window: usize) {
         self.loudest.clear();
@@ -216,8 +213,9 @@ impl VectorLoop for Measure<'_> {
     }
 }
 
-/// At every cell, the mean of all cells before it from the dead zone on, or of the last few windows' worth if that is
-/// brighter: what must be dark for a step to be the first. Behind a boulder's shadow, the boulder lies in between.
+/// At every cell, the mean of all cells before it from the dead zone on, or of the last few
+/// windows' worth if that is brighter: what must be dark for a step to be the first. Behind a
+/// boulder's shadow, the boulder lies in between.
 #[inline(always)]
 fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     let first = kernel.first.min(sums.len());
@@ -230,18 +228,16 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
         *mean = sum.wrapping_sub(start) as i32 as f32 / count.max(1) as f32;
     }
     let per = 1.0 / window as f32;
-    let lasts = sums
-        .iter()
-        .skip(first)
-        .zip(sums.iter().skip(first + window));
+    let lasts = sums.iter().skip(first).zip(sums.iter().skip(first + window));
     for (mean, (before, here)) in out.iter_mut().skip(first + window).zip(lasts) {
         let last = here.wrapping_sub(*before) as i32 as f32 * per;
         *mean = if last > *mean { last } else { *mean };
     }
 }
 
-/// At every cell, how dark the water is before the window that ends there: the darkest window so far, which may brighten
-/// slowly with range. What lies unbroken between that water and a step is an echo already: the step is not the first.
+/// At every cell, how dark the water is before the window that ends there: the darkest window so
+/// far, which may brighten slowly with range. What lies unbroken between that water and a step is
+/// an echo already: the step is not the first.
 #[inline(always)]
 fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], kernel: &Kernel) {
     let per = 1.0 / kernel.window as f32;
@@ -280,8 +276,8 @@ struct WaterBrightness<'a> {
     quiet: &'a [f32],
 }
 
-/// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell, less where the cells before it
-/// are no quiet water.
+/// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell,
+/// less where the cells before it are no quiet water.
 #[inline(always)]
 fn step_scores(
     out: &mut [f32],
@@ -294,7 +290,8 @@ fn step_scores(
     let last = recorded.saturating_sub(window);
     let full = (kernel.first + window).min(last);
     let per = 1.0 / window as f32;
-    // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of it.
+    // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of
+    // it.
     let short = kernel.first + window / 4;
     for (cell, out) in out.iter_mut().enumerate().take(full).skip(short) {
         let near = 1.0 / (cell - kernel.first) as f32;
@@ -331,10 +328,7 @@ impl Moments {
         // A window of 255 cells stays below 2^31, and signed numbers convert faster.
         let mean = sum_end.wrapping_sub(sum) as i32 as f32 * per;
         let square = square_end.wrapping_sub(square) as i32 as f32 * per;
-        Self {
-            mean,
-            variance: square - mean * mean,
-        }
+        Self { mean, variance: square - mean * mean }
     }
 
     #[inline(always)]
@@ -345,19 +339,11 @@ impl Moments {
     #[inline(always)]
     fn step_from(&self, near: Self, before: f32, quiet: f32) -> f32 {
         let noise = (near.variance + self.variance + FLOOR * FINE * FINE).sqrt();
-        let dark = if before > near.mean {
-            before
-        } else {
-            near.mean
-        };
+        let dark = if before > near.mean { before } else { near.mean };
         let score = (self.mean - dark) / noise;
         let score = if score < MOST { score } else { MOST };
         let level = (near.mean - quiet) / noise - TUNING.quiet;
-        let cost = if level > 0.0 {
-            TUNING.loud_cost * level
-        } else {
-            0.0
-        };
+        let cost = if level > 0.0 { TUNING.loud_cost * level } else { 0.0 };
         score - cost
     }
 }
@@ -366,11 +352,7 @@ impl Moments {
 #[inline(always)]
 fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
     for (score, &loudest) in out.iter_mut().zip(loudest) {
-        *score = if u16::from(loudest) >= level {
-            *score
-        } else {
-            Scores::CLOSED
-        };
+        *score = if u16::from(loudest) >= level { *score } else { Scores::CLOSED };
     }
 }
 
@@ -400,13 +382,8 @@ mod tests {
         for window in [1, 2, 3, 8, 24, 97, 200] {
             let mut found = values.clone();
             window_maximum(&mut found, &mut Vec::new(), window);
-            let expected = (0..values.len()).map(|at| {
-                values[at..values.len().min(at + window)]
-                    .iter()
-                    .copied()
-                    .max()
-                    .unwrap()
-            });
+            let expected = (0..values.len())
+                .map(|at| values[at..values.len().min(at + window)].iter().copied().max().unwrap());
             assert!(found.iter().copied().eq(expected), "window {window}");
         }
     }

@@ -1,5 +1,5 @@
-//! The picture along the line: bands of cells around it, so that what follows the line lies level and can be averaged
-//! along the track without smearing a sloping edge.
+//! The picture along the line: bands of cells around it, so that what follows the line lies level
+//! and can be averaged along the track without smearing a sloping edge.
 
 use super::grid::TrackerGrid;
 use super::rows::SampleRows;
@@ -20,9 +20,7 @@ pub(super) fn stretches(line: &[usize], limit: usize) -> Vec<Range<usize>> {
 /// Half of a gaussian: weights at distances 0, 1, 2 ... up to three standard deviations.
 pub(super) fn gaussian(deviation: f32) -> Vec<f32> {
     let reach = (3.0 * deviation).ceil() as usize;
-    (0..=reach)
-        .map(|distance| (-0.5 * (distance as f32 / deviation).powi(2)).exp())
-        .collect()
+    (0..=reach).map(|distance| (-0.5 * (distance as f32 / deviation).powi(2)).exp()).collect()
 }
 
 /// The weighted mean of each value with its neighbours; at the ends over those that there are.
@@ -46,8 +44,9 @@ fn neighbours(count: usize, at: usize, weights: &[f32]) -> impl Iterator<Item = 
     range.map(move |other| (other, weights[other.abs_diff(at)]))
 }
 
-/// Fills `band` with the cells from `half` before to `half` beyond the line on each row of a stretch, interpolated.
-/// `line` holds the places of the stretch's rows; beyond the recorded cells, the last one is repeated.
+/// Fills `band` with the cells from `half` before to `half` beyond the line on each row of a
+/// stretch, interpolated. `line` holds the places of the stretch's rows; beyond the recorded cells,
+/// the last one is repeated.
 pub(super) fn extract(
     rows: &SampleRows,
     stretch: &Range<usize>,

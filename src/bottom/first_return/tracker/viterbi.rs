@@ -35,14 +35,10 @@ pub(super) struct Paths {
 impl Paths {
     /// The cell in each row that the best path goes through.
     ///
-    /// Solved forward, then backward: the best path through a cell gathers `forward + backward - score`, and the highest
-    /// of a row lies on the best path of all.
+    /// Solved forward, then backward: the best path through a cell gathers `forward + backward -
+    /// score`, and the highest of a row lies on the best path of all.
     pub(super) fn line(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
-        vectorised(BestLine {
-            paths: self,
-            scores,
-            motion,
-        })
+        vectorised(BestLine { paths: self, scores, motion })
     }
 
     /// The same, not vectorised.
@@ -77,14 +73,10 @@ impl Paths {
         line
     }
 
-    /// How much less the best path gathers that goes more than `apart` cells nearer, or farther, than the line on a row; at
-    /// most [`MOST_MARGIN`]. Of the line that was found last.
+    /// How much less the best path gathers that goes more than `apart` cells nearer, or farther,
+    /// than the line on a row; at most [`MOST_MARGIN`]. Of the line that was found last.
     pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
-        vectorised(Margins {
-            paths: self,
-            line,
-            apart,
-        })
+        vectorised(Margins { paths: self, line, apart })
     }
 
     /// The same, not vectorised.
@@ -166,12 +158,7 @@ impl Reach {
             higher(&mut self.spare, &self.right, &self.right[step..], cost);
             std::mem::swap(&mut self.right, &mut self.spare);
             self.spare[..step].copy_from_slice(&self.left[..step]);
-            higher(
-                &mut self.spare[step..],
-                &self.left[step..],
-                &self.left,
-                cost,
-            );
+            higher(&mut self.spare[step..], &self.left[step..], &self.left, cost);
             std::mem::swap(&mut self.left, &mut self.spare);
             covered += step;
         }
@@ -200,16 +187,9 @@ mod tests {
         let cost = |from: usize, to: usize| {
             let cells = from.abs_diff(to);
             let walk = motion.cost * cells as f32;
-            if cells <= motion.limit && walk < motion.leap {
-                walk
-            } else {
-                motion.leap
-            }
+            if cells <= motion.limit && walk < motion.leap { walk } else { motion.leap }
         };
-        let on_rows = path
-            .iter()
-            .enumerate()
-            .map(|(row, &at)| scores.row(row)[at]);
+        let on_rows = path.iter().enumerate().map(|(row, &at)| scores.row(row)[at]);
         let moves = path.windows(2).map(|pair| cost(pair[0], pair[1]));
         on_rows.sum::<f32>() - moves.sum::<f32>()
     }
@@ -235,9 +215,8 @@ mod tests {
             let line = Paths::default().line(&scores, &motion);
             let best = (0..width.pow(rows as u32))
                 .map(|number| {
-                    let path: Vec<usize> = (0..rows)
-                        .map(|row| number / width.pow(row as u32) % width)
-                        .collect();
+                    let path: Vec<usize> =
+                        (0..rows).map(|row| number / width.pow(row as u32) % width).collect();
                     gathered(&scores, &path, &motion)
                 })
                 .fold(f32::NEG_INFINITY, f32::max);

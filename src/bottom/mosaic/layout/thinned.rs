@@ -3,9 +3,10 @@
 use super::MosaicLayout;
 
 impl MosaicLayout {
-    /// These pings without those that a picture with cells of `apart_m` has no use for: between two that stay, neither the boat
-    /// nor the far ends of its swath move farther than that. The ends of every stretch stay. Each that stays stands for those
-    /// that lie nearer to it than to the next.
+    /// These pings without those that a picture with cells of `apart_m` has no use for: between two
+    /// that stay, neither the boat nor the far ends of its swath move farther than that. The ends
+    /// of every stretch stay. Each that stays stands for those that lie nearer to it than to the
+    /// next.
     pub fn thinned(&self, apart_m: f64) -> Self {
         let mut chosen: Vec<usize> = Vec::new();
         let mut joined = Vec::new();
@@ -50,7 +51,8 @@ impl MosaicLayout {
         .boxed()
     }
 
-    /// The pings of the survey around each chosen one: half way to the one before and to the next, within a stretch.
+    /// The pings of the survey around each chosen one: half way to the one before and to the next,
+    /// within a stretch.
     fn nearest_to(&self, chosen: &[usize], joined: &[bool]) -> Vec<[u32; 2]> {
         let half_way = |index: usize| match (joined.get(index), chosen.get(index + 1)) {
             (Some(true), Some(next)) => Some(chosen[index].midpoint(*next) + 1),

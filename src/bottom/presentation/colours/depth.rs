@@ -1,10 +1,11 @@
-//! Colours of depth, the same in the window, on the report's map and in the style of `depth.tif`: shallow light to deep dark, even to
-//! the eye.
+//! Colours of depth, the same in the window, on the report's map and in the style of `depth.tif`:
+//! shallow light to deep dark, even to the eye.
 
 use super::{Rgb, ramp};
 
-/// cmocean's `deep` (Thyng et al. 2016) in steps of a tenth of the way from shallow to deep, as sRGB. It ends before the
-/// original's near-black, so that the deepest stays visible on a dark canvas.
+/// cmocean's `deep` (Thyng et al. 2016) in steps of a tenth of the way from shallow to deep, as
+/// sRGB. It ends before the original's near-black, so that the deepest stays visible on a dark
+/// canvas.
 const DEEP: [Rgb; 11] = [
     [253, 253, 204],
     [206, 236, 179],
@@ -51,11 +52,7 @@ mod tests {
     fn lightness(colour: [u8; 3]) -> f64 {
         let linear = colour.map(|c| {
             let c = f64::from(c) / 255.0;
-            if c <= 0.04045 {
-                c / 12.92
-            } else {
-                ((c + 0.055) / 1.055).powf(2.4)
-            }
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
         });
         let y = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
         116.0 * y.cbrt() - 16.0
@@ -63,9 +60,7 @@ mod tests {
 
     #[test]
     fn deeper_is_darker_in_even_steps() {
-        let steps: Vec<f64> = (0..=20)
-            .map(|i| lightness(depth_colour(i as f32 / 20.0)))
-            .collect();
+        let steps: Vec<f64> = (0..=20).map(|i| lightness(depth_colour(i as f32 / 20.0))).collect();
         for pair in steps.windows(2) {
             let fall = pair[0] - pair[1];
             assert!((1.0..8.0).contains(&fall), "{steps:?}");

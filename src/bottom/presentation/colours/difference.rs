@@ -3,8 +3,8 @@
 use super::{Rgb, ramp};
 use crate::presentation::ticks;
 
-/// Moreland's "cool to warm" (2009) at every sixteenth of the way, as sRGB: even to the eye, safe for the colour-blind, and its
-/// middle is neither that of a dark canvas nor that of a light one.
+/// Moreland's "cool to warm" (2009) at every sixteenth of the way, as sRGB: even to the eye, safe
+/// for the colour-blind, and its middle is neither that of a dark canvas nor that of a light one.
 const COOL_TO_WARM: [Rgb; 17] = [
     [59, 76, 192],
     [77, 104, 215],
@@ -46,7 +46,8 @@ pub fn difference_reach_m(difference_m: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// matplotlib.colormaps["coolwarm"](share, bytes=True), 3.11: of a table of 256, which cuts halves off.
+    /// matplotlib.colormaps["coolwarm"](share, bytes=True), 3.11: of a table of 256, which cuts
+    /// halves off.
     const GOLDEN: [(f32, [u8; 3]); 9] = [
         (0.0, [58, 76, 192]),
         (0.1, [88, 118, 226]),
@@ -82,10 +83,7 @@ mod tests {
             (37.0, 40.0),
         ] {
             let found_m = difference_reach_m(difference_m);
-            assert!(
-                (found_m - reach_m).abs() < 1e-12,
-                "{difference_m}: {found_m}"
-            );
+            assert!((found_m - reach_m).abs() < 1e-12, "{difference_m}: {found_m}");
         }
     }
 }

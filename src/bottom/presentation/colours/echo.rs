@@ -6,14 +6,8 @@ use super::{Rgb, ramp};
 pub type EchoPalette = [Rgb; 256];
 
 /// Black over brown to pale yellow, as side-scan towfish programs show it.
-const GOLD: &[Rgb] = &[
-    [0, 0, 0],
-    [58, 34, 4],
-    [120, 76, 8],
-    [184, 126, 18],
-    [232, 184, 56],
-    [255, 236, 150],
-];
+const GOLD: &[Rgb] =
+    &[[0, 0, 0], [58, 34, 4], [120, 76, 8], [184, 126, 18], [232, 184, 56], [255, 236, 150]];
 /// Matplotlib's `viridis` at every 32nd entry: even steps to the eye, safe for the colour-blind.
 pub(super) const VIRIDIS: &[Rgb] = &[
     [68, 1, 84],
@@ -78,13 +72,8 @@ mod tests {
             ("gold", palette(gold)),
             ("viridis", palette(viridis)),
         ] {
-            let rises = palette
-                .windows(2)
-                .all(|two| luminance(two[1]) + 0.8 >= luminance(two[0]));
-            assert!(
-                rises && luminance(palette[255]) > luminance(palette[0]) + 100.0,
-                "{name}"
-            );
+            let rises = palette.windows(2).all(|two| luminance(two[1]) + 0.8 >= luminance(two[0]));
+            assert!(rises && luminance(palette[255]) > luminance(palette[0]) + 100.0, "{name}");
         }
         let mut inverse = palette(inverse_grey);
         inverse.reverse();
@@ -95,12 +84,9 @@ mod tests {
     fn copper_is_that_of_matplotlib() {
         // matplotlib.colormaps["copper"](index, bytes=True), 3.8.
         let copper = palette(copper);
-        for (index, colour) in [
-            (0, [0, 0, 0]),
-            (64, [79, 50, 32]),
-            (128, [158, 100, 64]),
-            (255, [255, 199, 127]),
-        ] {
+        for (index, colour) in
+            [(0, [0, 0, 0]), (64, [79, 50, 32]), (128, [158, 100, 64]), (255, [255, 199, 127])]
+        {
             for (got, want) in copper[index].into_iter().zip(colour) {
                 assert!(got.abs_diff(want) <= 1, "{index}: {:?}", copper[index]);
             }

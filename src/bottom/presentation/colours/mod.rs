@@ -16,21 +16,11 @@ pub use echo::{EchoPalette, copper, gold, grey, inverse_grey, palette, viridis};
 pub type Rgb = [u8; 3];
 
 /// ColorBrewer's `YlOrRd` in five classes (Brewer 2002).
-const YELLOW_TO_RED: [Rgb; 5] = [
-    [255, 255, 178],
-    [254, 204, 92],
-    [253, 141, 60],
-    [240, 59, 32],
-    [189, 0, 38],
-];
+const YELLOW_TO_RED: [Rgb; 5] =
+    [[255, 255, 178], [254, 204, 92], [253, 141, 60], [240, 59, 32], [189, 0, 38]];
 /// ColorBrewer's `Purples` in five classes.
-const PURPLES: [Rgb; 5] = [
-    [242, 240, 247],
-    [203, 201, 226],
-    [158, 154, 200],
-    [117, 107, 177],
-    [84, 39, 143],
-];
+const PURPLES: [Rgb; 5] =
+    [[242, 240, 247], [203, 201, 226], [158, 154, 200], [117, 107, 177], [84, 39, 143]];
 
 /// Colour of a share of a scale of uncertainty, 0 (lowest) to 1 (highest).
 pub fn uncertainty_colour(share: f32) -> Rgb {
@@ -43,14 +33,10 @@ pub fn distance_colour(share: f32) -> Rgb {
 }
 
 /// Colours of the sources of a depth: a sounding, a first return, nothing but its neighbours.
-pub const SOURCES: [Rgb; 4] = [
-    [0, 90, 160],
-    [230, 130, 0],
-    [170, 130, 200],
-    [205, 205, 200],
-];
+pub const SOURCES: [Rgb; 4] = [[0, 90, 160], [230, 130, 0], [170, 130, 200], [205, 205, 200]];
 
-/// Colour of a share of a scale of anything that a point has, 0 (lowest) to 1 (highest): perceptually even.
+/// Colour of a share of a scale of anything that a point has, 0 (lowest) to 1 (highest):
+/// perceptually even.
 pub fn share_colour(share: f32) -> Rgb {
     ramp(VIRIDIS, share)
 }
@@ -68,7 +54,8 @@ pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
     share_colour(share)
 }
 
-/// The colour at a share, 0 to 1, of the way through colours at even distances, linear between them. There are two colours at least.
+/// The colour at a share, 0 to 1, of the way through colours at even distances, linear between
+/// them. There are two colours at least.
 fn ramp(colours: &[Rgb], share: f32) -> Rgb {
     let position = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
     let below = (position as usize).min(colours.len() - 2);

@@ -1,8 +1,10 @@
-//! Lines of a graticule: at round degrees, minutes or seconds, named with no more digits than that takes.
+//! Lines of a graticule: at round degrees, minutes or seconds, named with no more digits than that
+//! takes.
 
 use bathyscope_log::support::geo::CoordinateFormat;
 
-/// Millionths of a second of arc in a degree, a minute, a second: what every step is a whole number of.
+/// Millionths of a second of arc in a degree, a minute, a second: what every step is a whole number
+/// of.
 const DEGREE: i64 = 3_600_000_000;
 const MINUTE: i64 = DEGREE / 60;
 const SECOND: i64 = MINUTE / 60;
@@ -24,15 +26,13 @@ pub(super) struct Graticule {
 }
 
 impl Graticule {
-    /// The smallest round step of at least `least_deg`: 1, 2 or 5 times a power of ten of what the format counts in, and 10,
-    /// 15, 20 and 30 of minutes and seconds. UTM takes the degrees of the poles, where it is not defined.
+    /// The smallest round step of at least `least_deg`: 1, 2 or 5 times a power of ten of what the
+    /// format counts in, and 10, 15, 20 and 30 of minutes and seconds. UTM takes the degrees of the
+    /// poles, where it is not defined.
     pub(super) fn new(format: CoordinateFormat, least_deg: f64) -> Self {
         let least = (least_deg * DEGREE as f64).min(90.0 * DEGREE as f64);
         let fitting = steps(format).into_iter().find(|step| *step as f64 >= least);
-        Self {
-            format,
-            step: fitting.unwrap_or(90 * DEGREE),
-        }
+        Self { format, step: fitting.unwrap_or(90 * DEGREE) }
     }
 
     /// The lines from `low_deg` to `high_deg`, degrees; at most a thousand.
@@ -87,15 +87,12 @@ impl Graticule {
     }
 }
 
-/// `value / unit` with the decimals that multiples of `step` have, and at least `digits` before the point.
+/// `value / unit` with the decimals that multiples of `step` have, and at least `digits` before the
+/// point.
 fn decimal(value: i64, step: i64, unit: i64, digits: usize) -> String {
     let needed = (0..9).find(|places| step * 10i64.pow(*places) % unit == 0);
     let places = needed.unwrap_or(9) as usize;
-    let width = if places == 0 {
-        digits
-    } else {
-        digits + 1 + places
-    };
+    let width = if places == 0 { digits } else { digits + 1 + places };
     format!("{:0width$.places$}", value as f64 / unit as f64)
 }
 
@@ -107,12 +104,9 @@ fn steps(format: CoordinateFormat) -> Vec<i64> {
         CoordinateFormat::Degrees | CoordinateFormat::Utm => {
             [decimals(DEGREE, 7), degrees.to_vec()].concat()
         }
-        CoordinateFormat::Minutes => [
-            decimals(MINUTE, 5),
-            sixths(MINUTE).to_vec(),
-            degrees.to_vec(),
-        ]
-        .concat(),
+        CoordinateFormat::Minutes => {
+            [decimals(MINUTE, 5), sixths(MINUTE).to_vec(), degrees.to_vec()].concat()
+        }
         CoordinateFormat::Seconds => [
             decimals(SECOND, 3),
             sixths(SECOND).to_vec(),
@@ -142,40 +136,23 @@ mod tests {
         axis: DegreeAxis,
     ) -> Vec<String> {
         let graticule = Graticule::new(format, least_deg);
-        graticule
-            .lines(low, high)
-            .map(|line| graticule.label(line, axis))
-            .collect()
+        graticule.lines(low, high).map(|line| graticule.label(line, axis)).collect()
     }
 
     #[test]
     fn lines_are_round_in_what_the_format_counts_in() {
         let found = labels(Degrees, 4e-4, 36.8769, 36.8782, DegreeAxis::Latitude);
         assert_eq!(found, ["36.8770° N", "36.8775° N", "36.8780° N"]);
-        let found = labels(
-            Minutes,
-            0.7 / 60.0,
-            0.0 - 1.5 / 60.0,
-            1.5 / 60.0,
-            DegreeAxis::Longitude,
-        );
+        let found =
+            labels(Minutes, 0.7 / 60.0, 0.0 - 1.5 / 60.0, 1.5 / 60.0, DegreeAxis::Longitude);
         assert_eq!(found, ["0° 01' W", "0° 00'", "0° 01' E"]);
-        let found = labels(
-            Minutes,
-            0.03 / 60.0,
-            -36.8352,
-            -36.8334,
-            DegreeAxis::Latitude,
-        );
+        let found = labels(Minutes, 0.03 / 60.0, -36.8352, -36.8334, DegreeAxis::Latitude);
         assert_eq!(found, ["36° 50.10' S", "36° 50.05' S"]);
         let found = labels(Seconds, 11.0 / 3600.0, 7.995, 8.005, DegreeAxis::Longitude);
         assert_eq!(found, ["7° 59' 45\" E", "8° 00' 00\" E", "8° 00' 15\" E"]);
         let found = labels(Seconds, 0.15 / 3600.0, 7.0, 7.0001, DegreeAxis::Latitude);
         assert_eq!(found, ["7° 00' 00.0\" N", "7° 00' 00.2\" N"]);
-        assert_eq!(
-            labels(Seconds, 0.4, 7.9, 9.1, DegreeAxis::Latitude).len(),
-            3
-        );
+        assert_eq!(labels(Seconds, 0.4, 7.9, 9.1, DegreeAxis::Latitude).len(), 3);
     }
 
     #[test]
@@ -197,9 +174,6 @@ mod tests {
                 );
             }
         }
-        assert_eq!(
-            Graticule::new(Degrees, 1e-9).lines(f64::NAN, 1.0).count(),
-            0
-        );
+        assert_eq!(Graticule::new(Degrees, 1e-9).lines(f64::NAN, 1.0).count(), 0);
     }
 }

@@ -1,4 +1,5 @@
-//! The graticule of a map, in the window and in the report: lines at round degrees, or metres of the UTM zone, with their names.
+//! The graticule of a map, in the window and in the report: lines at round degrees, or metres of
+//! the UTM zone, with their names.
 //!
 //! In: bounds of a map, and the form of coordinates. Out: lines with names.
 //! It uses nothing outside `support`.
@@ -12,7 +13,8 @@ use degrees::{DegreeAxis, Graticule};
 /// What the lines of a map are lines of.
 #[derive(Clone, Copy, Debug)]
 pub enum Net {
-    /// Longitude and latitude; longitudes are counted on from that of the middle, so that the date line is no gap.
+    /// Longitude and latitude; longitudes are counted on from that of the middle, so that the date
+    /// line is no gap.
     Degrees {
         /// Longitude in the middle of the map, degrees.
         middle_deg: f64,
@@ -49,10 +51,7 @@ impl Net {
     pub fn new(format: CoordinateFormat, zone: UtmZone, middle: LonLat) -> Self {
         match format {
             CoordinateFormat::Utm if middle.lat_deg.abs() < 80.0 => Self::Utm(zone),
-            _ => Self::Degrees {
-                middle_deg: middle.lon_deg,
-                format,
-            },
+            _ => Self::Degrees { middle_deg: middle.lon_deg, format },
         }
     }
 
@@ -76,16 +75,10 @@ impl Net {
 
     /// The bounds of a map from places along its edge; `None` where one is no place.
     pub fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<NetBounds> {
-        let nowhere = [
-            f64::INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::NEG_INFINITY,
-        ];
+        let nowhere = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let places = edge.into_iter().map(|at| self.of_position(at));
-        let bounds = places.fold(nowhere, |[w, s, e, n], [x, y]| {
-            [w.min(x), s.min(y), e.max(x), n.max(y)]
-        });
+        let bounds =
+            places.fold(nowhere, |[w, s, e, n], [x, y]| [w.min(x), s.min(y), e.max(x), n.max(y)]);
         bounds.iter().all(|edge| edge.is_finite()).then_some(bounds)
     }
 
@@ -99,10 +92,8 @@ impl Net {
         match self {
             Self::Degrees { format, .. } => {
                 let graticule = Graticule::new(*format, least);
-                let line = |value| GraticuleLine {
-                    value,
-                    label: graticule.label(value, family.axis()),
-                };
+                let line =
+                    |value| GraticuleLine { value, label: graticule.label(value, family.axis()) };
                 graticule.lines(low, high).map(line).collect()
             }
             Self::Utm(_) => {
@@ -204,10 +195,7 @@ mod tests {
 
     #[test]
     fn what_is_no_place_has_no_bounds() {
-        let net = Net::Degrees {
-            middle_deg: 0.0,
-            format: CoordinateFormat::Degrees,
-        };
+        let net = Net::Degrees { middle_deg: 0.0, format: CoordinateFormat::Degrees };
         assert_eq!(net.bounds([at(f64::NAN, 1.0)]), None);
         assert_eq!(net.bounds([]), None);
     }

@@ -1,4 +1,5 @@
-//! Sentences of the parts below the window, which count in metres, in the units that the window shows.
+//! Sentences of the parts below the window, which count in metres, in the units that the window
+//! shows.
 
 use super::{FEET_PER_FATHOM, LengthUnit, METRES_PER_NAUTICAL_MILE, SpeedUnit, Units};
 use bathyscope_log::support::geo::METRES_PER_FOOT;
@@ -12,7 +13,8 @@ const JOINTS: [&str; 4] = [" to ", " × ", " ± ", " ±"];
 const UNITS: [&str; 4] = ["m/s", "cm", "km", "m"];
 
 impl Units {
-    /// What the speed of sound is written in: it goes with the lengths, for nobody counts it in knots.
+    /// What the speed of sound is written in: it goes with the lengths, for nobody counts it in
+    /// knots.
     pub fn sound_speed(self) -> (f64, &'static str) {
         match self.length {
             LengthUnit::Metres => (1.0, "m/s"),
@@ -20,9 +22,10 @@ impl Units {
         }
     }
 
-    /// A sentence with its figures in metres, centimetres, kilometres and metres a second turned into the units in use. A figure is a
-    /// number, a space and the unit; of `1 to 2 m` and `1 × 2 m` both numbers are. All else stays as it is, pixels per metre too, and
-    /// so do names: what stands between “ and ” or two `, and paths.
+    /// A sentence with its figures in metres, centimetres, kilometres and metres a second turned
+    /// into the units in use. A figure is a number, a space and the unit; of `1 to 2 m` and `1 × 2
+    /// m` both numbers are. All else stays as it is, pixels per metre too, and so do names: what
+    /// stands between “ and ” or two `, and paths.
     pub fn sentence(self, text: &str) -> String {
         let names = names(text);
         let is_name = |number: &Range<usize>| names.iter().any(|name| name.contains(&number.start));
@@ -48,10 +51,7 @@ impl Units {
             turned += &value;
             done = number.end;
             let behind = &text[done..];
-            if behind
-                .strip_prefix(' ')
-                .is_some_and(|rest| rest.starts_with(unit))
-            {
+            if behind.strip_prefix(' ').is_some_and(|rest| rest.starts_with(unit)) {
                 turned += " ";
                 turned += symbol;
                 done += 1 + unit.len();
@@ -92,7 +92,8 @@ impl Units {
     }
 }
 
-/// Where names stand: between “ and ” or two `, and from the beginning of an absolute path to the end of its part of the sentence.
+/// Where names stand: between “ and ” or two `, and from the beginning of an absolute path to the
+/// end of its part of the sentence.
 fn names(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -140,7 +141,8 @@ fn numbers(text: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// The unit that stands behind a number, if it is one of those that are turned and no other word begins with it.
+/// The unit that stands behind a number, if it is one of those that are turned and no other word
+/// begins with it.
 fn unit_after(text: &str) -> Option<&'static str> {
     let behind = text.strip_prefix(' ')?;
     let unit = UNITS.into_iter().find(|unit| behind.starts_with(unit))?;
@@ -158,10 +160,7 @@ fn unit_after(text: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    const FEET: Units = Units {
-        length: LengthUnit::Feet,
-        speed: SpeedUnit::Knots,
-    };
+    const FEET: Units = Units { length: LengthUnit::Feet, speed: SpeedUnit::Knots };
 
     #[test]
     fn figures_in_metres_are_turned_and_all_else_stays() {
@@ -170,30 +169,12 @@ mod tests {
             ("3.05 to 6.10 m, noise", "10.01 to 20.01 ft, noise"),
             ("0.61 × 1.22 m", "2.00 × 4.00 ft"),
             ("range ±30.5 m; soundings", "range ±100.1 ft; soundings"),
-            (
-                "within 25 cm of the ground.",
-                "within 9.8 in of the ground.",
-            ),
-            (
-                "No value farther than 30 m.",
-                "No value farther than 98 ft.",
-            ),
-            (
-                "1500 m/s in most, 1 m/s here",
-                "4921 ft/s in most, 1.9 kn here",
-            ),
-            (
-                "22.31 ±0.4 px/m over 12 pings",
-                "22.31 ±0.4 px/m over 12 pings",
-            ),
-            (
-                "lake 5 m.sl2, 12:30 min, 3 made",
-                "lake 5 m.sl2, 12:30 min, 3 made",
-            ),
-            (
-                "0 m (k 1.002 b +0.10 ±0.05 m)",
-                "0 ft (k 1.002 b +0.33 ±0.16 ft)",
-            ),
+            ("within 25 cm of the ground.", "within 9.8 in of the ground."),
+            ("No value farther than 30 m.", "No value farther than 98 ft."),
+            ("1500 m/s in most, 1 m/s here", "4921 ft/s in most, 1.9 kn here"),
+            ("22.31 ±0.4 px/m over 12 pings", "22.31 ±0.4 px/m over 12 pings"),
+            ("lake 5 m.sl2, 12:30 min, 3 made", "lake 5 m.sl2, 12:30 min, 3 made"),
+            ("0 m (k 1.002 b +0.10 ±0.05 m)", "0 ft (k 1.002 b +0.33 ±0.16 ft)"),
         ] {
             assert_eq!(FEET.sentence(metric), feet);
             assert_eq!(Units::default().sentence(metric), metric);
@@ -203,18 +184,9 @@ mod tests {
     #[test]
     fn names_stay_as_they_are() {
         for (metric, feet) in [
-            (
-                "“lake 5 m deep” is 5 m deep",
-                "“lake 5 m deep” is 16.4 ft deep",
-            ),
-            (
-                "no sonar log: /data/lake 5 m deep.sl2",
-                "no sonar log: /data/lake 5 m deep.sl2",
-            ),
-            (
-                "Wrote into /data/at 3 m: 2 m of it",
-                "Wrote into /data/at 3 m: 6.6 ft of it",
-            ),
+            ("“lake 5 m deep” is 5 m deep", "“lake 5 m deep” is 16.4 ft deep"),
+            ("no sonar log: /data/lake 5 m deep.sl2", "no sonar log: /data/lake 5 m deep.sl2"),
+            ("Wrote into /data/at 3 m: 2 m of it", "Wrote into /data/at 3 m: 6.6 ft of it"),
             (
                 "cannot read `/data/lake 5 m deep.sl2`: 2 m of it",
                 "cannot read `/data/lake 5 m deep.sl2`: 6.6 ft of it",
@@ -227,15 +199,9 @@ mod tests {
 
     #[test]
     fn sound_goes_with_lengths_and_a_boat_with_speeds() {
-        let knots = Units {
-            speed: SpeedUnit::Knots,
-            ..Units::default()
-        };
+        let knots = Units { speed: SpeedUnit::Knots, ..Units::default() };
         assert_eq!(knots.sentence("1463 m/s, 0.5 m/s"), "1463 m/s, 1.0 kn");
-        let fathoms = Units {
-            length: LengthUnit::Fathoms,
-            ..Units::default()
-        };
+        let fathoms = Units { length: LengthUnit::Fathoms, ..Units::default() };
         assert_eq!(fathoms.sentence("1463 m/s, 0.5 m/s"), "4800 ft/s, 0.5 m/s");
     }
 }

@@ -9,7 +9,8 @@ use bathyscope_log::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What `process` and `archive` call the depths, and beside them their standard deviations and sources.
+/// What `process` and `archive` call the depths, and beside them their standard deviations and
+/// sources.
 const DEPTH: &str = "depth.tif";
 const UNCERTAINTY: &str = "uncertainty.tif";
 const SOURCE: &str = "source.tif";
@@ -35,10 +36,7 @@ impl DepthMaps {
                 path.display()
             ).into());
         }
-        Ok(Self {
-            path: path.to_owned(),
-            files,
-        })
+        Ok(Self { path: path.to_owned(), files })
     }
 
     /// What was named.
@@ -48,9 +46,7 @@ impl DepthMaps {
 
     /// Whether the standard deviations of the depths are there.
     pub(super) fn has_errors(&self) -> bool {
-        self.files
-            .iter()
-            .all(|file| beside(file, UNCERTAINTY).is_some())
+        self.files.iter().all(|file| beside(file, UNCERTAINTY).is_some())
     }
 
     /// Every part of the map, one after the other.
@@ -104,11 +100,9 @@ fn cells_beside<T>(
     match read(&path) {
         Err(error) => Err(format!("{error}: {}", path.display()).into()),
         Ok((found, cells)) if found == size => Ok(Some(cells)),
-        Ok(_) => Err(format!(
-            "it has other cells than the depths beside it: {}",
-            path.display()
-        )
-        .into()),
+        Ok(_) => {
+            Err(format!("it has other cells than the depths beside it: {}", path.display()).into())
+        }
     }
 }
 
@@ -130,7 +124,8 @@ pub(super) struct Depth {
     pub depth_m: f64,
     /// Its standard deviation, metres.
     pub sigma_m: f64,
-    /// Whether it was measured there, or inferred from echoes of there; where a map does not say, it was.
+    /// Whether it was measured there, or inferred from echoes of there; where a map does not say,
+    /// it was.
     pub is_measured: bool,
 }
 
@@ -154,10 +149,7 @@ impl DepthPart {
             Ok((raster.size(), raster.overview(0)?))
         })?;
         let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
-        let is_tile = path
-            .ancestors()
-            .nth(2)
-            .is_some_and(|up| up.ends_with("tiles"));
+        let is_tile = path.ancestors().nth(2).is_some_and(|up| up.ends_with("tiles"));
         Ok(Self {
             raster,
             sigma_m,
@@ -196,10 +188,8 @@ impl DepthPart {
     /// What is known of a cell.
     pub(super) fn cell(&self, cell: usize) -> Option<Depth> {
         let depth_m = *self.raster.values.get(cell)?;
-        let sigma_m = self
-            .sigma_m
-            .as_ref()
-            .map_or(Some(0.0), |sigmas| sigmas.get(cell).copied())?;
+        let sigma_m =
+            self.sigma_m.as_ref().map_or(Some(0.0), |sigmas| sigmas.get(cell).copied())?;
         let is_measured = |sources: &Vec<u8>| {
             let source = sources.get(cell);
             source.is_some_and(|source| *source > CellSource::Interpolated as u8)
@@ -211,8 +201,8 @@ impl DepthPart {
         })
     }
 
-    /// What is known at the middle of a cell of another map: between the middles of its own cells, or `None` where one of those that count
-    /// is unknown.
+    /// What is known at the middle of a cell of another map: between the middles of its own cells,
+    /// or `None` where one of those that count is unknown.
     pub(super) fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
         let there = other.raster.transform.at([column as f64, row as f64]);
         let place = match other.crs == self.crs {
@@ -234,19 +224,11 @@ impl DepthPart {
             let inside = (-0.5..count as f64 - 0.5).contains(&at[axis]);
             let held = at[axis].clamp(0.0, count.saturating_sub(1) as f64);
             // A hair off a middle is on it.
-            let held = if (held - held.round()).abs() < 1e-6 {
-                held.round()
-            } else {
-                held
-            };
+            let held = if (held - held.round()).abs() < 1e-6 { held.round() } else { held };
             inside.then(|| (held as usize, held.fract()))
         };
         let ((column, right), (row, down)) = (about(0)?, about(1)?);
-        let mut sum = Depth {
-            depth_m: 0.0,
-            sigma_m: 0.0,
-            is_measured: false,
-        };
+        let mut sum = Depth { depth_m: 0.0, sigma_m: 0.0, is_measured: false };
         for (row, down) in [(row, 1.0 - down), (row + 1, down)] {
             for (column, right) in [(column, 1.0 - right), (column + 1, right)] {
                 let share = down * right;

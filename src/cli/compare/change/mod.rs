@@ -1,7 +1,7 @@
 //! `bathyscope compare NEW OLD --change DIR`: how the bottom changed between two depth maps.
 //!
-//! In: two depth maps: folders of `process`, archives or GeoTIFFs. Out: files of the difference, and lines of text.
-//! It uses `products`, `bottom`, `formats` and `support`.
+//! In: two depth maps: folders of `process`, archives or GeoTIFFs. Out: files of the difference,
+//! and lines of text. It uses `products`, `bottom`, `formats` and `support`.
 
 mod maps;
 mod record;
@@ -33,11 +33,13 @@ const STEPS: usize = 16;
 /// What changed between two surveys.
 #[derive(Debug, clap::Args)]
 pub(super) struct ChangeArgs {
-    /// Compare two depth maps in place of points, the newer one first: a folder of `process`, an archive, or a GeoTIFF. Writes into this folder how
-    /// much each cell rose, the level of detection, and the volumes of fill and cut
+    /// Compare two depth maps in place of points, the newer one first: a folder of `process`, an
+    /// archive, or a GeoTIFF. Writes into this folder how much each cell rose, the level of
+    /// detection, and the volumes of fill and cut
     #[arg(long, value_name = "DIR", conflicts_with_all = ["output", "by", "radius", "max_gap", "water_level"])]
     change: Option<PathBuf>,
-    /// With --change: standard deviation of what is the same in all cells of one map against the other, such as draft and water level, metres
+    /// With --change: standard deviation of what is the same in all cells of one map against the
+    /// other, such as draft and water level, metres
     #[arg(long, value_name = "METRES", default_value_t = 0.03, value_parser = parse_error, requires = "change")]
     systematic: f64,
     /// With --change: depths farther apart than this err independently, metres
@@ -59,10 +61,7 @@ impl ChangeArgs {
     }
 
     fn errors(&self) -> ChangeErrors {
-        ChangeErrors {
-            systematic_m: self.systematic,
-            range_m: self.error_range,
-        }
+        ChangeErrors { systematic_m: self.systematic, range_m: self.error_range }
     }
 }
 
@@ -145,13 +144,7 @@ impl<'a> PartChange<'a> {
         });
         let unknown = ((f32::NAN, f32::NAN), [false; 2]);
         let ((rise_m, sigma_m), is_measured) = cells.map(|cell| cell.unwrap_or(unknown)).unzip();
-        Self {
-            part,
-            cell_area_m2: part.cell_area_m2(),
-            rise_m,
-            sigma_m,
-            is_measured,
-        }
+        Self { part, cell_area_m2: part.cell_area_m2(), rise_m, sigma_m, is_measured }
     }
 
     fn field(&self) -> ChangeField<'_> {
@@ -173,7 +166,8 @@ impl<'a> PartChange<'a> {
         values.map(|value| value as f32).collect()
     }
 
-    /// Standard deviation of each cell's rise, metres: of the errors of both maps, and of what is drawn between measured places.
+    /// Standard deviation of each cell's rise, metres: of the errors of both maps, and of what is
+    /// drawn between measured places.
     fn uncertainty_m(&self, errors: &ChangeErrors, regions: &[ChangeRegion]) -> Vec<f32> {
         let mut between_m = vec![0.0; self.rise_m.len()];
         for region in regions {
@@ -187,7 +181,8 @@ impl<'a> PartChange<'a> {
         })
     }
 
-    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, of an archive behind the name of the tile; gives back where they lie.
+    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, of an archive behind
+    /// the name of the tile; gives back where they lie.
     fn write(
         &self,
         folder: &Path,
@@ -221,11 +216,7 @@ impl<'a> PartChange<'a> {
         ];
         for (path, (name, description, values_m)) in paths.iter().zip(layers) {
             let spec = RasterSpec {
-                band: Some(Band {
-                    name,
-                    unit: "metre",
-                    positive_down: false,
-                }),
+                band: Some(Band { name, unit: "metre", positive_down: false }),
                 description: description.to_owned(),
                 ..self.part.spec()
             };
@@ -237,16 +228,11 @@ impl<'a> PartChange<'a> {
 
 /// The cells of a raster by their numbers alone: where they lie is said by the raster.
 fn cells_of(spec: &RasterSpec) -> Grid {
-    Grid {
-        west_m: 0.0,
-        north_m: 0.0,
-        cell_m: 1.0,
-        columns: spec.columns,
-        rows: spec.rows,
-    }
+    Grid { west_m: 0.0, north_m: 0.0, cell_m: 1.0, columns: spec.columns, rows: spec.rows }
 }
 
-/// Colours for QGIS, the same for all parts of a map: blue where the bottom sank, red where it rose.
+/// Colours for QGIS, the same for all parts of a map: blue where the bottom sank, red where it
+/// rose.
 fn write_styles(written: &[[PathBuf; 3]], totals: &ChangeTotals) -> Result<(), ExportError> {
     let reach_m = difference_reach_m(totals.reach_m());
     let level_m = totals.median_level_m().unwrap_or_default();

@@ -76,10 +76,7 @@ impl Volume {
 
     /// `12.3 m3 ± 1.2 m3 on 45 m2`.
     pub(super) fn in_words(&self) -> String {
-        format!(
-            "{:+.2} m3 ± {:.2} m3 on {:.1} m2",
-            self.volume_m3, self.within_95_m3, self.area_m2
-        )
+        format!("{:+.2} m3 ± {:.2} m3 on {:.1} m2", self.volume_m3, self.within_95_m3, self.area_m2)
     }
 }
 
@@ -133,10 +130,7 @@ impl ChangeRecord {
             ("net", detected(&self.net, hidden_m3)),
             ("all cells", self.all.in_words()),
             ("median", metres(self.median_m)),
-            (
-                "detection",
-                format!("{level:.3} m in the median cell (95 %)"),
-            ),
+            ("detection", format!("{level:.3} m in the median cell (95 %)")),
             (
                 "errors",
                 format!(
@@ -152,13 +146,7 @@ impl ChangeRecord {
         let first =
             "newer minus older (up is positive); fill, cut and net of the places where a change is detected; ± is 95 %"
                 .to_owned();
-        let rows = self
-            .rows()
-            .into_iter()
-            .map(|(name, text)| format!("{name:<9} {text}"));
-        std::iter::once(first)
-            .chain(rows)
-            .collect::<Vec<String>>()
-            .join("\n")
+        let rows = self.rows().into_iter().map(|(name, text)| format!("{name:<9} {text}"));
+        std::iter::once(first).chain(rows).collect::<Vec<String>>().join("\n")
     }
 }

@@ -33,16 +33,12 @@ pub(super) fn picture(rise_m: &[f32], [columns, rows]: [usize; 2]) -> Box<Change
             (left..(left + joined).min(columns)).map(move |column| row * columns + column)
         });
         let known = cells.map(|cell| rise_m[cell]).filter(|rise| !rise.is_nan());
-        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), rise| {
-            (sum + rise, count + 1.0_f32)
-        });
+        let (sum, count) =
+            known.fold((0.0, 0.0), |(sum, count), rise| (sum + rise, count + 1.0_f32));
         // Of none it is no number.
         sum / count
     };
-    Box::new(ChangeImage {
-        rise_m: (0..size[0] * size[1]).map(mean).collect(),
-        size,
-    })
+    Box::new(ChangeImage { rise_m: (0..size[0] * size[1]).map(mean).collect(), size })
 }
 
 /// The page.
@@ -64,16 +60,13 @@ pub(super) fn of(record: &ChangeRecord, shown: Option<&ChangeImage>) -> String {
 
 fn figure(shown: &ChangeImage, reach_m: f64) -> String {
     let share = |rise_m: f32| (0.5 + 0.5 * f64::from(rise_m) / reach_m) as f32;
-    let pixels = shown
-        .rise_m
-        .iter()
-        .flat_map(|&rise_m| match rise_m.is_nan() {
-            true => [0; 4],
-            false => {
-                let [red, green, blue] = difference_colour(share(rise_m));
-                [red, green, blue, 255]
-            }
-        });
+    let pixels = shown.rise_m.iter().flat_map(|&rise_m| match rise_m.is_nan() {
+        true => [0; 4],
+        false => {
+            let [red, green, blue] = difference_colour(share(rise_m));
+            [red, green, blue, 255]
+        }
+    });
     let pixels: Vec<u8> = pixels.collect();
     let [width, height] = shown.size.map(|count| count as u32);
     let mut png = Vec::new();

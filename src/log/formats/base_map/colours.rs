@@ -28,7 +28,8 @@ enum Kind {
     /// As JPEG holds it, ITU-R BT.601 over the full range.
     YCbCr,
     Palette(Vec<RgbaPixel>),
-    /// Bands that the file gives no meaning: the first three are taken for a colour, or the first for a grey.
+    /// Bands that the file gives no meaning: the first three are taken for a colour, or the first
+    /// for a grey.
     Bands,
 }
 
@@ -47,16 +48,12 @@ impl Coding {
             ColorType::RGB(8) => (Kind::Rgb, 3),
             ColorType::RGBA(8) => (Kind::Rgba, 4),
             ColorType::YCbCr(8) => (Kind::YCbCr, 3),
-            ColorType::Multiband {
-                bit_depth: 8,
-                num_samples,
-            } => (Kind::Bands, usize::from(num_samples.max(1))),
+            ColorType::Multiband { bit_depth: 8, num_samples } => {
+                (Kind::Bands, usize::from(num_samples.max(1)))
+            }
             other => return Err(BaseMapFault::Colours(other)),
         };
-        let planar = decoder
-            .find_tag_unsigned::<u16>(Tag::PlanarConfiguration)
-            .ok()
-            .flatten();
+        let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).ok().flatten();
         if planar == Some(2) && bytes > 1 {
             return Err(BaseMapFault::ColoursApart);
         }
@@ -65,18 +62,13 @@ impl Coding {
         Ok(Self {
             kind,
             bytes,
-            nodata: nodata
-                .filter(|value| (0.0..=255.0).contains(value))
-                .map(|value| value as u8),
+            nodata: nodata.filter(|value| (0.0..=255.0).contains(value)).map(|value| value as u8),
         })
     }
 
     /// The colours of a block.
     pub(super) fn colours(&self, bytes: &[u8]) -> Vec<RgbaPixel> {
-        bytes
-            .chunks_exact(self.bytes)
-            .map(|pixel| self.colour(pixel))
-            .collect()
+        bytes.chunks_exact(self.bytes).map(|pixel| self.colour(pixel)).collect()
     }
 
     fn colour(&self, pixel: &[u8]) -> RgbaPixel {
@@ -98,9 +90,8 @@ impl Coding {
             Kind::Bands if pixel.len() > 3 => &pixel[..3],
             _ => pixel,
         };
-        let is_nodata = self
-            .nodata
-            .is_some_and(|nodata| colours.iter().all(|value| *value == nodata));
+        let is_nodata =
+            self.nodata.is_some_and(|nodata| colours.iter().all(|value| *value == nodata));
         match is_nodata || colour[3] == 0 {
             true => RgbaPixel::default(),
             false => colour,
@@ -111,18 +102,11 @@ impl Coding {
 fn rgb(y: u8, cb: u8, cr: u8) -> RgbaPixel {
     let [y, cb, cr] = [f32::from(y), f32::from(cb) - 128.0, f32::from(cr) - 128.0];
     let byte = |value: f32| value.round().clamp(0.0, 255.0) as u8;
-    [
-        byte(y + 1.402 * cr),
-        byte(y - 0.344_136 * cb - 0.714_136 * cr),
-        byte(y + 1.772 * cb),
-        255,
-    ]
+    [byte(y + 1.402 * cr), byte(y - 0.344_136 * cb - 0.714_136 * cr), byte(y + 1.772 * cb), 255]
 }
 
 fn has_palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> bool {
-    decoder
-        .find_tag(Tag::ColorMap)
-        .is_ok_and(|map| map.is_some())
+    decoder.find_tag(Tag::ColorMap).is_ok_and(|map| map.is_some())
 }
 
 /// All reds, then all greens, then all blues, in 16 bits.
@@ -130,13 +114,7 @@ fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<RgbaPixel>, B
     let map = decoder.get_tag_u16_vec(Tag::ColorMap)?;
     let count = map.len() / 3;
     let byte = |at: usize| (map[at] >> 8) as u8;
-    let colours = (0..count).map(|index| {
-        [
-            byte(index),
-            byte(count + index),
-            byte(2 * count + index),
-            255,
-        ]
-    });
+    let colours =
+        (0..count).map(|index| [byte(index), byte(count + index), byte(2 * count + index), 255]);
     Ok(colours.collect())
 }

@@ -22,13 +22,11 @@ pub struct Georeference {
 }
 
 impl Georeference {
-    /// Column and row of a position, counted from the upper left corner of the picture, fractions within a pixel.
+    /// Column and row of a position, counted from the upper left corner of the picture, fractions
+    /// within a pixel.
     pub fn to_pixels(&self, at: LonLat) -> [f64; 2] {
         let [x, y] = self.crs.place(at);
-        [
-            (x - self.corner[0]) / self.pixel[0],
-            (self.corner[1] - y) / self.pixel[1],
-        ]
+        [(x - self.corner[0]) / self.pixel[0], (self.corner[1] - y) / self.pixel[1]]
     }
 
     /// Inverse of [`Georeference::to_pixels`].
@@ -60,11 +58,7 @@ impl Georeference {
         let ([width, down], [across, height]) = (transform.per_column, transform.per_row);
         let is_turned = down != 0.0 || across != 0.0;
         let pixel = [width, -height];
-        let place = Self {
-            crs,
-            corner: transform.of_corners().origin,
-            pixel,
-        };
+        let place = Self { crs, corner: transform.of_corners().origin, pixel };
         let numbers = [place.corner, place.pixel].concat();
         let usable =
             numbers.iter().all(|number| number.is_finite()) && pixel.iter().all(|side| *side > 0.0);

@@ -1,12 +1,15 @@
-//! The masks that GDAL keeps in a GeoTIFF: a picture of one bit a pixel beside that of the colours, set where these are seen.
+//! The masks that GDAL keeps in a GeoTIFF: a picture of one bit a pixel beside that of the colours,
+//! set where these are seen.
 
 use super::{RgbaPixel, Tiff};
 use tiff::ColorType;
 
-/// Kinds of directory (TIFF's `NewSubfileType`): the mask of the full picture, and that of an overview.
+/// Kinds of directory (TIFF's `NewSubfileType`): the mask of the full picture, and that of an
+/// overview.
 const KINDS: [u32; 2] = [4, 5];
 
-/// Where the decoder is at a mask: columns and rows of the picture that it is of, and those of a block.
+/// Where the decoder is at a mask: columns and rows of the picture that it is of, and those of a
+/// block.
 pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2], [u32; 2])> {
     if !KINDS.contains(&kind?) || tiff.colortype().ok()? != ColorType::Gray(1) {
         return None;
@@ -16,7 +19,8 @@ pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2
     Some(([columns, rows], [across, down.min(rows)]))
 }
 
-/// Makes the pixels of a block transparent that its mask does not show; both lie row by row, `wide` pixels in each.
+/// Makes the pixels of a block transparent that its mask does not show; both lie row by row, `wide`
+/// pixels in each.
 pub(super) fn hide(colours: &mut [RgbaPixel], mask: &[u8], wide: usize) {
     if wide == 0 || colours.is_empty() {
         return;
@@ -45,9 +49,6 @@ mod tests {
         let mut colours = vec![seen; 20];
         hide(&mut colours, &[0b0000_0001, 0b1000_0000, 0xff, 0xff], 10);
         let shown: Vec<usize> = (0..20).filter(|&index| colours[index] == seen).collect();
-        assert_eq!(
-            shown,
-            [[7, 8].as_slice(), &(10..20).collect::<Vec<_>>()].concat()
-        );
+        assert_eq!(shown, [[7, 8].as_slice(), &(10..20).collect::<Vec<_>>()].concat());
     }
 }

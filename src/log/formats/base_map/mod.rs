@@ -3,9 +3,10 @@
 //! In: a GeoTIFF, and the part of it that is looked at. Out: the colours of that part.
 //! It uses `support`.
 //!
-//! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder does not know), `masks` which of
-//! them are seen, `blocks` keeps those that were read last. Files are untrusted: a
-//! block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes is bounded by [`MOST_PIXELS`].
+//! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder
+//! does not know), `masks` which of them are seen, `blocks` keeps those that were read last. Files
+//! are untrusted: a block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes is
+//! bounded by [`MOST_PIXELS`].
 
 mod blocks;
 mod colours;
@@ -105,17 +106,13 @@ impl Window {
             let here = (full[axis] / self.scale[axis]).floor() - f64::from(self.first[axis]);
             (here >= 0.0 && here < f64::from(self.size[axis])).then_some(here as usize)
         };
-        let index = cell(1)
-            .zip(cell(0))
-            .map(|(row, column)| row * self.size[0] as usize + column);
-        index
-            .and_then(|index| self.pixels.get(index).copied())
-            .unwrap_or_default()
+        let index = cell(1).zip(cell(0)).map(|(row, column)| row * self.size[0] as usize + column);
+        index.and_then(|index| self.pixels.get(index).copied()).unwrap_or_default()
     }
 }
 
-/// Opens a GeoTIFF: 8 bits a colour, north up, in degrees or metres of a system that [`crate::support::geo::Crs`] knows. Reads all of it once where it has no
-/// overviews and is large.
+/// Opens a GeoTIFF: 8 bits a colour, north up, in degrees or metres of a system that
+/// [`crate::support::geo::Crs`] knows. Reads all of it once where it has no overviews and is large.
 ///
 /// # Errors
 /// When the file cannot be read or shown, or the work was cancelled.
@@ -179,10 +176,7 @@ fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<PictureLevel>, BaseMap
     let mut found: Vec<PictureLevel> = Vec::new();
     for directory in 0..MOST_LEVELS {
         // Masks and pages of another kind are no overviews.
-        let subfile = tiff
-            .find_tag_unsigned::<u32>(Tag::NewSubfileType)
-            .ok()
-            .flatten();
+        let subfile = tiff.find_tag_unsigned::<u32>(Tag::NewSubfileType).ok().flatten();
         let is_overview =
             subfile == Some(1) && Coding::read(tiff).is_ok_and(|other| other.bytes == coding.bytes);
         if directory == 0 || is_overview {
@@ -237,8 +231,9 @@ impl BaseMap {
         (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&pixel[axis]))
     }
 
-    /// The part of the picture between two corners, columns and rows of the full picture, from the level whose pixels are as
-    /// large as `pixels` of the full one or a little smaller. `None` where the picture is not there, or cannot be read.
+    /// The part of the picture between two corners, columns and rows of the full picture, from the
+    /// level whose pixels are as large as `pixels` of the full one or a little smaller. `None`
+    /// where the picture is not there, or cannot be read.
     pub fn window(
         &self,
         low: [f64; 2],
@@ -270,12 +265,7 @@ impl BaseMap {
             let coarse_first = || self.levels.iter().enumerate().rev();
             let requested =
                 coarse_first().find(|(_, level)| fine_enough(level) && small_enough(level));
-            let possible = || {
-                self.levels
-                    .iter()
-                    .enumerate()
-                    .find(|(_, level)| small_enough(level))
-            };
+            let possible = || self.levels.iter().enumerate().find(|(_, level)| small_enough(level));
             requested.or_else(possible)?
         };
         if count(level) == 0 {
@@ -295,7 +285,8 @@ impl BaseMap {
         Some(window)
     }
 
-    /// Copies the blocks of a level that touch the window into it; `None` when cancelled or where one cannot be read.
+    /// Copies the blocks of a level that touch the window into it; `None` when cancelled or where
+    /// one cannot be read.
     fn fill(&self, index: usize, window: &mut Window, progress: &Progress) -> Option<()> {
         let level = &self.levels[index];
         if let Kept::Memory(pixels) = &level.kept {
@@ -329,10 +320,7 @@ impl BaseMap {
         let across = level.size[0].div_ceil(level.block[0]);
         let number = row.checked_mul(across)?.checked_add(column)?;
         // A reader that failed half way is as good as before: every read seeks first.
-        let mut reader = self
-            .reader
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut reader = self.reader.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(block) = reader.blocks.get((directory, number)) {
             return Some(block);
         }
@@ -346,7 +334,8 @@ impl BaseMap {
         Some(reader.blocks.keep((directory, number), colours))
     }
 
-    /// Where the coarsest level is too large to be looked at as a whole, makes one that is not, in one pass.
+    /// Where the coarsest level is too large to be looked at as a whole, makes one that is not, in
+    /// one pass.
     fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), Fault> {
         let index = self.levels.len() - 1;
         let level = &self.levels[index];
@@ -408,12 +397,7 @@ fn mean([r, g, b, a]: [u32; 4], cells: u64) -> RgbaPixel {
     let colour = |sum: u32| (u64::from(sum) * 255 / u64::from(opaque)).min(255) as u8;
     match a {
         0 => RgbaPixel::default(),
-        _ => [
-            colour(r),
-            colour(g),
-            colour(b),
-            (u64::from(a) / cells.max(1)).clamp(1, 255) as u8,
-        ],
+        _ => [colour(r), colour(g), colour(b), (u64::from(a) / cells.max(1)).clamp(1, 255) as u8],
     }
 }
 
@@ -430,10 +414,9 @@ fn copy(first: [u32; 2], size: [u32; 2], pixels: &[RgbaPixel], window: &mut Wind
         let into = (row - window.first[1]) as usize * window.size[0] as usize
             + (low[0] - window.first[0]) as usize;
         let wide = (high[0] - low[0]) as usize;
-        if let (Some(from), Some(into)) = (
-            pixels.get(from..from + wide),
-            window.pixels.get_mut(into..into + wide),
-        ) {
+        if let (Some(from), Some(into)) =
+            (pixels.get(from..from + wide), window.pixels.get_mut(into..into + wide))
+        {
             into.copy_from_slice(from);
         }
     }

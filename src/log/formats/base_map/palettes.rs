@@ -1,4 +1,5 @@
-//! Palettes and masks for a decoder that knows neither: it is shown grey levels, which are the indices, or what is seen.
+//! Palettes and masks for a decoder that knows neither: it is shown grey levels, which are the
+//! indices, or what is seen.
 
 use crate::formats::geotiff::{DirectoryWalk, check_claims};
 use std::fs::File;
@@ -19,7 +20,8 @@ pub(super) struct AsGrey {
 }
 
 impl AsGrey {
-    /// Looks through the directories of a TIFF; what cannot be followed is left to the decoder to refuse.
+    /// Looks through the directories of a TIFF; what cannot be followed is left to the decoder to
+    /// refuse.
     pub(super) fn new(file: File) -> io::Result<Self> {
         let mut file = BufReader::new(file);
         check_claims(&mut file)?;
@@ -33,9 +35,7 @@ impl Read for AsGrey {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(buffer)?;
         for said in &self.said {
-            let index = said
-                .checked_sub(self.at)
-                .and_then(|index| usize::try_from(index).ok());
+            let index = said.checked_sub(self.at).and_then(|index| usize::try_from(index).ok());
             if let Some(byte) = index.and_then(|index| buffer[..count].get_mut(index)) {
                 *byte = GREY;
             }

@@ -16,7 +16,8 @@ use std::collections::BTreeMap;
 /// Id of the description of a session.
 const SESSION: u16 = 10;
 
-/// Profiles that lie together in a file are no further apart in time, seconds: packets of one side wait for 3 s at most in real logs.
+/// Profiles that lie together in a file are no further apart in time, seconds: packets of one side
+/// wait for 3 s at most in real logs.
 const MOST_APART_S: f64 = 10.0;
 /// Bytes of a file for each position at least; a hostile one is nothing but sentences.
 const BYTES_A_POSITION: usize = 128;
@@ -38,7 +39,8 @@ pub(super) struct Reader<'a> {
     positions_left: usize,
     /// Unix seconds when recording began, until the first profile has come.
     began_unix_s: Option<f64>,
-    /// Clock of the last profile of each side, and by how much port was ahead of starboard then, seconds.
+    /// Clock of the last profile of each side, and by how much port was ahead of starboard then,
+    /// seconds.
     last_s: [Option<f64>; 2],
     port_ahead_s: Vec<f64>,
     start_unix_s: Option<f64>,
@@ -135,9 +137,7 @@ impl<'a> Reader<'a> {
         }
         let halves = std::mem::take(&mut self.halves);
         let spans = halves.iter().flatten();
-        let spans: Vec<_> = spans
-            .map(|(half, power_db)| (half.span, *power_db))
-            .collect();
+        let spans: Vec<_> = spans.map(|(half, power_db)| (half.span, *power_db)).collect();
         let scale = self.scale;
         let scale = scale.unwrap_or_else(|| Scale::fitting(self.bytes, &spans));
         let [port, starboard] = halves.map(|halves| {
@@ -151,8 +151,7 @@ impl<'a> Reader<'a> {
         log.starboard = starboard;
         let others: usize = self.others.values().sum();
         if others > 0 {
-            log.report
-                .log(format!("{others} packets that are no pings were skipped"));
+            log.report.log(format!("{others} packets that are no pings were skipped"));
         }
     }
 
@@ -160,9 +159,7 @@ impl<'a> Reader<'a> {
     pub(super) fn summary(&self) -> String {
         let mut counts: Vec<(u16, usize)> = self.others.iter().map(|(&a, &b)| (a, b)).collect();
         counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
-        let each = counts
-            .iter()
-            .map(|(id, count)| format!("{count} packets with the id {id}"));
+        let each = counts.iter().map(|(id, count)| format!("{count} packets with the id {id}"));
         match counts.is_empty() {
             true => "damaged packets".to_owned(),
             false => each.collect::<Vec<String>>().join(", "),
@@ -171,10 +168,7 @@ impl<'a> Reader<'a> {
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<Record>) {
         match verdict {
-            ClockVerdict::Sound {
-                record: (profile, at, told),
-                time_s,
-            } => {
+            ClockVerdict::Sound { record: (profile, at, told), time_s } => {
                 let now_ms = (time_s * 1000.0).round();
                 let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) / 1000.0;
                 if let Some(began_unix_s) = self.began_unix_s.take() {

@@ -1,25 +1,32 @@
-//! Cerulean svlog: what SonarView records of side-scan sonars Omniscan 450, as boats of Blue Robotics carry them.
+//! Cerulean svlog: what SonarView records of side-scan sonars Omniscan 450, as boats of Blue
+//! Robotics carry them.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! A file is a row of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes of the payload, u16 packet id, u8 device
-//! that sent it, u8 device that it is for, the payload, u16 sum of all bytes before (`packet`). Id 2198 is a ping of one transducer, a
-//! profile (`profile`): 52 bytes, then u16 samples from near to far, scaled between the least and the most decibels of that ping. Id 10
-//! is a description of the session in JSON with the time when recording began, 109 a NMEA sentence, 150 a MAVLink message in JSON, of
-//! which `GLOBAL_POSITION_INT` has a position. The depth is in none of them.
+//! A file is a row of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes of
+//! the payload, u16 packet id, u8 device that sent it, u8 device that it is for, the payload, u16
+//! sum of all bytes before (`packet`). Id 2198 is a ping of one transducer, a profile (`profile`):
+//! 52 bytes, then u16 samples from near to far, scaled between the least and the most decibels of
+//! that ping. Id 10 is a description of the session in JSON with the time when recording began, 109
+//! a NMEA sentence, 150 a MAVLink message in JSON, of which `GLOBAL_POSITION_INT` has a position.
+//! The depth is in none of them.
 //!
-//! The channel number of a profile is 0 for port and 1 for starboard; where it is neither, the sign of the transducer's heading tells:
-//! negative is port. The milliseconds of both transducers are taken as counted from the same moment, as BlueBoat-SideScanSonar takes them;
-//! a warning says where they cannot be. Packets of one may come in a row before those of the other, so that each channel is in the order
-//! of time and the file is not. NMEA and MAVLink have clocks of their own; they are put beside the
-//! profiles that they lie between (`navigation`). The time when recording began is that of the first profile after it, to about a second.
+//! The channel number of a profile is 0 for port and 1 for starboard; where it is neither, the sign
+//! of the transducer's heading tells: negative is port. The milliseconds of both transducers are
+//! taken as counted from the same moment, as BlueBoat-SideScanSonar takes them; a warning says
+//! where they cannot be. Packets of one may come in a row before those of the other, so that each
+//! channel is in the order of time and the file is not. NMEA and MAVLink have clocks of their own;
+//! they are put beside the profiles that they lie between (`navigation`). The time when recording
+//! began is that of the first profile after it, to about a second.
 //!
-//! Sources: the Ping protocol's definitions (`omniscan450.json`, `common.json` of bluerobotics/ping-protocol), Cerulean's description of its
-//! packets and of the Omniscan 450's interface, and the readers PINGVerter 2.1.7, GeoHammer and BlueBoat-SideScanSonar; that of the order of packets,
-//! the sides and the clocks is what the last measured on 18 real logs. Not done as PINGVerter does: the range ends at start plus length, as the protocol
-//! says, and the clock of the sonar need not be that of the computer. No real file was at hand: the reader is checked with generated files,
-//! which PINGVerter reads alike.
+//! Sources: the Ping protocol's definitions (`omniscan450.json`, `common.json` of
+//! bluerobotics/ping-protocol), Cerulean's description of its packets and of the Omniscan 450's
+//! interface, and the readers PINGVerter 2.1.7, GeoHammer and BlueBoat-SideScanSonar; that of the
+//! order of packets, the sides and the clocks is what the last measured on 18 real logs. Not done
+//! as PINGVerter does: the range ends at start plus length, as the protocol says, and the clock of
+//! the sonar need not be that of the computer. No real file was at hand: the reader is checked with
+//! generated files, which PINGVerter reads alike.
 
 mod decode;
 mod navigation;
@@ -51,13 +58,12 @@ impl LogFormat for Cerulean {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| {
-            read(opened, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, reading, progress)))
     }
 }
 
-/// Recognises a file by a packet whose sum is right and which another follows; returns where it begins.
+/// Recognises a file by a packet whose sum is right and which another follows; returns where it
+/// begins.
 fn sniff(bytes: &[u8]) -> Option<usize> {
     let mut from = 0;
     for _ in 0..MOST_TRIES {

@@ -9,7 +9,8 @@ use serde::Deserialize;
 /// Ids of the packets.
 const NMEA: u16 = 109;
 const MAVLINK: u16 = 150;
-/// A clock that says otherwise than the order of the packets by more than this is not followed, seconds.
+/// A clock that says otherwise than the order of the packets by more than this is not followed,
+/// seconds.
 const MOST_APART_S: f64 = 5.0;
 /// The message that has a position, and what it says of a heading that is not known.
 const POSITION_MESSAGE: &str = "GLOBAL_POSITION_INT";
@@ -18,7 +19,8 @@ const NO_HEADING: u16 = u16::MAX;
 /// A position on its way to a fix.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Told {
-    /// Seconds of the clock of its own, and which clock that is: that of the receiver or that of the autopilot.
+    /// Seconds of the clock of its own, and which clock that is: that of the receiver or that of
+    /// the autopilot.
     own_s: Option<(Clock, f64)>,
     fix: Fix,
 }
@@ -63,12 +65,7 @@ pub(super) struct Navigation {
 
 impl Default for Navigation {
     fn default() -> Self {
-        Self {
-            cog_rad: f32::NAN,
-            speed_mps: f32::NAN,
-            heading_rad: f32::NAN,
-            placed: Vec::new(),
-        }
+        Self { cog_rad: f32::NAN, speed_mps: f32::NAN, heading_rad: f32::NAN, placed: Vec::new() }
     }
 }
 
@@ -103,7 +100,8 @@ impl Navigation {
         })
     }
 
-    /// Puts a position beside the profile that follows it, of this time, seconds, and with this heading of the vehicle, degrees; 0 is none.
+    /// Puts a position beside the profile that follows it, of this time, seconds, and with this
+    /// heading of the vehicle, degrees; 0 is none.
     pub(super) fn place(&mut self, mut told: Told, time_s: f64, vehicle_deg: f32) {
         if told.fix.compass_rad.is_nan() && vehicle_deg != 0.0 && vehicle_deg.abs() <= 360.0 {
             told.fix.compass_rad = vehicle_deg.to_radians();
@@ -111,8 +109,8 @@ impl Navigation {
         self.placed.push((time_s, told));
     }
 
-    /// The fixes. Packets wait for each other by tenths of seconds, so that the clocks of their own tell the times better: they differ from
-    /// the sonar's by a constant, the median.
+    /// The fixes. Packets wait for each other by tenths of seconds, so that the clocks of their own
+    /// tell the times better: they differ from the sonar's by a constant, the median.
     pub(super) fn fixes(self) -> Vec<Fix> {
         let later_s = |clock: Clock| {
             let own = self.placed.iter().filter_map(|(time_s, told)| {
@@ -131,10 +129,7 @@ impl Navigation {
                 Some(own_s + later_s?)
             });
             let is_near = |own_s: &f64| (own_s - beside_s).abs() <= MOST_APART_S;
-            Fix {
-                time_s: own_s.filter(is_near).unwrap_or(*beside_s),
-                ..told.fix
-            }
+            Fix { time_s: own_s.filter(is_near).unwrap_or(*beside_s), ..told.fix }
         });
         each.collect()
     }
@@ -153,9 +148,7 @@ fn take_message(payload: &[u8]) -> Option<Told> {
     let heading = message.hdg.filter(|heading| *heading != NO_HEADING);
     let speed_mps = north.hypot(east);
     is_fix.then(|| Told {
-        own_s: message
-            .time_boot_ms
-            .map(|boot_ms| (Clock::Autopilot, boot_ms / 1000.0)),
+        own_s: message.time_boot_ms.map(|boot_ms| (Clock::Autopilot, boot_ms / 1000.0)),
         fix: Fix {
             time_s: f64::NAN,
             position: LonLat { lon_deg, lat_deg },
@@ -164,9 +157,8 @@ fn take_message(payload: &[u8]) -> Option<Told> {
                 true => east.atan2(north),
                 false => f32::NAN,
             },
-            compass_rad: heading.map_or(f32::NAN, |heading| {
-                (f32::from(heading) / 100.0).to_radians()
-            }),
+            compass_rad: heading
+                .map_or(f32::NAN, |heading| (f32::from(heading) / 100.0).to_radians()),
             speed_mps,
         },
     })

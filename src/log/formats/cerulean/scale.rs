@@ -12,7 +12,8 @@ const LEAST_DB: i32 = -400;
 /// A level in the units of [`Encoding::ScaledU16`].
 const LEVEL: f64 = (1_u32 << LEVEL_BITS) as f64;
 
-/// Decibels of level 0 and of level 255: whole ones, so that they are found again in the spans of a log.
+/// Decibels of level 0 and of level 255: whole ones, so that they are found again in the spans of a
+/// log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     low_db: i32,
@@ -20,7 +21,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// A scale on which nearly all samples of these spans lie, given with the decibels of their samples 0 and 65535.
+    /// A scale on which nearly all samples of these spans lie, given with the decibels of their
+    /// samples 0 and 65535.
     pub(super) fn fitting(bytes: &[u8], spans: &[(SideSpan, [f32; 2])]) -> Self {
         let mut histogram = [0_u64; 2 * LEAST_DB.unsigned_abs() as usize + 1];
         for (span, power_db) in spans.iter().step_by(spans.len() / PINGS_LOOKED_AT + 1) {
@@ -35,10 +37,7 @@ impl Scale {
         let low = bins_beyond(histogram.iter());
         let above = bins_beyond(histogram.iter().rev());
         let low_db = LEAST_DB + low as i32;
-        Self {
-            low_db,
-            high_db: (LEAST_DB + (histogram.len() - above) as i32).max(low_db + 1),
-        }
+        Self { low_db, high_db: (LEAST_DB + (histogram.len() - above) as i32).max(low_db + 1) }
     }
 
     /// The scale that the pings of a log are on; `None` where they do not tell.
@@ -54,10 +53,8 @@ impl Scale {
             let range_db = (255.0 * db_per_level).round();
             let low_db = (least - f64::from(base) / LEVEL * range_db / 255.0).round();
             let is_scale = (1.0..=800.0).contains(&range_db) && low_db.abs() <= 800.0;
-            is_scale.then_some(Self {
-                low_db: low_db as i32,
-                high_db: low_db as i32 + range_db as i32,
-            })
+            is_scale
+                .then_some(Self { low_db: low_db as i32, high_db: low_db as i32 + range_db as i32 })
         })
     }
 
@@ -99,7 +96,5 @@ fn values<'a>(bytes: &'a [u8], span: &SideSpan) -> impl Iterator<Item = u16> + '
     };
     let stored = Samples::new(bytes, &raw).and_then(|samples| samples.stored_u8());
     let stored = stored.map_or(&[][..], |(stored, _)| stored);
-    stored
-        .chunks_exact(2)
-        .map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
+    stored.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
 }

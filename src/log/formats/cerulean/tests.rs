@@ -78,10 +78,7 @@ fn pings_with_a_scale_of_their_own_show_the_same_picture() {
 #[test]
 fn sides_are_told_by_channel_or_by_where_the_transducer_looks() {
     for channels in [[0, 1], [255, 255]] {
-        let survey = read(&SvlogOptions {
-            channels,
-            ..SvlogOptions::default()
-        });
+        let survey = read(&SvlogOptions { channels, ..SvlogOptions::default() });
         assert_eq!(survey.side_scan.len(), 40);
         assert_levels(&survey, 3, Side::Port);
         assert_levels(&survey, 3, Side::Starboard);
@@ -92,18 +89,11 @@ fn sides_are_told_by_channel_or_by_where_the_transducer_looks() {
 fn packets_of_one_side_may_come_in_a_row() {
     for positions in [109, 150] {
         // Four seconds of one side, then of the other.
-        let survey = read(&SvlogOptions {
-            pings: 400,
-            in_a_row: 80,
-            positions,
-            ..SvlogOptions::default()
-        });
+        let survey =
+            read(&SvlogOptions { pings: 400, in_a_row: 80, positions, ..SvlogOptions::default() });
         assert_eq!(survey.side_scan.len(), 400);
         assert!(
-            survey
-                .side_scan
-                .iter()
-                .all(|ping| ping.port.is_some() && ping.starboard.is_some())
+            survey.side_scan.iter().all(|ping| ping.port.is_some() && ping.starboard.is_some())
         );
         assert_eq!(survey.track.fixes.len(), 5);
         for (index, fix) in survey.track.fixes.iter().enumerate() {
@@ -114,11 +104,7 @@ fn packets_of_one_side_may_come_in_a_row() {
 
 #[test]
 fn positions_of_an_autopilot_are_read() {
-    let survey = read(&SvlogOptions {
-        positions: 150,
-        start_mm: 500,
-        ..SvlogOptions::default()
-    });
+    let survey = read(&SvlogOptions { positions: 150, start_mm: 500, ..SvlogOptions::default() });
     assert_eq!(survey.track.fixes.len(), 40);
     let fix = survey.track.fixes[20];
     assert!((fix.position.lat_deg - 48.117_34).abs() < 1e-9, "{fix:?}");
@@ -127,33 +113,21 @@ fn positions_of_an_autopilot_are_read() {
     assert_eq!([fix.speed_mps, fix.cog_rad], [1.0, 0.0]);
     let span = survey.side_scan[0].port.expect("a side");
     assert_eq!([span.near_m, span.far_m], [0.5, 30.5]);
-    let survey = read(&SvlogOptions {
-        positions: 0,
-        ..SvlogOptions::default()
-    });
+    let survey = read(&SvlogOptions { positions: 0, ..SvlogOptions::default() });
     assert!(says(&survey, "the log holds no position"));
 }
 
 #[test]
 fn transducers_that_were_switched_on_one_after_the_other_are_named() {
-    let options = |port_earlier_ms| SvlogOptions {
-        in_a_row: 20,
-        port_earlier_ms,
-        ..SvlogOptions::default()
-    };
-    assert!(says(
-        &read(&options(12_000)),
-        "ahead of the starboard one's"
-    ));
+    let options =
+        |port_earlier_ms| SvlogOptions { in_a_row: 20, port_earlier_ms, ..SvlogOptions::default() };
+    assert!(says(&read(&options(12_000)), "ahead of the starboard one's"));
     assert!(!says(&read(&options(0)), "ahead of the starboard one's"));
 }
 
 #[test]
 fn after_a_restart_of_the_sonar_time_goes_on() {
-    let part = svlog(&SvlogOptions {
-        pings: 100,
-        ..SvlogOptions::default()
-    });
+    let part = svlog(&SvlogOptions { pings: 100, ..SvlogOptions::default() });
     let survey = open([part.clone(), part].concat()).expect("a log");
     assert!(says(&survey, "the recorder's clock was set back by 5.0 s"));
     assert_eq!(survey.side_scan.len(), 200);
@@ -169,21 +143,12 @@ fn after_a_restart_of_the_sonar_time_goes_on() {
 
 #[test]
 fn a_log_of_another_sonar_is_no_damage() {
-    let bytes = [
-        packet(10, 0, b"{}"),
-        packet(1300, 1, &[0; 100]),
-        packet(1300, 1, &[0; 100]),
-    ];
+    let bytes = [packet(10, 0, b"{}"), packet(1300, 1, &[0; 100]), packet(1300, 1, &[0; 100])];
     let error = open(bytes.concat()).expect_err("no profile");
     assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
     let text = error.to_string();
     assert!(text.contains("2 packets with the id 1300"), "{text}");
-    for bytes in [
-        &b"BR"[..],
-        b"BRIEF",
-        b"BR\0\0BR\0\0BR\0\0\0\0\x01\0",
-        &[0; 4000],
-    ] {
+    for bytes in [&b"BR"[..], b"BRIEF", b"BR\0\0BR\0\0BR\0\0\0\0\x01\0", &[0; 4000]] {
         assert_eq!(super::sniff(bytes), None, "{bytes:?}");
     }
     // What stands before the first packet is skipped.
@@ -200,9 +165,7 @@ fn damage_costs_the_packet_that_it_touched() {
     let at = |id: u16, nth: usize| {
         let id = id.to_le_bytes();
         let mut starts = whole.windows(6).enumerate();
-        let mut starts = starts
-            .by_ref()
-            .filter(|(_, w)| w.starts_with(b"BR") && w.ends_with(&id));
+        let mut starts = starts.by_ref().filter(|(_, w)| w.starts_with(b"BR") && w.ends_with(&id));
         starts.nth(nth).expect("a packet").0
     };
     let starboard = at(2198, 21);
@@ -218,10 +181,7 @@ fn damage_costs_the_packet_that_it_touched() {
         spoil(&mut bytes, starboard);
         let survey = open(bytes).expect("a log");
         assert_eq!(survey.side_scan.len(), 40);
-        let halves = survey
-            .side_scan
-            .iter()
-            .filter(|ping| ping.starboard.is_some());
+        let halves = survey.side_scan.iter().filter(|ping| ping.starboard.is_some());
         assert_eq!(halves.count(), 39);
         let warning = survey.warnings.iter().find(|one| one.place.is_some());
         let (_, offset) = warning.and_then(|one| one.place).expect("a place");
@@ -237,9 +197,7 @@ fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
         if !header.starts_with(b"BR") || end + 2 > bytes.len() {
             break;
         }
-        let sum = bytes[at..end]
-            .iter()
-            .fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));
+        let sum = bytes[at..end].iter().fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));
         bytes[end..end + 2].copy_from_slice(&sum.to_le_bytes());
         at = end + 2;
     }
@@ -265,12 +223,8 @@ fn assert_bounded(bytes: Vec<u8>) {
 #[test]
 fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
     for positions in [109, 150] {
-        let small = svlog(&SvlogOptions {
-            pings: 3,
-            samples: 20,
-            positions,
-            ..SvlogOptions::default()
-        });
+        let small =
+            svlog(&SvlogOptions { pings: 3, samples: 20, positions, ..SvlogOptions::default() });
         for length in 0..small.len() {
             assert_bounded(small[..length].to_vec());
         }
@@ -286,12 +240,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
         }
         // Every number in turn says that it is 2^31, all there can be, or none.
         for at in 0..small.len().saturating_sub(4) {
-            for claimed in [
-                1_u32 << 31,
-                i32::MAX as u32,
-                u32::MAX,
-                f32::INFINITY.to_bits(),
-            ] {
+            for claimed in [1_u32 << 31, i32::MAX as u32, u32::MAX, f32::INFINITY.to_bits()] {
                 let mut bytes = small.clone();
                 bytes[at..at + 4].copy_from_slice(&claimed.to_le_bytes());
                 assert_bounded(mended(bytes));
@@ -315,16 +264,9 @@ fn a_growing_log_is_what_the_whole_one_is() {
             louder_db: 0.01,
             ..SvlogOptions::default()
         },
-        SvlogOptions {
-            positions: 150,
-            in_a_row: 5,
-            ..SvlogOptions::default()
-        },
+        SvlogOptions { positions: 150, in_a_row: 5, ..SvlogOptions::default() },
     ] {
-        let bytes = svlog(&SvlogOptions {
-            pings: 600,
-            ..options
-        });
+        let bytes = svlog(&SvlogOptions { pings: 600, ..options });
         let whole = open_growing(held(&bytes), &Progress::new()).expect("a log");
         assert!(!says(&whole, "was cut"));
         for share in [0.6, 0.75, 0.9, 0.999] {
@@ -350,10 +292,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
             for (a, b) in grown.side_scan.iter().zip(whole.side_scan.iter()) {
                 let places = [a, b].map(|ping| {
                     let sides = [ping.port, ping.starboard];
-                    (
-                        ping.time_s,
-                        sides.map(|span| span.map(|span| (span.offset, span.far_m))),
-                    )
+                    (ping.time_s, sides.map(|span| span.map(|span| (span.offset, span.far_m))))
                 });
                 assert_eq!(places[0], places[1]);
             }

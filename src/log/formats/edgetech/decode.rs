@@ -45,9 +45,7 @@ impl<'a> Reader<'a> {
     /// A reader of this file; of its tail it knows what was found out of the log.
     pub(super) fn new(bytes: &'a [u8], reading: &Reading<'a>) -> Self {
         let known = reading.known().filter(|_| reading.from(0).is_some());
-        let mut pings = known
-            .into_iter()
-            .flat_map(|known| known.side_scan.iter().rev());
+        let mut pings = known.into_iter().flat_map(|known| known.side_scan.iter().rev());
         let last = pings.find_map(|ping| Some((ping.time_s, ping.port.or(ping.starboard)?)));
         let zero_ms = last.and_then(|(time_s, span)| {
             let unix_ms = Trace::of_span(bytes, &span)?.unix_ms;
@@ -62,9 +60,7 @@ impl<'a> Reader<'a> {
             known,
             clock: Clock::default(),
             zero_ms,
-            places: PositionConverter {
-                origin_m: projected.map(|projected| projected.origin_m),
-            },
+            places: PositionConverter { origin_m: projected.map(|projected| projected.origin_m) },
             pairs: known.map_or_else(Pairs::default, |known| Pairs::like(bytes, known)),
             sensors: Sensors::new(span.and_then(|span| sound_of(bytes, &span)), bytes.len()),
             last_depth_s: None,
@@ -137,8 +133,7 @@ impl<'a> Reader<'a> {
         }
         let others = self.sensors.total();
         if others > 0 {
-            log.report
-                .log(format!("{others} messages that are no pings were skipped"));
+            log.report.log(format!("{others} messages that are no pings were skipped"));
         }
     }
 
@@ -149,10 +144,9 @@ impl<'a> Reader<'a> {
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<(Trace, usize)>) {
         match verdict {
-            ClockVerdict::Sound {
-                record: (trace, at),
-                time_s,
-            } => self.keep(log, &trace, at, time_s),
+            ClockVerdict::Sound { record: (trace, at), time_s } => {
+                self.keep(log, &trace, at, time_s)
+            }
             ClockVerdict::Damaged((_, at)) => {
                 let text = "a trace's time fits neither neighbour; its header is damaged and it was dropped";
                 log.report.at(WarningKind::Frame, 0, at, text);

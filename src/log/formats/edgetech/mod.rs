@@ -3,21 +3,27 @@
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! A file is a row of messages, all numbers little-endian. A message has a header of 16 bytes: u16 marker 0x1601, u8 version of the
-//! protocol, u8 session, u16 type, u8 command, u8 subsystem, u8 channel, u8 sequence, u16 reserved, i32 bytes that follow. Subsystems 20,
-//! 21 and 22 are side-scan of low, high and very high frequency, 70 to 72 the same with more pulses in the water, 0 a sub-bottom profiler,
-//! 40 to 42 bathymetry. Channel 0 is port and 1 starboard; both are stored from near to far.
+//! A file is a row of messages, all numbers little-endian. A message has a header of 16 bytes: u16
+//! marker 0x1601, u8 version of the protocol, u8 session, u16 type, u8 command, u8 subsystem, u8
+//! channel, u8 sequence, u16 reserved, i32 bytes that follow. Subsystems 20, 21 and 22 are
+//! side-scan of low, high and very high frequency, 70 to 72 the same with more pulses in the water,
+//! 0 a sub-bottom profiler, 40 to 42 bathymetry. Channel 0 is port and 1 starboard; both are stored
+//! from near to far.
 //!
-//! Message 80 is a ping of one channel, a trace: 240 bytes (`trace`), then samples of 16 bits. Format 0 is the envelope, one u16 a
-//! sample; format 1 the analytic signal, a real and an imaginary i16 a sample. Others were recorded before the matched filter, or are
-//! known to EdgeTech only, and are not read. A sample counts 2^-w volts, with the weighting factor w of its ping. Message 82 is an older
-//! trace with 80 bytes before the same samples. Of the other messages 182 names the sonar, 2002 holds a NMEA sentence, 2060 a pressure sensor, 2080
-//! a Doppler log; the last two know the speed of sound where traces do not. The beams of a Doppler log are no soundings here: whether
-//! their ranges are slant or vertical is not stated.
+//! Message 80 is a ping of one channel, a trace: 240 bytes (`trace`), then samples of 16 bits.
+//! Format 0 is the envelope, one u16 a sample; format 1 the analytic signal, a real and an
+//! imaginary i16 a sample. Others were recorded before the matched filter, or are known to EdgeTech
+//! only, and are not read. A sample counts 2^-w volts, with the weighting factor w of its ping.
+//! Message 82 is an older trace with 80 bytes before the same samples. Of the other messages 182
+//! names the sonar, 2002 holds a NMEA sentence, 2060 a pressure sensor, 2080 a Doppler log; the
+//! last two know the speed of sound where traces do not. The beams of a Doppler log are no
+//! soundings here: whether their ranges are slant or vertical is not stated.
 //!
-//! Sources: the fields as EdgeTech's "JSF Data File Description" (0023492) has them, as the public readers `sidescantools`, `PINGVerter`
-//! 2.1.7 and MB-System (`mbsys_jstar.h`) cite it. Not done as they do: the fractions that later protocols add to the sample interval (less than 1 ns) and to
-//! course and speed are left out. No real file was at hand: the reader is checked with generated files, which PINGVerter reads alike.
+//! Sources: the fields as EdgeTech's "JSF Data File Description" (0023492) has them, as the public
+//! readers `sidescantools`, `PINGVerter` 2.1.7 and MB-System (`mbsys_jstar.h`) cite it. Not done as
+//! they do: the fractions that later protocols add to the sample interval (less than 1 ns) and to
+//! course and speed are left out. No real file was at hand: the reader is checked with generated
+//! files, which PINGVerter reads alike.
 
 mod decode;
 mod message;
@@ -51,13 +57,12 @@ impl LogFormat for EdgeTech {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let first = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| {
-            read(opened, first, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, first, reading, progress)))
     }
 }
 
-/// Recognises a file by its first message, or by two in a row where the first is damaged; returns where the first whole one begins.
+/// Recognises a file by its first message, or by two in a row where the first is damaged; returns
+/// where the first whole one begins.
 fn sniff(bytes: &[u8]) -> Option<usize> {
     let first = MessageHeader::at(bytes, 0);
     if first.is_some_and(|header| header.version <= NEWEST_VERSION && header.kind != 0) {
@@ -98,10 +103,7 @@ fn read(
     walk.run(start, |message| reader.take(&mut log, message))?;
     reader.finish(&mut log);
     let is_side = |kind| matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
-    let has_side_scan = log
-        .channels
-        .iter()
-        .any(|(_, channel)| is_side(channel.kind));
+    let has_side_scan = log.channels.iter().any(|(_, channel)| is_side(channel.kind));
     if !has_side_scan && reader.sensors().total() > 0 {
         return Err(OpenError::Unsupported {
             path,

@@ -1,11 +1,13 @@
-//! The port and the starboard channel that are shown, of as many subsystems as the sonar has, and the scale of their samples.
+//! The port and the starboard channel that are shown, of as many subsystems as the sonar has, and
+//! the scale of their samples.
 
 use super::trace::Trace;
 use crate::formats::collected::{Collected, CollectedPair, HalfPing};
 use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, Side, SideSpan, Survey};
 use std::collections::BTreeMap;
 
-/// A subsystem is only preferred to one of a higher frequency where that has less than this share of its pings.
+/// A subsystem is only preferred to one of a higher frequency where that has less than this share
+/// of its pings.
 const ENOUGH_PINGS: f64 = 0.9;
 /// Pings looked at to find the scale.
 const PINGS_LOOKED_AT: usize = 200;
@@ -62,10 +64,7 @@ impl Pairs {
                 dropped_bits: step.map(|step| dropped(step) - i32::from(trace.weight)),
             })
         };
-        Self {
-            known: log.last_spans().filter_map(chosen).collect(),
-            ..Self::default()
-        }
+        Self { known: log.last_spans().filter_map(chosen).collect(), ..Self::default() }
     }
 
     /// Keeps one side of a ping.
@@ -133,16 +132,14 @@ fn choose(subsystems: &BTreeMap<u8, Subsystem>) -> Option<u8> {
     Some(*chosen)
 }
 
-/// Bits of a sample to drop, less its weight, so that nearly all samples of all pings fit a level on one scale. No low bit of the finest
-/// ping is made up.
+/// Bits of a sample to drop, less its weight, so that nearly all samples of all pings fit a level
+/// on one scale. No low bit of the finest ping is made up.
 fn bits_to_drop(bytes: &[u8], halves: &[Half]) -> i32 {
     let mut histogram: BTreeMap<i32, u64> = BTreeMap::new();
     for half in halves.iter().step_by(halves.len() / PINGS_LOOKED_AT + 1) {
         let bits = stored_bits(bytes, &half.half.span);
         for (bits, count) in bits.into_iter().enumerate().skip(1) {
-            *histogram
-                .entry(bits as i32 - i32::from(half.weight))
-                .or_default() += count;
+            *histogram.entry(bits as i32 - i32::from(half.weight)).or_default() += count;
         }
     }
     let total: u64 = histogram.values().sum();
@@ -166,10 +163,7 @@ fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
     };
     let stored = Samples::new(bytes, &raw).and_then(|samples| samples.stored_u8());
     let mut counts = [0; 18];
-    for sample in stored
-        .map_or(&[][..], |(stored, _)| stored)
-        .chunks_exact(span.encoding.width())
-    {
+    for sample in stored.map_or(&[][..], |(stored, _)| stored).chunks_exact(span.encoding.width()) {
         let magnitude = match *sample {
             [a, b] => u32::from(u16::from_le_bytes([a, b])),
             [a, b, c, d] => {
@@ -214,10 +208,7 @@ mod tests {
 
     fn of(subsystems: &[(u8, usize, f32)]) -> Option<u8> {
         let one = |&(number, pings, frequency_khz): &(u8, usize, f32)| {
-            let subsystem = Subsystem {
-                pings,
-                frequency_khz,
-            };
+            let subsystem = Subsystem { pings, frequency_khz };
             (number, subsystem)
         };
         choose(&subsystems.iter().map(one).collect())

@@ -13,7 +13,8 @@ const PRESSURE: u16 = 2060;
 const DOPPLER: u16 = 2080;
 /// Speeds of sound that water has, metres a second.
 pub(super) const SOUNDS_MPS: std::ops::RangeInclusive<f64> = 1300.0..=1700.0;
-/// A sentence that is older or newer than all traces by more than this is of another clock, seconds.
+/// A sentence that is older or newer than all traces by more than this is of another clock,
+/// seconds.
 const NMEA_BESIDE_S: f64 = 60.0;
 
 /// Bytes of a file for each position at least; a hostile one is nothing but sentences.
@@ -31,8 +32,9 @@ pub(super) struct Sensors {
 }
 
 impl Sensors {
-    /// Nothing was told yet but, of the tail of a log, the speed of sound before it, metres a second. Of a file of so many bytes no more
-    /// sentences are kept than a recorder writes between its traces.
+    /// Nothing was told yet but, of the tail of a log, the speed of sound before it, metres a
+    /// second. Of a file of so many bytes no more sentences are kept than a recorder writes between
+    /// its traces.
     pub(super) fn new(sound_mps: Option<f64>, byte_count: usize) -> Self {
         Self {
             sound_mps,
@@ -78,7 +80,8 @@ impl Sensors {
         self.sound_mps
     }
 
-    /// Type of the sonar and number of the vehicle that carries it; empty where the file names neither.
+    /// Type of the sonar and number of the vehicle that carries it; empty where the file names
+    /// neither.
     pub(super) fn device(&self) -> String {
         self.device.clone().unwrap_or_default()
     }
@@ -97,7 +100,8 @@ impl Sensors {
         each.collect::<Vec<String>>().join(", ")
     }
 
-    /// Adds the positions of the sentences, which stand in where the traces have none. `zero_s` is the log's time zero in Unix seconds.
+    /// Adds the positions of the sentences, which stand in where the traces have none. `zero_s` is
+    /// the log's time zero in Unix seconds.
     pub(super) fn add_fixes(&self, log: &mut Collected, zero_s: f64) {
         let channels = log.channels.iter();
         let spans = channels.filter_map(|(_, channel)| channel.time_span_s);
@@ -119,8 +123,7 @@ impl Sensors {
             }
         }
         if !log.fixes.is_empty() {
-            log.report
-                .log("the traces hold no position; those of the NMEA sentences are used");
+            log.report.log("the traces hold no position; those of the NMEA sentences are used");
         }
     }
 }

@@ -30,9 +30,7 @@ fn says(survey: &Survey, words: &str) -> bool {
 
 /// Values to 999 take 10 bits, of which two are dropped.
 fn expected(ping: usize, channel: u8, samples: usize) -> Vec<u8> {
-    (0..samples)
-        .map(|sample| (value(ping, channel, sample) >> 2) as u8)
-        .collect()
+    (0..samples).map(|sample| (value(ping, channel, sample) >> 2) as u8).collect()
 }
 
 #[test]
@@ -50,10 +48,7 @@ fn envelope_range_time_altitude_and_place_are_what_was_written() {
         assert_eq!(span.near_m, 0.0);
         assert!((f64::from(span.far_m) - far_m).abs() < 1e-5);
         assert_eq!(outward(&survey, index, Side::Port), expected(index, 0, 200));
-        assert_eq!(
-            outward(&survey, index, Side::Starboard),
-            expected(index, 1, 200)
-        );
+        assert_eq!(outward(&survey, index, Side::Starboard), expected(index, 1, 200));
         assert!((ping.depth_m - (6.5 + 0.01 * index as f32)).abs() < 1e-5);
     }
     assert_eq!(survey.soundings.len(), 40);
@@ -71,11 +66,7 @@ fn envelope_range_time_altitude_and_place_are_what_was_written() {
 fn every_weight_and_the_analytic_signal_show_the_same_picture() {
     for data_format in [0, 1] {
         for weights in [vec![3], vec![0, 1, 2, 3, 4, 5]] {
-            let survey = read(&JsfOptions {
-                data_format,
-                weights,
-                ..JsfOptions::default()
-            });
+            let survey = read(&JsfOptions { data_format, weights, ..JsfOptions::default() });
             assert_eq!(survey.side_scan.len(), 40);
             for ping in 0..40 {
                 let levels = outward(&survey, ping, Side::Starboard);
@@ -92,10 +83,7 @@ fn every_weight_and_the_analytic_signal_show_the_same_picture() {
 #[test]
 fn a_loud_ping_is_not_shown_brighter_than_it_was() {
     // Weight -2: four volts a value. What 8 bits hold is shared by all pings.
-    let survey = read(&JsfOptions {
-        weights: vec![-2, 2],
-        ..JsfOptions::default()
-    });
+    let survey = read(&JsfOptions { weights: vec![-2, 2], ..JsfOptions::default() });
     let [coarse, fine] = [2, 3].map(|ping| outward(&survey, ping, Side::Port));
     assert_eq!(coarse[100], ((value(2, 0, 100) >> 2) << 2 >> 2) as u8);
     assert_eq!(fine[100], (value(3, 0, 100) >> 2) as u8);
@@ -103,20 +91,13 @@ fn a_loud_ping_is_not_shown_brighter_than_it_was() {
 
 #[test]
 fn one_pair_of_several_subsystems_is_shown_and_the_others_are_named() {
-    let survey = read(&JsfOptions {
-        subsystems: vec![20, 21],
-        ..JsfOptions::default()
-    });
+    let survey = read(&JsfOptions { subsystems: vec![20, 21], ..JsfOptions::default() });
     assert_eq!(survey.side_scan.len(), 40);
     assert!(says(
         &survey,
         "high frequency (subsystem 21) is shown; set source.frequency_khz to show"
     ));
-    let khz: Vec<_> = survey
-        .channels
-        .iter()
-        .map(|one| one.frequency_khz)
-        .collect();
+    let khz: Vec<_> = survey.channels.iter().map(|one| one.frequency_khz).collect();
     assert_eq!(khz.iter().filter(|khz| **khz == Some(410.0)).count(), 2);
     assert_eq!(survey.channels.len(), 4);
     // The two frequencies ping together: nothing is doubled.
@@ -126,21 +107,12 @@ fn one_pair_of_several_subsystems_is_shown_and_the_others_are_named() {
 #[test]
 fn metres_are_local_and_nmea_stands_in_for_positions() {
     for (units, step_m) in [(1, 0.5), (3, 0.5), (4, 0.5)] {
-        let survey = read(&JsfOptions {
-            units,
-            ..JsfOptions::default()
-        });
-        assert!(
-            says(&survey, "set source.crs to its EPSG number"),
-            "{units}"
-        );
+        let survey = read(&JsfOptions { units, ..JsfOptions::default() });
+        assert!(says(&survey, "set source.crs to its EPSG number"), "{units}");
         let [_, north_m] = survey.track.frame.to_enu(survey.track.fixes[39].position);
         assert!((north_m - 39.0 * step_m).abs() < 0.01, "{units}: {north_m}");
     }
-    let survey = read(&JsfOptions {
-        units: 0,
-        ..JsfOptions::default()
-    });
+    let survey = read(&JsfOptions { units: 0, ..JsfOptions::default() });
     assert!(says(&survey, "those of the NMEA sentences are used"));
     assert_eq!(survey.track.fixes.len(), 40);
     let lat_deg = survey.track.fixes[10].position.lat_deg;
@@ -149,18 +121,12 @@ fn metres_are_local_and_nmea_stands_in_for_positions() {
 
 #[test]
 fn older_traces_are_read_with_the_sound_of_a_sensor() {
-    let options = JsfOptions {
-        old: true,
-        ..JsfOptions::default()
-    };
+    let options = JsfOptions { old: true, ..JsfOptions::default() };
     let survey = read(&options);
     assert_eq!(survey.start_unix_s, Some(f64::from(START_S)));
     assert_eq!(survey.side_scan.len(), 40);
     assert_eq!(outward(&survey, 7, Side::Port), expected(7, 0, 200));
-    assert!(says(
-        &survey,
-        "80 pings state no speed of sound; their ranges are for 1500 m/s"
-    ));
+    assert!(says(&survey, "80 pings state no speed of sound; their ranges are for 1500 m/s"));
     let mut pressure = vec![0; 76];
     put(&mut pressure, 24, &(1_u32 << 4).to_le_bytes());
     put(&mut pressure, 32, &1_450_000_i32.to_le_bytes());
@@ -172,12 +138,8 @@ fn older_traces_are_read_with_the_sound_of_a_sensor() {
 
 #[test]
 fn a_ping_may_have_more_samples_than_sixteen_bits_count() {
-    let survey = read(&JsfOptions {
-        samples: 70_000,
-        interval_ns: 1000,
-        pings: 3,
-        ..JsfOptions::default()
-    });
+    let survey =
+        read(&JsfOptions { samples: 70_000, interval_ns: 1000, pings: 3, ..JsfOptions::default() });
     assert_eq!(survey.side_scan.len(), 3);
     assert_eq!(outward(&survey, 2, Side::Port), expected(2, 0, 70_000));
 }
@@ -185,19 +147,13 @@ fn a_ping_may_have_more_samples_than_sixteen_bits_count() {
 #[test]
 fn a_recording_without_side_scan_is_no_damage() {
     for subsystems in [vec![0], vec![]] {
-        let error = open(jsf(&JsfOptions {
-            subsystems,
-            ..JsfOptions::default()
-        }));
+        let error = open(jsf(&JsfOptions { subsystems, ..JsfOptions::default() }));
         let error = error.expect_err("no side-scan");
         assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
         let text = error.to_string();
         assert!(text.contains("40 messages of type 2002"), "{text}");
     }
-    let survey = read(&JsfOptions {
-        data_format: 2,
-        ..JsfOptions::default()
-    });
+    let survey = read(&JsfOptions { data_format: 2, ..JsfOptions::default() });
     assert!(survey.side_scan.is_empty());
     assert!(says(&survey, "80 pings hold samples of format 2"));
 }
@@ -219,10 +175,7 @@ fn damage_costs_the_message_that_it_touched() {
         spoil(&mut bytes, starboard);
         let survey = open(bytes).expect("a log");
         assert_eq!(survey.side_scan.len(), 40);
-        let halves = survey
-            .side_scan
-            .iter()
-            .filter(|ping| ping.starboard.is_some());
+        let halves = survey.side_scan.iter().filter(|ping| ping.starboard.is_some());
         assert_eq!(halves.count(), 39);
         let warning = survey.warnings.iter().find(|one| one.place.is_some());
         let (_, offset) = warning.and_then(|one| one.place).expect("a place");
@@ -234,9 +187,7 @@ fn damage_costs_the_message_that_it_touched() {
 fn a_time_that_cannot_be_is_left_out() {
     let mut bytes = jsf(&JsfOptions::default());
     let at = bytes.len() / 2;
-    let trace = bytes[at..]
-        .windows(6)
-        .position(|window| window == [1, 0x16, 12, 0, 80, 0]);
+    let trace = bytes[at..].windows(6).position(|window| window == [1, 0x16, 12, 0, 80, 0]);
     let trace = at + trace.expect("a trace");
     put(&mut bytes, trace + 16, &7_i32.to_le_bytes());
     let survey = open(bytes).expect("a log");
@@ -246,19 +197,10 @@ fn a_time_that_cannot_be_is_left_out() {
 
 #[test]
 fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
-    for options in [
-        JsfOptions::default(),
-        JsfOptions {
-            old: true,
-            data_format: 1,
-            ..JsfOptions::default()
-        },
-    ] {
-        let small = jsf(&JsfOptions {
-            pings: 3,
-            samples: 20,
-            ..options
-        });
+    for options in
+        [JsfOptions::default(), JsfOptions { old: true, data_format: 1, ..JsfOptions::default() }]
+    {
+        let small = jsf(&JsfOptions { pings: 3, samples: 20, ..options });
         for length in 0..small.len() {
             if let Ok(survey) = open(small[..length].to_vec()) {
                 assert!(survey.side_scan.len() <= 3);
@@ -302,20 +244,10 @@ fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
 #[test]
 fn a_growing_log_is_what_the_whole_one_is() {
     for options in [
-        JsfOptions {
-            weights: vec![0, 1, 2],
-            subsystems: vec![20, 21],
-            ..JsfOptions::default()
-        },
-        JsfOptions {
-            units: 1,
-            ..JsfOptions::default()
-        },
+        JsfOptions { weights: vec![0, 1, 2], subsystems: vec![20, 21], ..JsfOptions::default() },
+        JsfOptions { units: 1, ..JsfOptions::default() },
     ] {
-        let bytes = jsf(&JsfOptions {
-            pings: 200,
-            ..options
-        });
+        let bytes = jsf(&JsfOptions { pings: 200, ..options });
         let whole = open_growing(held(&bytes), &Progress::new()).expect("a log");
         assert!(!says(&whole, "was cut"));
         for share in [0.6, 0.75, 0.9, 0.999] {
@@ -343,12 +275,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
 
 #[test]
 fn a_log_that_is_no_jsf_is_not_taken_for_one() {
-    for bytes in [
-        &b"\x01\x16"[..],
-        b"\x01\x16\x0c\x00",
-        &[0; 4000],
-        &[1; 4000],
-    ] {
+    for bytes in [&b"\x01\x16"[..], b"\x01\x16\x0c\x00", &[0; 4000], &[1; 4000]] {
         assert_eq!(super::sniff(bytes), None);
     }
     let bytes = jsf(&JsfOptions::default());

@@ -5,8 +5,9 @@ use chrono::NaiveDate;
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
 
-/// Unix milliseconds of a trace: of its Unix seconds, or where those are not set of its year, day of the year, hour, minute and second;
-/// with the milliseconds since midnight, which lie within 2 s of them unless they are of another clock.
+/// Unix milliseconds of a trace: of its Unix seconds, or where those are not set of its year, day
+/// of the year, hour, minute and second; with the milliseconds since midnight, which lie within 2 s
+/// of them unless they are of another clock.
 pub(super) fn unix_ms(unix_s: i64, calendar: [i16; 5], today_ms: u32) -> i64 {
     let [year, day, hour, minute, second] = calendar.map(i64::from);
     let date = i32::try_from(year).ok().zip(u32::try_from(day).ok());

@@ -87,14 +87,12 @@ impl Trace {
     /// The trace that a span was made of; `None` where there is none before it.
     pub(super) fn of_span(bytes: &[u8], span: &SideSpan) -> Option<Self> {
         let samples_at = usize::try_from(span.offset).ok()?;
-        [TRACE_HEADER, OLD_TRACE_HEADER]
-            .into_iter()
-            .find_map(|trace_header| {
-                let start = samples_at.checked_sub(HEADER + trace_header)?;
-                let size = MessageHeader::at(bytes, start)?.size;
-                let trace = Self::of(bytes, start..start + HEADER + size)?;
-                (trace.samples_at == samples_at).then_some(trace)
-            })
+        [TRACE_HEADER, OLD_TRACE_HEADER].into_iter().find_map(|trace_header| {
+            let start = samples_at.checked_sub(HEADER + trace_header)?;
+            let size = MessageHeader::at(bytes, start)?.size;
+            let trace = Self::of(bytes, start..start + HEADER + size)?;
+            (trace.samples_at == samples_at).then_some(trace)
+        })
     }
 
     /// What its channel is.
@@ -111,7 +109,8 @@ impl Trace {
         u16::from_be_bytes([self.subsystem, self.channel])
     }
 
-    /// How its samples are stored, on a scale that is not set yet; `None` for formats that are not read.
+    /// How its samples are stored, on a scale that is not set yet; `None` for formats that are not
+    /// read.
     pub(super) fn encoding(&self) -> Option<Encoding> {
         match self.data_format {
             0 => Some(Encoding::ScaledU16 { base: 0, step: 0 }),
@@ -153,11 +152,7 @@ fn trace(header: MessageHeader, fields: Fields<'_>) -> Trace {
     let is_sound = SOUNDS_MPS.contains(&sound_mps) && is_valid(fields, SOUND_VALID);
     let [from, to] =
         [(126, 0), (128, 4)].map(|(at, shift)| u32::from(fields.u16(at)) + high(shift));
-    let place = Coordinates {
-        x: fields.i32(80),
-        y: fields.i32(84),
-        units: fields.u16(88),
-    };
+    let place = Coordinates { x: fields.i32(80), y: fields.i32(84), units: fields.u16(88) };
     let calendar = [156, 158, 160, 162, 164].map(|at| fields.i16(at));
     Trace {
         packet: fields.u16(220),
@@ -173,9 +168,8 @@ fn trace(header: MessageHeader, fields: Fields<'_>) -> Trace {
         place: Some(place).filter(|_| is_valid(fields, POSITION_VALID)),
         heading_rad: from_north(HEADING_VALID, heading, 100.0),
         cog_rad: from_north(COURSE_VALID, fields.i16(192).into(), 10.0),
-        speed_mps: valid(SPEED_VALID, fields.i16(194).into()).map_or(f32::NAN, |tenths| {
-            (f64::from(tenths) / 10.0 * MPS_PER_KNOT) as f32
-        }),
+        speed_mps: valid(SPEED_VALID, fields.i16(194).into())
+            .map_or(f32::NAN, |tenths| (f64::from(tenths) / 10.0 * MPS_PER_KNOT) as f32),
         ..empty(header)
     }
 }
@@ -223,7 +217,8 @@ fn empty(header: MessageHeader) -> Trace {
     }
 }
 
-/// The middle of a pulse from its ends in tens of hertz, or the frequency that it is mixed with, Hz.
+/// The middle of a pulse from its ends in tens of hertz, or the frequency that it is mixed with,
+/// Hz.
 fn frequency_khz(ends: [u32; 2], mixer_hz: f32) -> Option<f32> {
     let ends_khz = ends.map(|ten_hz| ten_hz as f32 / 100.0);
     let khz = match ends_khz {

@@ -1,4 +1,5 @@
-//! What the channels of an RSD file are: their numbers differ between units, so that the beam in the records tells.
+//! What the channels of an RSD file are: their numbers differ between units, so that the beam in
+//! the records tells.
 
 use super::header::FileHeader;
 use super::record::RecordBody;
@@ -6,11 +7,14 @@ use crate::formats::report::WarningReport;
 use crate::survey::{ChannelKind, Survey};
 use std::collections::BTreeMap;
 
-/// Side-scan and down-scan use higher frequencies than the traditional sonar, kHz: peers split at the same.
+/// Side-scan and down-scan use higher frequencies than the traditional sonar, kHz: peers split at
+/// the same.
 const LOWEST_SCAN_KHZ: f32 = 300.0;
-/// Channels that were recorded one after the other may overlap by so many seconds, and by half of the shorter one.
+/// Channels that were recorded one after the other may overlap by so many seconds, and by half of
+/// the shorter one.
 const SLACK_S: f64 = 2.0;
-/// A channel with less than this share of the pings of another of its role comes after it, whatever its number.
+/// A channel with less than this share of the pings of another of its role comes after it, whatever
+/// its number.
 const FEW: usize = 8;
 /// Channels without a number have this one and that of their beam.
 pub(super) const UNNUMBERED: u16 = 65_000;
@@ -108,7 +112,8 @@ impl SeenChannel {
         }
     }
 
-    /// What its pings state: the beam that most of them name, else the side that the element looks to.
+    /// What its pings state: the beam that most of them name, else the side that the element looks
+    /// to.
     fn stated(&self) -> Option<Role> {
         if self.with_samples == 0 {
             return Some(Role::Other);
@@ -134,7 +139,8 @@ impl SeenChannel {
     }
 }
 
-/// The kind of each channel; those of a log that is known stay. Says what had to be guessed and what is not shown.
+/// The kind of each channel; those of a log that is known stay. Says what had to be guessed and
+/// what is not shown.
 pub(super) fn kinds(
     seen: &[SeenChannel],
     header: &FileHeader,
@@ -148,9 +154,8 @@ pub(super) fn kinds(
         Some((channel.number, found.kind))
     };
     let mut kinds: BTreeMap<u16, ChannelKind> = seen.iter().filter_map(known_kind).collect();
-    let new: Vec<&SeenChannel> = (seen.iter())
-        .filter(|channel| !kinds.contains_key(&channel.number))
-        .collect();
+    let new: Vec<&SeenChannel> =
+        (seen.iter()).filter(|channel| !kinds.contains_key(&channel.number)).collect();
     for (channel, role) in ordered(&new, header, report) {
         let is_free = |kind: &&ChannelKind| {
             let mut others = seen.iter();
@@ -170,21 +175,18 @@ pub(super) fn kinds(
     kinds
 }
 
-/// The channels with their roles in the order in which they choose a kind: by number, those with few pings last.
+/// The channels with their roles in the order in which they choose a kind: by number, those with
+/// few pings last.
 fn ordered<'a>(
     channels: &[&'a SeenChannel],
     header: &FileHeader,
     report: &WarningReport,
 ) -> Vec<(&'a SeenChannel, Role)> {
-    let unstated: Vec<&SeenChannel> = (channels.iter().copied())
-        .filter(|channel| channel.stated().is_none())
-        .collect();
+    let unstated: Vec<&SeenChannel> =
+        (channels.iter().copied()).filter(|channel| channel.stated().is_none()).collect();
     let role = |channel: &'a SeenChannel| {
         let role = channel.stated();
-        (
-            channel,
-            role.unwrap_or_else(|| guess(channel, &unstated, header, report)),
-        )
+        (channel, role.unwrap_or_else(|| guess(channel, &unstated, header, report)))
     };
     let mut roles: Vec<(&SeenChannel, Role)> = channels.iter().copied().map(role).collect();
     let most = |role: Role| {
@@ -192,10 +194,7 @@ fn ordered<'a>(
         same.map(|(channel, _)| channel.pings).max().unwrap_or(0)
     };
     let key = |&(channel, role): &(&SeenChannel, Role)| {
-        (
-            channel.pings.saturating_mul(FEW) < most(role),
-            channel.number,
-        )
+        (channel.pings.saturating_mul(FEW) < most(role), channel.number)
     };
     let mut keys: Vec<(bool, u16)> = roles.iter().map(key).collect();
     keys.sort_unstable();
@@ -206,8 +205,8 @@ fn ordered<'a>(
     roles
 }
 
-/// The role of a channel whose pings state neither a beam nor a side: two of one high frequency are a pair, port first; one alone
-/// looks down.
+/// The role of a channel whose pings state neither a beam nor a side: two of one high frequency are
+/// a pair, port first; one alone looks down.
 fn guess(
     channel: &SeenChannel,
     unstated: &[&SeenChannel],
@@ -216,11 +215,7 @@ fn guess(
 ) -> Role {
     let khz = header.frequency_khz(channel.number);
     let is_scan = khz.is_some_and(|khz| khz >= LOWEST_SCAN_KHZ);
-    let alike = || {
-        unstated
-            .iter()
-            .filter(|one| header.frequency_khz(one.number) == khz)
-    };
+    let alike = || unstated.iter().filter(|one| header.frequency_khz(one.number) == khz);
     let lower = alike().filter(|one| one.number < channel.number).count();
     let role = match (is_scan, alike().count(), lower) {
         (true, 2, 0) => Role::Port,
@@ -228,9 +223,7 @@ fn guess(
         (true, ..) => Role::Down,
         (false, ..) => Role::Traditional,
     };
-    let frequency = khz.map_or("of no stated frequency".to_owned(), |khz| {
-        format!("of {khz} kHz")
-    });
+    let frequency = khz.map_or("of no stated frequency".to_owned(), |khz| format!("of {khz} kHz"));
     report.log(format!(
         "channel {}, {frequency}, states neither its beam nor its side; it was taken for {}",
         SeenChannel::name(channel.number),

@@ -16,7 +16,8 @@ const MOST_CHANNELS: usize = 64;
 /// Garmin's units of a position in a circle.
 const UNITS_A_CIRCLE: f64 = 4_294_967_296.0;
 
-/// Collects pings, a little behind the walk so that a damaged time is seen. What a channel is, only all of its pings tell.
+/// Collects pings, a little behind the walk so that a damaged time is seen. What a channel is, only
+/// all of its pings tell.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     header: FileHeader,
@@ -51,13 +52,7 @@ impl<'a> Reader<'a> {
             log.report.at(WarningKind::Frame, 0, offset, text);
             return;
         };
-        let ping = Ping {
-            offset,
-            end: header.end(),
-            time_ms: header.time_ms,
-            channel,
-            body,
-        };
+        let ping = Ping { offset, end: header.end(), time_ms: header.time_ms, channel, body };
         if let Some(verdict) = self.clock.push(f64::from(header.time_ms) / 1000.0, ping) {
             self.settle(log, verdict);
         }
@@ -95,7 +90,8 @@ impl<'a> Reader<'a> {
         self.pings.push((time_s, ping));
     }
 
-    /// Gives all pings their meaning. `known` is the log as it was read before, where this is its tail.
+    /// Gives all pings their meaning. `known` is the log as it was read before, where this is its
+    /// tail.
     pub(super) fn finish(mut self, log: &mut Collected, known: Option<&Survey>) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -134,13 +130,11 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The number of a record's channel: that of its body, else that of its header; some records have none, and a beam only. `None` where it
-/// cannot be.
+/// The number of a record's channel: that of its body, else that of its header; some records have
+/// none, and a beam only. `None` where it cannot be.
 fn number(header: &RecordHeader, body: &RecordBody) -> Option<u16> {
     match body.channel.or(header.channel) {
-        Some(stated) => u16::try_from(stated)
-            .ok()
-            .filter(|number| *number < UNNUMBERED),
+        Some(stated) => u16::try_from(stated).ok().filter(|number| *number < UNNUMBERED),
         None => Some(UNNUMBERED + body.beam.unwrap_or(0).min(9) as u16),
     }
 }

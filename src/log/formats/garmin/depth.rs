@@ -12,7 +12,8 @@ const DAMAGED_SHARE: f64 = 0.125;
 /// How a depth is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum DepthEncoding {
-    /// Twice the value where it is not negative, else one less than twice its amount ("zig-zag"): what the format's descriptions state.
+    /// Twice the value where it is not negative, else one less than twice its amount ("zig-zag"):
+    /// what the format's descriptions state.
     #[default]
     Signed,
     /// The value itself. PINGVerter reports such files.

@@ -7,7 +7,8 @@ use crate::formats::scalar::u32_le;
 const MAGIC: u32 = 0xD926_4B7C;
 /// Unix seconds of 31 December 1989, 0 h UTC, from which Garmin counts.
 const GARMIN_EPOCH_UNIX_S: f64 = 631_065_600.0;
-/// Unix seconds of logs: from the year 2000, before which no unit recorded, to 2100. 0 and all ones lie outside.
+/// Unix seconds of logs: from the year 2000, before which no unit recorded, to 2100. 0 and all ones
+/// lie outside.
 const UNIX_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 /// Frequencies of sonars, Hz.
 const SONAR_HZ: std::ops::Range<u32> = 1_000..10_000_000;
@@ -26,7 +27,8 @@ pub(super) struct FileHeader {
 }
 
 impl FileHeader {
-    /// The header of a file; `None` where the file does not begin with one. What is damaged in it is not stated.
+    /// The header of a file; `None` where the file does not begin with one. What is damaged in it
+    /// is not stated.
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
         // The count of the fields, the key of field 0 with its length of 4, and the number.
         if bytes.get(1) != Some(&4) || u32_le(bytes, 2) != Some(MAGIC) {
@@ -64,10 +66,7 @@ fn frequencies(list: &[u8]) -> Vec<(u32, f32)> {
             break;
         };
         at = channel.end;
-        let id = channel
-            .bytes(0)
-            .and_then(first_item)
-            .and_then(whole_varuint);
+        let id = channel.bytes(0).and_then(first_item).and_then(whole_varuint);
         let band = channel.bytes(2).and_then(first_item);
         let band = band.and_then(|item| VarStruct::read(item, 0)?.structure(1));
         let middle_khz = band.and_then(|band| Some((hertz(&band, 1)?, hertz(&band, 2)?)));
@@ -77,7 +76,8 @@ fn frequencies(list: &[u8]) -> Vec<(u32, f32)> {
     found
 }
 
-/// A frequency, which is four bytes in some files and an integer of seven bits a byte in others: below 2 MHz that has three.
+/// A frequency, which is four bytes in some files and an integer of seven bits a byte in others:
+/// below 2 MHz that has three.
 fn hertz(band: &VarStruct<'_>, number: usize) -> Option<u32> {
     let hertz = match band.bytes(number)?.len() {
         4 => band.unsigned(number),

@@ -3,28 +3,34 @@
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! Read from the specification: no real recording was at hand. The facts are those of public readers of the format, which were made with
-//! real recordings: `garmin_class.py` of PINGVerter 2.1.7 (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of
-//! sidescantools. Troubles that their users have, and that are tested here: PINGMapper issue 165 and PINGVerter issue 3 (channels without a side,
-//! positions that are missing).
+//! Read from the specification: no real recording was at hand. The facts are those of public
+//! readers of the format, which were made with real recordings: `garmin_class.py` of PINGVerter
+//! 2.1.7 (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of sidescantools. Troubles
+//! that their users have, and that are tested here: PINGMapper issue 165 and PINGVerter issue 3
+//! (channels without a side, positions that are missing).
 //!
-//! A file is a header that is padded to 20 480 bytes, and records. All is written as structures of numbered fields ([`varstruct`]);
-//! integers are little-endian.
-//! - File header: field 0 the number 0xD9264B7C, 5 the unit (its field 2 the model, 3 the seconds since 31 December 1989 UTC at which the
-//!   recording began), 6 the channels with their bands in hertz.
-//! - Record: a header (field 0 the number 0xB7E9DA86, 1 the state with the channel, 2 the count of the ping, 4 the bytes of the body, 5 the
-//!   milliseconds since the recording began), its checksum, the body, and a trailer of twelve bytes (0xF98EACBC, the record's length, a checksum).
-//!   The first and the last records of a channel have no body.
-//! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the last sample, all three in millimetres
-//!   ([`depth`]), 7 the count of samples, 8 whether there is shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's
-//!   temperature, 12 the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4 down-scan), 13 the element, whose field 5 has the
-//!   tilt to port (negative) or to starboard. The samples follow, nearest first on both sides, two bytes each.
+//! A file is a header that is padded to 20 480 bytes, and records. All is written as structures of
+//! numbered fields ([`varstruct`]); integers are little-endian.
+//! - File header: field 0 the number 0xD9264B7C, 5 the unit (its field 2 the model, 3 the seconds
+//!   since 31 December 1989 UTC at which the recording began), 6 the channels with their bands in
+//!   hertz.
+//! - Record: a header (field 0 the number 0xB7E9DA86, 1 the state with the channel, 2 the count of
+//!   the ping, 4 the bytes of the body, 5 the milliseconds since the recording began), its
+//!   checksum, the body, and a trailer of twelve bytes (0xF98EACBC, the record's length, a
+//!   checksum). The first and the last records of a channel have no body.
+//! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the
+//!   last sample, all three in millimetres ([`depth`]), 7 the count of samples, 8 whether there is
+//!   shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's temperature, 12
+//!   the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4 down-scan), 13 the
+//!   element, whose field 5 has the tilt to port (negative) or to starboard. The samples follow,
+//!   nearest first on both sides, two bytes each.
 //!
-//! Stated by one source only: that one byte of shade a sample follows the samples (sidescantools), that depths may be unsigned
-//! (PINGVerter), and that old units record one byte a sample (notes of another public project).
+//! Stated by one source only: that one byte of shade a sample follows the samples (sidescantools),
+//! that depths may be unsigned (PINGVerter), and that old units record one byte a sample (notes of
+//! another public project).
 //!
-//! Not read: temperature (a log has no place for it), gain, shade, and checksums, which peers find wrong in sound records. Course,
-//! heading and speed are not in the format.
+//! Not read: temperature (a log has no place for it), gain, shade, and checksums, which peers find
+//! wrong in sound records. Course, heading and speed are not in the format.
 
 mod channels;
 mod decode;
@@ -59,9 +65,7 @@ impl LogFormat for Garmin {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let found = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| {
-            read(opened, found, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, found, reading, progress)))
     }
 }
 
@@ -79,10 +83,8 @@ fn sniff(bytes: &[u8]) -> Option<RsdStart> {
         true => Some(HEADER),
         false => walk::next_record(bytes, 0, SEARCHED_FOR_RECORDS),
     };
-    (header.is_some() || first_record.is_some()).then(|| RsdStart {
-        header,
-        first_record: first_record.unwrap_or(HEADER.min(bytes.len())),
-    })
+    (header.is_some() || first_record.is_some())
+        .then(|| RsdStart { header, first_record: first_record.unwrap_or(HEADER.min(bytes.len())) })
 }
 
 /// Reads a file that [`sniff`] recognised.
@@ -111,15 +113,8 @@ fn read(
     progress.start(bytes.len().saturating_sub(start) as u64);
     let header = found.header.unwrap_or_default();
     let mut reader = decode::Reader::new(&bytes, header, found.first_record);
-    walk::RecordWalk {
-        bytes: &bytes,
-        report: &report,
-        is_growing: reading.is_growing,
-        progress,
-    }
-    .run(start, |offset, record| {
-        reader.take(&mut log, offset, record)
-    })?;
+    walk::RecordWalk { bytes: &bytes, report: &report, is_growing: reading.is_growing, progress }
+        .run(start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {
         return Err(OpenError::Broken {

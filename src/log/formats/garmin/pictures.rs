@@ -10,10 +10,7 @@ use std::sync::Arc;
 
 /// Near and far limit of a ping's samples, metres, where it states limits that can be.
 pub(super) fn range_m(ping: &Ping, depths: DepthEncoding) -> Option<(f32, f32)> {
-    let [near, far] = ping
-        .body
-        .range
-        .map(|stored| stored.map(|stored| depths.metres(stored)));
+    let [near, far] = ping.body.range.map(|stored| stored.map(|stored| depths.metres(stored)));
     let (near_m, far_m) = (near.unwrap_or(0.0), far?);
     is_range(near_m, far_m).then_some((near_m, far_m))
 }
@@ -65,8 +62,8 @@ pub(super) fn keep(
     }
 }
 
-/// Chooses which eight bits of 16-bit samples are shown: the same on both sides, and the same in all pings of a channel that looks down.
-/// Of the tail of a log they are those of the log.
+/// Chooses which eight bits of 16-bit samples are shown: the same on both sides, and the same in
+/// all pings of a channel that looks down. Of the tail of a log they are those of the log.
 pub(super) fn choose_levels(bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
     let sides = log.port.iter_mut().chain(&mut log.starboard);
     show_alike(bytes, sides.map(|half| &mut half.span), None);

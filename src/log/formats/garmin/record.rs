@@ -7,7 +7,8 @@ use crate::formats::scalar::u32_le;
 pub(super) const MAGIC: [u8; 4] = 0xB7E9_DA86_u32.to_le_bytes();
 /// Bytes before that number: the count of the fields, and the key of field 0 with its length of 4.
 pub(super) const BEFORE_MAGIC: usize = 2;
-/// The checksum behind the fields of a record header, which is not checked: peers report that it does not fit in whole records.
+/// The checksum behind the fields of a record header, which is not checked: peers report that it
+/// does not fit in whole records.
 const CHECKSUM: usize = 4;
 /// Depths from here on stand for none.
 const NO_DEPTH: u32 = 0xFFFF_FF00;
@@ -74,9 +75,11 @@ pub(super) struct RecordBody {
     pub(super) range: [Option<u32>; 2],
     /// Latitude and longitude, 2^32 to the circle.
     pub(super) place: Option<[i32; 2]>,
-    /// What the transducer element looks at: 1 down in a cone, 2 to port, 3 to starboard, 4 down in a fan.
+    /// What the transducer element looks at: 1 down in a cone, 2 to port, 3 to starboard, 4 down in
+    /// a fan.
     pub(super) beam: Option<u32>,
-    /// Where a side-scan element looks, as peers understand it: negative to port, positive to starboard.
+    /// Where a side-scan element looks, as peers understand it: negative to port, positive to
+    /// starboard.
     pub(super) tilt: Option<f32>,
     /// Samples that the ping says it has.
     pub(super) stated_samples: u32,
@@ -116,10 +119,7 @@ impl RecordBody {
             channel: fields.varuint(0),
             bottom: depth(1),
             range: [depth(3), depth(4)],
-            place: fields
-                .signed(9)
-                .zip(fields.signed(10))
-                .map(<[i32; 2]>::from),
+            place: fields.signed(9).zip(fields.signed(10)).map(<[i32; 2]>::from),
             beam: fields.varuint(12),
             tilt: tilt.filter(|tilt| tilt.is_finite()),
             stated_samples,
@@ -128,8 +128,9 @@ impl RecordBody {
     }
 }
 
-/// The samples between the fields and the end of a body. They are its last bytes, behind what some units put between (a checksum); one
-/// byte of shade a sample follows them where the ping says so. Where there is room for one byte a sample only, they have eight bits.
+/// The samples between the fields and the end of a body. They are its last bytes, behind what some
+/// units put between (a checksum); one byte of shade a sample follows them where the ping says so.
+/// Where there is room for one byte a sample only, they have eight bits.
 fn locate(from: usize, end: usize, count: u32, has_shade: bool) -> Option<StoredSamples> {
     let room = end.checked_sub(from)?;
     let samples = usize::try_from(count).ok().filter(|count| *count > 0)?;
@@ -137,16 +138,8 @@ fn locate(from: usize, end: usize, count: u32, has_shade: bool) -> Option<Stored
     let is_wide = room >= wide;
     let stored = if is_wide { wide } else { samples };
     let rest = room.checked_sub(stored)?;
-    let shade = if has_shade && is_wide && rest >= samples {
-        samples
-    } else {
-        0
-    };
-    Some(StoredSamples {
-        offset: end - shade - stored,
-        count,
-        is_wide,
-    })
+    let shade = if has_shade && is_wide && rest >= samples { samples } else { 0 };
+    Some(StoredSamples { offset: end - shade - stored, count, is_wide })
 }
 
 #[cfg(test)]

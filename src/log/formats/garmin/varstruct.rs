@@ -1,8 +1,9 @@
 //! Structures of numbered fields, as all parts of an RSD file are written.
 //!
-//! A structure is a count of fields and the fields. A field is a key and a value: the low three bits of the key are the length of
-//! the value in bytes, or 7 where the length follows the key; the other bits are the number of the field. Counts, keys and lengths are
-//! unsigned integers of seven bits a byte, the lowest first; the high bit says that another byte follows.
+//! A structure is a count of fields and the fields. A field is a key and a value: the low three
+//! bits of the key are the length of the value in bytes, or 7 where the length follows the key; the
+//! other bits are the number of the field. Counts, keys and lengths are unsigned integers of seven
+//! bits a byte, the lowest first; the high bit says that another byte follows.
 
 /// Fields with higher numbers are not used here.
 const FIELDS: usize = 16;
@@ -77,7 +78,8 @@ impl<'a> VarStruct<'a> {
     }
 }
 
-/// The unsigned integer at `at` and the offset behind it; `None` where it is cut or has more than 32 bits.
+/// The unsigned integer at `at` and the offset behind it; `None` where it is cut or has more than
+/// 32 bits.
 pub(super) fn varuint(bytes: &[u8], at: usize) -> Option<(u32, usize)> {
     let mut value = 0_u64;
     for index in 0..LONGEST_VARUINT {
@@ -93,9 +95,7 @@ pub(super) fn varuint(bytes: &[u8], at: usize) -> Option<(u32, usize)> {
 
 /// The unsigned integer that fills these bytes.
 pub(super) fn whole_varuint(bytes: &[u8]) -> Option<u32> {
-    varuint(bytes, 0)
-        .filter(|(_, end)| *end == bytes.len())
-        .map(|(value, _)| value)
+    varuint(bytes, 0).filter(|(_, end)| *end == bytes.len()).map(|(value, _)| value)
 }
 
 /// The first item of an array: a count, and each item behind its length.
@@ -130,7 +130,8 @@ mod tests {
 
     #[test]
     fn fields_are_found_by_number_and_damage_is_no_structure() {
-        // Field 0 of two bytes, field 2 of eight bytes behind its length, field 9 of none, field 200 that is not used.
+        // Field 0 of two bytes, field 2 of eight bytes behind its length, field 9 of none, field
+        // 200 that is not used.
         let mut bytes = vec![4, 0x02, 0x34, 0x12, 0x17, 8, 1, 2, 3, 4, 5, 6, 7, 8];
         bytes.extend([9 << 3, 0xC1, 0x0C, 77, 0xEE]);
         let found = VarStruct::read(&bytes, 0).unwrap();
@@ -152,13 +153,7 @@ mod tests {
     #[test]
     fn arrays_have_a_length_before_each_item() {
         assert_eq!(first_item(&[2, 1, 5, 2, 6, 7]), Some(&[5][..]));
-        for none in [
-            &[][..],
-            &[0],
-            &[0, 1, 5],
-            &[1, 9, 5],
-            &[1, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F],
-        ] {
+        for none in [&[][..], &[0], &[0, 1, 5], &[1, 9, 5], &[1, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]] {
             assert_eq!(first_item(none), None, "{none:?}");
         }
     }

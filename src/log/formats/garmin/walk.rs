@@ -49,7 +49,8 @@ impl RecordWalk<'_> {
         Ok(())
     }
 
-    /// Takes a record if the chain goes on behind it; where it does not, its size may be what is damaged.
+    /// Takes a record if the chain goes on behind it; where it does not, its size may be what is
+    /// damaged.
     fn step(
         &self,
         at: usize,
@@ -97,8 +98,8 @@ impl RecordWalk<'_> {
     }
 }
 
-/// Where the record behind one that ends at `end` begins, if the bytes there say that it ends so: with a trailer, of which some may not
-/// be written yet, without one, or at the end of the file.
+/// Where the record behind one that ends at `end` begins, if the bytes there say that it ends so:
+/// with a trailer, of which some may not be written yet, without one, or at the end of the file.
 fn behind(bytes: &[u8], end: usize) -> Option<usize> {
     let len = bytes.len();
     let next = end.saturating_add(TRAILER);
@@ -110,7 +111,8 @@ fn behind(bytes: &[u8], end: usize) -> Option<usize> {
     }
 }
 
-/// The first record header that begins in `from..to`: its four bytes of magic number and its fields are proof enough.
+/// The first record header that begins in `from..to`: its four bytes of magic number and its fields
+/// are proof enough.
 pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize> {
     let to = to.min(bytes.len());
     let mut at = from;
@@ -129,7 +131,5 @@ pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize>
 /// Index of the first magic number that begins within the first `places` bytes.
 fn find_magic(searched: &[u8], places: usize) -> Option<usize> {
     let windows = searched.windows(MAGIC.len()).take(places);
-    windows
-        .into_iter()
-        .position(|window| window == MAGIC.as_slice())
+    windows.into_iter().position(|window| window == MAGIC.as_slice())
 }

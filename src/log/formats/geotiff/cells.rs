@@ -1,4 +1,5 @@
-//! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with deflate or LZW.
+//! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with
+//! deflate or LZW.
 
 use super::directory_walk::check_claims;
 use super::geotransform::{GeoKeys, GeoTransform};
@@ -22,14 +23,15 @@ pub struct RasterPoints {
     pub is_degrees: bool,
     /// EPSG number of the projection, where the raster names one.
     pub projected: Option<u16>,
-    /// Whether the raster says of itself that its values count downwards, as the depths of `bathyscope process` do.
+    /// Whether the raster says of itself that its values count downwards, as the depths of
+    /// `bathyscope process` do.
     pub downwards: bool,
 }
 
 /// More cells than this are refused, known or not.
 const MOST_CELLS: u64 = 50_000_000;
-/// More known cells than this are refused: as points, and triangles between them, they would fill the memory. A few hundred bytes of
-/// a packed file are enough to ask for as many.
+/// More known cells than this are refused: as points, and triangles between them, they would fill
+/// the memory. A few hundred bytes of a packed file are enough to ask for as many.
 const MOST_POINTS: usize = 4_000_000;
 /// Bytes of a strip or tile, unpacked.
 const LARGEST_BLOCK: usize = 256 << 20;
@@ -44,7 +46,8 @@ pub struct RasterValues {
     pub columns: usize,
     /// Cells from north to south.
     pub rows: usize,
-    /// From columns and rows to the coordinates of the system, whole numbers being the middles of cells.
+    /// From columns and rows to the coordinates of the system, whole numbers being the middles of
+    /// cells.
     pub transform: GeoTransform,
     /// What is stored, NaN where that is nothing.
     pub values: Vec<f32>,
@@ -120,15 +123,13 @@ impl CellsError {
     }
 }
 
-/// What may be set aside for a file: a block of [`LARGEST_BLOCK`] at most, and of a small file no more than it can hold as it is packed by
-/// the usual programs.
+/// What may be set aside for a file: a block of [`LARGEST_BLOCK`] at most, and of a small file no
+/// more than it can hold as it is packed by the usual programs.
 fn limits(file: &File) -> io::Result<Limits> {
     let packed = usize::try_from(file.metadata()?.len()).unwrap_or(LARGEST_BLOCK);
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = packed
-        .saturating_mul(4)
-        .saturating_add(SMALL_BLOCK)
-        .min(LARGEST_BLOCK);
+    limits.decoding_buffer_size =
+        packed.saturating_mul(4).saturating_add(SMALL_BLOCK).min(LARGEST_BLOCK);
     Ok(limits)
 }
 
@@ -162,9 +163,8 @@ impl Open {
             return Err(CellsError::NoHeights);
         }
         let keys = GeoKeys::read(&mut decoder);
-        let place = GeoTransform::read(&mut decoder, &keys)
-            .ok_or(CellsError::Nowhere)?
-            .of_middles();
+        let place =
+            GeoTransform::read(&mut decoder, &keys).ok_or(CellsError::Nowhere)?.of_middles();
         let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
         let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
         let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
@@ -185,17 +185,13 @@ impl Open {
     ) -> Result<(), CellsError> {
         let nodata = self.nodata;
         let known = |value: f64| value.is_finite() && nodata != Some(value);
-        each_block(
-            &mut self.decoder,
-            self.size,
-            |[column, row], width, values| {
-                let cells = values.iter().enumerate();
-                let mut cells = cells.filter(|(_, value)| known(**value));
-                cells.try_for_each(|(index, value)| {
-                    take([column + index % width, row + index / width], *value)
-                })
-            },
-        )
+        each_block(&mut self.decoder, self.size, |[column, row], width, values| {
+            let cells = values.iter().enumerate();
+            let mut cells = cells.filter(|(_, value)| known(**value));
+            cells.try_for_each(|(index, value)| {
+                take([column + index % width, row + index / width], *value)
+            })
+        })
     }
 }
 
@@ -241,8 +237,8 @@ fn values(mut raster: Open) -> Result<RasterValues, CellsError> {
     })
 }
 
-/// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole: column and row of its first cell,
-/// its width, and pieces of whole rows of it.
+/// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole:
+/// column and row of its first cell, its width, and pieces of whole rows of it.
 fn each_block(
     decoder: &mut Decoder<BufReader<File>>,
     [columns, rows]: [u32; 2],

@@ -49,7 +49,8 @@ pub(super) struct Page {
     pub places: Vec<[u32; 2]>,
 }
 
-/// The head of the file and all directories, each with its values behind it. How many bytes these are does not depend on the places.
+/// The head of the file and all directories, each with its values behind it. How many bytes these
+/// are does not depend on the places.
 pub(super) fn bytes(spec: &RasterSpec, statistics: &Statistics, pages: &[Page]) -> Vec<u8> {
     // Little-endian, TIFF, and the first directory right behind.
     let mut all = b"II\x2a\0\x08\0\0\0".to_vec();
@@ -103,10 +104,7 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     let short = |value: u16| TagValues::Short(vec![value]);
     let long = |value: usize| TagValues::Long(vec![value as u32]);
     let mut tags = vec![
-        Tag(
-            254,
-            long(usize::from(page.is_overview) + 4 * usize::from(page.is_mask)),
-        ),
+        Tag(254, long(usize::from(page.is_overview) + 4 * usize::from(page.is_mask))),
         Tag(256, long(page.columns)),
         Tag(257, long(page.rows)),
         Tag(258, TagValues::Short(vec![bits; samples])),
@@ -116,10 +114,7 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     ];
     if is_full {
         let ascii = |c: char| !c.is_ascii() || c == '\0';
-        tags.push(Tag(
-            270,
-            TagValues::Text(spec.description.replace(ascii, "?")),
-        ));
+        tags.push(Tag(270, TagValues::Text(spec.description.replace(ascii, "?"))));
     }
     tags.extend([Tag(277, short(samples as u16)), Tag(284, short(1))]);
     if is_full {
@@ -132,25 +127,15 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
         Tag(317, short(if is_differences { 2 } else { 1 })),
         Tag(322, long(RASTER_TILE)),
         Tag(323, long(RASTER_TILE)),
-        Tag(
-            324,
-            TagValues::Long(page.places.iter().map(|place| place[0]).collect()),
-        ),
-        Tag(
-            325,
-            TagValues::Long(page.places.iter().map(|place| place[1]).collect()),
-        ),
+        Tag(324, TagValues::Long(page.places.iter().map(|place| place[0]).collect())),
+        Tag(325, TagValues::Long(page.places.iter().map(|place| place[1]).collect())),
     ]);
     if cells == Some(CellFormat::Rgba) {
         // The fourth sample is opacity, the colours not multiplied by it.
         tags.push(Tag(338, short(2)));
     }
     // Unsigned, or floating point.
-    let format = if cells == Some(CellFormat::Metres) {
-        3
-    } else {
-        1
-    };
+    let format = if cells == Some(CellFormat::Metres) { 3 } else { 1 };
     tags.push(Tag(339, TagValues::Short(vec![format; samples])));
     if is_full {
         tags.extend(georeference(spec));
@@ -165,26 +150,19 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     tags
 }
 
-/// Cell size, the north-west corner, and the coordinate system: projected (1) or in degrees (2), cells are areas (1), its EPSG
-/// number.
+/// Cell size, the north-west corner, and the coordinate system: projected (1) or in degrees (2),
+/// cells are areas (1), its EPSG number.
 fn georeference(spec: &RasterSpec) -> [Tag; 3] {
     let (model, system) = match spec.crs.is_degrees() {
         true => (2, 2048),
         false => (1, 3072),
     };
-    let keys = [
-        [1, 1, 1, 3],
-        [1024, 0, 1, model],
-        [1025, 0, 1, 1],
-        [system, 0, 1, spec.crs.epsg()],
-    ];
+    let keys =
+        [[1, 1, 1, 3], [1024, 0, 1, model], [1025, 0, 1, 1], [system, 0, 1, spec.crs.epsg()]];
     let [width, height] = spec.cell;
     [
         Tag(33_550, TagValues::Double(vec![width, height, 0.0])),
-        Tag(
-            33_922,
-            TagValues::Double(vec![0.0, 0.0, 0.0, spec.west, spec.north, 0.0]),
-        ),
+        Tag(33_922, TagValues::Double(vec![0.0, 0.0, 0.0, spec.west, spec.north, 0.0])),
         Tag(34_735, TagValues::Short(keys.concat())),
     ]
 }

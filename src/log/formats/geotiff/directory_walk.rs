@@ -1,5 +1,5 @@
-//! The directories of a TIFF as they are stored, looked through before the decoder allocates by what they claim. Fields as "TIFF Revision
-//! 6.0" and the BigTIFF proposal have them.
+//! The directories of a TIFF as they are stored, looked through before the decoder allocates by
+//! what they claim. Fields as "TIFF Revision 6.0" and the BigTIFF proposal have them.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -35,12 +35,7 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
     pub(crate) fn begin(file: &'a mut R) -> Option<Self> {
         let mut order = [0; 2];
         file.read_exact(&mut order).ok()?;
-        let mut walk = Self {
-            file,
-            is_big_endian: &order == b"MM",
-            is_big: false,
-            next: 0,
-        };
+        let mut walk = Self { file, is_big_endian: &order == b"MM", is_big: false, next: 0 };
         walk.is_big = walk.number(2)? == 43;
         if walk.is_big {
             walk.number(4)?;
@@ -110,8 +105,8 @@ fn bytes_of(kind: u64) -> u64 {
     }
 }
 
-/// Refuses a file with an entry whose values claim more bytes than the file has: the decoder allocates for them before it reads them.
-/// Leaves the file at its beginning.
+/// Refuses a file with an entry whose values claim more bytes than the file has: the decoder
+/// allocates for them before it reads them. Leaves the file at its beginning.
 ///
 /// # Errors
 /// That there is such an entry, or what the system says.

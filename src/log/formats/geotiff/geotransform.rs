@@ -23,7 +23,8 @@ impl GeoKeys {
         Self(keys.unwrap_or_default())
     }
 
-    /// Entries are a key, where its value lies (0: here), how many, and the value; the first is a header.
+    /// Entries are a key, where its value lies (0: here), how many, and the value; the first is a
+    /// header.
     fn value(&self, key: u16) -> Option<u16> {
         let mut entries = self.0.chunks_exact(4).skip(1);
         let found = entries.find(|entry| entry[0] == key && entry[1] == 0);
@@ -47,7 +48,8 @@ impl GeoKeys {
     }
 }
 
-/// From columns and rows to the coordinates of a system: `ModelPixelScale` with `ModelTiepoint`, or `ModelTransformation`.
+/// From columns and rows to the coordinates of a system: `ModelPixelScale` with `ModelTiepoint`, or
+/// `ModelTransformation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeoTransform {
     /// Of column and row 0.
@@ -64,10 +66,7 @@ impl GeoTransform {
     /// That of the picture that the decoder is at; `None` where it has none.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
-        let (scale, tie) = (
-            numbers(Tag::ModelPixelScaleTag),
-            numbers(Tag::ModelTiepointTag),
-        );
+        let (scale, tie) = (numbers(Tag::ModelPixelScaleTag), numbers(Tag::ModelTiepointTag));
         let matrix = numbers(Tag::ModelTransformationTag);
         let (origin, per_column, per_row) = match (&scale[..], &tie[..], &matrix[..]) {
             ([dx, dy, ..], [column, row, _, x, y, ..], _) => {
@@ -102,9 +101,6 @@ impl GeoTransform {
     }
 
     fn moved(self, cells: f64) -> Self {
-        Self {
-            origin: self.at([cells; 2]),
-            ..self
-        }
+        Self { origin: self.at([cells; 2]), ..self }
     }
 }

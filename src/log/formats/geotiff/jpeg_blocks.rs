@@ -1,5 +1,5 @@
-//! The sizes that the JPEG blocks of a TIFF state, looked up before the decoder allocates by them. Compression 7 as "TIFF Technical
-//! Note 2" describes it, markers as ITU-T T.81 (annex B) has them.
+//! The sizes that the JPEG blocks of a TIFF state, looked up before the decoder allocates by them.
+//! Compression 7 as "TIFF Technical Note 2" describes it, markers as ITU-T T.81 (annex B) has them.
 
 use std::io::{Read, Seek, SeekFrom};
 use tiff::decoder::Decoder;
@@ -31,7 +31,8 @@ pub(crate) struct JpegBlocks {
 }
 
 impl JpegBlocks {
-    /// Those of the directory that the decoder is at; `None` where it has none, or does not say where they lie.
+    /// Those of the directory that the decoder is at; `None` where it has none, or does not say
+    /// where they lie.
     pub(crate) fn read<R: Read + Seek>(tiff: &mut Decoder<R>) -> Option<Self> {
         let either = |tiff: &mut Decoder<R>, tiles: Tag, strips: Tag| {
             let tiles = tiff.find_tag_unsigned_vec::<u64>(tiles).ok().flatten();
@@ -57,16 +58,14 @@ impl JpegBlocks {
     pub(crate) fn is_sound<R: Read + Seek>(&self, number: u32, file: &mut R) -> bool {
         self.stream(number, file).is_some_and(|stream| {
             frame_size(&stream).is_some_and(|[columns, rows, bytes]| {
-                let unpacked = [columns, rows, bytes]
-                    .map(u64::from)
-                    .iter()
-                    .product::<u64>();
+                let unpacked = [columns, rows, bytes].map(u64::from).iter().product::<u64>();
                 columns <= self.size[0] && rows <= self.size[1] && unpacked <= MOST_BYTES
             })
         })
     }
 
-    /// What the decoder makes of a block: the tables, and the stream without the marker of its start.
+    /// What the decoder makes of a block: the tables, and the stream without the marker of its
+    /// start.
     fn stream<R: Read + Seek>(&self, number: u32, file: &mut R) -> Option<Vec<u8>> {
         let [offset, length] = *self.places.get(number as usize)?;
         if length > MOST_BYTES {
@@ -80,7 +79,8 @@ impl JpegBlocks {
     }
 }
 
-/// Columns, rows and bytes a pixel that the only frame of a stream states; `None` where what lies before its samples is no row of segments.
+/// Columns, rows and bytes a pixel that the only frame of a stream states; `None` where what lies
+/// before its samples is no row of segments.
 fn frame_size(stream: &[u8]) -> Option<[u32; 3]> {
     let mut rest = stream.strip_prefix(&[0xFF, START])?;
     let mut found = None;
@@ -98,14 +98,8 @@ fn frame_size(stream: &[u8]) -> Option<[u32; 3]> {
         let segment = rest.get(1..)?;
         let length = usize::from(u16::from_be_bytes([*segment.first()?, *segment.get(1)?]));
         if FRAMES.contains(&marker) && !NO_FRAMES.contains(&marker) {
-            let [
-                _,
-                rows_high,
-                rows_low,
-                columns_high,
-                columns_low,
-                components,
-            ] = *segment.get(2..8)?.first_chunk()?;
+            let [_, rows_high, rows_low, columns_high, columns_low, components] =
+                *segment.get(2..8)?.first_chunk()?;
             let number = |high, low| u32::from(u16::from_be_bytes([high, low]));
             let frame = [
                 number(columns_high, columns_low),

@@ -7,7 +7,8 @@ use crate::support::printable::xml;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-/// Name of the item that says which way values count, as the CF conventions name it, and what it says of depths.
+/// Name of the item that says which way values count, as the CF conventions name it, and what it
+/// says of depths.
 const POSITIVE: &str = "positive";
 /// See [`POSITIVE`].
 const DOWN: &str = "down";
@@ -20,10 +21,7 @@ pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statist
             "" => String::new(),
             role => format!(" role=\"{role}\""),
         };
-        text += &format!(
-            "  <Item name=\"{name}\" sample=\"0\"{role}>{}</Item>\n",
-            xml(value)
-        );
+        text += &format!("  <Item name=\"{name}\" sample=\"0\"{role}>{}</Item>\n", xml(value));
     };
     item("DESCRIPTION", "description", band.name);
     if !band.unit.is_empty() {
@@ -39,10 +37,7 @@ pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statist
             ("STATISTICS_MAXIMUM", statistics.most),
             ("STATISTICS_MEAN", mean),
             ("STATISTICS_STDDEV", deviation),
-            (
-                "STATISTICS_VALID_PERCENT",
-                100.0 * statistics.count as f64 / cells,
-            ),
+            ("STATISTICS_VALID_PERCENT", 100.0 * statistics.count as f64 / cells),
         ] {
             item(name, "", &value.to_string());
         }
@@ -82,13 +77,9 @@ mod tests {
     fn the_way_of_counting_is_read_from_its_item_alone() {
         let down = "<GDALMetadata>\n <Item name=\"X\">down</Item>\n <Item name=\"positive\" sample=\"0\">down</Item></GDALMetadata>";
         assert!(counts_downwards(down));
-        assert!(counts_downwards(
-            &down.replace("\"positive\"", "'positive'")
-        ));
+        assert!(counts_downwards(&down.replace("\"positive\"", "'positive'")));
         assert!(!counts_downwards(&format!("<!-- {down} -->")));
-        assert!(!counts_downwards(
-            &down.replace(">down</Item></G", ">up</Item></G")
-        ));
+        assert!(!counts_downwards(&down.replace(">down</Item></G", ">up</Item></G")));
         assert!(!counts_downwards("<Item name=\"positive\""));
         assert!(!counts_downwards(""));
     }

@@ -1,19 +1,21 @@
-//! GeoTIFF: rasters with a place on the earth, in tiles, compressed, with overviews, laid out as a Cloud-Optimized GeoTIFF.
-//! Written tile by tile, so that memory does not grow with the area.
+//! GeoTIFF: rasters with a place on the earth, in tiles, compressed, with overviews, laid out as a
+//! Cloud-Optimized GeoTIFF. Written tile by tile, so that memory does not grow with the area.
 //!
 //! In: cells with a place on the earth, or a file. Out: a file, or the cells of one.
 //! It uses `support`.
 //!
-//! TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with an EPSG system and pixels that are
-//! areas; OGC 21-026 for the order: all directories at the front, the full picture first, then the tiles, the coarsest overview
-//! first; nodata, mask, band names, units and statistics as GDAL writes them.
+//! TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with an EPSG
+//! system and pixels that are areas; OGC 21-026 for the order: all directories at the front, the
+//! full picture first, then the tiles, the coarsest overview first; nodata, mask, band names, units
+//! and statistics as GDAL writes them.
 //!
 //! ```text
 //! draw --pack--> tiles in a scratch file --overview--> coarser tiles there --writer--> directories, then all tiles in order
 //! ```
 //!
-//! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures. `cells` reads a raster of any program
-//! back, as points or cell by cell, `tiles` one of our own tile by tile; `geotransform` is where its cells lie, also for the pixels of a base map.
+//! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures.
+//! `cells` reads a raster of any program back, as points or cell by cell, `tiles` one of our own
+//! tile by tile; `geotransform` is where its cells lie, also for the pixels of a base map.
 //! `directory_walk` and `jpeg_blocks` look up what a file claims before a decoder allocates by it.
 
 mod cells;
@@ -56,7 +58,8 @@ pub enum CellFormat {
     Rgba,
     /// A level of one byte, 0 where nothing is known; a mask in the file says so too.
     Level,
-    /// The number of a class, one byte, 0 where nothing is known; a mask in the file says so too. Of four cells the coarser one has the greatest.
+    /// The number of a class, one byte, 0 where nothing is known; a mask in the file says so too.
+    /// Of four cells the coarser one has the greatest.
     Class,
     /// Metres as f32, little-endian, [`NODATA`] where nothing is known.
     Metres,
@@ -97,11 +100,7 @@ pub struct Band {
 
 impl Band {
     /// Of a grey mosaic.
-    pub const ECHO_LEVEL: Self = Self {
-        name: "echo level",
-        unit: "",
-        positive_down: false,
-    };
+    pub const ECHO_LEVEL: Self = Self { name: "echo level", unit: "", positive_down: false };
 }
 
 /// A raster and its place.
@@ -127,12 +126,14 @@ pub struct RasterSpec {
     pub description: String,
 }
 
-/// Writes a GeoTIFF into a file that is open for it. `tiles` are those that hold something, as row and column; `draw` makes one,
-/// [`RASTER_TILE`] rows of as many cells, and is called from several threads. What lies beyond the raster's edge in the last tiles
-/// must be empty. On the way the tiles lie in `scratch`, an empty file that is open for reading and writing.
+/// Writes a GeoTIFF into a file that is open for it. `tiles` are those that hold something, as row
+/// and column; `draw` makes one, [`RASTER_TILE`] rows of as many cells, and is called from several
+/// threads. What lies beyond the raster's edge in the last tiles must be empty. On the way the
+/// tiles lie in `scratch`, an empty file that is open for reading and writing.
 ///
 /// # Errors
-/// What the system or `draw` says; that the raster passes 4 GB, which is as far as the format reaches; or that the work was cancelled.
+/// What the system or `draw` says; that the raster passes 4 GB, which is as far as the format
+/// reaches; or that the work was cancelled.
 pub fn write(
     file: File,
     scratch: File,

@@ -2,8 +2,9 @@
 
 use super::{CellFormat, NODATA, RASTER_TILE};
 
-/// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each cell the mean of those of its
-/// four that hold something, of classes the greatest. Both hold [`RASTER_TILE`] rows of as many cells.
+/// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each
+/// cell the mean of those of its four that hold something, of classes the greatest. Both hold
+/// [`RASTER_TILE`] rows of as many cells.
 pub(super) fn halve_into(cells: CellFormat, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
     match cells {
         CellFormat::Rgba => halve(finer, quarter, coarser, mean_colour),
@@ -63,8 +64,6 @@ fn greatest(four: [[u8; 1]; 4]) -> [u8; 1] {
 fn mean_metres(four: [[u8; 4]; 4]) -> [u8; 4] {
     let known = four.map(f32::from_le_bytes);
     let known = known.iter().filter(|&&metres| metres != NODATA);
-    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), metres| {
-        (sum + metres, count + 1.0)
-    });
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), metres| (sum + metres, count + 1.0));
     if count > 0.0 { sum / count } else { NODATA }.to_le_bytes()
 }

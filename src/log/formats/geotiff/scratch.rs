@@ -45,10 +45,7 @@ impl Scratch {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         self.file.seek(SeekFrom::Start(self.end))?;
         self.file.write_all(bytes)?;
-        let block = ScratchBlock {
-            at: self.end,
-            length,
-        };
+        let block = ScratchBlock { at: self.end, length };
         self.end += u64::from(length);
         Ok(block)
     }

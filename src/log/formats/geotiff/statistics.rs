@@ -18,13 +18,7 @@ pub(super) struct Statistics {
 
 impl Default for Statistics {
     fn default() -> Self {
-        Self {
-            count: 0,
-            least: f64::INFINITY,
-            most: f64::NEG_INFINITY,
-            mean: 0.0,
-            squares: 0.0,
-        }
+        Self { count: 0, least: f64::INFINITY, most: f64::NEG_INFINITY, mean: 0.0, squares: 0.0 }
     }
 }
 
@@ -48,20 +42,9 @@ impl Statistics {
             counts[usize::from(level)] += 1;
         }
         let mut all = Self::default();
-        for (level, &count) in counts
-            .iter()
-            .enumerate()
-            .skip(1)
-            .filter(|(_, count)| **count > 0)
-        {
+        for (level, &count) in counts.iter().enumerate().skip(1).filter(|(_, count)| **count > 0) {
             let level = level as f64;
-            all.join(&Self {
-                count,
-                least: level,
-                most: level,
-                mean: level,
-                squares: 0.0,
-            });
+            all.join(&Self { count, least: level, most: level, mean: level, squares: 0.0 });
         }
         all
     }
@@ -112,17 +95,10 @@ mod tests {
     #[test]
     fn parts_join_to_the_figures_of_the_whole() {
         let bytes = |values: &[f32]| -> Vec<u8> {
-            values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect()
+            values.iter().flat_map(|value| value.to_le_bytes()).collect()
         };
         let mut joined = Statistics::default();
-        for part in [
-            &[2.0, NODATA, 4.0][..],
-            &[NODATA],
-            &[4.0, 4.0, 5.0, 5.0, 7.0, 9.0],
-        ] {
+        for part in [&[2.0, NODATA, 4.0][..], &[NODATA], &[4.0, 4.0, 5.0, 5.0, 7.0, 9.0]] {
             joined.join(&Statistics::of(CellFormat::Metres, &bytes(part)));
         }
         // The well-known example: mean 5, standard deviation 2.

@@ -85,8 +85,8 @@ fn directories(bytes: &[u8]) -> Vec<Directory> {
     found
 }
 
-/// What a validator of Cloud-Optimized GeoTIFF asks for: directories first and in order, tiles from the coarsest level to the full
-/// picture, row by row.
+/// What a validator of Cloud-Optimized GeoTIFF asks for: directories first and in order, tiles from
+/// the coarsest level to the full picture, row by row.
 fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
     assert_eq!(found[0].at, 8);
     assert!(found.is_sorted_by_key(|directory| directory.at));
@@ -94,10 +94,7 @@ fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
     let mut levels: Vec<(u64, &Directory)> = Vec::new();
     for directory in found {
         let [places, lengths] = [324, 325].map(|tag| directory.get(tag));
-        assert_eq!(
-            [places.len(), directory.get(322)[0] as usize],
-            [lengths.len(), RASTER_TILE]
-        );
+        assert_eq!([places.len(), directory.get(322)[0] as usize], [lengths.len(), RASTER_TILE]);
         for (place, length) in places.iter().zip(lengths) {
             assert!(*place > last_directory && place + length <= bytes.len() as u64);
         }
@@ -172,17 +169,12 @@ fn the_tag_and_not_the_sentence_says_which_way_depths_count() {
     let path = folder.path().join("a.tif");
     let mut tile = CellFormat::Metres.empty_tile();
     tile[..4].copy_from_slice(&2.5_f32.to_le_bytes());
-    for (positive_down, sentence) in [
-        (true, "Surface"),
-        (false, "Surface"),
-        (false, "Depth in metres, positive down"),
-    ] {
+    for (positive_down, sentence) in
+        [(true, "Surface"), (false, "Surface"), (false, "Depth in metres, positive down")]
+    {
         let mut spec = spec(100, 60, CellFormat::Metres);
         spec.description = sentence.to_owned();
-        spec.band = spec.band.map(|band| Band {
-            positive_down,
-            ..band
-        });
+        spec.band = spec.band.map(|band| Band { positive_down, ..band });
         geotiff(&path, &spec, &[[0, 0]], |_| tile.clone());
         let found = points::read_elevations(path.as_os_str()).unwrap();
         let expected = if positive_down { -2.5 } else { 2.5 };
@@ -195,11 +187,7 @@ fn levels_have_one_band_and_a_mask_at_every_resolution() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
     let mut spec = spec(700, 700, CellFormat::Level);
-    spec.band = Some(Band {
-        name: "echo level",
-        unit: "",
-        positive_down: false,
-    });
+    spec.band = Some(Band { name: "echo level", unit: "", positive_down: false });
     let draw = |[row, column]: [usize; 2]| {
         let level = |cell: usize| (cell % 7 * (row + column)) as u8;
         (0..RASTER_TILE * RASTER_TILE).map(level).collect()
@@ -246,10 +234,7 @@ fn halves_are_means_of_what_is_known() {
         let at = 4 * (row * RASTER_TILE + column);
         f32::from_le_bytes(coarser[at..at + 4].try_into().unwrap())
     };
-    assert_eq!(
-        [at(128, 0), at(129, 1), at(128, 1), at(0, 0)],
-        [1.5, 7.0, NODATA, NODATA]
-    );
+    assert_eq!([at(128, 0), at(129, 1), at(128, 1), at(0, 0)], [1.5, 7.0, NODATA, NODATA]);
 }
 
 #[test]
@@ -263,9 +248,7 @@ fn tiles_come_back_as_they_were_drawn() {
     };
     let draw = |tile: [usize; 2]| -> Vec<u8> {
         let cells = 0..RASTER_TILE * RASTER_TILE;
-        cells
-            .map(|cell| u8::from(inside(tile, cell)) * level(tile, cell))
-            .collect()
+        cells.map(|cell| u8::from(inside(tile, cell)) * level(tile, cell)).collect()
     };
     let drawn = [[0, 1], [1, 2]];
     geotiff(&path, &spec(700, 300, CellFormat::Level), &drawn, draw);
@@ -277,13 +260,7 @@ fn tiles_come_back_as_they_were_drawn() {
         assert!(raster.levels(tile).unwrap() == draw(tile), "{tile:?}");
     }
     assert!(!raster.may_hold([0, 0]) && !raster.may_hold([0, 3]));
-    assert!(
-        raster
-            .levels([0, 0])
-            .unwrap()
-            .iter()
-            .all(|level| *level == 0)
-    );
+    assert!(raster.levels([0, 0]).unwrap().iter().all(|level| *level == 0));
     assert!(raster.values([0, 1]).is_err(), "levels are no numbers");
     let coarse = raster.overview(1).unwrap();
     assert_eq!(coarse.len(), 350 * 150);

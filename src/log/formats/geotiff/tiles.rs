@@ -1,4 +1,5 @@
-//! A GeoTIFF of this program read back tile by tile, as it was drawn: memory does not grow with its area.
+//! A GeoTIFF of this program read back tile by tile, as it was drawn: memory does not grow with its
+//! area.
 
 use super::RASTER_TILE;
 use super::cells::CellsError;
@@ -13,7 +14,8 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-/// A raster of one band in tiles of [`RASTER_TILE`]. The file is open only while something is read, so that many of them may be at hand.
+/// A raster of one band in tiles of [`RASTER_TILE`]. The file is open only while something is read,
+/// so that many of them may be at hand.
 #[derive(Clone, Debug)]
 pub struct RasterTiles {
     path: PathBuf,
@@ -68,15 +70,12 @@ impl RasterTiles {
     /// Row and column of all tiles that may hold something.
     pub fn tiles(&self) -> impl Iterator<Item = [usize; 2]> {
         let across = self.columns.div_ceil(RASTER_TILE).max(1);
-        let filled = self
-            .filled
-            .iter()
-            .enumerate()
-            .filter(|(_, filled)| **filled);
+        let filled = self.filled.iter().enumerate().filter(|(_, filled)| **filled);
         filled.map(move |(tile, _)| [tile / across, tile % across])
     }
 
-    /// The cells of a tile that are bytes: [`RASTER_TILE`] rows of as many, 0 beyond the raster's edge.
+    /// The cells of a tile that are bytes: [`RASTER_TILE`] rows of as many, 0 beyond the raster's
+    /// edge.
     ///
     /// # Errors
     /// When the file cannot be read, or holds something else.
@@ -98,7 +97,8 @@ impl RasterTiles {
         })
     }
 
-    /// All cells of the overview that is so many times halved, or of the raster itself: rows of bytes, 0 where nothing is known.
+    /// All cells of the overview that is so many times halved, or of the raster itself: rows of
+    /// bytes, 0 where nothing is known.
     ///
     /// # Errors
     /// As [`RasterTiles::levels`], and where there is no such overview.

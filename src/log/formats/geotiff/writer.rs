@@ -41,12 +41,7 @@ pub(super) struct RasterWriter<'a> {
 impl<'a> RasterWriter<'a> {
     /// Without any tile yet.
     pub(super) fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
-        Self {
-            spec,
-            scratch,
-            levels: Vec::new(),
-            statistics: Statistics::default(),
-        }
+        Self { spec, scratch, levels: Vec::new(), statistics: Statistics::default() }
     }
 
     /// The raster itself.
@@ -86,7 +81,8 @@ impl<'a> RasterWriter<'a> {
         progress.advance(1);
     }
 
-    /// Adds a level of half the resolution, read back from the one before; false when that fits one tile.
+    /// Adds a level of half the resolution, read back from the one before; false when that fits one
+    /// tile.
     pub(super) fn overview(&mut self, progress: &Progress) -> io::Result<bool> {
         let Some(finer) = self.levels.last() else {
             return Ok(false);
@@ -100,11 +96,7 @@ impl<'a> RasterWriter<'a> {
         tiles.sort_unstable();
         tiles.dedup();
         let finer = self.levels.len() - 1;
-        self.levels.push(RasterLevel {
-            columns,
-            rows,
-            tiles: BTreeMap::new(),
-        });
+        self.levels.push(RasterLevel { columns, rows, tiles: BTreeMap::new() });
         let cells = self.spec.cells;
         for batch in tiles.chunks(BATCH / 4) {
             progress.check().map_err(io::Error::other)?;
@@ -144,11 +136,10 @@ impl<'a> RasterWriter<'a> {
         Ok(parts)
     }
 
-    /// Writes the directories, the full resolution first, then the tiles, the coarsest level first, row by row.
+    /// Writes the directories, the full resolution first, then the tiles, the coarsest level first,
+    /// row by row.
     pub(super) fn write(mut self, file: File, progress: &Progress) -> io::Result<()> {
-        let nothing = self
-            .scratch
-            .keep(&pack(self.spec.cells, self.spec.cells.empty_tile())?)?;
+        let nothing = self.scratch.keep(&pack(self.spec.cells, self.spec.cells.empty_tile())?)?;
         let levels = std::mem::take(&mut self.levels);
         let mut pages = self.pages(&levels, nothing);
         let start = directory::bytes(self.spec, &self.statistics, &pages).len() as u64;
@@ -164,7 +155,8 @@ impl<'a> RasterWriter<'a> {
         out.flush()
     }
 
-    /// The directories in their order, each mask behind what it masks, none knowing yet where its tiles will lie.
+    /// The directories in their order, each mask behind what it masks, none knowing yet where its
+    /// tiles will lie.
     fn pages(&self, levels: &[RasterLevel], nothing: ScratchTile) -> Vec<Page> {
         let of_level = |(index, level): (usize, &RasterLevel)| {
             let kinds: &[bool] = match nothing.mask {
@@ -185,8 +177,8 @@ impl<'a> RasterWriter<'a> {
     }
 }
 
-/// Finds the place in the file of every tile, from `start` on, and which blocks are to be copied there in turn. What holds nothing is
-/// stored once a level.
+/// Finds the place in the file of every tile, from `start` on, and which blocks are to be copied
+/// there in turn. What holds nothing is stored once a level.
 fn place(
     levels: &[RasterLevel],
     pages: &mut [Page],

@@ -53,8 +53,9 @@ pub(crate) enum WaterKind {
 }
 
 impl Dat {
-    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`, `Rec00042.SON`) at offset 32 is the sign, on
-    /// Onix the text. Lengths that are not known are read in the byte order that makes the start a time.
+    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`,
+    /// `Rec00042.SON`) at offset 32 is the sign, on Onix the text. Lengths that are not known are
+    /// read in the byte order that makes the start a time.
     pub(crate) fn parse(bytes: &[u8]) -> Option<Self> {
         let name: Option<[u8; 12]> = take(bytes, NAME_AT);
         if bytes.len() < SHORTEST || !name.is_some_and(|name| is_name(&name)) {
@@ -146,20 +147,15 @@ mod tests {
         solix[32..42].copy_from_slice(b"R00042.SON");
         solix[44..48].copy_from_slice(&77_u32.to_le_bytes());
         let dat = Dat::parse(&solix).unwrap();
-        assert_eq!(
-            (dat.start_unix_s, dat.record_count),
-            (Some(1_600_000_000), 77)
-        );
+        assert_eq!((dat.start_unix_s, dat.record_count), (Some(1_600_000_000), 77));
         assert_eq!(dat.water(), Some(WaterKind::DeepSalt));
     }
 
     #[test]
     fn lengths_and_names_of_newer_units_are_read() {
-        for (length, order) in [
-            (96, ByteOrder::Little),
-            (108, ByteOrder::Little),
-            (128, ByteOrder::Big),
-        ] {
+        for (length, order) in
+            [(96, ByteOrder::Little), (108, ByteOrder::Little), (128, ByteOrder::Big)]
+        {
             let mut dat = vec![0_u8; length];
             let number = |value: u32| match order {
                 ByteOrder::Little => value.to_le_bytes(),
@@ -169,10 +165,7 @@ mod tests {
             dat[32..44].copy_from_slice(b"Rec00042.SON");
             dat[44..48].copy_from_slice(&number(77));
             let dat = Dat::parse(&dat).unwrap();
-            assert_eq!(
-                (dat.start_unix_s, dat.record_count),
-                (Some(1_600_000_000), 77)
-            );
+            assert_eq!((dat.start_unix_s, dat.record_count), (Some(1_600_000_000), 77));
             let is_solix = order == ByteOrder::Little;
             assert_eq!(dat.family == DatFamily::Solix, is_solix, "{length}");
         }

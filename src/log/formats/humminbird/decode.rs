@@ -9,7 +9,8 @@ use crate::support::geo::{LonLat, humminbird_mercator_inverse};
 use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan};
 use std::f64::consts::PI;
 
-/// Length of the side-scan transducer, metres, and the frequency at which the peers' formula holds, Hz.
+/// Length of the side-scan transducer, metres, and the frequency at which the peers' formula holds,
+/// Hz.
 const TRANSDUCER_M: f64 = 0.108;
 const NOMINAL_HZ: f64 = 455_000.0;
 
@@ -49,10 +50,9 @@ impl Reader {
 
     fn settle(&self, log: &mut Collected, verdict: ClockVerdict<(usize, PingHeader)>) {
         match verdict {
-            ClockVerdict::Sound {
-                record: (offset, ping),
-                time_s,
-            } => self.keep(log, offset, &ping, time_s),
+            ClockVerdict::Sound { record: (offset, ping), time_s } => {
+                self.keep(log, offset, &ping, time_s)
+            }
             ClockVerdict::Damaged((offset, ping)) => {
                 let text = format!(
                     "a ping's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
@@ -96,11 +96,7 @@ impl Reader {
     }
 
     fn channel_kind(&self, ping: &PingHeader) -> ChannelKind {
-        let by_name = || {
-            self.name
-                .strip_prefix("B00")
-                .and_then(|digit| digit.parse().ok())
-        };
+        let by_name = || self.name.strip_prefix("B00").and_then(|digit| digit.parse().ok());
         match ping.beam.or_else(by_name) {
             // The high frequency is the one that the bottom lock and most displays run on.
             Some(0) => ChannelKind::Secondary,
@@ -125,9 +121,9 @@ impl Reader {
     }
 }
 
-/// Metres of slant range that one sample covers. Not stored: as the peers (PyHum, PING-Mapper) take it, from the
-/// transducer's beam width at 455 kHz and the speed of sound at 10 degrees Celsius (Medwin's simplified formula),
-/// `2/pi asin(c / (L f))`; 0.01877 m in fresh water.
+/// Metres of slant range that one sample covers. Not stored: as the peers (PyHum, PING-Mapper) take
+/// it, from the transducer's beam width at 455 kHz and the speed of sound at 10 degrees Celsius
+/// (Medwin's simplified formula), `2/pi asin(c / (L f))`; 0.01877 m in fresh water.
 fn sample_m(water: WaterKind) -> f64 {
     let salinity = match water {
         WaterKind::Fresh => 1.0,
@@ -145,7 +141,8 @@ fn fix(ping: &PingHeader, time_s: f64) -> Fix {
     Fix {
         time_s,
         position: lon_lat(ping.easting_m, ping.northing_m),
-        // Without a heading sensor, and nothing tells whether there is one, this is the course from GPS.
+        // Without a heading sensor, and nothing tells whether there is one, this is the course from
+        // GPS.
         cog_rad: if ping.heading_quality > 0 && ping.heading_decideg < 3600 {
             (f32::from(ping.heading_decideg) / 10.0).to_radians()
         } else {

@@ -57,13 +57,7 @@ fn read(
     }
     let mut log = collect(&recording, format, reading);
     log.start_unix_s = dat.and_then(|dat| dat.start_unix_s).map(f64::from);
-    progress.start(
-        recording
-            .sons
-            .iter()
-            .map(|son| son.bytes.len() as u64)
-            .sum(),
-    );
+    progress.start(recording.sons.iter().map(|son| son.bytes.len() as u64).sum());
     let first_son = log.bytes.len() - recording.sons.len();
     for (index, opened) in recording.sons.iter().enumerate() {
         read_son(opened, first_son + index, dat, &mut log, reading, progress)?;
@@ -81,23 +75,15 @@ fn read(
 
 /// A log of the recording's files, DAT first.
 fn collect(recording: &Recording, format: &str, reading: &Reading<'_>) -> Collected {
-    let files: Vec<&Opened> = recording
-        .dat
-        .iter()
-        .map(|(dat, _)| dat)
-        .chain(&recording.sons)
-        .collect();
+    let files: Vec<&Opened> =
+        recording.dat.iter().map(|(dat, _)| dat).chain(&recording.sons).collect();
     let source = Source {
         files: files.iter().map(|file| file.path.clone()).collect(),
         format: format.to_owned(),
         device: device_name(recording.dat.as_ref().and_then(|(_, dat)| *dat)),
         byte_count: files.iter().map(|file| file.bytes.len() as u64).sum(),
     };
-    Collected::new(
-        source,
-        files.iter().map(|file| file.bytes.clone()).collect(),
-        reading,
-    )
+    Collected::new(source, files.iter().map(|file| file.bytes.clone()).collect(), reading)
 }
 
 fn read_son(
@@ -111,11 +97,7 @@ fn read_son(
     let Some(order) = son::byte_order(&opened.bytes) else {
         return Ok(());
     };
-    let name = opened
-        .path
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let name = opened.path.file_stem().unwrap_or_default().to_string_lossy();
     let mut reader = decode::Reader::new(file, name.into_owned(), dat);
     let report = log.report.clone();
     let walk = son::SonWalk {
@@ -126,9 +108,7 @@ fn read_son(
         is_growing: reading.is_growing,
         progress,
     };
-    walk.run(reading.from(file), |offset, ping| {
-        reader.take(log, offset, ping)
-    })?;
+    walk.run(reading.from(file), |offset, ping| reader.take(log, offset, ping))?;
     reader.finish(log);
     Ok(())
 }
@@ -142,12 +122,8 @@ fn remark(recording: &Recording, log: &mut Collected) {
     }
     let unknown = "the start time is unknown and fresh water is assumed";
     match &recording.dat {
-        None => log
-            .report
-            .log(format!("the DAT file is missing: {unknown}")),
-        Some((_, None)) => log
-            .report
-            .log(format!("the DAT file is damaged: {unknown}")),
+        None => log.report.log(format!("the DAT file is missing: {unknown}")),
+        Some((_, None)) => log.report.log(format!("the DAT file is damaged: {unknown}")),
         Some((_, Some(dat))) => {
             let counts = log.channels.iter().map(|(_, channel)| channel.ping_count);
             let pings: usize = counts.sum();

@@ -14,7 +14,8 @@ const MOST_TAGS: usize = 100;
 /// No ping has more samples.
 const MOST_SAMPLES: u32 = 1 << 16;
 
-/// The values of a ping header that Bathyscope knows. The header's length differs between units; the tags do not.
+/// The values of a ping header that Bathyscope knows. The header's length differs between units;
+/// the tags do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PingHeader {
     /// Tag 80: number of the record, counted over all channels.
@@ -113,10 +114,7 @@ mod tests {
         let header = PingHeader::parse(&PORT, 0, ByteOrder::Big).unwrap();
         assert_eq!(header.header_len, 67);
         assert_eq!(header.sample_count, 1479);
-        assert_eq!(
-            (header.easting_m, header.northing_m),
-            (-12_414_199, 4_396_652)
-        );
+        assert_eq!((header.easting_m, header.northing_m), (-12_414_199, 4_396_652));
         assert_eq!((header.heading_quality, header.heading_decideg), (1, 1977));
         assert_eq!((header.speed_quality, header.speed_dmps), (1, 27));
         assert_eq!((header.depth_dm, header.beam), (18, Some(2)));
@@ -129,10 +127,7 @@ mod tests {
         longer.extend_from_slice(&[0x86, 1, 2, 3, 4]);
         longer.extend_from_slice(&PORT[34..]);
         let header = PingHeader::parse(&longer, 0, ByteOrder::Big).unwrap();
-        assert_eq!(
-            (header.header_len, header.depth_dm, header.sample_count),
-            (72, 18, 1479)
-        );
+        assert_eq!((header.header_len, header.depth_dm, header.sample_count), (72, 18, 1479));
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Which files make up a recording: `Rec00001.DAT` and, in the folder `Rec00001` beside it, `B000.SON` to `B004.SON`.
+//! Which files make up a recording: `Rec00001.DAT` and, in the folder `Rec00001` beside it,
+//! `B000.SON` to `B004.SON`.
 
 use super::dat::Dat;
 use super::son;
@@ -30,26 +31,18 @@ pub(super) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
 /// The recording that a SON file belongs to; at least the file itself.
 fn around_son(files: &FileSource, opened: &Opened) -> Recording {
     let path = &opened.path;
-    let whole = path
-        .parent()
-        .and_then(|folder| gather(files, path, folder, dat_of(files, folder)));
-    whole
-        .filter(|recording| recording.sons.iter().any(|son| son.path == *path))
-        .unwrap_or_else(|| Recording {
-            opened: path.clone(),
-            dat: None,
-            sons: vec![opened.clone()],
-            others: 0,
-        })
+    let whole = path.parent().and_then(|folder| gather(files, path, folder, dat_of(files, folder)));
+    whole.filter(|recording| recording.sons.iter().any(|son| son.path == *path)).unwrap_or_else(
+        || Recording { opened: path.clone(), dat: None, sons: vec![opened.clone()], others: 0 },
+    )
 }
 
 /// The recording that a DAT file belongs to; its folder of SON files may be missing.
 fn around_dat(files: &FileSource, opened: &Opened) -> Option<Recording> {
     let path = &opened.path;
     let folder = path.with_extension("");
-    let gathered = (folder != *path)
-        .then(|| gather(files, path, &folder, Some(path.clone())))
-        .flatten();
+    let gathered =
+        (folder != *path).then(|| gather(files, path, &folder, Some(path.clone()))).flatten();
     let beside = || {
         let folder = path.parent()?;
         let alone = only_dat(files, folder).is_some_and(|dat| dat == *path);
@@ -84,8 +77,8 @@ pub(super) fn is_recording(files: &FileSource, folder: &Path) -> bool {
     gather(files, folder, folder, None).is_some()
 }
 
-/// The DAT of a folder of SON files: the one of the folder's name beside it, else the only one in it (copies of a recording
-/// without its folder, as in the PyHum package).
+/// The DAT of a folder of SON files: the one of the folder's name beside it, else the only one in
+/// it (copies of a recording without its folder, as in the PyHum package).
 fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
     let is_named = |path: &PathBuf| {
         has_extension(path, "dat")
@@ -94,22 +87,13 @@ fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
                 .zip(folder.file_name())
                 .is_some_and(|(stem, name)| stem.eq_ignore_ascii_case(name))
     };
-    let around = folder
-        .parent()
-        .map(|parent| files.children(parent))
-        .unwrap_or_default();
-    around
-        .into_iter()
-        .find(is_named)
-        .or_else(|| only_dat(files, folder))
+    let around = folder.parent().map(|parent| files.children(parent)).unwrap_or_default();
+    around.into_iter().find(is_named).or_else(|| only_dat(files, folder))
 }
 
 /// The DAT in a folder, when there is just one.
 fn only_dat(files: &FileSource, folder: &Path) -> Option<PathBuf> {
-    let mut dats = files
-        .children(folder)
-        .into_iter()
-        .filter(|path| has_extension(path, "dat"));
+    let mut dats = files.children(folder).into_iter().filter(|path| has_extension(path, "dat"));
     dats.next().filter(|_| dats.next().is_none())
 }
 
@@ -142,15 +126,9 @@ fn gather(
         let content = Dat::parse(&dat.bytes);
         (dat, content)
     });
-    Some(Recording {
-        opened: opened.to_owned(),
-        dat,
-        sons,
-        others: 0,
-    })
+    Some(Recording { opened: opened.to_owned(), dat, sons, others: 0 })
 }
 
 fn has_extension(path: &Path, requested: &str) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case(requested))
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(requested))
 }

@@ -1,4 +1,5 @@
-//! From ping to ping through a SON file. The IDX file beside it is not needed: magic numbers and lengths say it all.
+//! From ping to ping through a SON file. The IDX file beside it is not needed: magic numbers and
+//! lengths say it all.
 
 use super::ping::{MAGIC, PingHeader};
 use crate::formats::ByteOrder;
@@ -10,8 +11,8 @@ const PINGS_A_CHECK: usize = 1024;
 /// Bytes searched for the first pings of a file.
 const SEARCHED_FOR_PINGS: usize = 1 << 20;
 
-/// The byte order of a file's numbers: the one in which the first pings' lengths lead to the next pings.
-/// `None` when there is no ping in the first megabyte.
+/// The byte order of a file's numbers: the one in which the first pings' lengths lead to the next
+/// pings. `None` when there is no ping in the first megabyte.
 pub(super) fn byte_order(bytes: &[u8]) -> Option<ByteOrder> {
     let until = bytes.len().min(SEARCHED_FOR_PINGS);
     let mut fallback = None;
@@ -48,7 +49,8 @@ pub(super) struct SonWalk<'a> {
 }
 
 impl SonWalk<'_> {
-    /// Calls `take` with offset and header of every whole ping; `from` an offset on only where there is one.
+    /// Calls `take` with offset and header of every whole ping; `from` an offset on only where
+    /// there is one.
     pub(super) fn run(
         &self,
         from: Option<usize>,
@@ -74,7 +76,8 @@ impl SonWalk<'_> {
         Ok(())
     }
 
-    /// Takes a ping if the next follows it; where it does not, the sample count may be what is damaged.
+    /// Takes a ping if the next follows it; where it does not, the sample count may be what is
+    /// damaged.
     fn step(&self, at: usize, ping: PingHeader, take: &mut impl FnMut(usize, PingHeader)) -> usize {
         let len = self.bytes.len();
         let next = at.saturating_add(ping.size());
@@ -123,8 +126,5 @@ impl SonWalk<'_> {
 /// Where the next magic number begins, from `from` on.
 fn next_magic(bytes: &[u8], from: usize) -> Option<usize> {
     let searched = bytes.get(from..)?;
-    searched
-        .windows(4)
-        .position(|window| window == MAGIC)
-        .map(|at| from + at)
+    searched.windows(4).position(|window| window == MAGIC).map(|at| from + at)
 }

@@ -174,10 +174,7 @@ impl<'a> Reader<'a> {
             file: 0,
             encoding: match channel.width {
                 2 => Encoding::U16 { shift: 0 },
-                _ => Encoding::Number {
-                    kind: NumberKind::U32,
-                    exponent: 0,
-                },
+                _ => Encoding::Number { kind: NumberKind::U32, exponent: 0 },
             },
             order: SampleOrder::NearToFar,
             offset: channel.first as u64,

@@ -3,17 +3,21 @@
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! A file is a row of pages, all numbers little-endian: a marker FF FF FF FF, then the page (`page`): u32 bytes that the page has without the
-//! marker, u32 version, and a header of 256 bytes, of 512 in versions that end with 1 or 2. Versions 3000 and 3001 are the System 3000, 3501 and 3502 the
-//! low and the high frequency of the 3500 series, 5000 to 5004 the System 5000, 7000 and 7001 the System 7000. After the header the System 3000 has u16 samples
-//! of port and starboard of the low frequency, then of the high one, each after a u16 that counts them; the 3500 series u32 samples of port and of
-//! starboard, each after a u32. Both are taken as stored from near to far.
+//! A file is a row of pages, all numbers little-endian: a marker FF FF FF FF, then the page
+//! (`page`): u32 bytes that the page has without the marker, u32 version, and a header of 256
+//! bytes, of 512 in versions that end with 1 or 2. Versions 3000 and 3001 are the System 3000, 3501
+//! and 3502 the low and the high frequency of the 3500 series, 5000 to 5004 the System 5000, 7000
+//! and 7001 the System 7000. After the header the System 3000 has u16 samples of port and starboard
+//! of the low frequency, then of the high one, each after a u16 that counts them; the 3500 series
+//! u32 samples of port and of starboard, each after a u32. Both are taken as stored from near to
+//! far.
 //!
-//! The ten beams of the System 5000 are not read: no public source says which of them look to port. Of the System 7000 only the header is
-//! described. An error says so, and what to do.
+//! The ten beams of the System 5000 are not read: no public source says which of them look to port.
+//! Of the System 7000 only the header is described. An error says so, and what to do.
 //!
-//! Sources: Klein's "SDF Data Page Definitions Specification" (15300018, Rev 2.05) as the public reader `hydroformats` cites it with the offset of
-//! each field, and the readers of OceanScan (`sdf_reader.m`, for Rev 4.8) and of Neptus for the 3500 series. No real file was at hand.
+//! Sources: Klein's "SDF Data Page Definitions Specification" (15300018, Rev 2.05) as the public
+//! reader `hydroformats` cites it with the offset of each field, and the readers of OceanScan
+//! (`sdf_reader.m`, for Rev 4.8) and of Neptus for the 3500 series. No real file was at hand.
 
 mod decode;
 mod page;
@@ -40,13 +44,12 @@ impl LogFormat for Klein {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| {
-            read(opened, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, reading, progress)))
     }
 }
 
-/// Recognises a file by its first page, or by two in a row where the first is damaged; returns where the first whole one begins.
+/// Recognises a file by its first page, or by two in a row where the first is damaged; returns
+/// where the first whole one begins.
 fn sniff(bytes: &[u8]) -> Option<usize> {
     match Page::at(bytes, 0) {
         Some(_) => Some(0),

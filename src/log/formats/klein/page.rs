@@ -23,7 +23,8 @@ pub(super) const FORMAT: MessageFormat = MessageFormat {
     length: |bytes, at| Some(length(bytes, at)? + MARKER_LENGTH),
 };
 
-/// Bytes of the page whose marker begins at an offset, without the marker; `None` where none can begin.
+/// Bytes of the page whose marker begins at an offset, without the marker; `None` where none can
+/// begin.
 fn length(bytes: &[u8], at: usize) -> Option<usize> {
     let word = |index: usize| u32_le(bytes, at.checked_add(4 * index)?);
     let length = word(1)? as usize;
@@ -73,12 +74,7 @@ impl<'a> Page<'a> {
         let from = at + MARKER_LENGTH;
         let end = from.checked_add(length(bytes, at)?)?;
         let fields = Fields(bytes.get(from..end)?);
-        Some(Self {
-            at,
-            end,
-            version: fields.u32(4),
-            fields,
-        })
+        Some(Self { at, end, version: fields.u32(4), fields })
     }
 
     /// Which sonar wrote it.
@@ -97,7 +93,8 @@ impl<'a> Page<'a> {
         matches!(self.version, 3000 | 3001 | 3501 | 3502)
     }
 
-    /// The channels with samples; those whose samples do not lie in the page are left out, and all after them.
+    /// The channels with samples; those whose samples do not lie in the page are left out, and all
+    /// after them.
     pub(super) fn channels(&self) -> Vec<Channel> {
         let (bands, width): (&[Band], usize) = match self.version {
             3000 | 3001 => (&[Band::Low, Band::High], 2),
@@ -149,8 +146,8 @@ impl<'a> Page<'a> {
         Some(moment.and_utc().timestamp() as f64 + f64::from(fraction_s.unwrap_or(0.0)))
     }
 
-    /// Slant range of the last of so many samples, metres: by the rate of the samples where that agrees with the range that was set, which is
-    /// told in whole metres.
+    /// Slant range of the last of so many samples, metres: by the rate of the samples where that
+    /// agrees with the range that was set, which is told in whole metres.
     pub(super) fn far_m(&self, count: usize) -> f32 {
         let set_m = self.fields.u32(28) as f32;
         let sound_mps = self.fields.u32(36) as f32 / 100.0;
@@ -176,31 +173,19 @@ impl<'a> Page<'a> {
             (is_set && position.is_on_earth()).then_some(position)
         };
         let [ship, fish] = [place(144), place(160)];
-        if self.is_vehicle() {
-            ship.or(fish)
-        } else {
-            fish.or(ship)
-        }
+        if self.is_vehicle() { ship.or(fish) } else { fish.or(ship) }
     }
 
     /// Heading, degrees; NaN where it is not known.
     pub(super) fn heading_deg(&self) -> f32 {
         let heading_deg = self.first_set([108, 136]);
-        if heading_deg == 0.0 {
-            f32::NAN
-        } else {
-            heading_deg
-        }
+        if heading_deg == 0.0 { f32::NAN } else { heading_deg }
     }
 
     /// Speed of the ship, metres a second; NaN where it is not known.
     pub(super) fn speed_mps(&self) -> f32 {
         let speed_mps = self.fields.f32(132);
-        if speed_mps > 0.0 && speed_mps.is_finite() {
-            speed_mps
-        } else {
-            f32::NAN
-        }
+        if speed_mps > 0.0 && speed_mps.is_finite() { speed_mps } else { f32::NAN }
     }
 
     /// Frequency, kHz, where the page tells it.
@@ -209,12 +194,14 @@ impl<'a> Page<'a> {
         (self.is_vehicle() && (1..10_000).contains(&khz)).then_some(khz as f32)
     }
 
-    /// Whether it is of the 3500 series, whose vehicles write into the fields of the ship and the auxiliary sensors.
+    /// Whether it is of the 3500 series, whose vehicles write into the fields of the ship and the
+    /// auxiliary sensors.
     fn is_vehicle(&self) -> bool {
         matches!(self.version, 3501 | 3502)
     }
 
-    /// Of a field of the towed body and one of ship or auxiliary sensor the one that is set, a vehicle's second first; else 0.
+    /// Of a field of the towed body and one of ship or auxiliary sensor the one that is set, a
+    /// vehicle's second first; else 0.
     fn first_set(&self, mut at: [usize; 2]) -> f32 {
         if self.is_vehicle() {
             at.reverse();

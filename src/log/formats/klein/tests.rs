@@ -36,10 +36,7 @@ fn assert_samples(survey: &Survey, options: &SdfOptions, ping: usize, page: usiz
 #[test]
 fn samples_range_time_and_place_are_what_was_written() {
     for versions in [vec![3000], vec![3001], vec![3501], vec![3502]] {
-        let options = SdfOptions {
-            versions,
-            ..SdfOptions::default()
-        };
+        let options = SdfOptions { versions, ..SdfOptions::default() };
         let survey = read(&options);
         assert_eq!((survey.side_scan.len(), survey.soundings.len()), (40, 40));
         assert_eq!(survey.start_unix_s, Some(BEGAN_S));
@@ -56,10 +53,7 @@ fn samples_range_time_and_place_are_what_was_written() {
         assert!((fix.compass_rad.to_degrees() - 271.5).abs() < 1e-3);
         assert_eq!(fix.speed_mps, 2.0);
     }
-    let vehicle = read(&SdfOptions {
-        versions: vec![3502],
-        ..SdfOptions::default()
-    });
+    let vehicle = read(&SdfOptions { versions: vec![3502], ..SdfOptions::default() });
     assert_eq!(vehicle.source.recorder(), "Klein SDF, 3500 series");
     assert_eq!(vehicle.channels[0].frequency_khz, Some(900.0));
 }
@@ -67,11 +61,7 @@ fn samples_range_time_and_place_are_what_was_written() {
 #[test]
 fn the_range_is_that_of_the_samples_where_it_agrees_with_the_one_that_was_set() {
     let far_m = |samples, rate_hz| {
-        let survey = read(&SdfOptions {
-            samples,
-            rate_hz,
-            ..SdfOptions::default()
-        });
+        let survey = read(&SdfOptions { samples, rate_hz, ..SdfOptions::default() });
         survey.side_scan[0].port.expect("a side").far_m
     };
     assert_eq!(far_m(153, 2250), 51.0);
@@ -82,11 +72,8 @@ fn the_range_is_that_of_the_samples_where_it_agrees_with_the_one_that_was_set() 
 #[test]
 fn of_two_frequencies_the_high_one_is_shown() {
     for versions in [vec![3001], vec![3501, 3502]] {
-        let options = SdfOptions {
-            has_low: true,
-            versions: versions.clone(),
-            ..SdfOptions::default()
-        };
+        let options =
+            SdfOptions { has_low: true, versions: versions.clone(), ..SdfOptions::default() };
         let survey = read(&options);
         assert_eq!(survey.channels.len(), 4);
         assert!(says(&survey, "pings of the low frequency"));
@@ -99,11 +86,7 @@ fn of_two_frequencies_the_high_one_is_shown() {
 #[test]
 fn wide_samples_are_shown_by_the_bits_that_hold_them() {
     for (version, louder) in [(3001, 30_000), (3502, 2_000_000_000)] {
-        let survey = read(&SdfOptions {
-            versions: vec![version],
-            louder,
-            ..SdfOptions::default()
-        });
+        let survey = read(&SdfOptions { versions: vec![version], louder, ..SdfOptions::default() });
         let level = survey.samples(0, Side::Port).expect("a side").get(0);
         assert!((100..=255).contains(&level), "{version}: {level}");
     }
@@ -112,26 +95,16 @@ fn wide_samples_are_shown_by_the_bits_that_hold_them() {
 #[test]
 fn sonars_whose_channels_nobody_describes_are_refused_in_words() {
     for (version, name) in [(5001, "System 5000"), (7001, "System 7000")] {
-        let options = SdfOptions {
-            versions: vec![version],
-            ..SdfOptions::default()
-        };
+        let options = SdfOptions { versions: vec![version], ..SdfOptions::default() };
         let error = open(sdf(&options)).expect_err("no side-scan");
         assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
         assert!(error.to_string().contains(name), "{error}");
         assert!(error.to_string().contains("export XTF"), "{error}");
     }
-    let mixed = read(&SdfOptions {
-        versions: vec![3001, 5001],
-        ..SdfOptions::default()
-    });
+    let mixed = read(&SdfOptions { versions: vec![3001, 5001], ..SdfOptions::default() });
     assert!(says(&mixed, "20 pages of a System 5000 were skipped"));
     assert_eq!(mixed.side_scan.len(), 20);
-    for bytes in [
-        vec![0xFF; 4000],
-        b"\xFF\xFF\xFF\xFF\0\x02\0\0".to_vec(),
-        vec![0; 4000],
-    ] {
+    for bytes in [vec![0xFF; 4000], b"\xFF\xFF\xFF\xFF\0\x02\0\0".to_vec(), vec![0; 4000]] {
         assert!(matches!(open(bytes), Err(OpenError::NotRecognised { .. })));
     }
 }
@@ -173,13 +146,7 @@ fn assert_bounded(bytes: Vec<u8>) {
                 }
             }
         }
-        assert!(
-            survey
-                .track
-                .fixes
-                .iter()
-                .all(|fix| fix.position.is_on_earth())
-        );
+        assert!(survey.track.fixes.iter().all(|fix| fix.position.is_on_earth()));
     }
 }
 

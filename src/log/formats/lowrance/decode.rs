@@ -77,9 +77,7 @@ impl Reader {
         let is_sonar = !matches!(kind, ChannelKind::Swath | ChannelKind::Other(_));
         if is_sonar && frame.depth_ft > 0.0 {
             // A whole metre of keel offset is rare; ten are damage.
-            let keel_ft = Some(frame.keel_ft)
-                .filter(|ft| ft.abs() < 33.0)
-                .unwrap_or(0.0);
+            let keel_ft = Some(frame.keel_ft).filter(|ft| ft.abs() < 33.0).unwrap_or(0.0);
             self.keel_ft = keel_ft;
             log.add_depth(kind, time_s, metres(frame.depth_ft) - metres(keel_ft));
         }
@@ -107,11 +105,7 @@ fn fix(frame: &LowranceFrame, time_s: f64, position: LonLat) -> Fix {
     Fix {
         time_s,
         position,
-        cog_rad: if frame.course_rad.is_finite() {
-            frame.course_rad
-        } else {
-            f32::NAN
-        },
+        cog_rad: if frame.course_rad.is_finite() { frame.course_rad } else { f32::NAN },
         // Without a compass the field is 0 on every unit seen.
         compass_rad: if frame.heading_rad == 0.0 || !frame.heading_rad.is_finite() {
             f32::NAN
@@ -140,9 +134,8 @@ fn channel_kind(channel: u16) -> ChannelKind {
 }
 
 /// Nominal frequency by code; the middle of the band for the chirp codes.
-pub(super) const FREQUENCIES_KHZ: [f32; 11] = [
-    200.0, 50.0, 83.0, 455.0, 800.0, 38.0, 28.0, 170.0, 120.0, 50.0, 35.0,
-];
+pub(super) const FREQUENCIES_KHZ: [f32; 11] =
+    [200.0, 50.0, 83.0, 455.0, 800.0, 38.0, 28.0, 170.0, 120.0, 50.0, 35.0];
 
 fn frequency_khz(code: u16) -> Option<f32> {
     FREQUENCIES_KHZ.get(usize::from(code)).copied()

@@ -13,7 +13,8 @@ pub(crate) enum FrameLayout {
     Sl3,
 }
 
-/// Channel number of depths across the track. The packet length in its headers is not that of the data.
+/// Channel number of depths across the track. The packet length in its headers is not that of the
+/// data.
 pub(super) const STRUCTURE_SCAN_3D: u16 = 9;
 /// No channel number above this was ever seen; a header with one is not a header.
 const LAST_CHANNEL: u16 = 31;
@@ -79,15 +80,14 @@ impl FrameLayout {
         }
     }
 
-    /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it: the frame states
-    /// where it was before they were.
+    /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it:
+    /// the frame states where it was before they were.
     pub(crate) fn look(self, bytes: &[u8], offset: usize, lost: i64) -> FrameCheck {
         if lost_before(bytes, offset) != Some(lost) {
             return FrameCheck::Nothing;
         }
-        let header = offset
-            .checked_add(self.shortest_header())
-            .and_then(|end| bytes.get(offset..end));
+        let header =
+            offset.checked_add(self.shortest_header()).and_then(|end| bytes.get(offset..end));
         let Some(header) = header else {
             return FrameCheck::Cut;
         };
@@ -105,22 +105,18 @@ impl FrameLayout {
     }
 }
 
-/// How many bytes were lost before `offset` (negative: came in) if a frame begins there; the recorders count in 32 bits
-/// and start again beyond 4 GiB.
+/// How many bytes were lost before `offset` (negative: came in) if a frame begins there; the
+/// recorders count in 32 bits and start again beyond 4 GiB.
 pub(super) fn lost_before(bytes: &[u8], offset: usize) -> Option<i64> {
     let stated = scalar::u32_le(bytes, offset)?;
     Some(i64::from(stated.wrapping_sub(offset as u32).cast_signed()))
 }
 
-/// Where the data begins in a frame: behind the header, whose length is the frame's size less the packet's, where that
-/// is a length a header can have.
+/// Where the data begins in a frame: behind the header, whose length is the frame's size less the
+/// packet's, where that is a length a header can have.
 fn data_start(size: usize, packet: usize, shortest: usize, usual: usize) -> usize {
     let stated = size.saturating_sub(packet);
-    if (shortest..=LONGEST_HEADER).contains(&stated) {
-        stated
-    } else {
-        usual.min(size)
-    }
+    if (shortest..=LONGEST_HEADER).contains(&stated) { stated } else { usual.min(size) }
 }
 
 fn from_sl2(offset: usize, header: &sl2::Header) -> LowranceFrame {

@@ -26,19 +26,12 @@ impl LogWriter for Lowrance {
         progress: &Progress,
     ) -> io::Result<Vec<String>> {
         let survey = log.survey;
-        if survey
-            .track
-            .projected
-            .as_ref()
-            .is_some_and(|metres| metres.system.is_none())
-        {
+        if survey.track.projected.as_ref().is_some_and(|metres| metres.system.is_none()) {
             return Err(io::Error::other(
                 "its positions are metres of a system that is not named, and SL2 holds degrees; set source.crs to its EPSG number",
             ));
         }
-        let start_s = survey
-            .start_unix_s
-            .filter(|start_s| *start_s >= FIRST_UNIX_S);
+        let start_s = survey.start_unix_s.filter(|start_s| *start_s >= FIRST_UNIX_S);
         let mut frames = Frames {
             log,
             is_composite: survey.side_scan.iter().all(is_symmetric),
@@ -69,10 +62,7 @@ fn losses(survey: &Survey, start_s: Option<f64>) -> Vec<String> {
     if !survey.track.fixes.is_empty() {
         losses.push("SL2 holds positions to a metre; they were rounded".to_owned());
     }
-    let spans = survey
-        .side_scan
-        .iter()
-        .flat_map(|ping| [ping.port, ping.starboard]);
+    let spans = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
     if spans.flatten().any(|span| span.encoding != Encoding::U8) {
         losses
             .push("SL2 holds eight bits a sample; the levels are those that are shown".to_owned());
@@ -83,7 +73,8 @@ fn losses(survey: &Survey, start_s: Option<f64>) -> Vec<String> {
     losses
 }
 
-/// Whether both sides cover the same range from the boat on with the same number of samples, as the halves of one frame do.
+/// Whether both sides cover the same range from the boat on with the same number of samples, as the
+/// halves of one frame do.
 fn is_symmetric(ping: &SidePing) -> bool {
     let (Some(port), Some(starboard)) = (ping.port, ping.starboard) else {
         return false;
@@ -114,19 +105,11 @@ impl Frames<'_> {
                 let mut bytes = self.levels(ping.port.as_ref());
                 bytes.reverse();
                 bytes.extend(self.levels(ping.starboard.as_ref()));
-                vec![self.frame(
-                    COMPOSITE,
-                    ChannelKind::Composite,
-                    time_s,
-                    [-far_m, far_m],
-                    bytes,
-                )]
+                vec![self.frame(COMPOSITE, ChannelKind::Composite, time_s, [-far_m, far_m], bytes)]
             }
             Recorded::Side(_, ping) => {
-                let sides = [
-                    (ping.port, ChannelKind::Port),
-                    (ping.starboard, ChannelKind::Starboard),
-                ];
+                let sides =
+                    [(ping.port, ChannelKind::Port), (ping.starboard, ChannelKind::Starboard)];
                 let spans = SIDES.into_iter().zip(sides);
                 let spans =
                     spans.filter_map(|(channel, (span, kind))| Some((channel, span?, kind)));
@@ -196,7 +179,8 @@ impl Frames<'_> {
         }
     }
 
-    /// The fix that is valid at a time; course and speed are those of the fitted track where none were recorded.
+    /// The fix that is valid at a time; course and speed are those of the fitted track where none
+    /// were recorded.
     fn fix(&self, time_s: f64) -> WrittenFix {
         let fix = self.log.fix(time_s);
         let place = self.log.place(time_s);
@@ -205,22 +189,15 @@ impl Frames<'_> {
             let mut known = known.into_iter().flatten();
             known.find(|one| one.is_finite()).unwrap_or_default()
         };
-        let course_rad = or_fitted(
-            fix.map(|fix| fix.cog_rad),
-            place.map(|place| place.heading_rad),
-        );
+        let course_rad =
+            or_fitted(fix.map(|fix| fix.cog_rad), place.map(|place| place.heading_rad));
         WrittenFix {
             mercator: fix.map_or([0; 2], |fix| {
                 lowrance_mercator(fix.position).map(|metres| metres.round() as i32)
             }),
             course_rad: course_rad.rem_euclid(TAU),
-            speed_mps: or_fitted(
-                fix.map(|fix| fix.speed_mps),
-                place.map(|place| place.speed_mps),
-            ),
-            compass_rad: fix
-                .map(|fix| f64::from(fix.compass_rad))
-                .filter(|rad| rad.is_finite()),
+            speed_mps: or_fitted(fix.map(|fix| fix.speed_mps), place.map(|place| place.speed_mps)),
+            compass_rad: fix.map(|fix| f64::from(fix.compass_rad)).filter(|rad| rad.is_finite()),
         }
     }
 }

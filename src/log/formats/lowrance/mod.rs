@@ -1,4 +1,5 @@
-//! Lowrance SL2 and SL3, with the depths of StructureScan 3D (`swath`); and SLG, which has depths and a track (`slg`).
+//! Lowrance SL2 and SL3, with the depths of StructureScan 3D (`swath`); and SLG, which has depths
+//! and a track (`slg`).
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
@@ -38,9 +39,7 @@ impl LogFormat for Lowrance {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let found = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| {
-            read(opened, found, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, found, reading, progress)))
     }
 }
 
@@ -63,8 +62,8 @@ enum LowranceKind {
     },
 }
 
-/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and its frames; by its frames alone where the
-/// header is damaged, or names the other layout.
+/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and its
+/// frames; by its frames alone where the header is damaged, or names the other layout.
 fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
     let stated = sniff_header(bytes);
     match stated {
@@ -81,17 +80,10 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     let first_frame = scalar::u32_le(bytes, FILE_HEADER) == Some(FILE_HEADER as u32);
     match format {
         1 if usual || (version <= 16 && slg::begins_with_block(bytes, block.into())) => {
-            Some(LowranceKind::Slg {
-                size: block.into(),
-                version,
-            })
+            Some(LowranceKind::Slg { size: block.into(), version })
         }
         2 | 3 if usual || first_frame => Some(LowranceKind::Frames {
-            layout: if format == 2 {
-                FrameLayout::Sl2
-            } else {
-                FrameLayout::Sl3
-            },
+            layout: if format == 2 { FrameLayout::Sl2 } else { FrameLayout::Sl3 },
             version: Some(version),
         }),
         _ => None,
@@ -101,13 +93,11 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
 fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
     let mut layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
     let found = layouts.find(|layout| has_frames(bytes, *layout));
-    found.map(|layout| LowranceKind::Frames {
-        layout,
-        version: None,
-    })
+    found.map(|layout| LowranceKind::Frames { layout, version: None })
 }
 
-/// Whether there are frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
+/// Whether there are frames in a row, found by their own offsets: tables of rising numbers in other
+/// files look like two of them.
 fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     let mut from = FILE_HEADER;
     // Of a damaged beginning some frames are whole.
@@ -124,7 +114,8 @@ fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     false
 }
 
-/// Whether so many frames follow each other from a place on that they are no chance, or to the end of the bytes.
+/// Whether so many frames follow each other from a place on that they are no chance, or to the end
+/// of the bytes.
 fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
     let mut at = first.at;
     for found in 0..FRAMES_THAT_PROVE {
@@ -183,15 +174,9 @@ fn read_frames(
     progress.start(bytes.len() as u64);
     let start = match reading.from(0) {
         Some(from) => walk::first_frame(bytes, layout, from..bytes.len(), 0),
-        None => Some(walk::FrameStart {
-            at: FILE_HEADER.min(bytes.len()),
-            lost: 0,
-        }),
+        None => Some(walk::FrameStart { at: FILE_HEADER.min(bytes.len()), lost: 0 }),
     };
-    let start = start.unwrap_or(walk::FrameStart {
-        at: bytes.len(),
-        lost: 0,
-    });
+    let start = start.unwrap_or(walk::FrameStart { at: bytes.len(), lost: 0 });
     progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
     let walk = walk::FrameWalk {
@@ -214,8 +199,5 @@ fn format_name(kind: LowranceKind) -> String {
             FrameLayout::Sl3 => ("Lowrance SL3", version),
         },
     };
-    version.map_or_else(
-        || name.to_owned(),
-        |version| format!("{name} (version {version})"),
-    )
+    version.map_or_else(|| name.to_owned(), |version| format!("{name} (version {version})"))
 }

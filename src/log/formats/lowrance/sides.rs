@@ -7,7 +7,8 @@ use crate::formats::report::WarningKind;
 use crate::survey::{ChannelKind, Encoding, SampleOrder, SidePing, SideSpan};
 use std::ops::Range;
 
-/// Keeps the sides of a frame that can hold a picture, and what looks down; says so where there is none.
+/// Keeps the sides of a frame that can hold a picture, and what looks down; says so where there is
+/// none.
 pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame, time_s: f64) {
     if let ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan = kind {
         return log.add_echogram(kind, time_s, alone(frame));
@@ -82,12 +83,7 @@ fn alone(frame: &LowranceFrame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();
     let all = 0..frame.data_len;
-    span(
-        frame,
-        all,
-        SampleOrder::NearToFar,
-        (a_m.min(b_m), a_m.max(b_m)),
-    )
+    span(frame, all, SampleOrder::NearToFar, (a_m.min(b_m), a_m.max(b_m)))
 }
 
 /// Some of a frame's samples, with their near and far limit in metres.

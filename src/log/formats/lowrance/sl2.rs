@@ -2,13 +2,15 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// 144 bytes, little-endian, then `packet` bytes of echo, one byte a sample. Ranges and depths are in feet, speeds in
-/// knots, angles in radians clockwise from north. Verified on files of format versions 0 and 1; every offset of the
-/// older public tables is 2 too small (they count the file header as 10 bytes).
+/// 144 bytes, little-endian, then `packet` bytes of echo, one byte a sample. Ranges and depths are
+/// in feet, speeds in knots, angles in radians clockwise from north. Verified on files of format
+/// versions 0 and 1; every offset of the older public tables is 2 too small (they count the file
+/// header as 10 bytes).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Header {
-    /// Offset 0: this frame's own offset in the file; the key for finding frames again after damage.
+    /// Offset 0: this frame's own offset in the file; the key for finding frames again after
+    /// damage.
     pub own_offset: u32,
     /// 4: offsets of the last primary, secondary, down-scan, left, right and composite frame.
     pub last_offsets: [u32; 6],
@@ -48,7 +50,8 @@ pub struct Header {
     pub gps_speed_kn: f32,
     /// 104: water temperature, degrees Celsius.
     pub temperature_c: f32,
-    /// 108: east, metres of Lowrance's Mercator. Signed: read unsigned, the western hemisphere breaks.
+    /// 108: east, metres of Lowrance's Mercator. Signed: read unsigned, the western hemisphere
+    /// breaks.
     pub x_m: i32,
     /// 112: north, metres of Lowrance's Mercator. Signed.
     pub y_m: i32,
@@ -60,7 +63,8 @@ pub struct Header {
     pub altitude_ft: f32,
     /// 128: compass heading; 0 without a compass.
     pub heading_rad: f32,
-    /// 132: which values are fresh in this frame; older units fill the others with the last ones known.
+    /// 132: which values are fresh in this frame; older units fill the others with the last ones
+    /// known.
     pub flags: u16,
     /// 134: unknown.
     pub unknown_134: [u8; 6],

@@ -2,9 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// The first 128 bytes, little-endian. Channels 7 and 8 have no more; the others go on to 168 bytes (frame version 13:
-/// 180) with the offsets of the last frames, so the data begins `frame_size - packet` bytes after the frame, never at a
-/// constant. Units as in [SL2](super::sl2::Header). Verified on files of frame version 10.
+/// The first 128 bytes, little-endian. Channels 7 and 8 have no more; the others go on to 168 bytes
+/// (frame version 13:
+/// 180) with the offsets of the last frames, so the data begins `frame_size - packet` bytes after
+///      the frame, never at a constant. Units as in [SL2](super::sl2::Header). Verified on files of
+///      frame version 10.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Header {
@@ -16,7 +18,8 @@ pub struct Header {
     pub frame_size: u16,
     /// 10: size of the frame before.
     pub previous_size: u16,
-    /// 12: as in SL2; 7 and 8 are raw products of the down sonar, 9 is 3D, 10 and 11 are the recorder's own.
+    /// 12: as in SL2; 7 and 8 are raw products of the down sonar, 9 is 3D, 10 and 11 are the
+    /// recorder's own.
     pub channel: u16,
     /// 14: unknown.
     pub unknown_14: [u8; 2],
@@ -58,7 +61,8 @@ pub struct Header {
     pub flags: u16,
     /// 118: unknown.
     pub unknown_118: [u8; 6],
-    /// 124: milliseconds since the log was started. Signed: real files begin up to half a second before zero.
+    /// 124: milliseconds since the log was started. Signed: real files begin up to half a second
+    /// before zero.
     pub time_ms: i32,
 }
 

@@ -1,15 +1,19 @@
 //! Lowrance SLG: blocks of one size, each with the fields that its flags name.
 //!
-//! A file begins with the header of SL2 (u16 format, 1; u16 version; u16 size of a block; u16) and two bytes more. A block begins with u16 flags; then come, each
-//! where its flag is set: f32 lower limit of the range and f32 depth, feet (0x0200 or 0x0400); f32 temperature (0x0010); f32 speed through the
-//! water (0x0080); i32 X and Y, metres of Lowrance's Mercator (0x0100); f32 depth of the surface clutter (0x0400); f32 top of the bottom (0x0800); f32 temperature 2 (0x0020)
-//! and 3 (0x0040); u32 milliseconds (0x2000); f32 speed, knots, and f32 course, radians (0x4000). One or two f32 follow, of which the altitude
-//! is one; then u16 bytes of echoes, and the echoes to the block's end: that the sizes add up is what tells a block.
+//! A file begins with the header of SL2 (u16 format, 1; u16 version; u16 size of a block; u16) and
+//! two bytes more. A block begins with u16 flags; then come, each where its flag is set: f32 lower
+//! limit of the range and f32 depth, feet (0x0200 or 0x0400); f32 temperature (0x0010); f32 speed
+//! through the water (0x0080); i32 X and Y, metres of Lowrance's Mercator (0x0100); f32 depth of
+//! the surface clutter (0x0400); f32 top of the bottom (0x0800); f32 temperature 2 (0x0020) and 3
+//! (0x0040); u32 milliseconds (0x2000); f32 speed, knots, and f32 course, radians (0x4000). One or
+//! two f32 follow, of which the altitude is one; then u16 bytes of echoes, and the echoes to the
+//! block's end: that the sizes add up is what tells a block.
 //!
 //! Depths and the track are read. Blocks without a time lie evenly between those with one.
 //!
-//! Sources: python-sllib, which reads these fields in this order and checks the sizes, and the list of file sizes in OpenStreetMap's page on SL2
-//! (both with a header of 10 bytes); a forum's analysis of the LMS-525C has the same fields. No real file was at hand.
+//! Sources: python-sllib, which reads these fields in this order and checks the sizes, and the list
+//! of file sizes in OpenStreetMap's page on SL2 (both with a header of 10 bytes); a forum's
+//! analysis of the LMS-525C has the same fields. No real file was at hand.
 
 use super::frame::metres;
 use crate::formats::clock::{Clock, ClockVerdict};
@@ -40,7 +44,8 @@ const SMALLEST: usize = 64;
 const BLOCKS_A_CHECK: usize = 1024;
 /// Blocks without any time are so far apart, seconds.
 const USUAL_STEP_S: f64 = 0.1;
-/// Blocks are no further apart than this, seconds: in a longer pause those without a time lie at its beginning.
+/// Blocks are no further apart than this, seconds: in a longer pause those without a time lie at
+/// its beginning.
 const LONGEST_STEP_S: f64 = 2.0;
 /// The only channel.
 const CHANNEL: u16 = 0;
@@ -59,7 +64,8 @@ struct Block {
 }
 
 impl Block {
-    /// The block of this size at an offset; `None` where the sizes do not add up, or it goes on behind the bytes.
+    /// The block of this size at an offset; `None` where the sizes do not add up, or it goes on
+    /// behind the bytes.
     fn at(bytes: &[u8], at: usize, size: usize) -> Option<Self> {
         let end = at.checked_add(size)?;
         let block = bytes.get(at..end)?;
@@ -98,7 +104,8 @@ impl Block {
     }
 }
 
-/// Whether a file begins with a block of this size that tells something, and with another unless the file ends before.
+/// Whether a file begins with a block of this size that tells something, and with another unless
+/// the file ends before.
 pub(super) fn begins_with_block(bytes: &[u8], size: usize) -> bool {
     let block = Block::at(bytes, HEADER, size).filter(|_| size >= SMALLEST);
     block.is_some_and(|block| {
@@ -154,7 +161,8 @@ pub(super) fn read_blocks(
     Ok(())
 }
 
-/// Where the next block begins that another follows, or that ends the bytes: the sizes of one add up by chance.
+/// Where the next block begins that another follows, or that ends the bytes: the sizes of one add
+/// up by chance.
 fn next_block(bytes: &[u8], from: usize, size: usize) -> Option<usize> {
     let last = bytes.len().checked_sub(size)?;
     (from..=last).find(|&at| {
@@ -198,9 +206,7 @@ impl Reader {
             return;
         };
         let verdict = self.clock.push(f64::from(time_ms) / 1e3, blocks);
-        verdict
-            .into_iter()
-            .for_each(|verdict| self.settle(log, verdict));
+        verdict.into_iter().for_each(|verdict| self.settle(log, verdict));
     }
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<Vec<Block>>) {
@@ -236,21 +242,15 @@ impl Reader {
             self.keep_all(log, before_s, step_s, &blocks);
         }
         if self.zero_s.is_none() {
-            log.report.log(format!(
-                "no block tells the time; they are taken as {USUAL_STEP_S} s apart"
-            ));
+            log.report
+                .log(format!("no block tells the time; they are taken as {USUAL_STEP_S} s apart"));
         }
     }
 
     /// Keeps the blocks before the first time.
     fn keep_before(&mut self, log: &mut Collected) {
         let blocks = std::mem::take(&mut self.before);
-        self.keep_all(
-            log,
-            blocks.len() as f64 * -USUAL_STEP_S,
-            USUAL_STEP_S,
-            &blocks,
-        );
+        self.keep_all(log, blocks.len() as f64 * -USUAL_STEP_S, USUAL_STEP_S, &blocks);
     }
 
     fn keep_all(&self, log: &mut Collected, from_s: f64, step_s: f64, blocks: &[Block]) {
@@ -264,12 +264,7 @@ fn keep(log: &mut Collected, block: &Block, time_s: f64) {
     if !log.knows(CHANNEL) {
         log.introduce(CHANNEL, ChannelKind::Primary, CHANNEL.to_string(), None);
     }
-    let counted = Counted {
-        record: (0, block.end),
-        time_s,
-        samples: 0,
-        range_m: None,
-    };
+    let counted = Counted { record: (0, block.end), time_s, samples: 0, range_m: None };
     log.count(CHANNEL, counted);
     log.add_depth(ChannelKind::Primary, time_s, metres(block.depth_ft));
     let Some([x_m, y_m]) = block.xy_m.filter(|[x_m, y_m]| *x_m != 0 && *y_m != 0) else {
@@ -328,18 +323,7 @@ mod tests {
     }
 
     fn slg(count: usize) -> Vec<u8> {
-        let mut file = vec![
-            1,
-            0,
-            0,
-            0,
-            (SIZE % 256) as u8,
-            (SIZE / 256) as u8,
-            0,
-            0,
-            0,
-            0,
-        ];
+        let mut file = vec![1, 0, 0, 0, (SIZE % 256) as u8, (SIZE / 256) as u8, 0, 0, 0, 0];
         for index in 0..count {
             let time = if index % 3 == 0 { TIME } else { 0 };
             let flags = [0x0200, 0x0600, 0x0E70][index % 3];
@@ -361,10 +345,7 @@ mod tests {
         for (index, sounding) in survey.soundings.iter().enumerate() {
             let depth_m = (10.0 + index as f32 / 10.0) * 0.3048;
             assert!((sounding.depth_m - depth_m).abs() < 1e-5);
-            assert!(
-                (sounding.time_s - 0.2 * index as f64).abs() < 1e-9,
-                "{index}"
-            );
+            assert!((sounding.time_s - 0.2 * index as f64).abs() < 1e-9, "{index}");
             let fix = survey.track.fixes[index];
             let position = lowrance_mercator_inverse(-9_000_000.0 + index as f64, 3_400_000.0);
             assert_eq!(fix.position, position);
@@ -380,10 +361,7 @@ mod tests {
         let whole = slg(30);
         let at = HEADER + 4 * SIZE;
         for (spoil, kept) in [
-            (
-                (|bytes, at| bytes[at + 1] ^= 0x40) as fn(&mut Vec<u8>, usize),
-                29,
-            ),
+            ((|bytes, at| bytes[at + 1] ^= 0x40) as fn(&mut Vec<u8>, usize), 29),
             (|bytes, at| drop(bytes.drain(at + 100..at + 200)), 29),
             (|bytes, at| drop(bytes.splice(at..at, [9; 50])), 30),
             (|bytes, _| bytes.truncate(HEADER + 29 * SIZE + 100), 29),
@@ -392,11 +370,8 @@ mod tests {
             spoil(&mut bytes, at);
             let survey = read(bytes).expect("a log");
             assert_eq!(survey.soundings.len(), kept);
-            let placed: Vec<u64> = survey
-                .warnings
-                .iter()
-                .filter_map(|one| Some(one.place?.1))
-                .collect();
+            let placed: Vec<u64> =
+                survey.warnings.iter().filter_map(|one| Some(one.place?.1)).collect();
             assert_eq!(placed.len(), 1, "{:?}", survey.warnings);
         }
         let broken = read(whole[..HEADER].to_vec());
@@ -414,10 +389,7 @@ mod tests {
             let held = Bytes::Held(Arc::new(whole[..length].to_vec()));
             let files = vec![(PathBuf::from("pond.slg"), held)];
             if let Ok(survey) = open_growing(files, &Progress::new()) {
-                assert!(
-                    !survey.warnings.iter().any(|one| one.place.is_some()),
-                    "{length}"
-                );
+                assert!(!survey.warnings.iter().any(|one| one.place.is_some()), "{length}");
                 assert_eq!(survey.soundings.len(), (length - HEADER) / SIZE);
             }
         }
@@ -432,10 +404,7 @@ mod tests {
             if let Ok(survey) = read(bytes) {
                 assert!(survey.soundings.len() <= 10 && survey.track.fixes.len() <= 10);
                 assert!(
-                    survey
-                        .soundings
-                        .iter()
-                        .all(|one| one.depth_m > 0.0 && one.time_s.is_finite())
+                    survey.soundings.iter().all(|one| one.depth_m > 0.0 && one.time_s.is_finite())
                 );
             }
         }

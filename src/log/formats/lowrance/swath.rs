@@ -1,11 +1,12 @@
 //! StructureScan 3D (channel 9 of SL3): depths across the track.
 //!
-//! Behind the frame header lies one more header of i32: its own length (76), bytes of the pairs to port and to starboard, bytes of the
-//! unreliable pairs, and how many of these are of either side. Then come the pairs in that order: distance outward and depth, f32, feet.
-//! The packet length of the frame header is another one: a frame is as long as its frame size says.
+//! Behind the frame header lies one more header of i32: its own length (76), bytes of the pairs to
+//! port and to starboard, bytes of the unreliable pairs, and how many of these are of either side.
+//! Then come the pairs in that order: distance outward and depth, f32, feet. The packet length of
+//! the frame header is another one: a frame is as long as its frame size says.
 //!
-//! The layout is that of the public reader SL3Reader (`3D.cs`, `InterferometricMeasurement.cs` and `SL3Reader.cs` of
-//! github.com/halmaia/SL3Reader). It was not tried on a real recording.
+//! The layout is that of the public reader SL3Reader (`3D.cs`, `InterferometricMeasurement.cs` and
+//! `SL3Reader.cs` of github.com/halmaia/SL3Reader). It was not tried on a real recording.
 
 use super::frame::LowranceFrame;
 use crate::formats::collected::Collected;
@@ -52,11 +53,7 @@ impl SwathTotals {
 
     /// Says what there was.
     pub(super) fn report(&self, log: &Collected) {
-        let Self {
-            frames,
-            pairs,
-            unreliable,
-        } = self;
+        let Self { frames, pairs, unreliable } = self;
         if *frames > 0 {
             log.report.log(format!(
                 "the log holds {frames} frames of StructureScan 3D with {pairs} depths across the track; {unreliable} more that the unit marks as unreliable are not used. The format was not tried on a real recording: compare these depths with the soundings"
@@ -76,9 +73,7 @@ fn read(bytes: &[u8], frame: &LowranceFrame, time_s: f64) -> Option<SwathPing> {
     let length = |at: usize| usize::try_from(scalar::u32_le(data, at)?).ok();
     let header = length(0).filter(|header| (HEADER..=LONGEST_HEADER).contains(header))?;
     let [port, starboard, unreliable] = [length(4)?, length(8)?, length(12)?];
-    let end = [port, starboard, unreliable]
-        .into_iter()
-        .try_fold(header, usize::checked_add)?;
+    let end = [port, starboard, unreliable].into_iter().try_fold(header, usize::checked_add)?;
     let are_pairs = (port | starboard | unreliable).is_multiple_of(SWATH_PAIR);
     if end > data.len() || !are_pairs {
         return None;
@@ -98,9 +93,7 @@ fn read(bytes: &[u8], frame: &LowranceFrame, time_s: f64) -> Option<SwathPing> {
 /// Pairs of a ping that cannot be depths.
 fn damaged(bytes: &[u8], ping: &SwathPing) -> usize {
     let start = ping.offset as usize;
-    let pairs = bytes
-        .get(start..start + SWATH_PAIR * ping.len())
-        .unwrap_or_default();
+    let pairs = bytes.get(start..start + SWATH_PAIR * ping.len()).unwrap_or_default();
     let (pairs, _) = pairs.as_chunks::<SWATH_PAIR>();
     let can_be = |pair: &&[u8; SWATH_PAIR]| swath_pair_m(**pair).is_some();
     ping.len() - pairs.iter().filter(can_be).count()

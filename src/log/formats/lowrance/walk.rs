@@ -53,8 +53,9 @@ impl FrameWalk<'_> {
         Ok(())
     }
 
-    /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be what is damaged. A damaged size may also end
-    /// where another frame does: one that is longer than the `longest` before it is looked through for that.
+    /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be
+    /// what is damaged. A damaged size may also end where another frame does: one that is longer
+    /// than the `longest` before it is looked through for that.
     fn step(
         &self,
         here: FrameStart,
@@ -160,8 +161,9 @@ pub(super) struct FrameStart {
     pub(super) lost: i64,
 }
 
-/// The first whole frame that begins in `range`. Where bytes were lost (`lost` of them before the range), one that states
-/// its offset is enough; where more were lost in between, the next frame has to agree about how many.
+/// The first whole frame that begins in `range`. Where bytes were lost (`lost` of them before the
+/// range), one that states its offset is enough; where more were lost in between, the next frame
+/// has to agree about how many.
 pub(super) fn first_frame(
     bytes: &[u8],
     layout: FrameLayout,
@@ -169,9 +171,8 @@ pub(super) fn first_frame(
     lost: i64,
 ) -> Option<FrameStart> {
     let searched = bytes.get(range.start..bytes.len().min(range.end.saturating_add(3)))?;
-    let stated = searched
-        .windows(4)
-        .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
+    let stated =
+        searched.windows(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
     (range.start..)
         .zip(stated)
         .map(|(at, stated)| FrameStart {

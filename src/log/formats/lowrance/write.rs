@@ -1,4 +1,5 @@
-//! Writes SL2: an 8-byte file header, then frames: the reader's own [`Header`] and the echo bytes, all little-endian.
+//! Writes SL2: an 8-byte file header, then frames: the reader's own [`Header`] and the echo bytes,
+//! all little-endian.
 
 use super::decode::FREQUENCIES_KHZ;
 use super::sl2::Header;
@@ -17,7 +18,8 @@ const HEADING: u16 = 0x0100;
 /// Flags of a frame that repeats the last fix.
 const REPEATED: u16 = 0x0008;
 
-/// The recorder's channel number of the composite side-scan; channels up to it have a "last frame" field in each header.
+/// The recorder's channel number of the composite side-scan; channels up to it have a "last frame"
+/// field in each header.
 pub const COMPOSITE: u16 = 5;
 /// The recorder's channel number of the primary sonar.
 pub const PRIMARY: u16 = 0;
@@ -72,7 +74,8 @@ pub struct Sl2Writer<W> {
 }
 
 impl<W: Write> Sl2Writer<W> {
-    /// Begins a log at a time, Unix seconds, in water of a temperature where that is known. The time 0 writes "no time" (0xFFFFFFFF).
+    /// Begins a log at a time, Unix seconds, in water of a temperature where that is known. The
+    /// time 0 writes "no time" (0xFFFFFFFF).
     ///
     /// # Errors
     /// When writing fails.
@@ -91,7 +94,8 @@ impl<W: Write> Sl2Writer<W> {
     /// Adds a frame.
     ///
     /// # Errors
-    /// When writing fails, or when the frame or the file is larger than the format's fields can say.
+    /// When writing fails, or when the frame or the file is larger than the format's fields can
+    /// say.
     pub fn push(&mut self, frame: &Sl2Frame) -> io::Result<()> {
         let header = self.header(frame)?;
         self.out.write_all(bytemuck::bytes_of(&header))?;

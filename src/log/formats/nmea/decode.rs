@@ -1,7 +1,7 @@
 //! From sentences to depths and fixes in SI units.
 //!
-//! A sentence with a time begins an epoch; what comes after it belongs to it, for receivers send the time first. Depths between two epochs
-//! are placed between them.
+//! A sentence with a time begins an epoch; what comes after it belongs to it, for receivers send
+//! the time first. Depths between two epochs are placed between them.
 
 use super::lines::{Found, stamps_apart_s};
 use super::sentence::Sentence;
@@ -122,9 +122,7 @@ impl<'a> Reader<'a> {
             && let Some(utc_s) = told.utc_s
         {
             self.close(log);
-            let days = self
-                .last_s
-                .map_or(0.0, |last_s| ((last_s - utc_s) / DAY_S).round());
+            let days = self.last_s.map_or(0.0, |last_s| ((last_s - utc_s) / DAY_S).round());
             let told_s = utc_s + days * DAY_S;
             self.last_s = Some(told_s);
             let is_taken = Some(address) == self.positions_of;
@@ -157,7 +155,8 @@ impl<'a> Reader<'a> {
         });
     }
 
-    /// Keeps course, heading and speed: the first after a position belong to it, the last to those that come without.
+    /// Keeps course, heading and speed: the first after a position belong to it, the last to those
+    /// that come without.
     fn take_values(&mut self, told: &Sentence) {
         if !told.variation_rad.is_nan() {
             self.variation_rad = told.variation_rad;
@@ -166,11 +165,7 @@ impl<'a> Reader<'a> {
             true => told.heading_rad,
             false => {
                 told.magnetic_rad
-                    + if self.variation_rad.is_nan() {
-                        0.0
-                    } else {
-                        self.variation_rad
-                    }
+                    + if self.variation_rad.is_nan() { 0.0 } else { self.variation_rad }
             }
         };
         self.is_magnetic |= !self.tally.has_true_heading && !heading_rad.is_nan();
@@ -214,13 +209,7 @@ impl<'a> Reader<'a> {
                 self.before = Some((time_s, record.stamp_s));
                 let [cog_rad, compass_rad, speed_mps] = record.values;
                 if let Some(fix) = record.fix {
-                    log.add_fix(Fix {
-                        time_s,
-                        cog_rad,
-                        compass_rad,
-                        speed_mps,
-                        ..fix
-                    });
+                    log.add_fix(Fix { time_s, cog_rad, compass_rad, speed_mps, ..fix });
                 }
             }
             ClockVerdict::Damaged(record) => {
@@ -255,7 +244,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Gives the depths of a log without any time of a receiver those of the logger, or one after the other.
+    /// Gives the depths of a log without any time of a receiver those of the logger, or one after
+    /// the other.
     fn place_alone(&mut self, log: &mut Collected, depths: &[Depth]) {
         let (mut time_s, mut last_s) = (-USUAL_STEP_S, None);
         for depth in depths {
@@ -278,12 +268,7 @@ impl<'a> Reader<'a> {
         if !log.knows(CHANNEL) {
             log.introduce(CHANNEL, ChannelKind::Primary, name(&self.depths_of), None);
         }
-        let counted = Counted {
-            record: (0, depth.end),
-            time_s,
-            samples: 0,
-            range_m: None,
-        };
+        let counted = Counted { record: (0, depth.end), time_s, samples: 0, range_m: None };
         log.count(CHANNEL, counted);
         log.add_depth(ChannelKind::Primary, time_s, depth.depth_m);
     }

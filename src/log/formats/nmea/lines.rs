@@ -56,11 +56,7 @@ impl<'a> Lines<'a> {
             true => ended.map_or(0, |at| at + 1),
             false => bytes.len(),
         };
-        Self {
-            bytes: &bytes[..length],
-            line: (0, 0),
-            at: 0,
-        }
+        Self { bytes: &bytes[..length], line: (0, 0), at: 0 }
     }
 
     /// Calls `take` with every sentence.
@@ -94,9 +90,7 @@ impl<'a> Iterator for Lines<'a> {
     fn next(&mut self) -> Option<Found<'a>> {
         let at = loop {
             let rest = self.bytes.get(self.at..)?;
-            let next = rest
-                .iter()
-                .position(|byte| *byte == b'$' || is_line_end(*byte))?;
+            let next = rest.iter().position(|byte| *byte == b'$' || is_line_end(*byte))?;
             let at = self.at + next;
             self.at = at + 1;
             match self.bytes[at] {
@@ -106,10 +100,7 @@ impl<'a> Iterator for Lines<'a> {
         };
         let rest = &self.bytes[at..];
         let ends = |byte: &u8| is_line_end(*byte) || *byte == b'$';
-        let length = rest[1..]
-            .iter()
-            .position(ends)
-            .map_or(rest.len(), |to| to + 1);
+        let length = rest[1..].iter().position(ends).map_or(rest.len(), |to| to + 1);
         if self.line.1 <= at {
             let to = rest.iter().position(|byte| is_line_end(*byte));
             self.line.1 = at + to.unwrap_or(rest.len());
@@ -117,12 +108,7 @@ impl<'a> Iterator for Lines<'a> {
         let before = &self.bytes[self.line.0..at];
         // A second sentence of a line has the first before it.
         self.line.0 = at + length;
-        Some(Found {
-            at,
-            end: self.line.1,
-            text: &rest[..length.min(LONGEST)],
-            before,
-        })
+        Some(Found { at, end: self.line.1, text: &rest[..length.min(LONGEST)], before })
     }
 }
 
@@ -130,8 +116,9 @@ fn is_line_end(byte: u8) -> bool {
     matches!(byte, b'\n' | b'\r')
 }
 
-/// The time in what stands before a sentence: the time of a tag block, Unix seconds or milliseconds, ISO 8601, a date of month, day and
-/// year as NOAA's loggers write it, or a time of day.
+/// The time in what stands before a sentence: the time of a tag block, Unix seconds or
+/// milliseconds, ISO 8601, a date of month, day and year as NOAA's loggers write it, or a time of
+/// day.
 fn stamp_s(before: &str) -> Option<f64> {
     if let Some((_, tags)) = before.split_once('\\') {
         let tags = tags.split(['*', '\\']).next()?;
@@ -167,10 +154,7 @@ fn unix_s(text: &str) -> Option<f64> {
 
 /// Seconds of `12:34:56.7`.
 fn time_of_day_s(text: &str) -> Option<f64> {
-    let parts: Vec<f64> = text
-        .split(':')
-        .map_while(|part| part.parse().ok())
-        .collect();
+    let parts: Vec<f64> = text.split(':').map_while(|part| part.parse().ok()).collect();
     let [hours, minutes, seconds] = parts[..] else {
         return None;
     };
@@ -223,10 +207,7 @@ mod tests {
         let found: Vec<Found<'_>> = Lines::new(text, false).collect();
         let starts: Vec<(usize, Option<f64>)> =
             found.iter().map(|one| (one.at, one.stamp_s())).collect();
-        assert_eq!(
-            starts,
-            [(9, Some(43_200.0)), (29, None), (37, None), (46, None)]
-        );
+        assert_eq!(starts, [(9, Some(43_200.0)), (29, None), (37, None), (46, None)]);
         assert_eq!(found[1].end, 45);
         assert_eq!(Lines::new(text, true).count(), 3);
         assert_eq!(Lines::new(b"$GPGLL", true).count(), 0);

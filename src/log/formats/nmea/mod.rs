@@ -1,22 +1,29 @@
-//! NMEA 0183: logs of its sentences as surveys of depths and a track; and sentences that recorders write into their own logs.
+//! NMEA 0183: logs of its sentences as surveys of depths and a track; and sentences that recorders
+//! write into their own logs.
 //!
 //! In: the bytes of a text log, or one sentence. Out: a collected log, or what the sentence says.
 //! It uses `survey` and `support`.
 //!
-//! A log is lines of text. A sentence begins with `$`, a talker of two letters and a type of three; fields with commas between them follow,
-//! then `*` and two hexadecimal digits, the exclusive or of the bytes between `$` and `*`. What stands before the `$` of a line is the
-//! logger's: a tag block of NMEA 4.10 (`\s:x,c:1700000000*hh\`), or a time (`lines`). Sentences that begin with `!`, as those of AIS do, are passed over.
+//! A log is lines of text. A sentence begins with `$`, a talker of two letters and a type of three;
+//! fields with commas between them follow, then `*` and two hexadecimal digits, the exclusive or of
+//! the bytes between `$` and `*`. What stands before the `$` of a line is the logger's: a tag block
+//! of NMEA 4.10 (`\s:x,c:1700000000*hh\`), or a time (`lines`). Sentences that begin with `!`, as
+//! those of AIS do, are passed over.
 //!
-//! Read are (`sentence`): depths of DPT (metres below the transducer; the second field is how far the water line is above it, negative how far the
-//! keel is below it) and DBT (below the transducer in feet, metres, fathoms); positions of GGA, GNS, RMC and GLL; course and speed of RMC
-//! and VTG; headings of HDT and THS (true), HDG and HDM (magnetic, with deviation and variation of HDG and variation of RMC); the date of RMC and ZDA. DBS
-//! and DBK are passed over: they count from the surface and the keel, and do not say where the transducer is.
+//! Read are (`sentence`): depths of DPT (metres below the transducer; the second field is how far
+//! the water line is above it, negative how far the keel is below it) and DBT (below the transducer
+//! in feet, metres, fathoms); positions of GGA, GNS, RMC and GLL; course and speed of RMC and VTG;
+//! headings of HDT and THS (true), HDG and HDM (magnetic, with deviation and variation of HDG and
+//! variation of RMC); the date of RMC and ZDA. DBS and DBK are passed over: they count from the
+//! surface and the keel, and do not say where the transducer is.
 //!
-//! A depth has no time of its own (`decode`). Where the logger wrote a time before each sentence, it tells how long after the last position
-//! a depth came; else depths between two positions are spread evenly. Times that do not tell a date go on past midnight.
+//! A depth has no time of its own (`decode`). Where the logger wrote a time before each sentence,
+//! it tells how long after the last position a depth came; else depths between two positions are
+//! spread evenly. Times that do not tell a date go on past midnight.
 //!
-//! Sources: the published descriptions of these sentences in manuals of Simrad (DPT, DBT), NOAA's description of logged DPT (`scs_dpt`, which
-//! has the time before the sentence), gpsd's "NMEA Revealed". The reader is compared with pynmea2 on generated logs.
+//! Sources: the published descriptions of these sentences in manuals of Simrad (DPT, DBT), NOAA's
+//! description of logged DPT (`scs_dpt`, which has the time before the sentence), gpsd's "NMEA
+//! Revealed". The reader is compared with pynmea2 on generated logs.
 
 mod decode;
 mod lines;
@@ -49,9 +56,7 @@ pub(super) struct Nmea;
 impl LogFormat for Nmea {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let opened = is_log(&opened.bytes).then(|| opened.clone())?;
-        Some(Box::new(move |reading, progress| {
-            read(opened, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, reading, progress)))
     }
 }
 
@@ -72,11 +77,8 @@ fn is_log(bytes: &[u8]) -> bool {
 /// When there is no depth in it, or it was cancelled.
 fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let bytes = opened.bytes.clone();
-    let mut log = Collected::new(
-        opened.source(NAME.to_owned()),
-        vec![opened.bytes.clone()],
-        reading,
-    );
+    let mut log =
+        Collected::new(opened.source(NAME.to_owned()), vec![opened.bytes.clone()], reading);
     // Once for what there is, and once for what is taken of it.
     progress.start(2 * bytes.len() as u64);
     let mut tally = Tally::default();

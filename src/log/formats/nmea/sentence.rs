@@ -1,7 +1,8 @@
 //! What one sentence says.
 //!
-//! Fields as the public descriptions of NMEA 0183 have them: GGA, GNS, RMC and GLL give degrees and minutes as `ddmm.mmmm`, RMC and VTG knots
-//! and the course over ground, HDT and THS the true heading, HDM and HDG that of the compass, DPT and DBT the depth below the transducer.
+//! Fields as the public descriptions of NMEA 0183 have them: GGA, GNS, RMC and GLL give degrees and
+//! minutes as `ddmm.mmmm`, RMC and VTG knots and the course over ground, HDT and THS the true
+//! heading, HDM and HDG that of the compass, DPT and DBT the depth below the transducer.
 
 use crate::support::calendar::unix_from_iso;
 use crate::support::geo::{LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
@@ -30,7 +31,8 @@ pub(in crate::formats) struct Sentence {
     pub(in crate::formats) speed_mps: f32,
     /// Depth below the transducer, metres.
     pub(in crate::formats) depth_m: f32,
-    /// From the transducer up to the water line, metres; negative from the transducer down to the keel.
+    /// From the transducer up to the water line, metres; negative from the transducer down to the
+    /// keel.
     pub(in crate::formats) offset_m: f32,
 }
 
@@ -48,7 +50,8 @@ const EMPTY: Sentence = Sentence {
     offset_m: f32::NAN,
 };
 
-/// Reads a sentence, with or without its checksum; `None` for a damaged one and for one that tells nothing of this.
+/// Reads a sentence, with or without its checksum; `None` for a damaged one and for one that tells
+/// nothing of this.
 pub(in crate::formats) fn sentence(bytes: &[u8]) -> Option<Sentence> {
     let start = bytes.iter().position(|&byte| byte == b'$')?;
     Framed::of(&bytes[start..])?.told()
@@ -63,7 +66,8 @@ pub(super) struct Framed<'a> {
 }
 
 impl<'a> Framed<'a> {
-    /// Splits bytes that begin with `$`; what follows the line's end, or is no text, is padding. `None` where the sum is wrong.
+    /// Splits bytes that begin with `$`; what follows the line's end, or is no text, is padding.
+    /// `None` where the sum is wrong.
     pub(super) fn of(bytes: &'a [u8]) -> Option<Self> {
         let bytes = bytes.get(1..).unwrap_or_default();
         let is_end = |byte: &u8| matches!(byte, b'\r' | b'\n' | b'\0');
@@ -94,32 +98,17 @@ impl<'a> Framed<'a> {
         let told = match kind.get(kind.len().checked_sub(3)?..)? {
             "GGA" | "GNS" => self.fix(),
             "RMC" => self.minimum(),
-            "GLL" if self.text(6) != "V" => Sentence {
-                utc_s: self.utc_s(5),
-                position: self.place(1),
-                ..EMPTY
-            },
+            "GLL" if self.text(6) != "V" => {
+                Sentence { utc_s: self.utc_s(5), position: self.place(1), ..EMPTY }
+            }
             "ZDA" => {
                 let date = [4, 3, 2].map(|index| self.text(index));
                 self.dated(1, date[0].parse().ok()?, date[1], date[2])
             }
-            "VTG" => Sentence {
-                cog_rad: self.degrees(1),
-                speed_mps: self.knots(5),
-                ..EMPTY
-            },
-            "HDT" => Sentence {
-                heading_rad: self.degrees(1),
-                ..EMPTY
-            },
-            "THS" if self.text(2) != "V" => Sentence {
-                heading_rad: self.degrees(1),
-                ..EMPTY
-            },
-            "HDM" => Sentence {
-                magnetic_rad: self.degrees(1),
-                ..EMPTY
-            },
+            "VTG" => Sentence { cog_rad: self.degrees(1), speed_mps: self.knots(5), ..EMPTY },
+            "HDT" => Sentence { heading_rad: self.degrees(1), ..EMPTY },
+            "THS" if self.text(2) != "V" => Sentence { heading_rad: self.degrees(1), ..EMPTY },
+            "HDM" => Sentence { magnetic_rad: self.degrees(1), ..EMPTY },
             "HDG" => {
                 let deviation_rad = self.eastward(2);
                 let magnetic_rad = self.degrees(1);
@@ -150,11 +139,7 @@ impl<'a> Framed<'a> {
     fn fix(&self) -> Sentence {
         let quality = self.text(6);
         let has_fix = quality.is_empty() || !quality.bytes().all(|one| matches!(one, b'0' | b'N'));
-        Sentence {
-            utc_s: self.utc_s(1),
-            position: self.place(2).filter(|_| has_fix),
-            ..EMPTY
-        }
+        Sentence { utc_s: self.utc_s(1), position: self.place(2).filter(|_| has_fix), ..EMPTY }
     }
 
     /// RMC; one that is not valid tells nothing.
@@ -188,9 +173,7 @@ impl<'a> Framed<'a> {
         let midnight_s = unix_from_iso(&format!("{year}-{month}-{day}T00:00"));
         Sentence {
             utc_s,
-            unix_s: utc_s
-                .zip(midnight_s)
-                .map(|(utc_s, midnight_s)| midnight_s + utc_s),
+            unix_s: utc_s.zip(midnight_s).map(|(utc_s, midnight_s)| midnight_s + utc_s),
             ..EMPTY
         }
     }
@@ -234,10 +217,7 @@ impl<'a> Framed<'a> {
         let angle = |at: usize, positive, negative| {
             angle_deg(self.number(at)?, self.text(at + 1), positive, negative)
         };
-        Some(LonLat {
-            lat_deg: angle(first, "N", "S")?,
-            lon_deg: angle(first + 2, "E", "W")?,
-        })
+        Some(LonLat { lat_deg: angle(first, "N", "S")?, lon_deg: angle(first + 2, "E", "W")? })
     }
 
     /// The time of day of `hhmmss.sss`, seconds.
@@ -268,9 +248,7 @@ impl Sentence {
 /// Whether the two digits after `*` are the exclusive or of the bytes before it.
 fn is_sum(body: &str, sum: &str) -> bool {
     let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
-    let stated = sum
-        .get(..2)
-        .and_then(|sum| u8::from_str_radix(sum, 16).ok());
+    let stated = sum.get(..2).and_then(|sum| u8::from_str_radix(sum, 16).ok());
     stated == Some(expected)
 }
 
@@ -295,18 +273,12 @@ mod tests {
     fn positions_courses_and_headings_are_read() {
         // The example of the public descriptions.
         let gga = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
-        let at = sentence(gga)
-            .and_then(|told| told.position)
-            .expect("a position");
+        let at = sentence(gga).and_then(|told| told.position).expect("a position");
         assert!((at.lat_deg - 48.1173).abs() < 1e-9 && (at.lon_deg - 11.516_666_7).abs() < 1e-7);
         let rmc = b"$GPRMC,123519,A,4807.038,S,01131.000,W,022.4,084.4,230394,003.1,W*7A";
         let told = sentence(b"$GPRMC,123519,A,4807.038,S,01131.000,W,022.4,084.4,230394,003.1,W");
         let told = told.expect("a sentence without a sum");
-        assert_eq!(
-            sentence(rmc).map(|told| told.position),
-            None,
-            "its sum is wrong"
-        );
+        assert_eq!(sentence(rmc).map(|told| told.position), None, "its sum is wrong");
         let at = told.position.expect("a position");
         assert!(at.lat_deg < -48.0 && at.lon_deg < -11.0);
         assert_eq!(told.utc_s, Some(45_319.0));
@@ -324,31 +296,19 @@ mod tests {
         let read = |text: &str| sentence(text.as_bytes()).expect(text);
         let dpt = read("$SDDPT,6.29,-0.40*73");
         assert_eq!([dpt.depth_m, dpt.offset_m], [6.29, -0.4]);
-        for text in [
-            "$SDDBT,32.81,f,10.00,M,5.47,F",
-            "$SDDBT,32.81,f,,M,,F",
-            "$SDDBT,,f,,M,5.468,F",
-        ] {
+        for text in
+            ["$SDDBT,32.81,f,10.00,M,5.47,F", "$SDDBT,32.81,f,,M,,F", "$SDDBT,,f,,M,5.468,F"]
+        {
             assert!((read(text).depth_m - 10.0).abs() < 1e-3, "{text}");
         }
         // `date -u -d "2024-02-29 23:59:59" +%s`
-        assert_eq!(
-            read("$GPZDA,235959.5,29,02,2024,00,00").unix_s,
-            Some(1_709_251_199.5)
-        );
+        assert_eq!(read("$GPZDA,235959.5,29,02,2024,00,00").unix_s, Some(1_709_251_199.5));
         let hdg = read("$HCHDG,98.3,1.0,E,12.6,W");
         let degrees = [hdg.magnetic_rad, hdg.variation_rad].map(f32::to_degrees);
         assert!((degrees[0] - 99.3).abs() < 1e-4 && (degrees[1] + 12.6).abs() < 1e-4);
         assert!((read("$HCHDM,238.5,M").magnetic_rad.to_degrees() - 238.5).abs() < 1e-3);
-        assert!(
-            read("$GNGNS,101112,4807.038,N,01131.000,E,AN,08,1.1,,,")
-                .position
-                .is_some()
-        );
-        assert_eq!(
-            sentence(b"$GNGNS,101112,4807.038,N,01131.000,E,NN,08"),
-            None
-        );
+        assert!(read("$GNGNS,101112,4807.038,N,01131.000,E,AN,08,1.1,,,").position.is_some());
+        assert_eq!(sentence(b"$GNGNS,101112,4807.038,N,01131.000,E,NN,08"), None);
         assert_eq!(sentence(b"$GPZDA,235959,31,02,2024"), None);
         assert_eq!(sentence(b"$SDDPT,,"), None);
     }

@@ -1,4 +1,5 @@
-//! What a log holds of each kind of sentence, and which of them is taken where several say the same.
+//! What a log holds of each kind of sentence, and which of them is taken where several say the
+//! same.
 
 use super::lines::Found;
 use crate::formats::report::WarningReport;
@@ -7,7 +8,8 @@ use std::collections::BTreeMap;
 /// Talker and type of a sentence, `GPRMC`.
 pub(super) type Address = [u8; 5];
 
-/// So many times as many other depths have to be there before those of DPT are not taken: the second field of DPT says what they count from.
+/// So many times as many other depths have to be there before those of DPT are not taken: the
+/// second field of DPT says what they count from.
 const DPT_COUNTS: usize = 4;
 
 /// Counts of the sentences of one address.
@@ -78,16 +80,12 @@ impl Tally {
 
     /// Whose times are taken: those of the positions, where there are any.
     pub(super) fn times_of(&self) -> Option<Address> {
-        self.positions_of()
-            .or_else(|| self.most(|_, counts| counts.times))
+        self.positions_of().or_else(|| self.most(|_, counts| counts.times))
     }
 
     /// The address with most of something; `None` where all have none.
     fn most(&self, count: impl Fn(&Address, &Counts) -> usize) -> Option<Address> {
-        let counts = self
-            .sources
-            .iter()
-            .map(|(at, counts)| (count(at, counts), at));
+        let counts = self.sources.iter().map(|(at, counts)| (count(at, counts), at));
         let (most, address) = counts.max_by_key(|(count, _)| *count)?;
         (most > 0).then_some(*address)
     }
@@ -111,10 +109,7 @@ impl Tally {
         let Some(taken) = taken else {
             return;
         };
-        let others = self
-            .sources
-            .iter()
-            .filter(|(at, counts)| **at != taken && count(counts) > 0);
+        let others = self.sources.iter().filter(|(at, counts)| **at != taken && count(counts) > 0);
         let others = others.map(|(at, counts)| format!("{} of {}", count(counts), name(at)));
         let others = others.collect::<Vec<_>>().join(", ");
         if !others.is_empty() {

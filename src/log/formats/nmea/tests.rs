@@ -28,17 +28,11 @@ fn assert_read(survey: &Survey, options: &NmeaOptions) {
     assert_eq!(survey.soundings.len(), options.seconds * options.depths);
     for (index, sounding) in survey.soundings.iter().enumerate() {
         let expected_m = depth_m(index);
-        assert!(
-            (f64::from(sounding.depth_m) - expected_m).abs() < 2e-3,
-            "{index}: {sounding:?}"
-        );
+        assert!((f64::from(sounding.depth_m) - expected_m).abs() < 2e-3, "{index}: {sounding:?}");
     }
     assert_eq!(survey.track.fixes.len(), options.seconds);
     for (second, fix) in survey.track.fixes.iter().enumerate() {
-        assert!(
-            (fix.time_s - second as f64).abs() < 1e-6,
-            "{second}: {fix:?}"
-        );
+        assert!((fix.time_s - second as f64).abs() < 1e-6, "{second}: {fix:?}");
         let lat_deg = 48.0 + minutes(second) / 60.0;
         assert!((fix.position.lat_deg - lat_deg).abs() < 1e-6);
         assert!((fix.position.lon_deg + 11.0 + 31.0 / 60.0).abs() < 1e-9);
@@ -57,25 +51,15 @@ fn depths_positions_and_times_are_what_was_written() {
     assert_eq!(survey.source.recorder(), "NMEA 0183");
     assert_eq!(survey.channels.len(), 1);
     let channel = &survey.channels[0];
-    assert_eq!(
-        (channel.kind, channel.ping_count),
-        (ChannelKind::Primary, 40)
-    );
+    assert_eq!((channel.kind, channel.ping_count), (ChannelKind::Primary, 40));
     assert_eq!(channel.recorder_name, "SDDPT");
     for (index, sounding) in survey.soundings.iter().enumerate() {
         // Two depths a second lie at a quarter and three quarters of it.
         let expected_s = index as f64 / 2.0 + 0.25;
-        assert!(
-            (sounding.time_s - expected_s).abs() < 1e-6,
-            "{index}: {}",
-            sounding.time_s
-        );
+        assert!((sounding.time_s - expected_s).abs() < 1e-6, "{index}: {}", sounding.time_s);
     }
     for depth_in in [DepthIn::Dbt, DepthIn::Feet] {
-        let options = NmeaOptions {
-            depth_in,
-            ..options.clone()
-        };
+        let options = NmeaOptions { depth_in, ..options.clone() };
         assert_read(&read(&options), &options);
     }
 }
@@ -94,11 +78,7 @@ fn the_loggers_times_place_depths_between_positions() {
         assert_read(&survey, &options);
         for (index, sounding) in survey.soundings.iter().enumerate() {
             let expected_s = (index as f64 + 0.25) / 4.0;
-            assert!(
-                (sounding.time_s - expected_s).abs() < 2e-3,
-                "{index}: {}",
-                sounding.time_s
-            );
+            assert!((sounding.time_s - expected_s).abs() < 2e-3, "{index}: {}", sounding.time_s);
         }
     }
 }
@@ -106,11 +86,7 @@ fn the_loggers_times_place_depths_between_positions() {
 #[test]
 fn times_go_on_past_midnight() {
     for date in [Some("040326"), None] {
-        let options = NmeaOptions {
-            begins_s: 86_390.0,
-            date,
-            ..NmeaOptions::default()
-        };
+        let options = NmeaOptions { begins_s: 86_390.0, date, ..NmeaOptions::default() };
         let survey = read(&options);
         assert_read(&survey, &options);
         let begins_s = date.map(|_| MIDNIGHT_S + 86_390.0);
@@ -122,20 +98,12 @@ fn times_go_on_past_midnight() {
 #[test]
 fn a_log_of_two_days_keeps_the_pause_and_a_restart_goes_on() {
     let first = nmea(&NmeaOptions::default());
-    let next = nmea(&NmeaOptions {
-        date: Some("060326"),
-        ..NmeaOptions::default()
-    });
+    let next = nmea(&NmeaOptions { date: Some("060326"), ..NmeaOptions::default() });
     let survey = open([first.clone(), next].concat()).expect("a log");
     let last_s = survey.track.fixes.last().expect("a fix").time_s;
     assert!((last_s - 2.0 * 86_400.0 - 19.0).abs() < 1e-6, "{last_s}");
     // Depths that were written before the pause lie before it.
-    assert!(
-        survey
-            .soundings
-            .iter()
-            .all(|one| one.time_s < 25.0 || one.time_s > 172_790.0)
-    );
+    assert!(survey.soundings.iter().all(|one| one.time_s < 25.0 || one.time_s > 172_790.0));
     let survey = open([first.clone(), first].concat()).expect("a log");
     assert!(says(&survey, "the recorder's clock was set back by 19.0 s"));
     assert_eq!(survey.soundings.len(), 80);
@@ -144,16 +112,9 @@ fn a_log_of_two_days_keeps_the_pause_and_a_restart_goes_on() {
 #[test]
 fn headings_are_true_where_the_variation_is_known() {
     let heading = |heading, date| {
-        let survey = read(&NmeaOptions {
-            heading: Some(heading),
-            date,
-            ..NmeaOptions::default()
-        });
+        let survey = read(&NmeaOptions { heading: Some(heading), date, ..NmeaOptions::default() });
         let last = survey.track.fixes.last().expect("a fix").compass_rad;
-        (
-            last.to_degrees().round(),
-            says(&survey, "headings are magnetic"),
-        )
+        (last.to_degrees().round(), says(&survey, "headings are magnetic"))
     };
     assert_eq!(heading((271.0, "HDT"), None), (271.0, false));
     // 1 degree of deviation to the east, 2 of variation to the west.
@@ -164,12 +125,7 @@ fn headings_are_true_where_the_variation_is_known() {
 
 #[test]
 fn the_offset_of_the_transducer_is_said() {
-    let offset = |offset_m| {
-        read(&NmeaOptions {
-            offset_m,
-            ..NmeaOptions::default()
-        })
-    };
+    let offset = |offset_m| read(&NmeaOptions { offset_m, ..NmeaOptions::default() });
     assert!(says(&offset(0.35), "set draft_m to 0.35"));
     assert!(says(&offset(-0.6), "the keel lies 0.60 m below"));
     // The depth counts from the transducer, whatever the offset says.
@@ -186,9 +142,8 @@ fn of_several_talkers_one_is_taken_and_the_others_are_named() {
         text += &sentence("SDDPT,5.00,0.00");
         text += &sentence("IIDBT,,f,9.00,M,,F");
         if second % 2 == 0 {
-            text += &sentence(&format!(
-                "IIRMC,1000{second:02},A,4807.1,N,01131.1,W,1.0,10.0,040326,,"
-            ));
+            text +=
+                &sentence(&format!("IIRMC,1000{second:02},A,4807.1,N,01131.1,W,1.0,10.0,040326,,"));
         }
     }
     let survey = open(text.into_bytes()).expect("a log");
@@ -204,10 +159,7 @@ fn of_several_talkers_one_is_taken_and_the_others_are_named() {
 fn damage_costs_the_sentence_that_it_touched_and_is_said_with_its_place() {
     let options = NmeaOptions::default();
     let whole = nmea(&options);
-    let at = whole
-        .windows(6)
-        .position(|six| six == b"$SDDPT")
-        .expect("a depth");
+    let at = whole.windows(6).position(|six| six == b"$SDDPT").expect("a depth");
     for spoil in [
         |bytes: &mut Vec<u8>, at: usize| bytes[at + 7] ^= 1,
         // The sum is cut off.
@@ -224,9 +176,7 @@ fn damage_costs_the_sentence_that_it_touched_and_is_said_with_its_place() {
     }
     // Old instruments write no sums at all.
     let text = String::from_utf8(whole).expect("text");
-    let lines = text
-        .lines()
-        .map(|line| line.split('*').next().unwrap_or_default());
+    let lines = text.lines().map(|line| line.split('*').next().unwrap_or_default());
     let bare = lines.collect::<Vec<_>>().join("\n");
     assert_read(&open(bare.into_bytes()).expect("a log"), &options);
 }
@@ -235,25 +185,14 @@ fn damage_costs_the_sentence_that_it_touched_and_is_said_with_its_place() {
 fn a_damaged_time_costs_its_position_only() {
     let mut text = String::new();
     for second in 0..10 {
-        let time = if second == 5 {
-            80_000
-        } else {
-            100_000 + second
-        };
-        text += &sentence(&format!(
-            "GPGGA,{time:06},4807.0{second},N,01131.0,W,1,08,,,,,,,"
-        ));
+        let time = if second == 5 { 80_000 } else { 100_000 + second };
+        text += &sentence(&format!("GPGGA,{time:06},4807.0{second},N,01131.0,W,1,08,,,,,,,"));
         text += &sentence("SDDPT,5.00,0.00");
     }
     let survey = open(text.into_bytes()).expect("a log");
     assert_eq!((survey.track.fixes.len(), survey.soundings.len()), (9, 10));
     assert!(says(&survey, "fits neither neighbour"));
-    assert!(
-        survey
-            .soundings
-            .iter()
-            .all(|one| (0.0..11.0).contains(&one.time_s))
-    );
+    assert!(survey.soundings.iter().all(|one| (0.0..11.0).contains(&one.time_s)));
 }
 
 #[test]
@@ -273,18 +212,11 @@ fn without_a_receiver_depths_have_the_loggers_times_or_are_a_second_apart() {
 
 #[test]
 fn a_log_without_depths_is_no_survey_and_other_texts_are_no_log() {
-    let no_depths = nmea(&NmeaOptions {
-        depths: 0,
-        ..NmeaOptions::default()
-    });
+    let no_depths = nmea(&NmeaOptions { depths: 0, ..NmeaOptions::default() });
     let error = open(no_depths).expect_err("no depth");
     assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
     assert!(error.to_string().contains("20 positions"), "{error}");
-    for text in [
-        "$1,$2,$3\n",
-        "price: $5, $6, $7, $8",
-        "$GPGSV,1\n$GPGSV,1\n$GPGSV,1\n",
-    ] {
+    for text in ["$1,$2,$3\n", "price: $5, $6, $7, $8", "$GPGSV,1\n$GPGSV,1\n$GPGSV,1\n"] {
         let error = open(text.into()).expect_err(text);
         assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
     }
@@ -325,11 +257,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
         "9".repeat(300).leak(),
         "é",
     ];
-    for (index, line) in text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| line.contains('$'))
-    {
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| line.contains('$')) {
         let (before, body) = line.split_once('$').expect("a sentence");
         let fields: Vec<&str> = body.split(['*', ',']).collect();
         for field in 1..fields.len() - 1 {
@@ -366,10 +294,7 @@ fn a_growing_log_is_read_to_its_last_whole_line() {
         let held = Bytes::Held(Arc::new(bytes[..length].to_vec()));
         let files = vec![(PathBuf::from("pond.nmea"), held)];
         let survey = open_growing(files, &Progress::new()).expect("a log");
-        assert!(
-            !survey.warnings.iter().any(|one| one.place.is_some()),
-            "{length}"
-        );
+        assert!(!survey.warnings.iter().any(|one| one.place.is_some()), "{length}");
         // All of it is read again when it is longer: it has no pings that a tail could begin at.
         assert!(survey.seam().is_none());
     }

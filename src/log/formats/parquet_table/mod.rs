@@ -1,10 +1,12 @@
-//! Tables in Parquet files: columns of numbers, texts and geometries, written to the same bytes every time and read back by name.
+//! Tables in Parquet files: columns of numbers, texts and geometries, written to the same bytes
+//! every time and read back by name.
 //!
 //! In: columns, or a file. Out: a file, or its columns.
 //! It uses `support`.
 //!
-//! Apache Parquet, <https://parquet.apache.org/docs/file-format>; geometries as GeoParquet 1.1 lays them out: well-known binary, with
-//! what they are in the file's key `geo`. `write` and `read` use the crate `parquet` without Arrow.
+//! Apache Parquet, <https://parquet.apache.org/docs/file-format>; geometries as GeoParquet 1.1 lays
+//! them out: well-known binary, with what they are in the file's key `geo`. `write` and `read` use
+//! the crate `parquet` without Arrow.
 
 mod pages;
 mod read;
@@ -41,7 +43,7 @@ pub enum Values {
 
 impl Values {
     /// Rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Double(values) => values.len(),
             Self::Float(values) => values.len(),
@@ -97,8 +99,8 @@ impl Column {
     }
 }
 
-/// What stands under the key `geo` of a file with points in a column, by GeoParquet 1.1: longitude and latitude on WGS84, which is
-/// its default system.
+/// What stands under the key `geo` of a file with points in a column, by GeoParquet 1.1: longitude
+/// and latitude on WGS84, which is its default system.
 pub fn geo_key(column: &str, points: &[LonLat]) -> String {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     let bounds = points.iter().fold(start, |[w, s, e, n], at| {
@@ -119,10 +121,7 @@ mod tests {
     use std::fs::{self, File};
 
     fn columns() -> Vec<Column> {
-        let place = |index: u32| LonLat {
-            lon_deg: 9.0 + 0.001 * f64::from(index),
-            lat_deg: 47.5,
-        };
+        let place = |index: u32| LonLat { lon_deg: 9.0 + 0.001 * f64::from(index), lat_deg: 47.5 };
         let points: Vec<LonLat> = (0..200_000).map(place).collect();
         let count = points.len();
         let whole = (0..count).map(|row| (row % 3 > 0).then_some(row as i32));
@@ -132,10 +131,7 @@ mod tests {
             Column::wholes("ping", whole),
             Column::flags("kept", (0..count).map(|row| row % 5 > 0)),
             Column::new("confidence", Values::Float(vec![0.5; count])),
-            Column::new(
-                "time",
-                Values::Time(vec![Some(1_700_000_000_000_000); count]),
-            ),
+            Column::new("time", Values::Time(vec![Some(1_700_000_000_000_000); count])),
             Column::texts("side", (0..count).map(|row| ["", "port"][row % 2])),
             Column::new("log", Values::Same("abc".to_owned(), count)),
             Column::new(

@@ -1,8 +1,9 @@
 //! The pages of a column, looked through before the decoder allocates by what they claim.
 //!
-//! A column is a row of pages: a header in the compact protocol of Thrift, whose fields 2 and 3 are the bytes of the page unpacked and
-//! packed, then the page (the Parquet format's `parquet.thrift`). Three bytes of Snappy become 64 at most, so that a page cannot be
-//! longer than some twenty times what is stored.
+//! A column is a row of pages: a header in the compact protocol of Thrift, whose fields 2 and 3 are
+//! the bytes of the page unpacked and packed, then the page (the Parquet format's
+//! `parquet.thrift`). Three bytes of Snappy become 64 at most, so that a page cannot be longer than
+//! some twenty times what is stored.
 
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::ops::Range;
@@ -13,17 +14,14 @@ const MOST_BESIDE: u64 = 1024;
 /// Structures that may lie in one another in a header.
 const DEEPEST: usize = 8;
 
-/// Whether all pages in a range of a file can be followed, and none claims to be longer than it can be.
+/// Whether all pages in a range of a file can be followed, and none claims to be longer than it can
+/// be.
 pub(super) fn are_sound(file: &mut (impl BufRead + Seek), column: Range<u64>) -> bool {
     let mut walk = || -> Option<bool> {
         let mut at = file.seek(SeekFrom::Start(column.start)).ok()?;
         while at < column.end {
             let [unpacked, packed] = Header { file }.sizes()?;
-            if unpacked
-                > packed
-                    .saturating_mul(MOST_TIMES)
-                    .saturating_add(MOST_BESIDE)
-            {
+            if unpacked > packed.saturating_mul(MOST_TIMES).saturating_add(MOST_BESIDE) {
                 return Some(false);
             }
             file.seek_relative(i64::try_from(packed).ok()?).ok()?;
@@ -88,9 +86,7 @@ impl<R: Read> Header<'_, R> {
                 let length = self.varint()?;
                 self.over(length)
             }
-            12 => self.structure(deepest - 1, |header, _, kind| {
-                header.skip(kind, deepest - 1)
-            }),
+            12 => self.structure(deepest - 1, |header, _, kind| header.skip(kind, deepest - 1)),
             _ => None,
         }
     }
@@ -131,7 +127,8 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    /// A page of four bytes that claims to be so many unpacked: type 0, sizes, and a structure with a text.
+    /// A page of four bytes that claims to be so many unpacked: type 0, sizes, and a structure with
+    /// a text.
     fn page(unpacked: u8) -> Vec<u8> {
         let mut bytes = vec![0x15, 0, 0x15];
         bytes.extend([unpacked << 1 | 0x80, 0x01 + (unpacked >> 6), 0x15, 8]);

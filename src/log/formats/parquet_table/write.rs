@@ -17,10 +17,12 @@ use std::sync::Arc;
 
 /// Rows of a group: what a reader takes at once.
 const GROUP_ROWS: usize = 1 << 17;
-/// Who wrote it. Without a version, so that the same rows are the same bytes as long as they are the same rows.
+/// Who wrote it. Without a version, so that the same rows are the same bytes as long as they are
+/// the same rows.
 const WRITER: &str = "bathyscope";
 
-/// Writes a table with some keys of the file. The same columns give the same bytes. All columns must be of one length.
+/// Writes a table with some keys of the file. The same columns give the same bytes. All columns
+/// must be of one length.
 pub fn write_parquet(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<()> {
     let mut writer = ParquetWriter::new(file, columns, keys)?;
     let count = columns.first().map_or(0, |column| column.values.len());
@@ -43,9 +45,7 @@ impl ParquetWriter {
     pub fn new(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<Self> {
         let begin = || {
             let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
-            let schema = Type::group_type_builder("schema")
-                .with_fields(fields)
-                .build()?;
+            let schema = Type::group_type_builder("schema").with_fields(fields).build()?;
             let properties = Arc::new(properties(columns, keys));
             SerializedFileWriter::new(file, Arc::new(schema), properties)
         };
@@ -94,10 +94,7 @@ fn properties(columns: &[Column], keys: &[(&str, String)]) -> WriterProperties {
 
 /// Whether the same values come again and again, so that a dictionary of them saves room.
 fn repeats(values: &Values) -> bool {
-    matches!(
-        values,
-        Values::Text(_) | Values::Same(..) | Values::Float(_)
-    )
+    matches!(values, Values::Text(_) | Values::Same(..) | Values::Float(_))
 }
 
 fn field(column: &Column) -> Result<Arc<Type>, parquet::errors::ParquetError> {
@@ -111,16 +108,8 @@ fn field(column: &Column) -> Result<Arc<Type>, parquet::errors::ParquetError> {
             Repetition::OPTIONAL,
         ),
         Values::Flag(_) => (Physical::BOOLEAN, None, Repetition::REQUIRED),
-        Values::Text(_) => (
-            Physical::BYTE_ARRAY,
-            Some(LogicalType::String),
-            Repetition::OPTIONAL,
-        ),
-        Values::Same(..) => (
-            Physical::BYTE_ARRAY,
-            Some(LogicalType::String),
-            Repetition::REQUIRED,
-        ),
+        Values::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),
+        Values::Same(..) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED),
         Values::Points(_) | Values::Bytes(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
     };
     let built = Type::primitive_type_builder(column.name, physical)
@@ -138,15 +127,11 @@ fn write_chunk(
     let text = |text: &&'static str| (!text.is_empty()).then(|| ByteArray::from(*text));
     match values {
         Values::Double(all) => {
-            let known = all[rows]
-                .iter()
-                .map(|value| (!value.is_nan()).then_some(*value));
+            let known = all[rows].iter().map(|value| (!value.is_nan()).then_some(*value));
             put_known::<DoubleType>(chunk, known)
         }
         Values::Float(all) => {
-            let known = all[rows]
-                .iter()
-                .map(|value| (!value.is_nan()).then_some(*value));
+            let known = all[rows].iter().map(|value| (!value.is_nan()).then_some(*value));
             put_known::<FloatType>(chunk, known)
         }
         Values::Whole(all) => put_known::<Int32Type>(chunk, all[rows].iter().copied()),

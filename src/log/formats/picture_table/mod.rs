@@ -1,24 +1,30 @@
-//! Pictures of side-scan as surveys: a waterfall as PNG or JPEG, and beside it a table of its pings, `NAME.png` and `NAME.csv`. Other
-//! programs, papers and old projects leave no more than that of a recording.
+//! Pictures of side-scan as surveys: a waterfall as PNG or JPEG, and beside it a table of its
+//! pings, `NAME.png` and `NAME.csv`. Other programs, papers and old projects leave no more than
+//! that of a recording.
 //!
 //! In: the bytes of a picture and of a table. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! The picture. A row is a ping, the first at the top. Columns lie across the track: port on the left, its outermost sample at the left
-//! edge, starboard on the right. Both sides are as wide; the middle column of an odd width belongs to neither. The samples of a side cover
-//! slant ranges evenly, from the water column in the middle outward. A picture that is corrected to ground range has no water column: it
-//! shows no first return, and its ranges are wrong; nothing in it tells, so a remark says what is assumed. Grey of 8 and 16 bits is taken
-//! as it is, colours by their luminance (`pixels`).
+//! The picture. A row is a ping, the first at the top. Columns lie across the track: port on the
+//! left, its outermost sample at the left edge, starboard on the right. Both sides are as wide; the
+//! middle column of an odd width belongs to neither. The samples of a side cover slant ranges
+//! evenly, from the water column in the middle outward. A picture that is corrected to ground range
+//! has no water column: it shows no first return, and its ranges are wrong; nothing in it tells, so
+//! a remark says what is assumed. Grey of 8 and 16 bits is taken as it is, colours by their
+//! luminance (`pixels`).
 //!
-//! The table. A row is a ping, with the columns that tables of soundings have (`sounding_table`: place, depth, time, heading), of which all
-//! may be missing, and
-//! - `range_m`, the slant range of the outermost sample of each side, also as `slant_range` or `max_range`, or in feet as `range_ft`;
+//! The table. A row is a ping, with the columns that tables of soundings have (`sounding_table`:
+//! place, depth, time, heading), of which all may be missing, and
+//! - `range_m`, the slant range of the outermost sample of each side, also as `slant_range` or
+//!   `max_range`, or in feet as `range_ft`;
 //! - perhaps `min_range_m`, that of the innermost sample; 0 without it;
-//! - perhaps `row`, also as `picture_row` or `line`: the row of the picture, from 0 at the top; from 1 where the last is the number of rows.
-//!   Without it row by row of the table is row by row of the picture, and there have to be as many.
+//! - perhaps `row`, also as `picture_row` or `line`: the row of the picture, from 0 at the top;
+//!   from 1 where the last is the number of rows. Without it row by row of the table is row by row
+//!   of the picture, and there have to be as many.
 //!
-//! Rows without times are taken as evenly spread over the time that a boat of usual speed needs for their places. Of rows that have the same time, as exports in whole
-//! seconds write them, each is taken as later than the one before, evenly up to the next time.
+//! Rows without times are taken as evenly spread over the time that a boat of usual speed needs for
+//! their places. Of rows that have the same time, as exports in whole seconds write them, each is
+//! taken as later than the one before, evenly up to the next time.
 //!
 //! Depth maps are made of the depths in the table, and of the first returns in the picture.
 //!
@@ -50,7 +56,8 @@ const PICTURE: u8 = 0;
 const TABLE: usize = 1;
 /// The channel of the echoes; the depths have channel 0.
 const CHANNEL: u16 = 1;
-/// Endings that are looked for beside the other file, as disks tell capital letters from small ones.
+/// Endings that are looked for beside the other file, as disks tell capital letters from small
+/// ones.
 const TABLES: [&str; 2] = ["csv", "CSV"];
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
 
@@ -60,9 +67,7 @@ pub(super) struct PictureTable;
 impl LogFormat for PictureTable {
     fn recognise(&self, files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let pair = Pair::around(files, opened)?;
-        Some(Box::new(move |reading, progress| {
-            pair.read(reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| pair.read(reading, progress)))
     }
 
     /// The picture stands for its table.
@@ -83,11 +88,7 @@ impl Pair {
     fn around(files: &FileSource, opened: &Opened) -> Option<Self> {
         if pixels::is_picture(&opened.bytes) {
             let (table, layout) = beside(files, &opened.path, &TABLES, layout_of)?;
-            return Some(Self {
-                picture: opened.clone(),
-                table,
-                layout,
-            });
+            return Some(Self { picture: opened.clone(), table, layout });
         }
         if !is_named_table(&opened.path) {
             return None;
@@ -95,11 +96,7 @@ impl Pair {
         let layout = layout_of(&opened.bytes)?;
         let is_picture = |picture: &[u8]| pixels::is_picture(picture).then_some(());
         let (picture, ()) = beside(files, &opened.path, &PICTURES, is_picture)?;
-        Some(Self {
-            picture,
-            table: opened.clone(),
-            layout,
-        })
+        Some(Self { picture, table: opened.clone(), layout })
     }
 
     fn read(self, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
@@ -116,11 +113,9 @@ impl Pair {
         let mut log = Collected::new(source, files, reading);
         let mut rows = Reader::new(self.layout.clone(), TABLE);
         sounding_table::read_rows(&table.bytes, &mut rows, &mut log, reading, progress)?;
-        let pings =
-            numbered(&mut rows, packed.height()).map_err(|fault| OpenError::Unsupported {
-                path: picture.path.clone(),
-                what: fault.to_string(),
-            })?;
+        let pings = numbered(&mut rows, packed.height()).map_err(|fault| {
+            OpenError::Unsupported { path: picture.path.clone(), what: fault.to_string() }
+        })?;
         let grey = packed.unpack().map_err(fail)?;
         progress.check()?;
         collect(&mut log, grey, &pings);
@@ -130,10 +125,9 @@ impl Pair {
     fn refuse(&self, fault: PictureFault) -> OpenError {
         let path = self.picture.path.clone();
         match fault {
-            PictureFault::TooLarge { .. } => OpenError::Unsupported {
-                path,
-                what: format!("the picture is too large: {fault}"),
-            },
+            PictureFault::TooLarge { .. } => {
+                OpenError::Unsupported { path, what: format!("the picture is too large: {fault}") }
+            }
             fault => OpenError::Broken {
                 path,
                 format: NAME.to_owned(),
@@ -162,11 +156,7 @@ enum RowFault {
     #[error(
         "the table beside the picture names row {row} of it (at byte {at}), and the picture has {height} rows; correct the column of the rows, which counts from 0 at the top"
     )]
-    Beyond {
-        row: usize,
-        at: usize,
-        height: usize,
-    },
+    Beyond { row: usize, at: usize, height: usize },
     /// Two rows of the table that name one of the picture.
     #[error(
         "the table beside the picture names row {row} of it twice (at bytes {} and {}); correct the column of the rows, or give it another name if it holds something else", .at[0], .at[1]
@@ -204,12 +194,7 @@ fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
     }
     named.sort_unstable();
     let twice = named.windows(2).find(|two| two[0].0 == two[1].0);
-    twice.map_or(Ok(()), |two| {
-        Err(RowFault::Twice {
-            row: two[0].0,
-            at: [two[0].1, two[1].1],
-        })
-    })
+    twice.map_or(Ok(()), |two| Err(RowFault::Twice { row: two[0].0, at: [two[0].1, two[1].1] }))
 }
 
 /// Lays the pings over the rows of the picture.
@@ -262,10 +247,7 @@ fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
         });
     }
     if let Some(file) = log.bytes.get_mut(usize::from(PICTURE)) {
-        *file = Bytes::Packed {
-            file: Box::new(file.clone()),
-            samples: Arc::new(grey.samples),
-        };
+        *file = Bytes::Packed { file: Box::new(file.clone()), samples: Arc::new(grey.samples) };
     }
 }
 

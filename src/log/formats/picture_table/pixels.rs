@@ -7,7 +7,8 @@ use std::io::Cursor;
 
 /// Bytes that a picture may take while it is unpacked.
 const LARGEST_UNPACKED: u64 = 1 << 30;
-/// Pixels of a byte at most: Deflate packs 1032 bytes into one, and a byte holds eight pixels of one bit. What states more is damaged.
+/// Pixels of a byte at most: Deflate packs 1032 bytes into one, and a byte holds eight pixels of
+/// one bit. What states more is damaged.
 const MOST_PIXELS_A_BYTE: u64 = 8 * 1032;
 /// The last marker of a JPEG, and that before its pixels.
 const END_OF_JPEG: [u8; 2] = [0xFF, 0xD9];
@@ -52,9 +53,7 @@ impl<'a> PackedPicture<'a> {
         if width < 2 || u64::from(width) * u64::from(height) > most || !is_whole {
             return Err(PictureFault::Damaged);
         }
-        Ok(Self {
-            decoder: Box::new(decoder),
-        })
+        Ok(Self { decoder: Box::new(decoder) })
     }
 
     /// Rows.
@@ -80,11 +79,7 @@ fn unpack(decoder: Box<dyn ImageDecoder + '_>) -> Result<GreyPicture, PictureFau
         true => bytemuck::cast_slice(picture.into_luma16().as_raw()).to_vec(),
         false => picture.into_luma8().into_raw(),
     };
-    Ok(GreyPicture {
-        width,
-        is_wide,
-        samples,
-    })
+    Ok(GreyPicture { width, is_wide, samples })
 }
 
 fn is_wide(colours: ColorType) -> bool {
@@ -100,8 +95,8 @@ fn bytes_copied(colours: ColorType) -> u64 {
     }
 }
 
-/// Whether the pixels of a JPEG end with its last marker: the decoder makes grey of those that are missing. Neither marker can stand among
-/// pixels.
+/// Whether the pixels of a JPEG end with its last marker: the decoder makes grey of those that are
+/// missing. Neither marker can stand among pixels.
 fn is_whole_jpeg(bytes: &[u8]) -> bool {
     let last = |marker: [u8; 2]| bytes.windows(2).rposition(|two| two == marker);
     last(END_OF_JPEG) > last(SCAN_OF_JPEG)

@@ -1,4 +1,5 @@
-//! A picture and its table are read to what stands in them; what does not belong together is refused in one sentence.
+//! A picture and its table are read to what stands in them; what does not belong together is
+//! refused in one sentence.
 
 use crate::formats::log_writer::LogToWrite;
 use crate::formats::{self, GrowingError, GrowingLog, OpenError};
@@ -41,10 +42,7 @@ fn small() -> Vec<u8> {
 const TABLE: &str = "time,lon,lat,depth_m,range_m,min_range_m,heading_deg\n1634000000,11.5,48.1,2.5,20,0.5,90\n1634000000.5,11.6,48.2,3,20,,90\n1634000001,11.7,48.3,3.5,25.5,1,180\n";
 
 fn pair(picture: Vec<u8>, table: &str) -> Vec<(PathBuf, Vec<u8>)> {
-    vec![
-        (PathBuf::from("logs/pond.png"), picture),
-        (PathBuf::from("logs/pond.csv"), table.into()),
-    ]
+    vec![(PathBuf::from("logs/pond.png"), picture), (PathBuf::from("logs/pond.csv"), table.into())]
 }
 
 fn open(picture: Vec<u8>, table: &str) -> Result<Survey, OpenError> {
@@ -86,10 +84,7 @@ fn samples_places_ranges_and_depths_are_those_of_the_picture_and_the_table() {
     assert_rows(&survey, &[0, 1, 2]);
     let ranges = survey.side_scan.iter().map(|ping| {
         let [port, starboard] = [ping.port, ping.starboard].map(|side| side.expect("a side"));
-        assert_eq!(
-            (port.near_m, port.far_m),
-            (starboard.near_m, starboard.far_m)
-        );
+        assert_eq!((port.near_m, port.far_m), (starboard.near_m, starboard.far_m));
         [port.near_m, port.far_m]
     });
     let expected = [[0.5, 20.0], [0.0, 20.0], [1.0, 25.5]];
@@ -128,10 +123,7 @@ fn either_file_opens_the_pair() {
 
 #[test]
 fn levels_of_any_colours_are_grey_ones() {
-    let wide: Vec<u16> = levels()
-        .into_iter()
-        .map(|level| 100 * u16::from(level))
-        .collect();
+    let wide: Vec<u16> = levels().into_iter().map(|level| 100 * u16::from(level)).collect();
     let bytes: Vec<u8> = wide.iter().flat_map(|level| level.to_ne_bytes()).collect();
     let survey = read(png(ExtendedColorType::L16, [WIDTH, ROWS], &bytes), TABLE);
     assert_eq!(outward(&survey, 2, Side::Starboard), wide[23..27]);
@@ -139,15 +131,9 @@ fn levels_of_any_colours_are_grey_ones() {
     let samples = survey.samples(2, Side::Starboard).expect("samples");
     assert_eq!(samples.get(3), (wide[26] >> 5) as u8);
     let grey: Vec<u8> = levels().into_iter().flat_map(|level| [level; 3]).collect();
-    assert_rows(
-        &read(png(ExtendedColorType::Rgb8, [WIDTH, ROWS], &grey), TABLE),
-        &[0, 1, 2],
-    );
+    assert_rows(&read(png(ExtendedColorType::Rgb8, [WIDTH, ROWS], &grey), TABLE), &[0, 1, 2]);
     let clear: Vec<u8> = levels().into_iter().flat_map(|level| [level, 7]).collect();
-    assert_rows(
-        &read(png(ExtendedColorType::La8, [WIDTH, ROWS], &clear), TABLE),
-        &[0, 1, 2],
-    );
+    assert_rows(&read(png(ExtendedColorType::La8, [WIDTH, ROWS], &clear), TABLE), &[0, 1, 2]);
     // Green is the brightest of equal colours, by ITU-R BT.709.
     let colours = [[100, 0, 0], [0, 100, 0], [0, 0, 100]].concat();
     let colours = colours.repeat(6);
@@ -157,19 +143,14 @@ fn levels_of_any_colours_are_grey_ones() {
 
 #[test]
 fn the_copy_of_a_picture_in_another_format_has_all_its_bits() {
-    let wide = levels()
-        .into_iter()
-        .flat_map(|level| (100 * u16::from(level)).to_ne_bytes());
+    let wide = levels().into_iter().flat_map(|level| (100 * u16::from(level)).to_ne_bytes());
     let wide: Vec<u8> = wide.collect();
     let table = "time,lon,lat,depth_m,range_m\n1634000000,11.5,48.1,2.5,20\n1634000001,11.50001,48.1,3,20\n1634000002,11.50002,48.1,3.5,25.5\n";
     let survey = read(png(ExtendedColorType::L16, [WIDTH, ROWS], &wide), table);
     let progress = Progress::new();
     let heading = HeadingSettings::default();
     let navigation = navigate(&survey, &heading, Projection::Enu, &progress);
-    let log = LogToWrite {
-        survey: &survey,
-        navigation: &navigation.expect("a track"),
-    };
+    let log = LogToWrite { survey: &survey, navigation: &navigation.expect("a track") };
     let mut xtf = Vec::new();
     let writer = formats::writer_for("xtf".as_ref()).expect("a writer");
     let losses = writer.write(&log, &mut xtf, &progress);
@@ -212,23 +193,14 @@ fn a_jpeg_is_read_and_one_that_was_cut_is_not() {
         files
     };
     let survey = formats::open_files(files(jpeg()), &Progress::new()).expect("a log");
-    for (at, sample) in outward(&survey, 47, Side::Starboard)
-        .into_iter()
-        .enumerate()
-    {
-        assert!(
-            (i32::from(sample) - 72 - at as i32).abs() <= 2,
-            "{at}: {sample}"
-        );
+    for (at, sample) in outward(&survey, 47, Side::Starboard).into_iter().enumerate() {
+        assert!((i32::from(sample) - 72 - at as i32).abs() <= 2, "{at}: {sample}");
     }
     let whole = jpeg();
     for length in [whole.len() - 1, whole.len() / 2, 30] {
         let error = formats::open_files(files(whole[..length].to_vec()), &Progress::new());
         let error = error.expect_err("cut").to_string();
-        assert!(
-            error.contains("the picture cannot be unpacked ("),
-            "{error}"
-        );
+        assert!(error.contains("the picture cannot be unpacked ("), "{error}");
     }
 }
 
@@ -252,10 +224,7 @@ fn a_table_may_name_the_rows_of_the_picture() {
         "{beyond}"
     );
     let twice = refusal(small(), &table(1, 1));
-    assert!(
-        twice.contains("names row 1 of it twice (at bytes 31 and 52)"),
-        "{twice}"
-    );
+    assert!(twice.contains("names row 1 of it twice (at bytes 31 and 52)"), "{twice}");
 }
 
 #[test]
@@ -263,10 +232,7 @@ fn rows_that_do_not_match_are_counted() {
     let error = open(small(), &TABLE[..TABLE.len() - 40]).expect_err("two rows");
     assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
     let text = error.to_string();
-    assert!(
-        text.contains("the picture has 3 rows and the table beside it 2; give"),
-        "{text}"
-    );
+    assert!(text.contains("the picture has 3 rows and the table beside it 2; give"), "{text}");
     assert!(text.ends_with("logs/pond.png"), "{text}");
     let none = refusal(small(), "range_m,note\n0,x\n-3,\nnan,\n");
     assert!(none.contains("no row of the table"), "{none}");
@@ -274,10 +240,7 @@ fn rows_that_do_not_match_are_counted() {
 
 #[test]
 fn damaged_rows_cost_their_pings_only() {
-    let survey = read(
-        small(),
-        "range_m,lon,lat,depth_m\n20,11.5,48.1,2\nfar,11.6,48.2,3\n20,,,\n",
-    );
+    let survey = read(small(), "range_m,lon,lat,depth_m\n20,11.5,48.1,2\nfar,11.6,48.2,3\n20,,,\n");
     assert_rows(&survey, &[0, 2]);
     assert_eq!((survey.soundings.len(), survey.track.fixes.len()), (2, 2));
     let place = survey.warnings.iter().find_map(|warning| warning.place);
@@ -292,10 +255,7 @@ fn damaged_rows_cost_their_pings_only() {
 #[test]
 fn pings_without_times_are_as_far_apart_as_a_boat_makes_them() {
     // 1.11 m from row to row.
-    let survey = read(
-        small(),
-        "range_m,lon,lat\n20,11.5,0.0\n20,11.5,0.00001\n20,11.5,0.00002\n",
-    );
+    let survey = read(small(), "range_m,lon,lat\n20,11.5,0.0\n20,11.5,0.00001\n20,11.5,0.00002\n");
     let times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
     let step_s = 1.106 / 1.5;
     for (index, time_s) in times.iter().enumerate() {
@@ -317,9 +277,7 @@ fn pings_of_one_second_are_spread_over_it() {
     assert_eq!(fixes, times);
     assert!(says(&survey, "evenly spread"));
     // A date alone is no time.
-    let table = table
-        .replace(",101,", ",100,")
-        .replace(",100,", ",2021-10-12,");
+    let table = table.replace(",101,", ",100,").replace(",100,", ",2021-10-12,");
     let survey = read(small(), &table);
     let times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
     assert_eq!(times, [0.0, 1.0, 2.0]);
@@ -330,10 +288,7 @@ fn a_picture_without_such_a_table_is_refused_and_a_table_without_a_picture_is_wh
     let alone = formats::open_bytes("pond.png", small(), &Progress::new()).expect_err("no table");
     assert!(matches!(alone, OpenError::Unsupported { .. }), "{alone}");
     assert!(alone.to_string().contains("range_m"), "{alone}");
-    let without = refusal(
-        small(),
-        "lon,lat,depth_m\n11.5,48.1,2\n11.6,48.2,3\n11.7,48.3,3\n",
-    );
+    let without = refusal(small(), "lon,lat,depth_m\n11.5,48.1,2\n11.6,48.2,3\n11.7,48.3,3\n");
     assert!(without.contains("range_m"), "{without}");
     let soundings = formats::open_bytes("pond.csv", TABLE.into(), &Progress::new()).expect("a log");
     assert_eq!(soundings.source.format, "CSV of soundings");
@@ -368,17 +323,11 @@ fn what_a_header_states_is_believed_within_bounds() {
     let large = open(stating(60_000, 60_000), TABLE).expect_err("3.6 GB");
     assert!(matches!(large, OpenError::Unsupported { .. }), "{large}");
     let text = large.to_string();
-    assert!(
-        text.contains("its 60000 by 60000 pixels take more than 1024 MiB"),
-        "{text}"
-    );
+    assert!(text.contains("its 60000 by 60000 pixels take more than 1024 MiB"), "{text}");
     // Fewer than that, and more than its bytes can hold.
     for (width, height) in [(300_000_000, 3), (9, 4), (1, 3), (u32::MAX, 3)] {
         let error = refusal(stating(width, height), TABLE);
-        assert!(
-            error.contains("picture") && !error.contains('\n'),
-            "{error}"
-        );
+        assert!(error.contains("picture") && !error.contains('\n'), "{error}");
     }
     // Without its last parts, which hold no pixels, it is whole.
     for length in 0..small().len() - 24 {
@@ -426,10 +375,7 @@ fn hostile_bytes_do_not_end_the_program() {
             let at = random.below(harmed.len());
             harmed[at] = random.below(256) as u8;
         }
-        let files = vec![
-            (PathBuf::from("pond.png"), picture),
-            (PathBuf::from("pond.csv"), table),
-        ];
+        let files = vec![(PathBuf::from("pond.png"), picture), (PathBuf::from("pond.csv"), table)];
         if let Ok(survey) = formats::open_files(files, &Progress::new()) {
             for ping in 0..survey.side_scan.len() {
                 for side in Side::BOTH {

@@ -1,4 +1,5 @@
-//! Columns of lines of text: what stands between them, what the first line names them, and the numbers in them.
+//! Columns of lines of text: what stands between them, what the first line names them, and the
+//! numbers in them.
 
 /// Whether a line says nothing of the table: it is empty, or begins with `#` or `//`.
 pub(in crate::formats) fn is_comment(line: &str) -> bool {
@@ -6,8 +7,8 @@ pub(in crate::formats) fn is_comment(line: &str) -> bool {
     line.is_empty() || line.starts_with('#') || line.starts_with("//")
 }
 
-/// What stands between the fields of a table with such a line; `None` for runs of spaces. A comma between semicolons or tabs is that of a
-/// number.
+/// What stands between the fields of a table with such a line; `None` for runs of spaces. A comma
+/// between semicolons or tabs is that of a number.
 pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
     let stands = |separator: &char| {
         let mut quoted = false;
@@ -19,7 +20,8 @@ pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
     [';', '\t', ','].into_iter().find(stands)
 }
 
-/// The fields of a line, without quotes and outer spaces. A separator within quotes separates nothing.
+/// The fields of a line, without quotes and outer spaces. A separator within quotes separates
+/// nothing.
 pub(in crate::formats) fn fields(line: &str, separator: Option<char>) -> Vec<&str> {
     let Some(separator) = separator else {
         return line.split_whitespace().collect();
@@ -33,7 +35,8 @@ pub(in crate::formats) fn fields(line: &str, separator: Option<char>) -> Vec<&st
     .collect()
 }
 
-/// The number in a field; it may be written with a decimal comma where commas do not separate. It may be infinite or no number.
+/// The number in a field; it may be written with a decimal comma where commas do not separate. It
+/// may be infinite or no number.
 pub(in crate::formats) fn number(field: &str, separator: Option<char>) -> Option<f64> {
     let number = field.parse().ok();
     let with_comma = || match separator {
@@ -51,9 +54,7 @@ pub(in crate::formats) fn is_header(fields: &[&str], separator: Option<char>) ->
 
 /// Where a name stands in a header, in letters of either case.
 pub(in crate::formats) fn position(header: &[&str], name: &str) -> Option<usize> {
-    header
-        .iter()
-        .position(|field| field.eq_ignore_ascii_case(name))
+    header.iter().position(|field| field.eq_ignore_ascii_case(name))
 }
 
 #[cfg(test)]
@@ -73,11 +74,7 @@ mod tests {
             assert_eq!(separator_of(line), separator, "{line}");
             for (field, expected) in fields(line, separator).iter().zip(expected) {
                 let found = number(field, separator);
-                assert_eq!(
-                    found,
-                    Some(expected).filter(|number| !number.is_nan()),
-                    "{line}"
-                );
+                assert_eq!(found, Some(expected).filter(|number| !number.is_nan()), "{line}");
             }
         }
         assert!(is_header(&["lon", "2"], Some(',')) && !is_header(&["1,5", ""], Some(';')));

@@ -60,12 +60,13 @@ pub struct Elevations {
     pub note: Option<String>,
 }
 
-/// Reads `FILE` or `FILE.csv:x,y,z`; `-z` is a column that counts downwards, a depth. Without names, columns of longitude,
-/// latitude and elevation are taken where there are any. Columns named lon or longitude are degrees. Points that the file sets aside are
-/// passed over.
+/// Reads `FILE` or `FILE.csv:x,y,z`; `-z` is a column that counts downwards, a depth. Without
+/// names, columns of longitude, latitude and elevation are taken where there are any. Columns named
+/// lon or longitude are degrees. Points that the file sets aside are passed over.
 ///
-/// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is turned unless names are given. Of
-/// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which system they are in.
+/// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is
+/// turned unless names are given. Of GeoJSON the third name is a property. LAS and GeoTIFF say
+/// themselves which system they are in.
 ///
 /// # Errors
 /// When no such file is named so, this one cannot be read, or it holds no point.
@@ -83,15 +84,13 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
 
 fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let (path, mut names) = split_columns(argument);
-    let downwards = names
-        .as_mut()
-        .is_some_and(|[_, _, z]| match z.strip_prefix('-') {
-            Some(name) => {
-                *z = name.to_owned();
-                true
-            }
-            None => false,
-        });
+    let downwards = names.as_mut().is_some_and(|[_, _, z]| match z.strip_prefix('-') {
+        Some(name) => {
+            *z = name.to_owned();
+            true
+        }
+        None => false,
+    });
     let fail = PointFileError::at(&path);
     match suffix(&path).as_str() {
         "tif" | "tiff" => return of_raster(&path, names.as_ref(), downwards).map_err(fail),
@@ -99,17 +98,11 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
         _ => (),
     }
     let known = [GEOGRAPHIC_NAMES.as_slice(), KNOWN_NAMES.as_slice()].concat();
-    let requested = ColumnRequest {
-        named: names.as_ref(),
-        known: &known,
-        skip_blank: true,
-    };
+    let requested = ColumnRequest { named: names.as_ref(), known: &known, skip_blank: true };
     let mut file = read_columns(&path, requested)?;
     let passed_over = take_out_set_aside(&mut file);
     let degrees = file.names.as_ref().is_some_and(|[x, _, _]| {
-        ["lon", "longitude"]
-            .iter()
-            .any(|name| x.eq_ignore_ascii_case(name))
+        ["lon", "longitude"].iter().any(|name| x.eq_ignore_ascii_case(name))
     });
     let depths = names.is_none() && counts_depths(&file);
     let turning = depths
@@ -132,14 +125,11 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
 fn take_out_set_aside(file: &mut PointFile) -> Option<String> {
     let before = file.points.len();
     let mut set_aside = file.set_aside.iter();
-    file.points
-        .retain(|_| set_aside.next().is_none_or(|is_set_aside| !is_set_aside));
+    file.points.retain(|_| set_aside.next().is_none_or(|is_set_aside| !is_set_aside));
     match before - file.points.len() {
         0 => None,
         1 => Some("1 point that the file sets aside is passed over".to_owned()),
-        count => Some(format!(
-            "{count} points that the file sets aside are passed over"
-        )),
+        count => Some(format!("{count} points that the file sets aside are passed over")),
     }
 }
 
@@ -229,18 +219,9 @@ mod tests {
     #[test]
     fn degrees_are_taken_before_metres_of_an_unknown_origin() {
         let found = read("east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n", "");
-        assert_eq!(
-            (found.plane, found.points[0]),
-            (PointPlane::Degrees, [-82.1, 29.4, -3.0])
-        );
-        let found = read(
-            "east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n",
-            ":east_m,north_m,z_m",
-        );
-        assert_eq!(
-            (found.plane, found.points[0]),
-            (PointPlane::Metres, [1.0, 2.0, -3.0])
-        );
+        assert_eq!((found.plane, found.points[0]), (PointPlane::Degrees, [-82.1, 29.4, -3.0]));
+        let found = read("east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n", ":east_m,north_m,z_m");
+        assert_eq!((found.plane, found.points[0]), (PointPlane::Metres, [1.0, 2.0, -3.0]));
     }
 
     #[test]

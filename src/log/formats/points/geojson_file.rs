@@ -1,4 +1,5 @@
-//! Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate or a property.
+//! Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate
+//! or a property.
 
 use super::PointFault;
 use crate::support::regular_file;
@@ -6,7 +7,8 @@ use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Properties that are taken for a height when the user names none and a point has no third coordinate; true for depths.
+/// Properties that are taken for a height when the user names none and a point has no third
+/// coordinate; true for depths.
 const KNOWN: [(&str, bool); 6] = [
     ("z_m", false),
     ("z", false),
@@ -27,7 +29,8 @@ pub(super) struct GeoJsonPoints {
     pub left_out: usize,
 }
 
-/// Reads the points; `height` names the property that the height is taken from. Where it is none, depths are turned.
+/// Reads the points; `height` names the property that the height is taken from. Where it is none,
+/// depths are turned.
 pub(super) fn read(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, PointFault> {
     let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => PointFault::LongGeoJson,
@@ -35,21 +38,14 @@ pub(super) fn read(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, P
     })?;
     let root: Value = serde_json::from_slice(&text)?;
     let features = root["features"].as_array().ok_or(PointFault::NoFeatures)?;
-    let points: Vec<[f64; 3]> = features
-        .iter()
-        .filter_map(|feature| point(feature, height))
-        .collect();
-    Ok(GeoJsonPoints {
-        left_out: features.len() - points.len(),
-        points,
-    })
+    let points: Vec<[f64; 3]> =
+        features.iter().filter_map(|feature| point(feature, height)).collect();
+    Ok(GeoJsonPoints { left_out: features.len() - points.len(), points })
 }
 
 fn point(feature: &Value, height: Option<&str>) -> Option<[f64; 3]> {
     let geometry = &feature["geometry"];
-    let at = geometry["coordinates"]
-        .as_array()
-        .filter(|_| geometry["type"] == "Point")?;
+    let at = geometry["coordinates"].as_array().filter(|_| geometry["type"] == "Point")?;
     let coordinate = |axis: usize| at.get(axis)?.as_f64();
     let property = |name: &str| feature["properties"][name].as_f64();
     let known = || {

@@ -1,11 +1,13 @@
-//! What a LAS header claims, compared with the size of the file before the las crate allocates by it.
+//! What a LAS header claims, compared with the size of the file before the las crate allocates by
+//! it.
 
 use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
-/// The version, at bytes 24 and 25, from which on the header knows extended records (LAS 1.4 R15, table 3).
+/// The version, at bytes 24 and 25, from which on the header knows extended records (LAS 1.4 R15,
+/// table 3).
 const VERSION_14: [u8; 2] = [1, 4];
 /// Bytes before the data of an extended record; its length is 8 of them.
 const EXTENDED_HEADER: u64 = 60;
@@ -21,21 +23,21 @@ const RECORD_HEADER: u64 = 54;
 /// Compressors that pack a chunk in layers, one for each kind of number in a point.
 const LAYERED: u16 = 3;
 
-/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such a chunk, larger than the file, or packed
-/// points of another length than they have: all are allocated before they are read.
+/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such
+/// a chunk, larger than the file, or packed points of another length than they have: all are
+/// allocated before they are read.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
     let mut at = |offset: u64| Field::at(&mut file, offset);
-    // The las crate goes by the version, whatever the header says of its length, and reads the first record alone.
+    // The las crate goes by the version, whatever the header says of its length, and reads the
+    // first record alone.
     let [major, minor, ..] = at(24)?.0;
     if [major, minor] >= VERSION_14 && at(243)?.u32() > 0 {
         let start = at(235)?.u64();
         let data = start.saturating_add(EXTENDED_HEADER);
         if data > len || at(start + EXTENDED_LENGTH)?.u64() > len - data {
-            return Err(io::Error::other(
-                "its extended record reaches beyond the end of the file",
-            ));
+            return Err(io::Error::other("its extended record reaches beyond the end of the file"));
         }
     }
     if at(104)?.0[0] & COMPRESSED != 0 {
@@ -50,9 +52,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
         if let Some(chunks) = chunks.filter(|&chunks| chunks < len)
             && u64::from(at(chunks)?.u32()) > len
         {
-            return Err(io::Error::other(
-                "its table claims more chunks than it has bytes",
-            ));
+            return Err(io::Error::other("its table claims more chunks than it has bytes"));
         }
         if let Some(layers) = layers(&mut at, len)? {
             let record = u64::from(at(105)?.u16());
@@ -62,18 +62,15 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Layers that every chunk is packed in, as the record for that says; `None` where points are packed one after the other, or no record says
-/// how.
+/// Layers that every chunk is packed in, as the record for that says; `None` where points are
+/// packed one after the other, or no record says how.
 fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let Some(data) = packing(at, len)? else {
         return Ok(None);
     };
     let (mut layers, mut bytes) = (0, 0);
     for item in 0..u64::from(at(data + 32)?.u16()) {
-        let (kind, size) = (
-            at(data + 34 + 6 * item)?.u16(),
-            at(data + 36 + 6 * item)?.u16(),
-        );
+        let (kind, size) = (at(data + 34 + 6 * item)?.u16(), at(data + 36 + 6 * item)?.u16());
         bytes += u64::from(size);
         layers += match kind {
             10 => 9,
@@ -84,14 +81,13 @@ fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result
         };
     }
     if bytes != u64::from(at(105)?.u16()) {
-        return Err(io::Error::other(
-            "its points are packed with another length than they have",
-        ));
+        return Err(io::Error::other("its points are packed with another length than they have"));
     }
     Ok((at(data)?.u16() == LAYERED).then_some(layers))
 }
 
-/// Where the data of the record lie that says how points are packed: one of the records, or the first extended one.
+/// Where the data of the record lie that says how points are packed: one of the records, or the
+/// first extended one.
 fn packing(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let [major, minor, ..] = at(24)?.0;
     // The records begin behind the fields of the version, whatever the header says of its length.
@@ -128,7 +124,8 @@ fn is_packing(at: &mut impl FnMut(u64) -> io::Result<Field>, record: u64) -> io:
     Ok(user.starts_with(PACKING_USER) && number == PACKING_RECORD)
 }
 
-/// Walks over the chunks from one to the next: a point as it is, the count of points, the size of every layer, the layers.
+/// Walks over the chunks from one to the next: a point as it is, the count of points, the size of
+/// every layer, the layers.
 fn check_layers(
     at: &mut impl FnMut(u64) -> io::Result<Field>,
     mut chunk: u64,
@@ -142,9 +139,7 @@ fn check_layers(
         for layer in 0..layers {
             next += u64::from(at(sizes + 4 * layer)?.u32());
             if next > table {
-                return Err(io::Error::other(
-                    "a chunk of its points reaches beyond their end",
-                ));
+                return Err(io::Error::other("a chunk of its points reaches beyond their end"));
             }
         }
         chunk = next;

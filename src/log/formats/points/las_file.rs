@@ -11,7 +11,8 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-/// Points read at a time, and their bytes: neither the header's count nor its length of a point is trusted with one allocation.
+/// Points read at a time, and their bytes: neither the header's count nor its length of a point is
+/// trusted with one allocation.
 const BATCH: u64 = 100_000;
 const BATCH_BYTES: u64 = 8 << 20;
 
@@ -22,7 +23,8 @@ pub(super) struct LasFile {
     batches: Vec<PointData>,
 }
 
-/// Reads all points. The crate trusts some of what a LAZ file says of itself: the file is checked first, and a panic becomes an error.
+/// Reads all points. The crate trusts some of what a LAZ file says of itself: the file is checked
+/// first, and a panic becomes an error.
 pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
     las_claims::check(path)?;
     catch_panic(|| read_checked(path)).unwrap_or(Err(LasFault::Damaged))
@@ -33,25 +35,14 @@ fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
     let header = reader.header().clone();
     let (mut batches, mut points) = (Vec::new(), Vec::new());
     let length = u64::from(header.point_format().len()).max(1);
-    let batch = (BATCH_BYTES / length)
-        .min(BATCH)
-        .min(header.number_of_points());
+    let batch = (BATCH_BYTES / length).min(BATCH).min(header.number_of_points());
     loop {
         let batch = reader.read_points(batch.max(1));
-        let batch = batch.map_err(|source| LasFault::Point {
-            read: points.len(),
-            source,
-        })?;
+        let batch = batch.map_err(|source| LasFault::Point { read: points.len(), source })?;
         if batch.is_empty() {
             break;
         }
-        points.extend(
-            batch
-                .x()
-                .zip(batch.y())
-                .zip(batch.z())
-                .map(|((x, y), z)| [x, y, z]),
-        );
+        points.extend(batch.x().zip(batch.y()).zip(batch.z()).map(|((x, y), z)| [x, y, z]));
         batches.push(batch);
     }
     Ok((LasFile { header, batches }, points))
@@ -68,12 +59,11 @@ impl LasFile {
         };
         let records = (self.batches.iter())
             .flat_map(|batch| batch.raw_bytes().chunks_exact(batch.record_len()));
-        records
-            .map(|record| record.get(FLAGS).is_some_and(|flags| flags & bit != 0))
-            .collect()
+        records.map(|record| record.get(FLAGS).is_some_and(|flags| flags & bit != 0)).collect()
     }
 
-    /// The EPSG number of the file's system: the last that its WKT names, which is that of the whole.
+    /// The EPSG number of the file's system: the last that its WKT names, which is that of the
+    /// whole.
     pub(super) fn epsg(&self) -> Option<u32> {
         let text = String::from_utf8_lossy(self.header.get_wkt_crs_bytes()?).into_owned();
         let (_, behind) = text.rsplit_once("\"EPSG\"")?;
@@ -103,8 +93,7 @@ impl LasFile {
         let mut batches = self.batches.iter().map(|batch| {
             let records = batch.raw_bytes().chunks(batch.record_len());
             let kept = records.zip(flags.by_ref()).filter(|(_, kept)| **kept);
-            kept.flat_map(|(record, _)| record.iter().copied())
-                .collect::<Vec<u8>>()
+            kept.flat_map(|(record, _)| record.iter().copied()).collect::<Vec<u8>>()
         });
         if format == PointFormat::Copc {
             return write_copc(file, header, &points(batches.flatten().collect())?);
@@ -130,20 +119,12 @@ pub(super) fn write<'a>(
     let transforms = transforms(points.clone().copied(), first, [RESOLUTION_M; 3])?;
     let mut builder = Builder::from((1, 4));
     builder.transforms = transforms;
-    let bare = |&[x, y, z]: &[f64; 3]| Point {
-        x,
-        y,
-        z,
-        ..Point::default()
-    };
+    let bare = |&[x, y, z]: &[f64; 3]| Point { x, y, z, ..Point::default() };
     if format == PointFormat::Copc {
         builder.point_format = Format::new(COPC_FORMAT).map_err(io::Error::other)?;
         let header = builder.into_header().map_err(io::Error::other)?;
         // These formats have a time, which bare coordinates have not.
-        let timed = points.map(|point| Point {
-            gps_time: Some(0.0),
-            ..bare(point)
-        });
+        let timed = points.map(|point| Point { gps_time: Some(0.0), ..bare(point) });
         let records = PointDataBuilder::new().for_header(&header);
         let records = records.build_from_points(timed).map_err(io::Error::other)?;
         return write_copc(file, header, &records);

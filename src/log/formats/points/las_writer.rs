@@ -5,8 +5,8 @@ use las::{Header, Point, PointData, Transform, Vector, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 
-/// A writer that fails where that of the crate panics: dropped half way, it writes its header once more, and cannot where the disk
-/// is full or a point lies beyond what LAS holds.
+/// A writer that fails where that of the crate panics: dropped half way, it writes its header once
+/// more, and cannot where the disk is full or a point lies beyond what LAS holds.
 pub struct LasWriter(Option<Writer<BufWriter<File>>>);
 
 impl LasWriter {
@@ -34,9 +34,7 @@ impl LasWriter {
         writer.close().map_err(failed)?;
         let writer = self.0.take().ok_or_else(closed)?;
         let file = writer.into_inner().map_err(failed)?;
-        file.into_inner()
-            .map_err(|error| error.into_error())?
-            .flush()
+        file.into_inner().map_err(|error| error.into_error())?.flush()
     }
 }
 
@@ -65,10 +63,11 @@ const COARSER: [f64; 3] = [1.0, 10.0, 100.0];
 /// Steps from the offset that a coordinate may lie, a little less than 32 bits hold.
 const MOST_STEPS: f64 = 2_147_483_000.0;
 
-/// Scale and offset of every axis: the finest resolution, from an offset near some place, where all points are within reach; else
-/// from the middle of the points, at ten or a hundred times that.
+/// Scale and offset of every axis: the finest resolution, from an offset near some place, where all
+/// points are within reach; else from the middle of the points, at ten or a hundred times that.
 ///
-/// The error is a sentence without the path: a coordinate is no number, or even so the points lie too far apart.
+/// The error is a sentence without the path: a coordinate is no number, or even so the points lie
+/// too far apart.
 pub fn transforms(
     points: impl Iterator<Item = [f64; 3]>,
     near: [f64; 3],
@@ -100,11 +99,7 @@ pub fn transforms(
             ))
         })
     };
-    Ok(Vector {
-        x: axis(0)?,
-        y: axis(1)?,
-        z: axis(2)?,
-    })
+    Ok(Vector { x: axis(0)?, y: axis(1)?, z: axis(2)? })
 }
 
 fn transform([low, high]: [f64; 2], near: f64, finest: f64) -> Option<Transform> {
@@ -115,14 +110,10 @@ fn transform([low, high]: [f64; 2], near: f64, finest: f64) -> Option<Transform>
         let reach = MOST_STEPS * transform.scale;
         !(transform.offset - low > reach || high - transform.offset > reach)
     };
-    let finest = [near, middle].map(|offset| Transform {
-        scale: finest,
-        offset,
-    });
-    let coarser = COARSER[1..].iter().map(|times| Transform {
-        scale: finest[0].scale * times,
-        offset: middle,
-    });
+    let finest = [near, middle].map(|offset| Transform { scale: finest, offset });
+    let coarser = COARSER[1..]
+        .iter()
+        .map(|times| Transform { scale: finest[0].scale * times, offset: middle });
     finest.into_iter().chain(coarser).find(fits)
 }
 
@@ -157,9 +148,7 @@ mod tests {
             let reach = f64::from(i32::MAX) * transform.scale;
             assert!(transform.offset.abs() < 1e10 && reach > 2e6);
         }
-        let apart = made(&[[0.0, 0.0, -1e300], [0.0, 0.0, 1e300]])
-            .unwrap_err()
-            .to_string();
+        let apart = made(&[[0.0, 0.0, -1e300], [0.0, 0.0, 1e300]]).unwrap_err().to_string();
         assert!(apart.contains("-1e300 to 1e300 along z"), "{apart}");
         let none = made(&[[0.0, f64::NAN, 0.0]]).unwrap_err().to_string();
         assert!(none.contains("no number"), "{none}");

@@ -1,10 +1,11 @@
-//! Point files of other programs: text, PLY, LAS, LAZ and COPC; as elevations also GeoTIFF and GeoJSON.
+//! Point files of other programs: text, PLY, LAS, LAZ and COPC; as elevations also GeoTIFF and
+//! GeoJSON.
 //!
 //! In: a file of points, or points. Out: places with elevations, or a file.
 //! It uses `support`.
 //!
-//! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
-//! formats only the coordinates go over.
+//! A filtered file keeps all that the input said about a point when it is written in the input's
+//! own format; between formats only the coordinates go over.
 
 pub(super) mod columns;
 mod copc;
@@ -42,7 +43,8 @@ pub struct PointFile {
     pub names: Option<[String; 3]>,
     /// Lines left out because a coordinate is blank; none unless that was asked for.
     pub blank: usize,
-    /// Whether the file says of a point that it is not to be used: "withheld" of LAS, 0 in a column `kept`. Empty where it says so of none.
+    /// Whether the file says of a point that it is not to be used: "withheld" of LAS, 0 in a column
+    /// `kept`. Empty where it says so of none.
     pub set_aside: Vec<bool>,
     /// EPSG number of the system that the file names, where it does.
     pub epsg: Option<u32>,
@@ -106,10 +108,7 @@ fn suffix(path: &Path) -> String {
 pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3]>) {
     let argument = argument.as_ref();
     if let Some((file, names)) = argument.to_str().and_then(|text| text.rsplit_once(':')) {
-        let names: Vec<String> = names
-            .split(',')
-            .map(|name| name.trim().to_owned())
-            .collect();
+        let names: Vec<String> = names.split(',').map(|name| name.trim().to_owned()).collect();
         if let Ok(names) = <[String; 3]>::try_from(names) {
             return (file.into(), Some(names));
         }
@@ -117,7 +116,8 @@ pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3
     (argument.into(), None)
 }
 
-/// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps with its columns.
+/// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps
+/// with its columns.
 pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
     let (path, _) = split_columns(argument);
     let others = ["tif", "tiff", "geojson", "json"];
@@ -129,14 +129,7 @@ pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
 /// # Errors
 /// When no point file is named so, or this one cannot be read.
 pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
-    read_columns(
-        path,
-        ColumnRequest {
-            named: columns,
-            known: &KNOWN_NAMES,
-            skip_blank: false,
-        },
-    )
+    read_columns(path, ColumnRequest { named: columns, known: &KNOWN_NAMES, skip_blank: false })
 }
 
 fn read_columns(path: &Path, requested: ColumnRequest<'_>) -> Result<PointFile, PointFileError> {
@@ -148,9 +141,7 @@ fn read_format(
     path: &Path,
     requested: ColumnRequest<'_>,
 ) -> Result<PointFile, PointFault> {
-    let named_otherwise = requested
-        .named
-        .is_some_and(|names| names != &["x", "y", "z"]);
+    let named_otherwise = requested.named.is_some_and(|names| names != &["x", "y", "z"]);
     if !format.is_text() && named_otherwise {
         return Err(PointFault::FixedColumns("PLY or LAS file"));
     }
@@ -190,8 +181,8 @@ fn read_format(
 }
 
 impl PointFile {
-    /// Writes the points whose flag is set into a file that is open for it: with all that the input said of them in its own format,
-    /// their coordinates in another.
+    /// Writes the points whose flag is set into a file that is open for it: with all that the input
+    /// said of them in its own format, their coordinates in another.
     ///
     /// # Errors
     /// What the system says, or that the format cannot hold the points.

@@ -7,8 +7,8 @@ use std::io::{self, BufWriter, Write as _};
 use std::ops::Range;
 use std::path::Path;
 
-/// The vertices of a PLY file, as they were stored. Other elements (faces, edges) are not kept: they would point to
-/// vertices that may be gone.
+/// The vertices of a PLY file, as they were stored. Other elements (faces, edges) are not kept:
+/// they would point to vertices that may be gone.
 #[derive(Debug)]
 pub(super) struct PlyFile {
     /// Header lines between `ply` and `end_header`, of the vertices only and without their count.
@@ -100,35 +100,19 @@ pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> 
         _ => read_binary(&bytes, &layout, [x, y, z])?,
     };
     let header = layout.kept_lines;
-    Ok((
-        PlyFile {
-            header,
-            bytes,
-            vertices,
-        },
-        points,
-    ))
+    Ok((PlyFile { header, bytes, vertices }, points))
 }
 
 type Vertices = (Vec<Range<usize>>, Vec<[f64; 3]>);
 
 fn read_binary(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
-    let size: usize = layout
-        .properties
-        .iter()
-        .map(|(_, scalar)| scalar.size())
-        .sum();
+    let size: usize = layout.properties.iter().map(|(_, scalar)| scalar.size()).sum();
     let whole = (bytes.len() - layout.data) / size;
     if whole < layout.count {
-        return Err(PlyFault::TooShort {
-            found: whole,
-            count: layout.count,
-        });
+        return Err(PlyFault::TooShort { found: whole, count: layout.count });
     }
     let fields = axes.map(|axis| {
-        let before = layout.properties[..axis]
-            .iter()
-            .map(|(_, scalar)| scalar.size());
+        let before = layout.properties[..axis].iter().map(|(_, scalar)| scalar.size());
         (before.sum::<usize>(), layout.properties[axis].1)
     });
     let vertices: Vec<Range<usize>> = (0..layout.count)
@@ -147,10 +131,8 @@ fn read_binary(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Ver
 fn read_text(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
     let (mut vertices, mut points) = (Vec::new(), Vec::new());
     let mut at = layout.data;
-    for (index, line) in bytes[layout.data..]
-        .split_inclusive(|&byte| byte == b'\n')
-        .take(layout.count)
-        .enumerate()
+    for (index, line) in
+        bytes[layout.data..].split_inclusive(|&byte| byte == b'\n').take(layout.count).enumerate()
     {
         let text = std::str::from_utf8(line).unwrap_or_default();
         let fields: Vec<&str> = text.split_whitespace().collect();
@@ -163,10 +145,7 @@ fn read_text(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Verti
         at += line.len();
     }
     if points.len() < layout.count {
-        return Err(PlyFault::TooShort {
-            found: points.len(),
-            count: layout.count,
-        });
+        return Err(PlyFault::TooShort { found: points.len(), count: layout.count });
     }
     Ok((vertices, points))
 }
@@ -185,9 +164,8 @@ impl PlyLayout {
         for line in bytes.split_inclusive(|&byte| byte == b'\n') {
             layout.data += line.len();
             layout.lines += 1;
-            let text = std::str::from_utf8(line)
-                .map_err(|_| PlyFault::Header("is not text"))?
-                .trim();
+            let text =
+                std::str::from_utf8(line).map_err(|_| PlyFault::Header("is not text"))?.trim();
             if layout.lines == 1 {
                 if text != "ply" {
                     return Err(PlyFault::NotPly);
@@ -201,13 +179,11 @@ impl PlyLayout {
                     Ok(layout)
                 };
             }
-            layout
-                .take(text, &mut element)
-                .map_err(|what| PlyFault::HeaderLine {
-                    line: layout.lines,
-                    what,
-                    text: text.to_owned(),
-                })?;
+            layout.take(text, &mut element).map_err(|what| PlyFault::HeaderLine {
+                line: layout.lines,
+                what,
+                text: text.to_owned(),
+            })?;
         }
         Err(PlyFault::Header("has no end"))
     }
@@ -253,10 +229,8 @@ impl PlyFile {
         let mut out = BufWriter::new(file);
         let vertices = self.vertices.iter().zip(kept).filter(|(_, kept)| **kept);
         writeln!(out, "ply")?;
-        let (before, properties): (Vec<_>, Vec<_>) = self
-            .header
-            .iter()
-            .partition(|line| !line.starts_with("property"));
+        let (before, properties): (Vec<_>, Vec<_>) =
+            self.header.iter().partition(|line| !line.starts_with("property"));
         for line in before {
             writeln!(out, "{line}")?;
         }
@@ -265,10 +239,7 @@ impl PlyFile {
             writeln!(out, "{line}")?;
         }
         writeln!(out, "end_header")?;
-        let text = self
-            .header
-            .iter()
-            .any(|line| line.starts_with("format ascii"));
+        let text = self.header.iter().any(|line| line.starts_with("format ascii"));
         for (vertex, _) in vertices {
             out.write_all(&self.bytes[vertex.clone()])?;
             if text {

@@ -44,8 +44,8 @@ pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
     ["easting", "northing", "z"],
 ];
 
-/// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line the first three columns
-/// are x, y, z. Lines that begin with `#` or `//` are comments.
+/// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line
+/// the first three columns are x, y, z. Lines that begin with `#` or `//` are comments.
 pub(super) fn read(
     path: &Path,
     requested: ColumnRequest<'_>,
@@ -86,10 +86,7 @@ pub(super) fn read(
             file.blank += 1;
             continue;
         }
-        let point = layout.point(line).map_err(|what| TextFault::Line {
-            line: index + 1,
-            what,
-        })?;
+        let point = layout.point(line).map_err(|what| TextFault::Line { line: index + 1, what })?;
         points.push(point);
         file.set_aside.extend(layout.is_set_aside(line));
         file.lines.push(line.to_owned());
@@ -108,12 +105,7 @@ impl TextFile {
 
     pub(super) fn write_kept(&self, file: File, kept: &[bool]) -> io::Result<()> {
         let mut out = BufWriter::new(file);
-        let lines = self
-            .lines
-            .iter()
-            .zip(kept)
-            .filter(|(_, kept)| **kept)
-            .map(|(line, _)| line);
+        let lines = self.lines.iter().zip(kept).filter(|(_, kept)| **kept).map(|(line, _)| line);
         for line in self.preamble.iter().chain(lines) {
             writeln!(out, "{line}")?;
         }
@@ -147,9 +139,7 @@ impl ColumnLayout {
         };
         let twice = |names: &[String; 3]| {
             let times = |name: &&String| {
-                let same = fields
-                    .iter()
-                    .filter(|field| field.eq_ignore_ascii_case(name));
+                let same = fields.iter().filter(|field| field.eq_ignore_ascii_case(name));
                 same.count() + names.iter().filter(|other| other == name).count()
             };
             names.iter().find(|name| times(name) > 2).cloned()
@@ -177,11 +167,7 @@ impl ColumnLayout {
                 .try_into()
                 .ok()
         };
-        let guessed = if is_header && found.is_none() {
-            first()
-        } else {
-            None
-        };
+        let guessed = if is_header && found.is_none() { first() } else { None };
         let (columns, names) =
             found.unwrap_or_else(|| ([0, 1, 2], ["1", "2", "3"].map(str::to_owned)));
         Ok((
@@ -213,10 +199,7 @@ impl ColumnLayout {
     fn too_short(&self, name: &str, fields: usize) -> PointLineFault {
         match self.names == ["1", "2", "3"] {
             true => PointLineFault::TooFewFields(fields),
-            false => PointLineFault::TooShort {
-                column: name.to_owned(),
-                fields,
-            },
+            false => PointLineFault::TooShort { column: name.to_owned(), fields },
         }
     }
 
@@ -225,9 +208,8 @@ impl ColumnLayout {
         let mut point = [0.0; 3];
         for (axis, value) in point.iter_mut().enumerate() {
             let name = &self.names[axis];
-            let field = fields
-                .get(self.columns[axis])
-                .ok_or_else(|| self.too_short(name, fields.len()))?;
+            let field =
+                fields.get(self.columns[axis]).ok_or_else(|| self.too_short(name, fields.len()))?;
             let read = number(field, self.separator);
             *value = read.ok_or_else(|| PointLineFault::NotANumber {
                 field: (*field).to_owned(),

@@ -10,7 +10,8 @@ use crate::support::calendar::unix_from_text;
 use crate::support::geo::{LonLat, distance_m};
 use crate::survey::{ChannelKind, Fix, ProjectedTrack};
 
-/// Times below this, seconds, count from the beginning of the recording; beyond [`UNIX_MS`] they are milliseconds.
+/// Times below this, seconds, count from the beginning of the recording; beyond [`UNIX_MS`] they
+/// are milliseconds.
 const LEAST_UNIX_S: f64 = 1e8;
 const UNIX_MS: f64 = 1e11;
 /// No recording is of a later time, Unix seconds (2100).
@@ -23,7 +24,8 @@ const FARTHEST_M: f64 = 1e8;
 const CHANNEL: u16 = 0;
 /// Rows without times, and those at an end that have the same time, are so far apart, seconds.
 const APART_S: f64 = 1.0;
-/// Pings without times are so far apart as a boat of this speed makes them, metres a second: side-scan is recorded at 1 to 3.
+/// Pings without times are so far apart as a boat of this speed makes them, metres a second:
+/// side-scan is recorded at 1 to 3.
 const USUAL_SPEED_MPS: f64 = 1.5;
 /// No two pings are closer, seconds: times are kept in milliseconds.
 const LEAST_APART_S: f64 = 0.001;
@@ -43,9 +45,11 @@ struct Row {
 pub(in crate::formats) struct TablePing {
     /// Seconds after the log's time zero.
     pub(in crate::formats) time_s: f64,
-    /// The row of the picture as the table counts it; where that has no column of it, the row of the table, from 0 on.
+    /// The row of the picture as the table counts it; where that has no column of it, the row of
+    /// the table, from 0 on.
     pub(in crate::formats) row: usize,
-    /// Slant range of the near edge of the innermost sample and of the far edge of the outermost one, metres.
+    /// Slant range of the near edge of the innermost sample and of the far edge of the outermost
+    /// one, metres.
     pub(in crate::formats) range_m: (f32, f32),
     /// Where its row begins and ends in the table.
     pub(in crate::formats) place: (usize, usize),
@@ -114,9 +118,7 @@ impl Reader {
         let told_s = self.told_s(&row);
         let has_times = *self.has_times.get_or_insert(told_s.is_some());
         let radians = |column: Option<usize>| {
-            column
-                .and_then(value)
-                .map_or(f32::NAN, |degrees| degrees.to_radians() as f32)
+            column.and_then(value).map_or(f32::NAN, |degrees| degrees.to_radians() as f32)
         };
         let place = self.layout.place.and_then(|place| match place {
             PlaceColumns::Degrees(x, y) | PlaceColumns::Metres(x, y) => value(x).zip(value(y)),
@@ -147,19 +149,14 @@ impl Reader {
             compass_rad,
             speed_mps: f32::NAN,
         });
-        let row = Row {
-            at: line.at,
-            end: line.end,
-            depth_m,
-            fix,
-            ping,
-        };
+        let row = Row { at: line.at, end: line.end, depth_m, fix, ping };
         if let Some(verdict) = self.clock.push(time_s, row) {
             self.settle(log, verdict);
         }
     }
 
-    /// The ping of a row, its time not set; `None` where its range or its row of the picture cannot be read.
+    /// The ping of a row, its time not set; `None` where its range or its row of the picture cannot
+    /// be read.
     fn ping(&self, line: &Line, value: impl Fn(usize) -> Option<f64>) -> Option<TablePing> {
         let columns = self.layout.pings.as_ref()?;
         let metres = |(column, unit_m): Lengths| value(column).map(|range| (range * unit_m) as f32);
@@ -185,13 +182,7 @@ impl Reader {
         let with_date = || unix_from_text(&format!("{} {text}", row.get(self.layout.date?)?));
         let told_s = unix_from_text(text).or_else(|| number(text, self.layout.separator));
         let told_s = told_s.or_else(with_date);
-        let told_s = told_s.map(|told_s| {
-            if told_s > UNIX_MS {
-                told_s / 1e3
-            } else {
-                told_s
-            }
-        });
+        let told_s = told_s.map(|told_s| if told_s > UNIX_MS { told_s / 1e3 } else { told_s });
         told_s.filter(|told_s| told_s.abs() < LATEST_UNIX_S)
     }
 
@@ -233,7 +224,8 @@ impl Reader {
         self.together.1.push(row);
     }
 
-    /// Keeps pings that have the same time, as those of whole seconds have, evenly spread up to the next time.
+    /// Keeps pings that have the same time, as those of whole seconds have, evenly spread up to the
+    /// next time.
     fn keep_together(&mut self, log: &mut Collected, next_s: Option<f64>) {
         let (from_s, rows) = std::mem::take(&mut self.together);
         if rows.is_empty() {
@@ -258,12 +250,8 @@ impl Reader {
                 let name = "column of depths".to_owned();
                 log.introduce(CHANNEL, ChannelKind::Primary, name, None);
             }
-            let counted = Counted {
-                record: (self.file, row.end),
-                time_s,
-                samples: 0,
-                range_m: None,
-            };
+            let counted =
+                Counted { record: (self.file, row.end), time_s, samples: 0, range_m: None };
             log.count(CHANNEL, counted);
             log.add_depth(ChannelKind::Primary, time_s, depth_m as f32);
         }
@@ -286,9 +274,7 @@ impl Reader {
         self.keep_together(log, None);
         log.report.set_back(self.clock.set_back_s());
         log.projected = self.origin_m.map(ProjectedTrack::new);
-        log.start_unix_s = self
-            .zero_s
-            .filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);
+        log.start_unix_s = self.zero_s.filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);
         if !has_times {
             let apart = match self.layout.has_pings() {
                 true => format!(
@@ -313,16 +299,12 @@ impl Reader {
     }
 }
 
-/// Seconds between rows without times along whose places a boat goes at its usual speed; `None` where they have no places.
+/// Seconds between rows without times along whose places a boat goes at its usual speed; `None`
+/// where they have no places.
 fn usual_apart_s(rows: &[Row]) -> Option<f64> {
-    let places = rows
-        .iter()
-        .filter_map(|row| Some(row.fix.as_ref()?.position));
+    let places = rows.iter().filter_map(|row| Some(row.fix.as_ref()?.position));
     let places: Vec<LonLat> = places.collect();
-    let way_m: f64 = places
-        .windows(2)
-        .map(|two| distance_m(two[0], two[1]))
-        .sum();
+    let way_m: f64 = places.windows(2).map(|two| distance_m(two[0], two[1])).sum();
     let steps = rows.len().checked_sub(1).filter(|_| way_m > 0.0)?;
     let apart_s = way_m / USUAL_SPEED_MPS / steps as f64;
     Some(apart_s.clamp(LEAST_APART_S, APART_S))

@@ -7,15 +7,10 @@ use crate::support::geo::METRES_PER_FOOT;
 /// Names of columns in lower case, without unit; the first that is there is taken.
 const EAST: &[&str] = &["easting", "east", "utm_x", "x"];
 const NORTH: &[&str] = &["northing", "north", "utm_y", "y"];
-const DEPTH: &[&str] = &[
-    "depth",
-    "water_depth",
-    "waterdepth",
-    "sonar_depth",
-    "bottom_depth",
-];
+const DEPTH: &[&str] = &["depth", "water_depth", "waterdepth", "sonar_depth", "bottom_depth"];
 const COURSE: &[&str] = &["cog", "course"];
-/// Of tables beside a picture: slant range of the outermost and of the innermost sample of a side, and the row of the picture.
+/// Of tables beside a picture: slant range of the outermost and of the innermost sample of a side,
+/// and the row of the picture.
 const RANGE: &[&str] = &["range", "slant_range", "max_range", "range_max"];
 const NEAR: &[&str] = &["min_range", "range_min"];
 const ROW: &[&str] = &["row", "picture_row", "line"];
@@ -119,11 +114,8 @@ impl Layout {
         };
         let lengths = |column: usize| (column, names[column].1.unwrap_or(1.0));
         let range = find(RANGE).map(lengths);
-        let pings = range.map(|range| PingColumns {
-            range,
-            near: find(NEAR).map(lengths),
-            row: find(ROW),
-        });
+        let pings =
+            range.map(|range| PingColumns { range, near: find(NEAR).map(lengths), row: find(ROW) });
         let depth = find(DEPTH);
         let depth_unit_m = depth.and_then(|depth| names[depth].1);
         let degrees = find(LON).or(find(&["long"])).zip(find(LAT));
@@ -152,9 +144,7 @@ impl Layout {
     fn of_deeper(lines: &[String], separator: Option<char>) -> Option<Self> {
         let is_row = |line: &String| {
             let numbers = fields(line, separator).into_iter();
-            let numbers: Vec<f64> = numbers
-                .map_while(|field| number(field, separator))
-                .collect();
+            let numbers: Vec<f64> = numbers.map_while(|field| number(field, separator)).collect();
             let [lat, lon, depth, time, ..] = numbers[..] else {
                 return false;
             };
@@ -176,7 +166,8 @@ impl Layout {
         })
     }
 
-    /// The same, with what the first rows tell; `None` where none of them is a sounding, nor may be a ping.
+    /// The same, with what the first rows tell; `None` where none of them is a sounding, nor may be
+    /// a ping.
     fn fitting(mut self, rows: &[String]) -> Option<Self> {
         let rows: Vec<Vec<&str>> = rows.iter().map(|row| fields(row, self.separator)).collect();
         let value = |row: &Vec<&str>, column: usize| {
@@ -212,10 +203,7 @@ impl Layout {
 
     /// The same of a table without a picture of its name.
     pub(super) fn without_pings(self) -> Self {
-        Self {
-            pings: None,
-            ..self
-        }
+        Self { pings: None, ..self }
     }
 
     /// Whether its rows are pings of a picture.

@@ -3,20 +3,25 @@
 //! In: the bytes of a table. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! A row is a depth, with the place and time where they are known. Commas, semicolons or tabs stand between the columns (`points::columns`), and
-//! the first line names them (`layout`): longitude and latitude, or easting and northing in metres; depth, in the unit that its name bears; perhaps
-//! time, heading and course. Names and separators are those of ReefMaster's export (`Latitude,Longitude,Depth`), of tables that
-//! SonarWiz and others write, and of the project's own tracks.
+//! A row is a depth, with the place and time where they are known. Commas, semicolons or tabs stand
+//! between the columns (`points::columns`), and the first line names them (`layout`): longitude and
+//! latitude, or easting and northing in metres; depth, in the unit that its name bears; perhaps
+//! time, heading and course. Names and separators are those of ReefMaster's export
+//! (`Latitude,Longitude,Depth`), of tables that SonarWiz and others write, and of the project's own
+//! tracks.
 //!
-//! Without names one table is known: `Bathymetry.csv` of Deeper's sonars, latitude, longitude, depth in metres, Unix milliseconds and
-//! perhaps the temperature; latitude and longitude are 0 in rows between two positions of the phone.
+//! Without names one table is known: `Bathymetry.csv` of Deeper's sonars, latitude, longitude,
+//! depth in metres, Unix milliseconds and perhaps the temperature; latitude and longitude are 0 in
+//! rows between two positions of the phone.
 //!
 //! Where a picture has the name of a table whose rows are pings, `picture_table` reads both.
 //!
-//! Rows without times are taken as one second apart, in the order of the file, and a warning says so. Depths count from wherever the program
-//! counted them; they are taken as depths below the transducer.
+//! Rows without times are taken as one second apart, in the order of the file, and a warning says
+//! so. Depths count from wherever the program counted them; they are taken as depths below the
+//! transducer.
 //!
-//! Sources: Deeper's support page "Exporting raw sonar data"; ReefMaster's reference, "Exporting Track Data". No real table was at hand.
+//! Sources: Deeper's support page "Exporting raw sonar data"; ReefMaster's reference, "Exporting
+//! Track Data". No real table was at hand.
 
 mod decode;
 mod layout;
@@ -97,13 +102,7 @@ fn read(
     let mut source = opened.source(NAME.to_owned());
     source.device = layout.device().to_owned();
     let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
-    read_rows(
-        &opened.bytes,
-        &mut Reader::new(layout, 0),
-        &mut log,
-        reading,
-        progress,
-    )?;
+    read_rows(&opened.bytes, &mut Reader::new(layout, 0), &mut log, reading, progress)?;
     if log.depths.is_empty() {
         return Err(OpenError::Broken {
             path: opened.path,
@@ -172,16 +171,8 @@ struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     fn new(bytes: &'a [u8], is_growing: bool) -> Self {
-        let at = if bytes.starts_with(b"\xEF\xBB\xBF") {
-            3
-        } else {
-            0
-        };
-        Self {
-            bytes,
-            at,
-            is_growing,
-        }
+        let at = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
+        Self { bytes, at, is_growing }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Tables are read to what stands in them, whatever separates and names their columns; what is no recording is refused.
+//! Tables are read to what stands in them, whatever separates and names their columns; what is no
+//! recording is refused.
 
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
@@ -28,22 +29,13 @@ fn rows(survey: &Survey) -> Vec<[f64; 4]> {
     let row = fixes.map(|(fix, sounding)| {
         assert_eq!(fix.time_s, sounding.time_s);
         let depth_m = f64::from(sounding.depth_m);
-        [
-            fix.time_s,
-            fix.position.lon_deg,
-            fix.position.lat_deg,
-            depth_m,
-        ]
-        .map(rounded)
+        [fix.time_s, fix.position.lon_deg, fix.position.lat_deg, depth_m].map(rounded)
     });
     row.collect()
 }
 
-const EXPECTED: [[f64; 4]; 3] = [
-    [0.0, 11.5, 48.1, 2.5],
-    [1.5, 11.6, 48.2, 3.0],
-    [3.0, 11.7, 48.3, 3.5],
-];
+const EXPECTED: [[f64; 4]; 3] =
+    [[0.0, 11.5, 48.1, 2.5], [1.5, 11.6, 48.2, 3.0], [3.0, 11.7, 48.3, 3.5]];
 
 #[test]
 fn columns_are_found_by_their_names_whatever_separates_them() {
@@ -117,11 +109,7 @@ fn damage_costs_its_row_and_is_said_with_its_place() {
     let depths: Vec<f32> = survey.soundings.iter().map(|one| one.depth_m).collect();
     assert_eq!(depths, [2.5, 4.0, 7.0]);
     assert_eq!(survey.track.fixes.len(), 3);
-    let places: Vec<u64> = survey
-        .warnings
-        .iter()
-        .filter_map(|one| Some(one.place?.1))
-        .collect();
+    let places: Vec<u64> = survey.warnings.iter().filter_map(|one| Some(one.place?.1)).collect();
     let at = |row: &str| text.find(row).expect("a row") as u64;
     assert_eq!(places, [at("1,x"), at("noon"), at("900000")]);
 }
@@ -146,10 +134,7 @@ fn other_tables_are_no_recordings() {
     ] {
         let error = open(own).expect_err(own);
         assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
-        assert!(
-            error.to_string().contains("that Bathyscope wrote"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("that Bathyscope wrote"), "{error}");
     }
     let empty = open("lon,lat,depth_m\n1,2,99999\n").expect_err("no depth");
     assert!(matches!(empty, OpenError::Broken { .. }), "{empty}");
@@ -169,17 +154,8 @@ fn assert_bounded(bytes: Vec<u8>) {
     if let Ok(survey) = formats::open_bytes("pond.csv", bytes, &Progress::new()) {
         assert!(survey.soundings.len() <= 8 && survey.track.fixes.len() <= 8);
         let fixes = survey.track.fixes.iter();
-        assert!(
-            fixes
-                .clone()
-                .all(|fix| fix.time_s.is_finite() && fix.position.is_on_earth())
-        );
-        assert!(
-            survey
-                .soundings
-                .iter()
-                .all(|one| one.time_s.is_finite() && one.depth_m > 0.0)
-        );
+        assert!(fixes.clone().all(|fix| fix.time_s.is_finite() && fix.position.is_on_earth()));
+        assert!(survey.soundings.iter().all(|one| one.time_s.is_finite() && one.depth_m > 0.0));
     }
 }
 
@@ -203,16 +179,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
             }
             assert_bounded(bytes);
         }
-        for number in [
-            "1e308",
-            "-1e308",
-            "inf",
-            "nan",
-            "99999999999999999999",
-            "0",
-            "-0",
-            "é",
-        ] {
+        for number in ["1e308", "-1e308", "inf", "nan", "99999999999999999999", "0", "-0", "é"] {
             for (at, _) in text.match_indices(|letter: char| letter.is_ascii_digit()) {
                 assert_bounded([&text[..at], number, &text[at + 1..]].concat().into_bytes());
             }
@@ -230,13 +197,7 @@ fn a_growing_table_is_read_to_its_last_whole_row() {
         let held = Bytes::Held(Arc::new(text.as_bytes()[..length].to_vec()));
         let survey = open_growing(vec![(PathBuf::from("pond.csv"), held)], &Progress::new());
         let survey = survey.expect("a table");
-        assert!(
-            survey
-                .soundings
-                .iter()
-                .all(|one| one.depth_m.fract() == 0.25),
-            "{length}"
-        );
+        assert!(survey.soundings.iter().all(|one| one.depth_m.fract() == 0.25), "{length}");
         assert!(!survey.warnings.iter().any(|one| one.place.is_some()));
     }
 }

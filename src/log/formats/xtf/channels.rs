@@ -29,13 +29,12 @@ pub(super) struct XtfChannel {
 /// No kind of channel has a higher number.
 const LAST_KIND: u8 = 3;
 
-/// The channels that the file header lists. Where one entry is damaged (no channel has samples of no bytes), the kinds
-/// of the others are only believed when they say more than zero.
+/// The channels that the file header lists. Where one entry is damaged (no channel has samples of
+/// no bytes), the kinds of the others are only believed when they say more than zero.
 pub(super) fn list(bytes: &[u8], header: Option<FileHeader>) -> Vec<XtfChannel> {
     let count = header.map_or(0, |header| usize::from(header.sonar_channels));
-    let infos: Vec<ChannelInfo> = (0..count)
-        .map_while(|index| record(bytes, 256 + 128 * index))
-        .collect();
+    let infos: Vec<ChannelInfo> =
+        (0..count).map_while(|index| record(bytes, 256 + 128 * index)).collect();
     let damaged = infos.iter().any(|info| info.bytes_per_sample == 0);
     let channel = |(index, info): (usize, &ChannelInfo)| {
         if (damaged && info.kind == 0) || info.kind > LAST_KIND {
@@ -65,7 +64,8 @@ fn listed(index: u16, info: &ChannelInfo) -> XtfChannel {
     }
 }
 
-/// What a channel that no header describes must be: recorders number the sides in pairs, port first.
+/// What a channel that no header describes must be: recorders number the sides in pairs, port
+/// first.
 pub(super) fn guess(index: u16) -> XtfChannel {
     XtfChannel {
         kind: match index {
@@ -86,16 +86,13 @@ pub(super) fn guess(index: u16) -> XtfChannel {
 
 /// A frequency in kHz, of one that some recorders write in Hz; `None` where there is none.
 fn khz(stated: f32) -> Option<f32> {
-    let khz = if stated < 10_000.0 {
-        stated
-    } else {
-        stated / 1000.0
-    };
+    let khz = if stated < 10_000.0 { stated } else { stated / 1000.0 };
     Some(khz).filter(|khz| (1.0..10_000.0).contains(khz))
 }
 
 impl XtfChannel {
-    /// How samples of `width` bytes are stored, on a scale that is not set yet; `None` for samples that are not read.
+    /// How samples of `width` bytes are stored, on a scale that is not set yet; `None` for samples
+    /// that are not read.
     pub(super) fn encoding(&self, width: usize) -> Option<Encoding> {
         let kind = match (width, self.format) {
             (1, _) => NumberKind::U8,
@@ -111,19 +108,12 @@ impl XtfChannel {
 
 /// Port is stored from far to near in XTF, starboard from near to far.
 pub(super) fn order(kind: ChannelKind) -> SampleOrder {
-    if kind == ChannelKind::Port {
-        SampleOrder::FarToNear
-    } else {
-        SampleOrder::NearToFar
-    }
+    if kind == ChannelKind::Port { SampleOrder::FarToNear } else { SampleOrder::NearToFar }
 }
 
 /// A name that is padded with zeros; `None` where it is empty.
 pub(super) fn text(padded: &[u8]) -> Option<String> {
-    let end = padded
-        .iter()
-        .position(|&byte| byte == 0)
-        .unwrap_or(padded.len());
+    let end = padded.iter().position(|&byte| byte == 0).unwrap_or(padded.len());
     let name = String::from_utf8_lossy(&padded[..end]).trim().to_owned();
     (!name.is_empty()).then_some(name)
 }

@@ -4,8 +4,8 @@ use super::raw::{PacketTime, PingHeader};
 use crate::support::calendar::moment;
 use chrono::{Datelike as _, NaiveDate};
 
-/// Years in which a log can have been recorded: side-scan went to disk from the eighties on. Zeros and counters that never were
-/// set lie outside.
+/// Years in which a log can have been recorded: side-scan went to disk from the eighties on. Zeros
+/// and counters that never were set lie outside.
 const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 
 /// Unix seconds of a time in thousandths of them; `None` when no log can be of that time.
@@ -31,28 +31,14 @@ pub(super) fn seconds(time: PacketTime) -> i64 {
     days * 86_400 + minutes * 60 + i64::from(time.second)
 }
 
-/// Thousandths of Unix seconds of a ping's date and time, as [`seconds`] has them. The time of day is in hundredths; where the time for
-/// attitude packets is the same moment of the day, it has the thousandths too.
+/// Thousandths of Unix seconds of a ping's date and time, as [`seconds`] has them. The time of day
+/// is in hundredths; where the time for attitude packets is the same moment of the day, it has the
+/// thousandths too.
 pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
     let &PingHeader {
-        year,
-        month,
-        day,
-        hour,
-        minute,
-        second,
-        hundredths,
-        attitude_time_ms,
-        ..
+        year, month, day, hour, minute, second, hundredths, attitude_time_ms, ..
     } = ping;
-    let time = PacketTime {
-        year,
-        month,
-        day,
-        hour,
-        minute,
-        second,
-    };
+    let time = PacketTime { year, month, day, hour, minute, second };
     let unix_ms = seconds(time) * 1000 + i64::from(hundredths) * 10;
     let day_ms = unix_ms.rem_euclid(86_400_000);
     let attitude_ms = i64::from(attitude_time_ms);

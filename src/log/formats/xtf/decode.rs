@@ -17,7 +17,8 @@ use std::ops::Range;
 
 /// Packet type of a side-scan ping.
 const PING: u8 = 0;
-/// Types of sonars whose samples count 2^-weight: EdgeTech's, and the synthetic aperture sonar of Kongsberg.
+/// Types of sonars whose samples count 2^-weight: EdgeTech's, and the synthetic aperture sonar of
+/// Kongsberg.
 const WEIGHTED: [u16; 4] = [24, 35, 38, 48];
 /// Speed of sound where the file states none, metres a second.
 const SOUND_MPS: f32 = 1500.0;
@@ -65,9 +66,8 @@ impl<'a> Reader<'a> {
         let Some(packet) = walk::header(self.bytes, offset) else {
             return;
         };
-        let ping = (packet.kind == PING)
-            .then(|| record::<PingHeader>(self.bytes, offset))
-            .flatten();
+        let ping =
+            (packet.kind == PING).then(|| record::<PingHeader>(self.bytes, offset)).flatten();
         let Some(ping) = ping else {
             let set_back_s = self.clock.set_back_s();
             self.others.count(packet.kind);
@@ -82,7 +82,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Goes on elsewhere in the file, knowing its time zero, its origin and the channels that are shown.
+    /// Goes on elsewhere in the file, knowing its time zero, its origin and the channels that are
+    /// shown.
     pub(super) fn after_head(self, bytes: &'a [u8]) -> Self {
         Self {
             bytes,
@@ -104,14 +105,14 @@ impl<'a> Reader<'a> {
         self.zero_ms.is_some()
     }
 
-    /// Takes the pings that still wait for a verdict and says what was left out. The tail of a log that is `known` gets its scales.
+    /// Takes the pings that still wait for a verdict and says what was left out. The tail of a log
+    /// that is `known` gets its scales.
     pub(super) fn finish(&mut self, log: &mut Collected, known: Option<&Survey>) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
         self.sides.finish(self.bytes, log, known);
-        self.positions
-            .finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
+        self.positions.finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
         log.start_unix_s = self.zero_ms.and_then(date::unix_s);
         log.range_source = match self.provenance.has_fish_finder_ranges {
             true => RangeSource::FishFinder,
@@ -142,10 +143,9 @@ impl<'a> Reader<'a> {
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<(usize, PingHeader)>) {
         match verdict {
-            ClockVerdict::Sound {
-                record: (offset, ping),
-                time_s,
-            } => self.keep(log, offset, &ping, time_s),
+            ClockVerdict::Sound { record: (offset, ping), time_s } => {
+                self.keep(log, offset, &ping, time_s)
+            }
             ClockVerdict::Damaged((offset, _)) => {
                 let text = "a ping's time fits neither neighbour; its header is damaged and it was dropped";
                 log.report.at(WarningKind::Frame, 0, offset, text);
@@ -186,13 +186,7 @@ impl<'a> Reader<'a> {
                 break;
             }
             let (range_m, is_assumed) = range_m(ping, &header);
-            let recorded = Recorded {
-                header,
-                width,
-                first,
-                time_s,
-                range_m,
-            };
+            let recorded = Recorded { header, width, first, time_s, range_m };
             count(log, &channel, &recorded, end);
             self.sides.keep(log, &channel, &recorded);
             self.assumed_sound += usize::from(is_assumed);
@@ -225,7 +219,8 @@ fn channel(channels: &[XtfChannel], index: u16) -> Cow<'_, XtfChannel> {
     listed.map_or_else(|| Cow::Owned(channels::guess(index)), Cow::Borrowed)
 }
 
-/// Slant range of the first and of the last sample of a channel, metres, and whether a speed of sound was assumed for it.
+/// Slant range of the first and of the last sample of a channel, metres, and whether a speed of
+/// sound was assumed for it.
 fn range_m(ping: &PingHeader, header: &PingChannel) -> ([f32; 2], bool) {
     let [slant_m, ground_m] = [header.slant_range_m, header.ground_range_m];
     if slant_m > 0.0 {
@@ -237,11 +232,8 @@ fn range_m(ping: &PingHeader, header: &PingChannel) -> ([f32; 2], bool) {
         return ([0.0, ground_m], false);
     }
     // Isis writes half of the speed, that for there and back.
-    let speeds_mps = [
-        2.0 * ping.sound_velocity_mps,
-        ping.sound_velocity_mps,
-        ping.computed_sound_velocity_mps,
-    ];
+    let speeds_mps =
+        [2.0 * ping.sound_velocity_mps, ping.sound_velocity_mps, ping.computed_sound_velocity_mps];
     let stated = speeds_mps.into_iter().find(|mps| SOUNDS_MPS.contains(mps));
     let half_mps = stated.unwrap_or(SOUND_MPS) / 2.0;
     let delay_s = if delay_s > 0.0 { delay_s } else { 0.0 };

@@ -1,7 +1,9 @@
-//! A log of any format as XTF: one pair of side-scan channels, the sonar's altitude, position, speed and heading of each ping.
+//! A log of any format as XTF: one pair of side-scan channels, the sonar's altitude, position,
+//! speed and heading of each ping.
 //!
-//! The fields are those that Triton's description calls mandatory (`raw`). Without a compass the heading of each ping is that of the fitted
-//! track, for other programs place samples by it; the note of the file header says so and the reader leaves it out ([`Provenance`]).
+//! The fields are those that Triton's description calls mandatory (`raw`). Without a compass the
+//! heading of each ping is that of the fitted track, for other programs place samples by it; the
+//! note of the file header says so and the reader leaves it out ([`Provenance`]).
 
 use super::HEADER_BLOCK;
 use super::Xtf;
@@ -36,7 +38,8 @@ const MOST_SKIPPED: f64 = 1e6;
 /// Speed of sound, metres a second: fish-finders count ranges with it.
 const SOUND_MPS: f32 = 1500.0;
 
-/// What the header of a file that was written here states about its pings. Headers of other files state nothing of it.
+/// What the header of a file that was written here states about its pings. Headers of other files
+/// state nothing of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Provenance {
     /// Headings are those of the track.
@@ -116,10 +119,7 @@ struct XtfWriter<'a> {
 impl<'a> XtfWriter<'a> {
     fn new(log: &'a LogToWrite<'a>) -> Self {
         let survey = log.survey;
-        let spans = survey
-            .side_scan
-            .iter()
-            .flat_map(|ping| [ping.port, ping.starboard]);
+        let spans = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
         let depths_m = survey.soundings.iter().filter_map(|one| {
             let ping = nearest_in_time(&survey.side_scan, one.time_s, |ping| ping.time_s)?;
             Some((ping, one.depth_m))
@@ -127,11 +127,7 @@ impl<'a> XtfWriter<'a> {
         let is_wide = spans.flatten().any(|span| span.encoding != Encoding::U8);
         Self {
             log,
-            has_compass: survey
-                .track
-                .fixes
-                .iter()
-                .any(|fix| fix.compass_rad.is_finite()),
+            has_compass: survey.track.fixes.iter().any(|fix| fix.compass_rad.is_finite()),
             width: if is_wide { 2 } else { 1 },
             depths_m: depths_m.collect(),
         }
@@ -160,18 +156,9 @@ impl<'a> XtfWriter<'a> {
         };
         put_text(&mut header.sonar_name, sonar.as_bytes());
         let is_fish_finder = self.log.survey.range_source == RangeSource::FishFinder;
-        let said = [
-            (is_fish_finder, FISH_FINDER),
-            (!self.has_compass, TRACK_HEADINGS),
-        ];
-        let said = said
-            .into_iter()
-            .filter(|(is_so, _)| *is_so)
-            .map(|(_, text)| text);
-        put_text(
-            &mut header.note,
-            said.collect::<Vec<_>>().join("; ").as_bytes(),
-        );
+        let said = [(is_fish_finder, FISH_FINDER), (!self.has_compass, TRACK_HEADINGS)];
+        let said = said.into_iter().filter(|(is_so, _)| *is_so).map(|(_, text)| text);
+        put_text(&mut header.note, said.collect::<Vec<_>>().join("; ").as_bytes());
         let mut bytes = bytemuck::bytes_of(&header).to_vec();
         for side in Side::BOTH {
             bytes.extend_from_slice(bytemuck::bytes_of(&self.channel(side)));
@@ -208,9 +195,7 @@ impl<'a> XtfWriter<'a> {
         packet.resize(size_of::<PingHeader>(), 0);
         let mut channels = 0;
         for side in Side::BOTH {
-            let written = ping
-                .side(side)
-                .and_then(|span| self.side(side, span, packet));
+            let written = ping.side(side).and_then(|span| self.side(side, span, packet));
             channels += u16::from(written.is_some());
         }
         packet.resize(packet.len().next_multiple_of(PADDED_TO), 0);
@@ -224,11 +209,7 @@ impl<'a> XtfWriter<'a> {
             ping_number: number as u32,
             sound_velocity_mps: SOUND_MPS / 2.0,
             sensor_aux_altitude_m: self.depths_m.get(&number).copied().unwrap_or_default(),
-            sensor_altitude_m: if ping.depth_m > 0.0 {
-                ping.depth_m
-            } else {
-                0.0
-            },
+            sensor_altitude_m: if ping.depth_m > 0.0 { ping.depth_m } else { 0.0 },
             ..self.place(ping.time_s)
         };
         packet[..size_of::<PingHeader>()].copy_from_slice(bytemuck::bytes_of(&header));
@@ -242,15 +223,11 @@ impl<'a> XtfWriter<'a> {
         let [x, y] = fix.map_or([0.0; 2], |fix| self.position(fix));
         let fitted = self.log.place(time_s);
         let known = |recorded: Option<f32>, fitted: Option<f64>| {
-            let mut known = [recorded, fitted.map(|one| one as f32)]
-                .into_iter()
-                .flatten();
+            let mut known = [recorded, fitted.map(|one| one as f32)].into_iter().flatten();
             known.find(|one| one.is_finite()).unwrap_or_default()
         };
-        let speed_kn = known(
-            fix.map(|fix| fix.speed_mps),
-            fitted.map(|place| place.speed_mps),
-        ) / MPS_PER_KNOT as f32;
+        let speed_kn = known(fix.map(|fix| fix.speed_mps), fitted.map(|place| place.speed_mps))
+            / MPS_PER_KNOT as f32;
         let fitted_rad = fitted.map(|place| place.heading_rad);
         let compass_rad = fix.map(|fix| fix.compass_rad);
         let heading_rad = known(compass_rad, fitted_rad.filter(|_| !self.has_compass));
@@ -287,8 +264,9 @@ impl<'a> XtfWriter<'a> {
         }
     }
 
-    /// Adds the header and the samples of a side. Ranges begin at the boat in XTF: what a recorder left out before its first sample is
-    /// filled with zeros. `None` where the samples do not lie in the log.
+    /// Adds the header and the samples of a side. Ranges begin at the boat in XTF: what a recorder
+    /// left out before its first sample is filled with zeros. `None` where the samples do not lie
+    /// in the log.
     fn side(&self, side: Side, span: &SideSpan, packet: &mut Vec<u8>) -> Option<()> {
         let samples = self.log.survey.samples_of(span)?;
         let skipped = f64::from(span.near_m) / span.metres_per_sample();

@@ -10,14 +10,17 @@ const PINGS_LOOKED_AT: usize = 200;
 const CLIPPED_SHARE: f64 = 0.001;
 /// Bits of a level.
 const LEVEL: i32 = 8;
-/// Numbers with a sign have about as many negative ones of each magnitude as positive ones: this share of all may be too many of one sign.
+/// Numbers with a sign have about as many negative ones of each magnitude as positive ones: this
+/// share of all may be too many of one sign.
 const MOST_ONE_SIDED: f64 = 0.3;
 /// Share of them that may be louder than half of the loudest that can be stored.
 const MOST_LOUD: f64 = 0.1;
-/// Where samples lie that are floating point, and a share of them that does. Whole numbers of less than 29 bits lie below.
+/// Where samples lie that are floating point, and a share of them that does. Whole numbers of less
+/// than 29 bits lie below.
 const FLOATING: Range<f64> = 1e-12..1e12;
 const FLOATING_SHARE: f64 = 0.99;
-/// Powers of two that are counted: those of all numbers of 64 bits, with any weight, from minus [`LEAST`] on.
+/// Powers of two that are counted: those of all numbers of 64 bits, with any weight, from minus
+/// [`LEAST`] on.
 const MAGNITUDES: usize = 2200;
 const LEAST: i32 = 1100;
 /// Weights beyond this are damage: 2^-40 volts are no signal.
@@ -34,8 +37,8 @@ pub(super) struct Stated {
     pub(super) is_weighted: bool,
 }
 
-/// Sets the scale of all spans, the same for all of one kind of numbers; those of the tail of a log get that of the log, of which `known`
-/// is a span.
+/// Sets the scale of all spans, the same for all of one kind of numbers; those of the tail of a log
+/// get that of the log, of which `known` is a span.
 pub(super) fn fit(
     bytes: &[u8],
     spans: &mut [&mut SideSpan],
@@ -136,8 +139,8 @@ fn are_floating(bytes: &[u8], spans: &[&SideSpan]) -> bool {
     all > 0 && plausible as f64 >= FLOATING_SHARE * all as f64
 }
 
-/// Whether whole numbers lie around 0 when the highest bit is taken for a sign. Many files say that their samples may have a sign, and have
-/// none.
+/// Whether whole numbers lie around 0 when the highest bit is taken for a sign. Many files say that
+/// their samples may have a sign, and have none.
 fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
     let end = f64::powi(2.0, 8 * stored.width() as i32);
     let mut more_positive = vec![0_i64; MAGNITUDES];
@@ -156,7 +159,8 @@ fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
         && loud as f64 <= MOST_LOUD * all as f64
 }
 
-/// How many low bits of samples to drop so that nearly all fit a byte. All are of 16 bits, or all of 32.
+/// How many low bits of samples to drop so that nearly all fit a byte. All are of 16 bits, or all
+/// of 32.
 pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
     let kind = match spans.first().map(|span| span.encoding.width()) {
         Some(4) => NumberKind::U32,
@@ -166,7 +170,8 @@ pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 
     u8::try_from(bits - LEVEL).unwrap_or(0)
 }
 
-/// The power of two below which nearly all magnitudes lie, where those of weight 0 count as they are; 0 where there are none but zeros.
+/// The power of two below which nearly all magnitudes lie, where those of weight 0 count as they
+/// are; 0 where there are none but zeros.
 fn bits_to_fit(
     bytes: &[u8],
     spans: &[&SideSpan],
@@ -240,10 +245,7 @@ mod tests {
     /// The encoding that a span of these numbers gets.
     fn fitted(stored: NumberKind, numbers: &[u8], stated: Stated) -> Encoding {
         let mut span = SideSpan {
-            encoding: Encoding::Number {
-                kind: stored,
-                exponent: 0,
-            },
+            encoding: Encoding::Number { kind: stored, exponent: 0 },
             ..SideSpan::of_bytes((numbers.len() / stored.width()) as u32, [0.0, 1.0])
         };
         fit(numbers, &mut [&mut span], stated, None);
@@ -256,10 +258,7 @@ mod tests {
 
     #[test]
     fn nearly_all_samples_fit_a_level() {
-        let legacy = Stated {
-            is_legacy: true,
-            ..Stated::default()
-        };
+        let legacy = Stated { is_legacy: true, ..Stated::default() };
         let bytes: Vec<u8> = (0..=255).collect();
         assert_eq!(fitted(NumberKind::U8, &bytes, legacy), Encoding::U8);
         let pairs = le((0..4000_u16).map(u16::to_le_bytes));
@@ -281,23 +280,14 @@ mod tests {
 
     #[test]
     fn only_samples_around_zero_have_a_sign() {
-        let polar = Stated {
-            is_polar: true,
-            ..Stated::default()
-        };
+        let polar = Stated { is_polar: true, ..Stated::default() };
         let wave = |at: i16| (f64::from(at).sin() * f64::from(at)) as i16;
         let pairs = le((0..4000).map(|at| wave(at).to_le_bytes()));
-        let signed = Encoding::Number {
-            kind: NumberKind::I16,
-            exponent: -4,
-        };
+        let signed = Encoding::Number { kind: NumberKind::I16, exponent: -4 };
         assert_eq!(fitted(NumberKind::U16, &pairs, polar), signed);
         // Without the flag, of one sign, or as loud as can be, they have none.
         let is_unsigned = |numbers: &[u8], stated| {
-            matches!(
-                fitted(NumberKind::U16, numbers, stated),
-                Encoding::U16 { .. }
-            )
+            matches!(fitted(NumberKind::U16, numbers, stated), Encoding::U16 { .. })
         };
         assert!(is_unsigned(&pairs, Stated::default()));
         let low = le((0..4000_u16).map(u16::to_le_bytes));

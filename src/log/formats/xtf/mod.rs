@@ -3,22 +3,27 @@
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
 //!
-//! A file header of 1024 bytes or a multiple of that lists the channels; a row of packets follows, which `raw` describes. A packet of type 0
-//! is a ping: its header, then for each channel a header and samples. Samples have 1, 2 or 4 bytes and may be floating point; `levels`
-//! finds one scale for all of them. A header says that samples are polar more often than they are, so that the samples themselves decide
-//! whether they have a sign. Formats 1, 2, 3, 5 and 8 of samples came with revision 41; before, only the bytes of a sample are stated. Weights
-//! scale the samples of EdgeTech's sonars and of Kongsberg's synthetic aperture sonar, for which the specification has them as mandatory; gain
-//! codes scale nothing.
+//! A file header of 1024 bytes or a multiple of that lists the channels; a row of packets follows,
+//! which `raw` describes. A packet of type 0 is a ping: its header, then for each channel a header
+//! and samples. Samples have 1, 2 or 4 bytes and may be floating point; `levels` finds one scale
+//! for all of them. A header says that samples are polar more often than they are, so that the
+//! samples themselves decide whether they have a sign. Formats 1, 2, 3, 5 and 8 of samples came
+//! with revision 41; before, only the bytes of a sample are stated. Weights scale the samples of
+//! EdgeTech's sonars and of Kongsberg's synthetic aperture sonar, for which the specification has
+//! them as mandatory; gain codes scale nothing.
 //!
-//! A ping states where the sonar and where the ship is. Isis, the program that the format comes from, writes both alike while it knows a
-//! layback, and moves the position back along the heading of the sonar when it is used; other programs write the sonar's own. `positions`
-//! tells them apart by their distance. Packets 42 and 107 are positions, 23 and 84 headings, 3 attitude with a heading.
+//! A ping states where the sonar and where the ship is. Isis, the program that the format comes
+//! from, writes both alike while it knows a layback, and moves the position back along the heading
+//! of the sonar when it is used; other programs write the sonar's own. `positions` tells them apart
+//! by their distance. Packets 42 and 107 are positions, 23 and 84 headings, 3 attitude with a
+//! heading.
 //!
 //! `multibeam` reads the depths of a multibeam sonar in the same file, to compare with.
 //!
-//! Sources: Triton's "eXtended Triton Format" as its revisions 14 to 42, its header file `xtf.h` of 1998 and public readers cite it: `pyxtf`
-//! 1.5, `libxtf`, `stdlibXtf`, MB-System (`mbf_xtfr8101.h`). Not done as `pyxtf` does: it takes all whole numbers as without a sign, and the
-//! time of packet 107 as if its ten thousandths of a second were millionths.
+//! Sources: Triton's "eXtended Triton Format" as its revisions 14 to 42, its header file `xtf.h` of
+//! 1998 and public readers cite it: `pyxtf` 1.5, `libxtf`, `stdlibXtf`, MB-System
+//! (`mbf_xtfr8101.h`). Not done as `pyxtf` does: it takes all whole numbers as without a sign, and
+//! the time of packet 107 as if its ten thousandths of a second were millionths.
 
 mod channels;
 mod date;
@@ -63,9 +68,7 @@ impl LogFormat for Xtf {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let found = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| {
-            read(opened, found, reading, progress)
-        }))
+        Some(Box::new(move |reading, progress| read(opened, found, reading, progress)))
     }
 }
 
@@ -135,10 +138,7 @@ fn read(
             let reader = knowing_head(&bytes, &found, (from, reading.known()), progress)?;
             (reader, start.unwrap_or(bytes.len()))
         }
-        None => (
-            decode::Reader::new(&bytes, found.header, None),
-            found.first_packet,
-        ),
+        None => (decode::Reader::new(&bytes, found.header, None), found.first_packet),
     };
     progress.start(bytes.len().saturating_sub(start) as u64);
     MessageWalk {
@@ -163,17 +163,14 @@ fn read(
         return Err(OpenError::Broken {
             path,
             format: FORMAT.to_owned(),
-            what: format!(
-                "no side-scan ping in its {} bytes; export the file again",
-                bytes.len()
-            ),
+            what: format!("no side-scan ping in its {} bytes; export the file again", bytes.len()),
         });
     }
     Ok(assemble::assemble(log, reading))
 }
 
-/// A reader that has seen the file's first pings: they say from when times count, around which place metres lie and which channels are
-/// shown. Looks at no more than what lies before `from`.
+/// A reader that has seen the file's first pings: they say from when times count, around which
+/// place metres lie and which channels are shown. Looks at no more than what lies before `from`.
 fn knowing_head<'a>(
     bytes: &'a [u8],
     found: &XtfStart,
@@ -192,9 +189,7 @@ fn knowing_head<'a>(
             is_growing: true,
             progress: &Progress::new(),
         }
-        .run(found.first_packet, |packet| {
-            reader.take(&mut log, packet.start)
-        })?;
+        .run(found.first_packet, |packet| reader.take(&mut log, packet.start))?;
         progress.check()?;
         if reader.knows_zero(&mut log) || end == from {
             return Ok(reader.after_head(bytes));

@@ -1,8 +1,9 @@
 //! Depths of a multibeam sonar in the same file: what its side-scan can be compared with.
 //!
-//! Packets of type 2 are a header like that of a ping and a datagram of Reson's SeaBat 8101 and its kin, big-endian: ff ff 00 00, type,
-//! and ranges in quarters of a sample, one a beam. The datagrams 0x13, 0x14, 0x17 and 0x18 are read, as MB-System (`mbf_xtfr8101.h`,
-//! `mbr_xtfr8101.c`) describes them. Beams of other sonars are not read.
+//! Packets of type 2 are a header like that of a ping and a datagram of Reson's SeaBat 8101 and its
+//! kin, big-endian: ff ff 00 00, type, and ranges in quarters of a sample, one a beam. The
+//! datagrams 0x13, 0x14, 0x17 and 0x18 are read, as MB-System (`mbf_xtfr8101.h`, `mbr_xtfr8101.c`)
+//! describes them. Beams of other sonars are not read.
 
 use super::positions::first_set;
 use super::raw::{AttitudePacket, PingHeader, record};
@@ -66,7 +67,8 @@ impl Swath {
         recorded.is_none_or(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0)
     }
 
-    /// Its points; `None` where it has no position or no heading. `rolls` are times and rolls to starboard, radians.
+    /// Its points; `None` where it has no position or no heading. `rolls` are times and rolls to
+    /// starboard, radians.
     fn points(&self, rolls: &[(f64, f64)], is_degrees: bool) -> Option<Vec<[f64; 3]>> {
         let [x, y] = self.recorded()?;
         let header = &self.header;
@@ -106,14 +108,8 @@ pub(in crate::formats) fn read_multibeam(
 ) -> Result<Elevations, OpenError> {
     let bytes = FileSource::Disk
         .read(path)
-        .map_err(|source| OpenError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
-    let none = |what: &str| OpenError::Unsupported {
-        path: path.to_owned(),
-        what: what.to_owned(),
-    };
+        .map_err(|source| OpenError::Io { path: path.to_owned(), source })?;
+    let none = |what: &str| OpenError::Unsupported { path: path.to_owned(), what: what.to_owned() };
     let found = sniff(&bytes).ok_or_else(|| none("this is no XTF file"))?;
     let mut swaths: Vec<Swath> = Vec::new();
     let mut rolls: Vec<(f64, f64)> = Vec::new();
@@ -150,9 +146,7 @@ pub(in crate::formats) fn read_multibeam(
         }
     }
     if points.is_empty() {
-        return Err(none(
-            "the multibeam pings in this XTF file have no positions with a heading",
-        ));
+        return Err(none("the multibeam pings in this XTF file have no positions with a heading"));
     }
     Ok(Elevations {
         path: path.to_owned(),
@@ -186,12 +180,7 @@ fn swath(packet: &[u8]) -> Option<Swath> {
             ranges: 36,
             has_whole_qualities: datagram.get(4) == Some(&0x14),
         },
-        false => Layout {
-            velocity: 28,
-            beam_count: 66,
-            ranges: 68,
-            has_whole_qualities: false,
-        },
+        false => Layout { velocity: 28, beam_count: 66, ranges: 68, has_whole_qualities: false },
     };
     let beam_deg = match is_old {
         true => f64::from(*datagram.get(33)?) / 10.0,

@@ -1,5 +1,5 @@
-//! Positions and headings that come in packets of their own, and what they are used for: to stand in where pings have none, or an old
-//! one.
+//! Positions and headings that come in packets of their own, and what they are used for: to stand
+//! in where pings have none, or an old one.
 
 use super::date;
 use super::place;
@@ -19,7 +19,8 @@ const RAW_NAVIGATION: u8 = 107;
 
 /// A packet this long before the first or after the last ping is of another clock, seconds.
 const BESIDE_S: f64 = 60.0;
-/// A position that repeats for longer is an old one, and one of a packet further from all others of pings stands in, seconds.
+/// A position that repeats for longer is an old one, and one of a packet further from all others of
+/// pings stands in, seconds.
 const STALE_S: f64 = 5.0;
 /// A heading further from its position in time says nothing of it, seconds.
 pub(super) const HEADING_WITHIN_S: f64 = 1.0;
@@ -45,7 +46,8 @@ pub(super) struct SentNavigation {
 }
 
 impl SentNavigation {
-    /// Takes a packet; whether it is one of those that are read. `set_back_s` is by how much the recorder's clock was set back before it.
+    /// Takes a packet; whether it is one of those that are read. `set_back_s` is by how much the
+    /// recorder's clock was set back before it.
     pub(super) fn take(
         &mut self,
         bytes: &[u8],
@@ -88,11 +90,7 @@ impl SentNavigation {
 
     fn add_position(&mut self, time_s: f64, recorded: [f64; 2], compass_rad: f32) {
         if let Some(recorded) = place::recorded(recorded) {
-            self.positions.push(SentPosition {
-                time_s,
-                recorded,
-                compass_rad,
-            });
+            self.positions.push(SentPosition { time_s, recorded, compass_rad });
         }
     }
 
@@ -112,7 +110,8 @@ impl SentNavigation {
         self.attitudes
     }
 
-    /// Lets times count from the log's zero, in order, and leaves out what is of another clock than the pings, which span `span_s`.
+    /// Lets times count from the log's zero, in order, and leaves out what is of another clock than
+    /// the pings, which span `span_s`.
     pub(super) fn settle(&mut self, zero_s: f64, span_s: [f64; 2]) {
         let [from_s, to_s] = span_s;
         let during = from_s - BESIDE_S..=to_s + BESIDE_S;
@@ -120,17 +119,12 @@ impl SentNavigation {
             *time_s -= zero_s;
             during.contains(time_s)
         };
-        self.positions
-            .retain_mut(|sent| place_time(&mut sent.time_s));
+        self.positions.retain_mut(|sent| place_time(&mut sent.time_s));
         self.headings.retain_mut(|(time_s, _)| place_time(time_s));
         self.positions.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         self.headings.sort_by(|a, b| a.0.total_cmp(&b.0));
         for index in 0..self.positions.len() {
-            let SentPosition {
-                time_s,
-                compass_rad,
-                ..
-            } = self.positions[index];
+            let SentPosition { time_s, compass_rad, .. } = self.positions[index];
             if compass_rad.is_nan() {
                 self.positions[index].compass_rad = self.heading_rad(time_s);
             }
@@ -158,7 +152,8 @@ impl SentNavigation {
         filled
     }
 
-    /// The positions that stand in where pings have none or an old one. Old ones are taken out of `fixes`, which are the pings'.
+    /// The positions that stand in where pings have none or an old one. Old ones are taken out of
+    /// `fixes`, which are the pings'.
     pub(super) fn stand_ins(&self, fixes: &mut Vec<Fix>) -> Vec<SentPosition> {
         if self.positions.is_empty() {
             return Vec::new();
@@ -177,9 +172,8 @@ impl SentNavigation {
             nearest.is_some_and(|index| (times_s[index] - time_s).abs() <= STALE_S)
         };
         let sent = self.positions.iter().copied();
-        let stand_ins: Vec<SentPosition> = sent
-            .filter(|sent| !is_near(&fresh_s, sent.time_s))
-            .collect();
+        let stand_ins: Vec<SentPosition> =
+            sent.filter(|sent| !is_near(&fresh_s, sent.time_s)).collect();
         let sent_s: Vec<f64> = stand_ins.iter().map(|sent| sent.time_s).collect();
         fixes.retain(|fix| is_near(&fresh_s, fix.time_s) || !is_near(&sent_s, fix.time_s));
         stand_ins

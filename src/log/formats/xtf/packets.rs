@@ -21,11 +21,8 @@ impl Packets {
 
     /// `120 bathymetry (type 2) and 30 attitude (type 3) packets`, most first.
     pub(super) fn summary(&self) -> String {
-        let mut counts: Vec<(u8, usize)> = self
-            .counts
-            .iter()
-            .map(|(&kind, &count)| (kind, count))
-            .collect();
+        let mut counts: Vec<(u8, usize)> =
+            self.counts.iter().map(|(&kind, &count)| (kind, count)).collect();
         counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
         let each = counts.iter().map(|&(kind, count)| match name(kind) {
             Some(name) => format!("{count} {name} (type {kind})"),

@@ -15,13 +15,14 @@ pub(super) struct PositionConverter {
 }
 
 impl PositionConverter {
-    /// `units` as the file header has them; `None` when the header is damaged. `origin` is that of a log whose tail is read.
+    /// `units` as the file header has them; `None` when the header is damaged. `origin` is that of
+    /// a log whose tail is read.
     pub(super) fn new(units: Option<u16>, origin: Option<[f64; 2]>) -> Self {
         Self { units, origin }
     }
 
-    /// Easting and northing of the place that stands at longitude 0, latitude 0, where positions were metres of a system that is not
-    /// named.
+    /// Easting and northing of the place that stands at longitude 0, latitude 0, where positions
+    /// were metres of a system that is not named.
     pub(super) fn origin_m(&self) -> Option<[f64; 2]> {
         self.origin
     }

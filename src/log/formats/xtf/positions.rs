@@ -1,5 +1,5 @@
-//! Where the sonar was: the position that a ping states of it, or that of the ship with the layback of a towed sonar and the offsets of
-//! antenna and transducer.
+//! Where the sonar was: the position that a ping states of it, or that of the ship with the layback
+//! of a towed sonar and the offsets of antenna and transducer.
 
 use super::from_log::Provenance;
 use super::navigation::{HEADING_WITHIN_S, SentNavigation, SentPosition};
@@ -14,7 +14,8 @@ use std::ops::Range;
 const LAYBACKS_M: Range<f32> = 0.01..20_000.0;
 /// Offsets beyond this are damage, metres: no ship is longer.
 const FARTHEST_M: f32 = 200.0;
-/// A sonar whose position is further from the ship's than this share of the layback has one of its own: the layback is in it.
+/// A sonar whose position is further from the ship's than this share of the layback has one of its
+/// own: the layback is in it.
 const OWN_FROM: f64 = 0.5;
 
 /// Forward and to starboard of the ship's antenna, metres.
@@ -60,9 +61,8 @@ pub(super) struct Positions {
 impl Positions {
     /// Of a file with this header, or of the tail of a log whose metres count from `origin_m`.
     pub(super) fn new(header: Option<FileHeader>, origin_m: Option<[f64; 2]>) -> Self {
-        let antenna_m = header.map_or([0.0; 2], |header| {
-            [header.nav_offset_y_m, header.nav_offset_x_m]
-        });
+        let antenna_m =
+            header.map_or([0.0; 2], |header| [header.nav_offset_y_m, header.nav_offset_x_m]);
         Self {
             converter: PositionConverter::new(header.map(|header| header.nav_units), origin_m),
             sent: SentNavigation::default(),
@@ -105,7 +105,8 @@ impl Positions {
         self.sent.take(bytes, offset, packet, set_back_s)
     }
 
-    /// Adds the position of a ping. `transducer_m` is where the header has the transducer from the ship's reference point.
+    /// Adds the position of a ping. `transducer_m` is where the header has the transducer from the
+    /// ship's reference point.
     pub(super) fn add(
         &mut self,
         log: &mut Collected,
@@ -125,11 +126,7 @@ impl Positions {
         let compass_rad = heading_deg.map_or(f32::NAN, f32::to_radians);
         let Some(stated) = sensor.or(ship) else {
             let arm = self.arm(transducer_m, layback_m);
-            self.unplaced.push(Towing {
-                time_s,
-                arm,
-                compass_rad,
-            });
+            self.unplaced.push(Towing { time_s, arm, compass_rad });
             return;
         };
         let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
@@ -162,17 +159,14 @@ impl Positions {
         }
         let [forward_m, right_m] = [0, 1].map(|axis| {
             let offset_m = transducer_m[axis] - self.antenna_m[axis];
-            if offset_m.abs() <= FARTHEST_M {
-                offset_m
-            } else {
-                0.0
-            }
+            if offset_m.abs() <= FARTHEST_M { offset_m } else { 0.0 }
         });
         self.has_offsets |= [forward_m, right_m] != [0.0; 2];
         [forward_m - layback_m.unwrap_or(0.0), right_m]
     }
 
-    /// Whether the position that counts is the sonar's own: it is stated, and lies elsewhere than the ship's by what a layback explains.
+    /// Whether the position that counts is the sonar's own: it is stated, and lies elsewhere than
+    /// the ship's by what a layback explains.
     fn is_own(&self, sensor: Option<[f64; 2]>, ship: Option<[f64; 2]>, layback_m: f32) -> bool {
         match (sensor, ship) {
             (Some(sensor), Some(ship)) if sensor == ship => false,
@@ -183,8 +177,8 @@ impl Positions {
         }
     }
 
-    /// Completes the fixes with what packets sent, moves those of the ship to the sonar, and says what was done. `zero_s` is the log's
-    /// time zero in Unix seconds.
+    /// Completes the fixes with what packets sent, moves those of the ship to the sonar, and says
+    /// what was done. `zero_s` is the log's time zero in Unix seconds.
     pub(super) fn finish(&mut self, log: &mut Collected, zero_s: f64) {
         self.sent.settle(zero_s, self.span_s.unwrap_or_default());
         let headings = self.sent.fill_headings(&mut log.fixes);
@@ -235,8 +229,9 @@ impl Positions {
         }
     }
 
-    /// Moves the ship's fixes to the sonar; how many were, and how many were not for want of a heading. A position that a recorder repeats
-    /// is moved alike, whatever the heading: repeats are told by it.
+    /// Moves the ship's fixes to the sonar; how many were, and how many were not for want of a
+    /// heading. A position that a recorder repeats is moved alike, whatever the heading: repeats
+    /// are told by it.
     fn move_to_sonar(&self, log: &mut Collected) -> [usize; 2] {
         let mut moved = [0; 2];
         // The last of the ship's positions and where it was moved to.
@@ -279,9 +274,7 @@ impl Positions {
             ));
         }
         if headings > 0 {
-            say(format!(
-                "{headings} pings have the heading of other packets"
-            ));
+            say(format!("{headings} pings have the heading of other packets"));
         }
         let [applied, left] = moved;
         if applied > 0 {
@@ -331,7 +324,5 @@ fn moved_by(fix: Fix, [forward_m, right_m]: Arm) -> Option<Fix> {
 
 /// The first value that was recorded: 0 stands for none.
 pub(super) fn first_set(values: [f32; 2]) -> Option<f32> {
-    values
-        .into_iter()
-        .find(|value| value.is_finite() && *value != 0.0)
+    values.into_iter().find(|value| value.is_finite() && *value != 0.0)
 }

@@ -1,8 +1,10 @@
-//! The records of an XTF file as they lie in it: little-endian, packed (Triton's "eXtended Triton Format").
+//! The records of an XTF file as they lie in it: little-endian, packed (Triton's "eXtended Triton
+//! Format").
 
 use bytemuck::{Pod, Zeroable};
 
-/// The fields used of the first 256 bytes of the file header; one [`ChannelInfo`] a channel follows.
+/// The fields used of the first 256 bytes of the file header; one [`ChannelInfo`] a channel
+/// follows.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct FileHeader {
@@ -122,7 +124,8 @@ pub(crate) struct PingHeader {
     pub event: u32,
     /// 28: number of the ping.
     pub ping_number: u32,
-    /// 32: speed of sound, metres a second; about 1500, or about 750 where it is for there and back.
+    /// 32: speed of sound, metres a second; about 1500, or about 750 where it is for there and
+    /// back.
     pub sound_velocity_mps: f32,
     /// 36: not used here.
     pub rest_36: [u8; 36],

@@ -1,4 +1,5 @@
-//! The side-scan channels of a file, in pairs: programs that record two frequencies have two of each side.
+//! The side-scan channels of a file, in pairs: programs that record two frequencies have two of
+//! each side.
 
 use super::channels::{self, XtfChannel};
 use super::levels::{self, Stated};
@@ -46,10 +47,7 @@ pub(super) struct SideChannels {
 impl SideChannels {
     /// No side yet. `is_weighted` where the samples of the sonar count 2^-weight.
     pub(super) fn new(is_weighted: bool) -> Self {
-        Self {
-            is_weighted,
-            ..Self::default()
-        }
+        Self { is_weighted, ..Self::default() }
     }
 
     /// Keeps a channel of a ping if it is a side.
@@ -60,10 +58,7 @@ impl SideChannels {
             _ => return,
         };
         let Some(encoding) = channel.encoding(recorded.width) else {
-            *self
-                .unread
-                .entry((recorded.width, channel.format))
-                .or_default() += 1;
+            *self.unread.entry((recorded.width, channel.format)).or_default() += 1;
             return;
         };
         let [near_m, far_m] = recorded.range_m;
@@ -92,10 +87,7 @@ impl SideChannels {
     /// The pair that a channel is of: with one of the other side that has its frequency.
     fn pair(&mut self, side: Side, number: u16, channel: &XtfChannel) -> &mut Pair {
         let of_side = |pair: &Pair| pair.channels[side as usize];
-        let known = self
-            .pairs
-            .iter()
-            .position(|pair| of_side(pair) == Some(number));
+        let known = self.pairs.iter().position(|pair| of_side(pair) == Some(number));
         let is_partner = |pair: &Pair| {
             let both = pair.frequency_khz.zip(channel.frequency_khz);
             of_side(pair).is_none() && both.is_none_or(|(one, other)| one == other)
@@ -108,10 +100,7 @@ impl SideChannels {
                 true => format!("{}, channel {number}", channel.name),
                 false => channel.name.clone(),
             };
-            self.pairs.push(Pair {
-                name,
-                ..Pair::default()
-            });
+            self.pairs.push(Pair { name, ..Pair::default() });
         }
         let pair = &mut self.pairs[index];
         pair.channels[side as usize] = Some(number);
@@ -133,7 +122,8 @@ impl SideChannels {
         self
     }
 
-    /// Hands over the sides with their scales, which in the tail of a log are those of the log, and says what is not read.
+    /// Hands over the sides with their scales, which in the tail of a log are those of the log, and
+    /// says what is not read.
     pub(super) fn finish(&mut self, bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
         for mut pair in std::mem::take(&mut self.pairs) {
             let halves = pair.halves.iter_mut().flatten();
@@ -160,8 +150,5 @@ impl SideChannels {
 fn last_span(known: &Survey, name: &str) -> Option<SideSpan> {
     let pair = known.pairs.iter().find(|pair| pair.name == name);
     let pings: &[SidePing] = pair.map_or(&known.side_scan, |pair| &pair.side_scan);
-    pings
-        .iter()
-        .rev()
-        .find_map(|ping| ping.port.or(ping.starboard))
+    pings.iter().rev().find_map(|ping| ping.port.or(ping.starboard))
 }

@@ -32,8 +32,9 @@ named! {
 }
 
 impl CoordinateFormat {
-    /// Writes a position; a dash for one that is no number. UTM is written in `zone`, that of the survey, whose places shall
-    /// not jump where the boat crosses the border of a zone; at the poles it gives way to decimal degrees.
+    /// Writes a position; a dash for one that is no number. UTM is written in `zone`, that of the
+    /// survey, whose places shall not jump where the boat crosses the border of a zone; at the
+    /// poles it gives way to decimal degrees.
     pub fn write(self, at: LonLat, zone: UtmZone) -> String {
         if !(at.lon_deg.is_finite() && at.lat_deg.is_finite()) {
             return "–".to_owned();
@@ -42,11 +43,7 @@ impl CoordinateFormat {
             let [easting_m, northing_m] = zone.to_metres(at);
             return format!("{} {easting_m:.1} E {northing_m:.1} N", zone.name());
         }
-        format!(
-            "{} {}",
-            self.latitude(at.lat_deg),
-            self.longitude(at.lon_deg)
-        )
+        format!("{} {}", self.latitude(at.lat_deg), self.longitude(at.lon_deg))
     }
 
     /// Writes a latitude alone; UTM falls back to decimal degrees.
@@ -63,8 +60,8 @@ impl CoordinateFormat {
         self.angle(lon_deg - 360.0 * turns, ["E", "W"])
     }
 
-    /// Counts the smallest unit that is shown and takes that apart, so that 59.99996' becomes a whole degree and what rounds
-    /// to zero has no south or west.
+    /// Counts the smallest unit that is shown and takes that apart, so that 59.99996' becomes a
+    /// whole degree and what rounds to zero has no south or west.
     fn angle(self, degrees: f64, [positive, negative]: [&str; 2]) -> String {
         let count = |per_degree: u64| (degrees.abs() * per_degree as f64).round() as u64;
         let (written, is_zero) = match self {
@@ -117,10 +114,7 @@ mod tests {
         assert_eq!(write(Seconds, bend), "36° 52' 37.56\" N 111° 30' 58.68\" W");
         // pyproj 3.7.2, EPSG:32612 and EPSG:32756.
         assert_eq!(write(Utm, bend), "UTM 12N 453987.7 E 4081363.2 N");
-        assert_eq!(
-            write(Utm, at(151.2093, -33.8688)),
-            "UTM 56S 334368.6 E 6250948.3 N"
-        );
+        assert_eq!(write(Utm, at(151.2093, -33.8688)), "UTM 56S 334368.6 E 6250948.3 N");
     }
 
     #[test]
@@ -175,10 +169,7 @@ mod tests {
         if let Some(utm) = text.strip_prefix("UTM ") {
             let words: Vec<&str> = utm.split(' ').collect();
             let (number, hemisphere) = words[0].split_at(words[0].len() - 1);
-            let zone = UtmZone {
-                number: number.parse().unwrap(),
-                north: hemisphere == "N",
-            };
+            let zone = UtmZone { number: number.parse().unwrap(), north: hemisphere == "N" };
             return zone.to_lon_lat([words[1].parse().unwrap(), words[3].parse().unwrap()]);
         }
         let end = text.find(['N', 'S']).unwrap();
@@ -186,15 +177,8 @@ mod tests {
             let numbers = angle.split(|letter: char| !letter.is_ascii_digit() && letter != '.');
             let parts = numbers.filter(|part| !part.is_empty());
             let parts = parts.map(|part| part.parse::<f64>().unwrap());
-            let sign = if angle.ends_with(['S', 'W']) {
-                -1.0
-            } else {
-                1.0
-            };
-            sign * parts
-                .zip([1.0, 60.0, 3600.0])
-                .map(|(part, per)| part / per)
-                .sum::<f64>()
+            let sign = if angle.ends_with(['S', 'W']) { -1.0 } else { 1.0 };
+            sign * parts.zip([1.0, 60.0, 3600.0]).map(|(part, per)| part / per).sum::<f64>()
         };
         at(degrees(&text[end + 1..]), degrees(&text[..=end]))
     }

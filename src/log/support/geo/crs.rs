@@ -11,7 +11,8 @@ use std::sync::Arc;
 const WGS84: u16 = 4326;
 /// EPSG's number of web Mercator.
 const WEB_MERCATOR: u16 = 3857;
-/// Datums on the ellipsoid of WGS84 or its twin that PROJ nevertheless shifts by up to 2 m against WGS84.
+/// Datums on the ellipsoid of WGS84 or its twin that PROJ nevertheless shifts by up to 2 m against
+/// WGS84.
 const SHIFTED_DATUMS: [&str; 5] = [
     "NAD83_High_Accuracy_Reference_Network",
     "NAD83_Canadian_Spatial_Reference_System",
@@ -38,18 +39,12 @@ pub struct CrsError {
 impl CrsError {
     /// About the system that files are written in.
     fn new(reason: String) -> Self {
-        Self {
-            setting: "crs",
-            reason,
-        }
+        Self { setting: "crs", reason }
     }
 
     /// About the system of a log's positions.
     fn of_source(reason: String) -> Self {
-        Self {
-            setting: "source.crs",
-            reason,
-        }
+        Self { setting: "source.crs", reason }
     }
 }
 
@@ -86,9 +81,9 @@ impl TryFrom<String> for CrsChoice {
             "utm" => Ok(Self::Utm),
             "wgs84" => Ok(Self::Wgs84),
             "web_mercator" => Ok(Self::WebMercator),
-            _ => number().map(Self::Epsg).ok_or(NoSystem(
-                "utm, wgs84, web_mercator, or EPSG: and a number up to 65535",
-            )),
+            _ => number()
+                .map(Self::Epsg)
+                .ok_or(NoSystem("utm, wgs84, web_mercator, or EPSG: and a number up to 65535")),
         }
     }
 }
@@ -141,7 +136,8 @@ impl CrsChoice {
     }
 }
 
-/// `source.crs`: the system of positions that a log has in metres without naming it, `EPSG:` and a number.
+/// `source.crs`: the system of positions that a log has in metres without naming it, `EPSG:` and a
+/// number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct SourceCrs(pub u16);
@@ -152,9 +148,7 @@ impl TryFrom<String> for SourceCrs {
     fn try_from(text: String) -> Result<Self, Self::Error> {
         match CrsChoice::try_from(text) {
             Ok(CrsChoice::Epsg(number)) => Ok(Self(number)),
-            _ => Err(NoSystem(
-                "EPSG: and a number up to 65535, EPSG:32633 for UTM zone 33 north",
-            )),
+            _ => Err(NoSystem("EPSG: and a number up to 65535, EPSG:32633 for UTM zone 33 north")),
         }
     }
 }
@@ -188,7 +182,8 @@ impl SourceCrs {
     }
 }
 
-/// A coordinate reference system: WGS84 in degrees, or metres of a projection on WGS84 or a datum that agrees with it.
+/// A coordinate reference system: WGS84 in degrees, or metres of a projection on WGS84 or a datum
+/// that agrees with it.
 #[derive(Clone)]
 pub struct Crs {
     epsg: u16,
@@ -207,8 +202,9 @@ enum Kind {
 impl Crs {
     /// A system by EPSG's number.
     ///
-    /// Projections other than web Mercator are those of `proj4rs`. Datums are not shifted, so only those are known
-    /// that PROJ takes for WGS84 (ETRS89, GDA, NZGD2000, most of NAD83 ...): they differ from it by less than fish-finders do.
+    /// Projections other than web Mercator are those of `proj4rs`. Datums are not shifted, so only
+    /// those are known that PROJ takes for WGS84 (ETRS89, GDA, NZGD2000, most of NAD83 ...): they
+    /// differ from it by less than fish-finders do.
     ///
     /// # Errors
     /// When the system is not known, has no metres, or does not fit.
@@ -223,21 +219,11 @@ impl Crs {
         let kind = match epsg {
             WGS84 => Kind::Degrees,
             WEB_MERCATOR => Kind::WebMercator,
-            32_601..=32_660 => Kind::Utm(UtmZone {
-                number: (epsg - 32_600) as u8,
-                north: true,
-            }),
-            32_701..=32_760 => Kind::Utm(UtmZone {
-                number: (epsg - 32_700) as u8,
-                north: false,
-            }),
+            32_601..=32_660 => Kind::Utm(UtmZone { number: (epsg - 32_600) as u8, north: true }),
+            32_701..=32_760 => Kind::Utm(UtmZone { number: (epsg - 32_700) as u8, north: false }),
             _ => Kind::Other(Arc::new(projection(epsg, known.proj4, known.wkt)?)),
         };
-        Ok(Self {
-            epsg,
-            wkt: without_shift(known.wkt),
-            kind,
-        })
+        Ok(Self { epsg, wkt: without_shift(known.wkt), kind })
     }
 
     /// The UTM zone of a position.
@@ -281,7 +267,8 @@ impl Crs {
         self.wkt.contains("PROJECTION[\"Mercator_") || self.is_degrees()
     }
 
-    /// East (or longitude) and north (or latitude) of a position; NaN where the projection does not reach.
+    /// East (or longitude) and north (or latitude) of a position; NaN where the projection does not
+    /// reach.
     pub fn place(&self, position: LonLat) -> [f64; 2] {
         match &self.kind {
             Kind::Degrees => [position.lon_deg, position.lat_deg],
@@ -368,9 +355,7 @@ fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
         |why: &str| CrsError::new(format!("EPSG:{epsg} ({}) {why}", quoted_after(wkt, "[")));
     let in_metres = wkt.starts_with("PROJCS") && proj4.contains("+units=m ");
     if !in_metres {
-        return Err(refused(
-            "is not a map projection in metres; choose one that is",
-        ));
+        return Err(refused("is not a map projection in metres; choose one that is"));
     }
     if !agrees_with_wgs84(epsg, proj4, wkt) {
         return Err(refused(
@@ -383,11 +368,7 @@ fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
 }
 
 fn agrees_with_wgs84(epsg: u16, proj4: &str, wkt: &str) -> bool {
-    let word = |key: &str| {
-        proj4
-            .split_whitespace()
-            .find_map(|word| word.strip_prefix(key))
-    };
+    let word = |key: &str| proj4.split_whitespace().find_map(|word| word.strip_prefix(key));
     let shift_is_none = word("+towgs84=").is_none_or(|shift| {
         let mut parts = shift.split(',');
         parts.all(|part| part.parse() == Ok(0.0))

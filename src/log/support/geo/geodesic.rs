@@ -5,8 +5,8 @@ use super::local_frame::{A_M, E2, LocalFrame, earth_centred};
 
 /// Metres along the shortest line on WGS84 between two positions.
 ///
-/// The chord between them, bent to the ellipsoid's curvature in its direction at its middle (Euler's radius): within 0.1 mm of
-/// the geodesic up to 20 km and within a millionth up to 500 km.
+/// The chord between them, bent to the ellipsoid's curvature in its direction at its middle
+/// (Euler's radius): within 0.1 mm of the geodesic up to 20 km and within a millionth up to 500 km.
 pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
     let chord_m = chord_m(from, to);
     let middle = middle([from, to].into_iter());
@@ -20,7 +20,8 @@ pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
     2.0 * radius_m * (0.5 * chord_m / radius_m).min(1.0).asin()
 }
 
-/// Course at which the line between two positions sets out, radians clockwise from north, 0 to 2 pi; NaN where they coincide.
+/// Course at which the line between two positions sets out, radians clockwise from north, 0 to 2
+/// pi; NaN where they coincide.
 pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
     let [east_m, north_m] = LocalFrame::new(from).to_enu(to);
     match east_m == 0.0 && north_m == 0.0 {
@@ -29,19 +30,17 @@ pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
     }
 }
 
-/// Square metres inside a closed line on WGS84, whichever way round it runs; where it crosses itself, loops of opposite sense
-/// count against each other.
+/// Square metres inside a closed line on WGS84, whichever way round it runs; where it crosses
+/// itself, loops of opposite sense count against each other.
 ///
-/// By the shoelace formula in the plane that touches the ellipsoid at the middle of the corners; distances `d` from there
-/// shrink by `(d / 6371 km)^2 / 2`, which costs a ten-millionth of the area of a polygon 5 km across.
+/// By the shoelace formula in the plane that touches the ellipsoid at the middle of the corners;
+/// distances `d` from there shrink by `(d / 6371 km)^2 / 2`, which costs a ten-millionth of the
+/// area of a polygon 5 km across.
 pub fn area_m2(corners: &[LonLat]) -> f64 {
     let frame = LocalFrame::new(middle(corners.iter().copied()));
     let places: Vec<[f64; 2]> = corners.iter().map(|at| frame.to_enu(*at)).collect();
     let next = places.iter().cycle().skip(1);
-    let twice = places
-        .iter()
-        .zip(next)
-        .map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
+    let twice = places.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
     0.5 * twice.sum::<f64>().abs()
 }
 
@@ -72,7 +71,8 @@ fn middle(positions: impl Iterator<Item = LonLat> + Clone) -> LonLat {
     )
 }
 
-/// A direction in degrees clockwise from north, at least 0 and below 360 after it is rounded to some decimals; NaN stays NaN.
+/// A direction in degrees clockwise from north, at least 0 and below 360 after it is rounded to
+/// some decimals; NaN stays NaN.
 pub fn compass_deg(heading_rad: f64, decimals: i32) -> f64 {
     let parts = 10_f64.powi(decimals);
     let whole = (heading_rad.to_degrees() * parts).round();
@@ -100,12 +100,7 @@ mod tests {
     fn lengths_and_courses_are_those_of_the_geodesic() {
         // pyproj 3.7.2: Geod(ellps="WGS84").inv.
         let goldens = [
-            (
-                (-111.5163, 36.8771),
-                (-111.5151, 36.8779),
-                139.024288,
-                50.312474,
-            ),
+            ((-111.5163, 36.8771), (-111.5151, 36.8779), 139.024288, 50.312474),
             ((-82.11, 29.41), (-82.05, 29.47), 8838.494947, 41.181638),
             ((10.3951, 63.4305), (10.3951, 63.6), 18894.129581, 0.0),
             ((179.98, -41.2), (-179.97, -41.15), 6959.703245, 37.090292),
@@ -117,18 +112,11 @@ mod tests {
         for (from, to, length_m, course_deg) in goldens {
             let (from, to) = (at(from), at(to));
             let off_m = (distance_m(from, to) - length_m).abs();
-            let allowed_m = if length_m < 20e3 {
-                1e-4
-            } else {
-                1e-6 * length_m
-            };
+            let allowed_m = if length_m < 20e3 { 1e-4 } else { 1e-6 * length_m };
             assert!(off_m < allowed_m, "{off_m} m of {length_m}");
             let off_deg = course_rad(from, to).to_degrees() - course_deg;
             let off_deg = off_deg - 360.0 * (off_deg / 360.0).round();
-            assert!(
-                off_deg.abs() < 1e-4 + 1e-8 * length_m,
-                "{off_deg} of {course_deg}"
-            );
+            assert!(off_deg.abs() < 1e-4 + 1e-8 * length_m, "{off_deg} of {course_deg}");
         }
         let here = at((5.0, 52.0));
         assert_eq!(distance_m(here, here), 0.0);
@@ -138,25 +126,10 @@ mod tests {
     #[test]
     fn areas_are_those_between_geodesics() {
         // pyproj 3.7.2: Geod(ellps="WGS84").polygon_area_perimeter.
-        let bend = [
-            (-111.5163, 36.8771),
-            (-111.5151, 36.8779),
-            (-111.514, 36.8765),
-            (-111.516, 36.876),
-        ];
-        let date_line = [
-            (179.98, -41.2),
-            (-179.99, -41.2),
-            (-179.99, -41.17),
-            (179.98, -41.17),
-        ];
-        let notched = [
-            (5.0, 52.0),
-            (5.07, 52.0),
-            (5.07, 52.045),
-            (5.03, 52.02),
-            (5.0, 52.045),
-        ];
+        let bend =
+            [(-111.5163, 36.8771), (-111.5151, 36.8779), (-111.514, 36.8765), (-111.516, 36.876)];
+        let date_line = [(179.98, -41.2), (-179.99, -41.2), (-179.99, -41.17), (179.98, -41.17)];
+        let notched = [(5.0, 52.0), (5.07, 52.0), (5.07, 52.045), (5.03, 52.02), (5.0, 52.045)];
         let large = [(10.0, 63.0), (10.4, 63.0), (10.4, 63.2), (10.0, 63.2)];
         let goldens = [
             (&bend[..], 24289.7956, 1e-8),

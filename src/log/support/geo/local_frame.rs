@@ -11,9 +11,9 @@ pub(super) const E2: f64 = F * (2.0 - F);
 
 /// A local east-north frame tangent to the WGS84 ellipsoid at an origin (height 0).
 ///
-/// Positions go through earth-centred coordinates, so that metres are metres on the ground in every direction (a scaled
-/// Mercator is wrong by up to 4 m a kilometre). The third, vertical coordinate is dropped: depths are measured from the
-/// water surface, which curves with the Earth.
+/// Positions go through earth-centred coordinates, so that metres are metres on the ground in every
+/// direction (a scaled Mercator is wrong by up to 4 m a kilometre). The third, vertical coordinate
+/// is dropped: depths are measured from the water surface, which curves with the Earth.
 #[derive(Clone, Debug)]
 pub struct LocalFrame {
     origin: LonLat,
@@ -50,22 +50,20 @@ impl LocalFrame {
         [dot(self.east, offset), dot(self.north, offset)]
     }
 
-    /// Inverse of [`LocalFrame::to_enu`]: the point of the ellipsoid above or below that place of the plane.
-    /// Beyond the horizon of the origin (thousands of kilometres) the nearest direction is returned.
+    /// Inverse of [`LocalFrame::to_enu`]: the point of the ellipsoid above or below that place of
+    /// the plane. Beyond the horizon of the origin (thousands of kilometres) the nearest direction
+    /// is returned.
     pub fn to_lon_lat(&self, east_m: f64, north_m: f64) -> LonLat {
         let offset = [0, 1, 2].map(|axis| self.east[axis] * east_m + self.north[axis] * north_m);
         let drop = self.height_of_surface(offset);
         let [x, y, z] =
             [0, 1, 2].map(|axis| self.centre[axis] + offset[axis] + drop * self.up[axis]);
         // At height 0 the geodetic latitude has a closed form.
-        LonLat::new(
-            y.atan2(x).to_degrees(),
-            z.atan2((1.0 - E2) * x.hypot(y)).to_degrees(),
-        )
+        LonLat::new(y.atan2(x).to_degrees(), z.atan2((1.0 - E2) * x.hypot(y)).to_degrees())
     }
 
-    /// Direction of true north at a position, radians clockwise from the frame's north: 0 on the meridian of the origin, and
-    /// 0.3 degrees 20 km east of it at 60 degrees north.
+    /// Direction of true north at a position, radians clockwise from the frame's north: 0 on the
+    /// meridian of the origin, and 0.3 degrees 20 km east of it at 60 degrees north.
     pub(crate) fn true_north_rad(&self, position: LonLat) -> f64 {
         let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
         let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
@@ -73,10 +71,11 @@ impl LocalFrame {
         dot(self.east, north).atan2(dot(self.north, north))
     }
 
-    /// How far the ellipsoid lies above (negative: below) the tangent plane at `offset` from the origin.
+    /// How far the ellipsoid lies above (negative: below) the tangent plane at `offset` from the
+    /// origin.
     ///
-    /// In axes scaled to a unit sphere, `|centre + offset + u up| = 1` is a quadratic in `u`; `|centre| = 1` cancels, so
-    /// that nothing large is subtracted.
+    /// In axes scaled to a unit sphere, `|centre + offset + u up| = 1` is a quadratic in `u`;
+    /// `|centre| = 1` cancels, so that nothing large is subtracted.
     fn height_of_surface(&self, offset: [f64; 3]) -> f64 {
         let scale = [1.0 / A_M, 1.0 / A_M, 1.0 / (A_M * (1.0 - F))];
         let unit = |vector: [f64; 3]| [0, 1, 2].map(|axis| vector[axis] * scale[axis]);
@@ -93,11 +92,7 @@ pub(super) fn earth_centred(position: LonLat) -> [f64; 3] {
     let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
     let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
     let normal_m = A_M / (1.0 - E2 * sin_lat * sin_lat).sqrt();
-    [
-        normal_m * cos_lat * cos_lon,
-        normal_m * cos_lat * sin_lon,
-        normal_m * (1.0 - E2) * sin_lat,
-    ]
+    [normal_m * cos_lat * cos_lon, normal_m * cos_lat * sin_lon, normal_m * (1.0 - E2) * sin_lat]
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

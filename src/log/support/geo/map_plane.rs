@@ -7,9 +7,9 @@ use super::{Crs, LonLat};
 /// A system that stretches the ground by less than this has metres that are metres enough.
 const LEAST_STRETCH: f64 = 0.02;
 
-/// A coordinate reference system as a plane in metres. One in degrees, or a Mercator that stretches the ground, is scaled to
-/// metres on the ground at the survey's origin, so that cells and gaps mean the same in every system; a grid of square cells is
-/// then one of oblong cells in degrees.
+/// A coordinate reference system as a plane in metres. One in degrees, or a Mercator that stretches
+/// the ground, is scaled to metres on the ground at the survey's origin, so that cells and gaps
+/// mean the same in every system; a grid of square cells is then one of oblong cells in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapPlane {
     /// The system.
@@ -59,8 +59,9 @@ mod tests {
 
     #[test]
     fn area_scales_are_those_of_proj() {
-        // pyproj 3.7.2: Proj(...).get_factors(-111.48, 36.86).areal_scale. That of web Mercator is its area over
-        // that of Geod.polygon_area_perimeter: PROJ's factors leave the ellipsoid out.
+        // pyproj 3.7.2: Proj(...).get_factors(-111.48, 36.86).areal_scale. That of web Mercator is
+        // its area over that of Geod.polygon_area_perimeter: PROJ's factors leave the ellipsoid
+        // out.
         let at = LonLat::new(-111.48, 36.86);
         for (choice, scale) in [
             (CrsChoice::Utm, 0.999_245_248),

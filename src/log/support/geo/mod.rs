@@ -1,12 +1,13 @@
 //! WGS84 to metres and back, and units.
 //!
-//! In: positions in degrees or metres. Out: the same in another system, lengths, areas and directions.
-//! It uses nothing outside `support`.
+//! In: positions in degrees or metres. Out: the same in another system, lengths, areas and
+//! directions. It uses nothing outside `support`.
 //!
-//! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
-//! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position,
-//! `geodesic` the lengths and areas of what is drawn. `crs` has these and the other systems that files are written
-//! in, `wgs84` what all projections start from, `map_plane` makes any of them a plane in metres.
+//! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that
+//! recorders and the paper use, `utm` the metres that survey programs expect in a file,
+//! `coordinates` how a person reads a position, `geodesic` the lengths and areas of what is drawn.
+//! `crs` has these and the other systems that files are written in, `wgs84` what all projections
+//! start from, `map_plane` makes any of them a plane in metres.
 
 mod coordinates;
 mod crs;

@@ -18,13 +18,11 @@ impl UtmZone {
     /// The plain six-degree zone of a position (without the exceptions of Norway and Svalbard).
     pub fn of(position: LonLat) -> Self {
         let from_date_line = (position.lon_deg + 180.0).rem_euclid(360.0);
-        Self {
-            number: (from_date_line / 6.0) as u8 % 60 + 1,
-            north: position.lat_deg >= 0.0,
-        }
+        Self { number: (from_date_line / 6.0) as u8 % 60 + 1, north: position.lat_deg >= 0.0 }
     }
 
-    /// The zones that have a place within `reach_m` of a position: its own first, and those across a meridian or the equator.
+    /// The zones that have a place within `reach_m` of a position: its own first, and those across
+    /// a meridian or the equator.
     pub fn near(position: LonLat, reach_m: f64) -> Vec<Self> {
         let [lon_m, lat_m] = metres_per_degree(position);
         let [lon_deg, lat_deg] = [reach_m / lon_m, reach_m / lat_m];
@@ -53,10 +51,7 @@ impl UtmZone {
     pub(crate) fn from_epsg(epsg: u32) -> Option<Self> {
         let number = u8::try_from(epsg % 100).ok()?;
         let exists = (1..=60).contains(&number) && [326, 327].contains(&(epsg / 100));
-        exists.then_some(Self {
-            number,
-            north: epsg / 100 == 326,
-        })
+        exists.then_some(Self { number, north: epsg / 100 == 326 })
     }
 
     /// Its name: `UTM 12N`.
@@ -64,8 +59,8 @@ impl UtmZone {
         format!("UTM {}{}", self.number, if self.north { 'N' } else { 'S' })
     }
 
-    /// Easting and northing, metres: Poder and Engsager's series to the sixth order, better than a tenth of a micrometre within the
-    /// zone. NaN where there is no such place.
+    /// Easting and northing, metres: Poder and Engsager's series to the sixth order, better than a
+    /// tenth of a micrometre within the zone. NaN where there is no such place.
     pub fn to_metres(self, position: LonLat) -> [f64; 2] {
         let from = [position.lon_deg, position.lat_deg].map(f64::to_radians);
         let there = self.projection();
@@ -107,14 +102,7 @@ mod tests {
             (17, true, -82.11, 29.41, 392311.9646362, 3253923.7680122),
             (12, true, -111.48, 36.86, 457213.1723420, 4079449.4104993),
             (32, true, 10.3951, 63.4305, 569618.6286081, 7034313.8490130),
-            (
-                56,
-                false,
-                151.2093,
-                -33.8688,
-                334368.6336481,
-                6250948.3453850,
-            ),
+            (56, false, 151.2093, -33.8688, 334368.6336481, 6250948.3453850),
             (31, true, 5.9, 0.001, 822836.1939948, 110.6727342),
             (17, true, -84.0, 29.0, 207728.9289299, 3211697.3733454),
         ];
@@ -122,10 +110,7 @@ mod tests {
             let zone = UtmZone { number, north };
             let position = LonLat { lon_deg, lat_deg };
             let found = zone.to_metres(position);
-            assert!(
-                (found[0] - east_m).hypot(found[1] - north_m) < 1e-7,
-                "{found:?}"
-            );
+            assert!((found[0] - east_m).hypot(found[1] - north_m) < 1e-7, "{found:?}");
             let back = zone.to_lon_lat([east_m, north_m]);
             let off_deg = (back.lon_deg - lon_deg).hypot(back.lat_deg - lat_deg);
             assert!(off_deg < 1e-12, "{back:?}");
@@ -151,21 +136,11 @@ mod tests {
     fn what_is_no_zone_or_no_place_is_nowhere() {
         let position = LonLat::new(9.0, 50.0);
         for number in [0, 61, 255] {
-            let zone = UtmZone {
-                number,
-                north: true,
-            };
-            assert!(
-                zone.to_metres(position)
-                    .iter()
-                    .all(|metres| metres.is_nan())
-            );
+            let zone = UtmZone { number, north: true };
+            assert!(zone.to_metres(position).iter().all(|metres| metres.is_nan()));
         }
         let zone = UtmZone::of(position);
-        let nowhere = LonLat {
-            lon_deg: f64::NAN,
-            ..position
-        };
+        let nowhere = LonLat { lon_deg: f64::NAN, ..position };
         assert!(zone.to_metres(nowhere).iter().any(|metres| metres.is_nan()));
     }
 }

@@ -4,7 +4,8 @@ use super::LonLat;
 use proj4rs::{Proj, transform::transform};
 use std::sync::LazyLock;
 
-/// Metres on WGS84 in a degree of longitude and of latitude: radii of the prime vertical and of the meridian.
+/// Metres on WGS84 in a degree of longitude and of latitude: radii of the prime vertical and of the
+/// meridian.
 pub fn metres_per_degree(at: LonLat) -> [f64; 2] {
     const A_M: f64 = 6_378_137.0;
     const F: f64 = 1.0 / 298.257_223_563;

@@ -10,11 +10,12 @@ const NONE: usize = usize::MAX;
 /// The first place of the list of maps.
 static FIRST: Place = Place::new();
 
-/// A map, or room for one. Places are never freed, only used again, so that a handler can walk the list at any time: the list is as long
-/// as there ever were maps at once.
+/// A map, or room for one. Places are never freed, only used again, so that a handler can walk the
+/// list at any time: the list is as long as there ever were maps at once.
 pub(super) struct Place {
     is_taken: AtomicBool,
-    /// Odd while the range is being changed, and another after each change: a reader takes no half of one range and half of another.
+    /// Odd while the range is being changed, and another after each change: a reader takes no half
+    /// of one range and half of another.
     version: AtomicUsize,
     start: AtomicUsize,
     end: AtomicUsize,
@@ -55,7 +56,8 @@ impl Place {
         is_settled.then_some(range)
     }
 
-    /// Notes that the byte at an offset is lost; returns how often that was noted of this map before.
+    /// Notes that the byte at an offset is lost; returns how often that was noted of this map
+    /// before.
     pub(super) fn lose(&self, offset: usize) -> usize {
         self.lost_from.fetch_min(offset, SeqCst);
         self.faults.fetch_add(1, SeqCst)

@@ -1,11 +1,12 @@
-//! Files that a person or a network can take away while they are open, on Windows: they are copied into a temporary file first, and that is
-//! mapped. It costs the time and the place of one copy, which goes when the file is closed.
+//! Files that a person or a network can take away while they are open, on Windows: they are copied
+//! into a temporary file first, and that is mapped. It costs the time and the place of one copy,
+//! which goes when the file is closed.
 
 use std::fs::File;
 use std::io::{self, Read as _};
 
-/// Whether a file's drive is a card, a stick, a disc or a share of a network, or nothing is known of it. A hard disk in a case of its own
-/// counts as part of the computer: Windows does not tell.
+/// Whether a file's drive is a card, a stick, a disc or a share of a network, or nothing is known
+/// of it. A hard disk in a case of its own counts as part of the computer: Windows does not tell.
 // The call of the system below.
 #[allow(unsafe_code)]
 #[cfg(windows)]

@@ -43,7 +43,8 @@ pub(super) struct FileState {
     modified: Option<SystemTime>,
     #[cfg(unix)]
     place: [u64; 2],
-    /// Hash of its last bytes when they were first asked for: at the mapping this would read the end of each file that is only recognised.
+    /// Hash of its last bytes when they were first asked for: at the mapping this would read the
+    /// end of each file that is only recognised.
     tail: OnceLock<u64>,
 }
 
@@ -58,9 +59,10 @@ impl FileState {
         }
     }
 
-    /// What became of the file at `path`, which was mapped as `bytes`, that makes these wrong. It is well that it grows behind them. Where
-    /// it was deleted or another was renamed into its place, the map keeps the old one; where its disk does not answer, the map tells
-    /// what it lost.
+    /// What became of the file at `path`, which was mapped as `bytes`, that makes these wrong. It
+    /// is well that it grows behind them. Where it was deleted or another was renamed into its
+    /// place, the map keeps the old one; where its disk does not answer, the map tells what it
+    /// lost.
     pub(super) fn fault(&self, path: &Path, bytes: &[u8]) -> Option<FileFault> {
         let now = fs::metadata(path).ok()?;
         #[cfg(unix)]
@@ -68,10 +70,7 @@ impl FileState {
             return None;
         }
         if now.len() < self.length {
-            return Some(FileFault::Shorter {
-                from: self.length,
-                to: now.len(),
-            });
+            return Some(FileFault::Shorter { from: self.length, to: now.len() });
         }
         let known = *self.tail.get_or_init(|| hash_of_end(bytes));
         let is_changed = match now.len() == self.length {

@@ -30,7 +30,8 @@ fn mapped() -> (tempfile::TempDir, std::path::PathBuf, MappedFile) {
     (folder, path, map)
 }
 
-/// Reads all bytes in several threads, which begin together, while something is done to the file. Returns what each saw at the end.
+/// Reads all bytes in several threads, which begin together, while something is done to the file.
+/// Returns what each saw at the end.
 fn read_while(map: &MappedFile, act: impl FnOnce() + Send) -> Vec<Vec<u8>> {
     let begin = Barrier::new(READERS + 1);
     std::thread::scope(|scope| {
@@ -80,9 +81,7 @@ fn a_file_that_is_cut_reads_as_zeros_from_there_on() {
 #[test]
 fn bytes_that_were_lost_stay_lost_when_the_file_is_whole_again() {
     let (_folder, path, map) = mapped();
-    let modified = fs::metadata(&path)
-        .and_then(|found| found.modified())
-        .expect("a time");
+    let modified = fs::metadata(&path).and_then(|found| found.modified()).expect("a time");
     read_while(&map, || fs::write(&path, b"").expect("a cut"));
     fs::write(&path, content()).expect("a file");
     let file = File::options().write(true).open(&path).expect("the file");
@@ -137,7 +136,8 @@ fn many_maps_come_and_go_while_others_lose_their_bytes() {
         for _ in 0..READERS {
             scope.spawn(|| {
                 for _ in 0..10 * ROUNDS {
-                    // Between its size and its map it may have been cut: that is a map that lost all.
+                    // Between its size and its map it may have been cut: that is a map that lost
+                    // all.
                     let map = MappedFile::open(&path).expect("a map");
                     std::hint::black_box(map.iter().map(|byte| u64::from(*byte)).sum::<u64>());
                 }

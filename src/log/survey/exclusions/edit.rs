@@ -1,4 +1,5 @@
-//! What an analyst says about parts of a log: that they are excluded, that they count, or nothing any more.
+//! What an analyst says about parts of a log: that they are excluded, that they count, or nothing
+//! any more.
 
 use super::{ExclusionReason, ExclusionSettings, Exclusions, Stretch};
 use crate::survey::{Identity, Navigation, PingNav, Survey};
@@ -69,7 +70,8 @@ impl ExclusionSettings {
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
 
-    /// With nothing said about a part of a log: turns and stops that are found there are excluded, all else counts.
+    /// With nothing said about a part of a log: turns and stops that are found there are excluded,
+    /// all else counts.
     pub fn reset(&self, survey: &Survey, part: LogPart) -> Self {
         let stretches = self.stretches_of(survey);
         let rest = stretches.iter().flat_map(|one| without(one, part, survey));
@@ -128,11 +130,7 @@ fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
         LogPart::Pings(pings) => (Some(pings), None),
         LogPart::Time(time_s) => (None, Some(time_s)),
     };
-    Stretch {
-        pings,
-        time_s,
-        reason,
-    }
+    Stretch { pings, time_s, reason }
 }
 
 /// The first and last ping of a stretch; `None` where it holds none.
@@ -182,10 +180,7 @@ fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     };
     let rest: Option<Vec<LogPart>> = rest;
     match rest {
-        Some(rest) => rest
-            .into_iter()
-            .map(|part| stretch(part, other.reason))
-            .collect(),
+        Some(rest) => rest.into_iter().map(|part| stretch(part, other.reason)).collect(),
         // As it was given, by its times perhaps.
         None => vec![other.clone()],
     }
@@ -215,9 +210,7 @@ mod tests {
 
     fn named(settings: &ExclusionSettings) -> Vec<([usize; 2], Option<ExclusionReason>)> {
         let stretches = settings.stretches.iter();
-        stretches
-            .filter_map(|one| Some((one.pings?, one.reason)))
-            .collect()
+        stretches.filter_map(|one| Some((one.pings?, one.reason))).collect()
     }
 
     #[test]
@@ -226,21 +219,14 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let pings = |first, last| LogPart::Pings([first, last]);
         let mut given = ExclusionSettings::default();
-        given.stretches.push(Stretch {
-            pings: None,
-            time_s: Some([1.0, 9.95]),
-            reason: Some(Bad),
-        });
+        given.stretches.push(Stretch { pings: None, time_s: Some([1.0, 9.95]), reason: Some(Bad) });
         let one = given.excluding(&survey, pings(120, 139));
         let two = one.excluding(&survey, pings(140, 159));
         assert_eq!(named(&two), [([120, 159], Some(Drawn))], "they touch");
         assert_eq!(two.stretches[1], given.stretches[0], "it stays as given");
         assert!(two.log.is_some());
         let three = two.excluding(&survey, pings(90, 125));
-        assert_eq!(
-            named(&three),
-            [([10, 89], Some(Bad)), ([90, 159], Some(Drawn))]
-        );
+        assert_eq!(named(&three), [([10, 89], Some(Bad)), ([90, 159], Some(Drawn))]);
         let four = three.including(&survey, &navigation, pings(100, 110));
         let drawn = [([90, 99], Some(Drawn)), ([111, 159], Some(Drawn))];
         assert_eq!(named(&four)[1..], drawn, "no turn is found there");

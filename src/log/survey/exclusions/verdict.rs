@@ -11,10 +11,7 @@ enum Included {
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "a reason is `turn`, `stop`, `bad`, `drawn` or `kept`"
-)]
+#[serde(untagged, expecting = "a reason is `turn`, `stop`, `bad`, `drawn` or `kept`")]
 enum Verdict {
     Excluded(ExclusionReason),
     Included(Included),

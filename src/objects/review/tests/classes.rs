@@ -12,10 +12,7 @@ fn labels_are_numbered_by_the_analysts_list_and_nameless_boxes_come_last() {
     // A class that no box has is there only where the list has it.
     assert_eq!(classes, ["wreck", "tyre", "rock"]);
     assert_eq!(places, [None, Some(2), Some(1)]);
-    let drawn = Edit::Add {
-        mark: mark(Side::Port, 500, 5.0),
-        class: 0,
-    };
+    let drawn = Edit::Add { mark: mark(Side::Port, 500, 5.0), class: 0 };
     let review = review.apply(&drawn).expect("a box");
     let (classes, places) = review.training_classes(&list);
     assert_eq!(classes, ["wreck", "tyre", "rock", "object"]);

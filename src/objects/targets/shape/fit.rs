@@ -1,9 +1,10 @@
 //! Which solid, in which size and pose, explains what the passes recorded of an object.
 //!
-//! What is sought is the least sum of squares of recorded levels minus predicted ones. A level is a logarithm of power here, in standard
-//! deviations of single-look speckle, which has one of 1.28 in ln power whatever the recorder: `ln(bottom + strength * object) / 1.28`,
-//! no lower than the darkest shadow. Strength and darkness belong to a pass, size and heading to the object, and each pass may place it a
-//! little elsewhere, as its receiver did.
+//! What is sought is the least sum of squares of recorded levels minus predicted ones. A level is a
+//! logarithm of power here, in standard deviations of single-look speckle, which has one of 1.28 in
+//! ln power whatever the recorder: `ln(bottom + strength * object) / 1.28`, no lower than the
+//! darkest shadow. Strength and darkness belong to a pass, size and heading to the object, and each
+//! pass may place it a little elsewhere, as its receiver did.
 
 use super::initial_guess::{InitialGuess, beginnings};
 use super::levels::BoxLevels;
@@ -27,7 +28,8 @@ pub(super) struct ShapeFit {
 /// Rounds of the search at most.
 const ROUNDS: usize = 40;
 
-/// A search in a picture that is coarser than the look: there a solid that lies a little off is right in part, and a trial costs less.
+/// A search in a picture that is coarser than the look: there a solid that lies a little off is
+/// right in part, and a trial costs less.
 struct CoarseSearch {
     /// Pings and bins of the picture, about.
     size: [usize; 2],
@@ -35,7 +37,8 @@ struct CoarseSearch {
     followed: &'static [(usize, usize)],
     /// How many of them are kept.
     kept: usize,
-    /// A kind that gains less than this share of what the best gains here is no rival in a finer picture.
+    /// A kind that gains less than this share of what the best gains here is no rival in a finer
+    /// picture.
     worth_fitting: f64,
 }
 
@@ -47,26 +50,22 @@ const COARSE: [CoarseSearch; 2] = [
         kept: 4,
         worth_fitting: 0.6,
     },
-    CoarseSearch {
-        size: [24, 48],
-        followed: &[(3, 3), (1, 8)],
-        kept: 1,
-        worth_fitting: 0.9,
-    },
+    CoarseSearch { size: [24, 48], followed: &[(3, 3), (1, 8)], kept: 1, worth_fitting: 0.9 },
 ];
-/// How far numbers are changed at first in the whole picture, as a share of the first steps: they are nearly right.
+/// How far numbers are changed at first in the whole picture, as a share of the first steps: they
+/// are nearly right.
 const FINE_STEPS: f64 = 0.5;
 
-/// Fits all kinds to looks, of which each has its start, and gives back those that explain enough to be told apart, the best first. Each kind
-/// is fitted to each of the first two looks, which are to show the object best, and from there to all.
+/// Fits all kinds to looks, of which each has its start, and gives back those that explain enough
+/// to be told apart, the best first. Each kind is fitted to each of the first two looks, which are
+/// to show the object best, and from there to all.
 pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit> {
     let mut best: Vec<ShapeFit> = Vec::new();
     for first in 0..looks.len().min(2) {
         let kinds = ShapeKind::ALL.into_iter();
         let all = kinds.map(|kind| (kind, beginnings(kind, &starts[first])));
-        let fitted = COARSE.iter().fold(all.collect(), |kinds, search| {
-            search.fits(&looks[first], kinds)
-        });
+        let fitted =
+            COARSE.iter().fold(all.collect(), |kinds, search| search.fits(&looks[first], kinds));
         let beginnings = fitted.into_iter().flat_map(|(kind, beginnings)| {
             let beginnings = beginnings.into_iter();
             beginnings.map(move |one| (kind, one))
@@ -157,10 +156,7 @@ impl CoarseSearch {
         of_kinds.retain(|(_, states)| bare - states[0].cost >= least);
         let numbers =
             |states: Vec<FitState>| states.into_iter().map(|state| state.numbers).collect();
-        of_kinds
-            .into_iter()
-            .map(|(kind, states)| (kind, numbers(states)))
-            .collect()
+        of_kinds.into_iter().map(|(kind, states)| (kind, numbers(states))).collect()
     }
 }
 
@@ -174,7 +170,8 @@ mod tests {
 
     const BINS: usize = 96;
 
-    /// A look to starboard of a boat that sails north, 3 m above the bottom, of nothing but speckle.
+    /// A look to starboard of a boat that sails north, 3 m above the bottom, of nothing but
+    /// speckle.
     fn bare() -> BoxLevels {
         let mut state = 1_u32;
         let mut speckle = || {
@@ -228,7 +225,8 @@ mod tests {
         for (level, (bottom, object)) in levels.zip(both) {
             *level += (bottom + 4.0 * object).max(0.1).ln() / SPECKLE_LN as f32;
         }
-        // What the box says: extents along and across the track that hold echo and shadow, and a place between the two.
+        // What the box says: extents along and across the track that hold echo and shadow, and a
+        // place between the two.
         let start = InitialGuess {
             place_m: [5.8, 0.0],
             heading_rad: 0.0,

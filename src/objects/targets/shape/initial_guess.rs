@@ -50,8 +50,8 @@ impl InitialGuess {
     }
 }
 
-/// Sizes and poses to begin with: of a typical slenderness, as long as the extents along the track, across it, or both say, and in the
-/// middle of the picture or a little nearer or farther.
+/// Sizes and poses to begin with: of a typical slenderness, as long as the extents along the track,
+/// across it, or both say, and in the middle of the picture or a little nearer or farther.
 pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> {
     let usual = kind.usual();
     let slenderness = usual.typical_slenderness;

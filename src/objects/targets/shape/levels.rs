@@ -6,7 +6,8 @@ use crate::Mark;
 use bathyscope_log::support::statistics::median;
 use std::ops::Range;
 
-/// Levels around a box, and from where they were recorded. Slant ranges are by the calibration in force, metres.
+/// Levels around a box, and from where they were recorded. Slant ranges are by the calibration in
+/// force, metres.
 #[derive(Clone, Debug)]
 pub struct BoxLevels {
     /// Height of the transducer above the bottom.
@@ -32,11 +33,13 @@ pub struct BoxLevels {
 pub(super) struct PingLevels {
     /// Index of the ping, of several the middle one.
     pub(super) ping: usize,
-    /// Where on the bottom ranges count from, metres east and north: under the boat on a level bottom.
+    /// Where on the bottom ranges count from, metres east and north: under the boat on a level
+    /// bottom.
     pub(super) boat_m: [f64; 2],
     /// Unit vector across the track to the side of the look, east and north.
     pub(super) outward: [f64; 2],
-    /// Mean level of each bin above that of the bottom beside the box, in standard deviations of the speckle.
+    /// Mean level of each bin above that of the bottom beside the box, in standard deviations of
+    /// the speckle.
     pub(super) levels: Vec<f32>,
 }
 
@@ -45,12 +48,14 @@ const PINGS: usize = 48;
 const BINS: usize = 96;
 /// Bins are no narrower than a pulse, metres.
 const LEAST_STEP_M: f64 = 0.03;
-/// What is looked at around the box: in range, metres and as a share of the box; along the track, pings and a share.
+/// What is looked at around the box: in range, metres and as a share of the box; along the track,
+/// pings and a share.
 const RANGE_MARGIN_M: f64 = 0.3;
 const RANGE_MARGIN: f64 = 0.15;
 const PING_MARGIN: usize = 4;
 const PING_SHARE: usize = 4;
-/// What counts begins where the bottom is seen under an angle, as a share of the altitude: nearer is the first return.
+/// What counts begins where the bottom is seen under an angle, as a share of the altitude: nearer
+/// is the first return.
 const BEYOND_NADIR: f64 = 1.02;
 /// Median of the square of what is normally distributed with a standard deviation of 1.
 const MEDIAN_SQUARE: f64 = 0.4549;
@@ -122,17 +127,15 @@ impl BoxLevels {
     pub(super) fn across_m(&self) -> f64 {
         let out_m = |bin: usize| {
             let range_m = self.from_m + bin as f64 * self.step_m;
-            (range_m * range_m - self.altitude_m * self.altitude_m)
-                .max(0.0)
-                .sqrt()
+            (range_m * range_m - self.altitude_m * self.altitude_m).max(0.0).sqrt()
         };
         out_m(self.bins) - out_m(0)
     }
 }
 
 impl Placer<'_> {
-    /// What the pass of a box recorded around it; `None` where that is no picture (less than three pings with a place, no samples, or no
-    /// bottom beside the box that it could be compared with).
+    /// What the pass of a box recorded around it; `None` where that is no picture (less than three
+    /// pings with a place, no samples, or no bottom beside the box that it could be compared with).
     pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let span = self.span(mark.side, middle)?;
@@ -164,7 +167,8 @@ impl Placer<'_> {
         let end = (mark.pings.end + more).min(self.survey().side_scan.len());
         let groups = groups(mark.pings.start.saturating_sub(more)..end);
         let noise = self.noise(&grid, &background, mark, groups.first()?.len())?;
-        // On a bottom that slopes evenly the geometry is that of a level one, moved along the slope.
+        // On a bottom that slopes evenly the geometry is that of a level one, moved along the
+        // slope.
         let level_m = (near_m * near_m - altitude_m * altitude_m).max(0.0).sqrt();
         let moved_m = self.across(mark.side, middle).ground_m(altitude_m, near_m) - level_m;
         let pings: Vec<PingLevels> = groups
@@ -201,10 +205,7 @@ impl Placer<'_> {
         let boat = self.boat_at(ping)?;
         let [x, y] = boat.starboard()?;
         let outward = [x, y].map(|part| grid.side.to_starboard(part));
-        let boat_m = [
-            boat.east_m + moved_m * outward[0],
-            boat.north_m + moved_m * outward[1],
-        ];
+        let boat_m = [boat.east_m + moved_m * outward[0], boat.north_m + moved_m * outward[1]];
         if !boat_m.iter().all(|metres| metres.is_finite()) {
             return None;
         }
@@ -216,8 +217,9 @@ impl Placer<'_> {
         })
     }
 
-    /// Mean square of the levels of so many pings together beside the box. It is that of most of them: stones and other objects beside it
-    /// are no noise, and would have any shape explain all of a picture.
+    /// Mean square of the levels of so many pings together beside the box. It is that of most of
+    /// them: stones and other objects beside it are no noise, and would have any shape explain all
+    /// of a picture.
     fn noise(
         &self,
         grid: &RangeSteps,
@@ -231,12 +233,7 @@ impl Placer<'_> {
                 let some = first..(first + together).min(pings.end);
                 let levels = grid.profile(self.survey(), some);
                 let levels = levels.and_then(|levels| background.levels_above(&levels));
-                squares.extend(
-                    levels
-                        .into_iter()
-                        .flatten()
-                        .map(|level| f64::from(level * level)),
-                );
+                squares.extend(levels.into_iter().flatten().map(|level| f64::from(level * level)));
             }
         }
         (!squares.is_empty()).then(|| median(&mut squares) / MEDIAN_SQUARE)
@@ -252,11 +249,7 @@ impl BackgroundLevels {
         }
         let both = levels.iter().zip(&self.levels);
         let above = both.map(|(level, bottom)| (level - bottom) / self.speckle);
-        Some(
-            above
-                .map(|level| level.clamp(LEVELS[0], LEVELS[1]) as f32)
-                .collect(),
-        )
+        Some(above.map(|level| level.clamp(LEVELS[0], LEVELS[1]) as f32).collect())
     }
 }
 
@@ -264,9 +257,7 @@ impl BackgroundLevels {
 fn groups(pings: Range<usize>) -> Vec<Range<usize>> {
     let together = pings.len().div_ceil(PINGS).max(1);
     let first = pings.clone().step_by(together);
-    first
-        .map(|first| first..(first + together).min(pings.end))
-        .collect()
+    first.map(|first| first..(first + together).min(pings.end)).collect()
 }
 
 #[cfg(test)]
@@ -293,10 +284,7 @@ mod tests {
             together: 1,
         };
         let coarse = look.coarser([2, 4]);
-        assert_eq!(
-            (coarse.bins, coarse.pings.len(), coarse.together),
-            (4, 3, 4)
-        );
+        assert_eq!((coarse.bins, coarse.pings.len(), coarse.together), (4, 3, 4));
         assert_eq!(coarse.pings[1].levels, [25.5, 27.5, 29.5, 31.5]);
         assert_eq!(coarse.pings[2].levels, [40.5, 42.5, 44.5, 46.5]);
         assert!((coarse.pings[1].boat_m[1] - 0.25).abs() < 1e-12);

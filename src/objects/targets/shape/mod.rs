@@ -1,11 +1,11 @@
-//! Shapes of objects: a solid on the bottom, fitted in kind, size and pose so that its predicted echo and shadow lie over what all passes
-//! recorded of the object.
+//! Shapes of objects: a solid on the bottom, fitted in kind, size and pose so that its predicted
+//! echo and shadow lie over what all passes recorded of the object.
 //!
-//! In: the levels that passes recorded about an object. Out: a solid with its pose, and how much of the picture it explains.
-//! It uses `survey` and `support`.
+//! In: the levels that passes recorded about an object. Out: a solid with its pose, and how much of
+//! the picture it explains. It uses `survey` and `support`.
 //!
-//! A shape is a hypothesis: what it says of the far side was never insonified. Where no kind explains most of what the picture shows,
-//! there is none, and the reason is said.
+//! A shape is a hypothesis: what it says of the far side was never insonified. Where no kind
+//! explains most of what the picture shows, there is none, and the reason is said.
 
 mod fit;
 mod initial_guess;
@@ -34,7 +34,8 @@ pub struct FittedShape {
     pub bottom_z_m: f64,
     /// Where it lies in the pings of each box, in their order; nothing of a box without a look.
     pub on_pings: Vec<Vec<ShapeOnPing>>,
-    /// Share of what the looks differ from bare bottom, beyond speckle, that it explains; 1 leaves nothing but speckle.
+    /// Share of what the looks differ from bare bottom, beyond speckle, that it explains; 1 leaves
+    /// nothing but speckle.
     pub explained: f64,
     /// Kinds that explain nearly as much, the better first.
     pub rivals: Vec<ShapeKind>,
@@ -61,15 +62,18 @@ pub enum ShapeError {
 
 /// Share that a shape has to explain.
 const LEAST_EXPLAINED: f64 = 0.35;
-/// How far the squares of a look exceed those of speckle at least, as a share of them, or it is too faint to tell shapes apart.
+/// How far the squares of a look exceed those of speckle at least, as a share of them, or it is too
+/// faint to tell shapes apart.
 const LEAST_CONTRAST: f64 = 0.15;
 /// A kind that leaves no more than so much of what the best explains is a rival.
 const RIVAL: f64 = 0.07;
 
-/// Looks that are fitted together at most, those that show the object best: more cost time and tell no more.
+/// Looks that are fitted together at most, those that show the object best: more cost time and tell
+/// no more.
 const MOST_LOOKS: usize = 4;
 
-/// The shape of an object by the boxes that show it: each with its place and its look, where it has one.
+/// The shape of an object by the boxes that show it: each with its place and its look, where it has
+/// one.
 ///
 /// # Errors
 /// Why it has none.
@@ -86,9 +90,7 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     let Some((_, target, _)) = best.first() else {
         return Err(ShapeError::Faint);
     };
-    let starts = best
-        .iter()
-        .map(|(_, target, look)| InitialGuess::of(target, look));
+    let starts = best.iter().map(|(_, target, look)| InitialGuess::of(target, look));
     let starts: Vec<InitialGuess> = starts.collect();
     let looks: Vec<BoxLevels> = best.iter().map(|(.., look)| (*look).clone()).collect();
     let fits = fits(&looks, &starts);
@@ -100,10 +102,7 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     };
     let explained = gained(fitted) / (bare - speckle);
     if explained < LEAST_EXPLAINED {
-        return Err(ShapeError::Unexplained {
-            kind: fitted.kind,
-            explained: explained.max(0.0),
-        });
+        return Err(ShapeError::Unexplained { kind: fitted.kind, explained: explained.max(0.0) });
     }
     let is_rival = |other: &&ShapeFit| gained(other) > (1.0 - RIVAL) * gained(fitted);
     let rivals = fits.iter().skip(1).take_while(is_rival);

@@ -1,9 +1,11 @@
 //! What a pass records of a solid on the bottom: its echo, and the shadow behind it.
 //!
-//! Along a ray from the boat outward the solid is a profile of heights. A step of it is insonified as far as its direction from the
-//! vertical exceeds that of all steps before it; its echo, by Lambert's law, goes with the square of the cosine of the angle between the
-//! ray and the normal of the step. What it hides of the bottom is dark up to where the last of those directions meets the bottom.
-//! Everything is power over that of the bare bottom at the same range, so that gain, spreading and the beam across the track cancel.
+//! Along a ray from the boat outward the solid is a profile of heights. A step of it is insonified
+//! as far as its direction from the vertical exceeds that of all steps before it; its echo, by
+//! Lambert's law, goes with the square of the cosine of the angle between the ray and the normal of
+//! the step. What it hides of the bottom is dark up to where the last of those directions meets the
+//! bottom. Everything is power over that of the bare bottom at the same range, so that gain,
+//! spreading and the beam across the track cancel.
 
 use super::levels::{BoxLevels, PingLevels};
 use super::ray::{EchoBins, ShapeRay, slant_m};
@@ -26,16 +28,14 @@ pub struct PosedSolid {
 }
 
 impl PosedSolid {
-    /// The same with its heading within a circle, or within half of one where it looks the same from both ends.
+    /// The same with its heading within a circle, or within half of one where it looks the same
+    /// from both ends.
     pub(super) fn with_heading_in_range(self) -> Self {
         let turn_rad = match self.solid.kind.is_boat() {
             true => TAU,
             false => PI,
         };
-        Self {
-            heading_rad: self.heading_rad.rem_euclid(turn_rad),
-            ..self
-        }
+        Self { heading_rad: self.heading_rad.rem_euclid(turn_rad), ..self }
     }
 
     /// Its heading where that says something, for people and files: NaN of a tyre, which is round.
@@ -67,7 +67,8 @@ pub struct ShapeOnPing {
     pub shadow_end_m: f64,
 }
 
-/// Share of the bottom's power from which on a bin has an echo of the solid, and below which it lies in the shadow.
+/// Share of the bottom's power from which on a bin has an echo of the solid, and below which it
+/// lies in the shadow.
 const SEEN: f32 = 0.1;
 const DARK: f32 = 0.5;
 
@@ -103,7 +104,8 @@ pub(super) struct Predicted {
 }
 
 impl Predicted {
-    /// Makes it that of a look without a solid. The search does this for every trial: only what the last one changed is written.
+    /// Makes it that of a look without a solid. The search does this for every trial: only what the
+    /// last one changed is written.
     #[inline(always)]
     fn clear(&mut self, look: &BoxLevels) {
         let count = look.pings.len() * look.bins;
@@ -123,7 +125,8 @@ impl Predicted {
     }
 }
 
-/// Standard deviation of the two-way beam along the track, radians, of a beam a little under a degree wide: the usual 455 kHz.
+/// Standard deviation of the two-way beam along the track, radians, of a beam a little under a
+/// degree wide: the usual 455 kHz.
 const BEAM_SIGMA_RAD: f64 = 0.0157 / 2.355;
 /// Rays that stand for its width, in standard deviations, and their weights (Gauss-Hermite).
 const RAYS: [(f64, f32); 3] = [(-1.732, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732, 1.0 / 6.0)];
@@ -182,7 +185,8 @@ fn blur(bins: &mut [f32]) {
     }
 }
 
-/// Writes what a ping would be of a solid that reaches so far from its middle, and the sine and cosine of whose heading are known.
+/// Writes what a ping would be of a solid that reaches so far from its middle, and the sine and
+/// cosine of whose heading are known.
 #[inline(always)]
 fn one_ping(
     look: &BoxLevels,
@@ -194,13 +198,11 @@ fn one_ping(
 ) {
     let [x, y] = ping.outward;
     let [ahead_x, ahead_y] = [-y, x];
-    let [east_m, north_m] = [
-        posed.east_m - ping.boat_m[0],
-        posed.north_m - ping.boat_m[1],
-    ];
+    let [east_m, north_m] = [posed.east_m - ping.boat_m[0], posed.north_m - ping.boat_m[1]];
     let out_m = east_m * x + north_m * y;
     let ahead_m = east_m * ahead_x + north_m * ahead_y;
-    // Pings that were summed see more of the way: evenly over a width its standard deviation is that over the root of 12.
+    // Pings that were summed see more of the way: evenly over a width its standard deviation is
+    // that over the root of 12.
     let beam_m = BEAM_SIGMA_RAD * slant_m(out_m, look.altitude_m);
     let sigma_m = slant_m(beam_m, look.ping_m / 12f64.sqrt());
     // What is coarse anyway needs no width.
@@ -220,10 +222,7 @@ fn one_ping(
         if half_m == 0.0 || out_m + half_m <= 0.0 {
             continue;
         }
-        let [east_m, north_m] = [
-            at * sigma_m * ahead_x - east_m,
-            at * sigma_m * ahead_y - north_m,
-        ];
+        let [east_m, north_m] = [at * sigma_m * ahead_x - east_m, at * sigma_m * ahead_y - north_m];
         let start_m = [east_m * sin + north_m * cos, east_m * cos - north_m * sin];
         let from = (start_m, outward);
         if ray.follow(look.altitude_m, &posed.solid, half_m, from, least_step_m) {
@@ -236,7 +235,8 @@ fn one_ping(
 mod tests {
     use super::*;
 
-    /// A look to starboard of a boat that sails north, 3 m above the bottom, at ranges from 5 to 11 m.
+    /// A look to starboard of a boat that sails north, 3 m above the bottom, at ranges from 5 to 11
+    /// m.
     fn look() -> BoxLevels {
         let ping = |index: usize| PingLevels {
             ping: index,
@@ -260,19 +260,9 @@ mod tests {
     /// A block 1 m across the track, 2 m long and 0.5 m high, its near side 6 m out.
     fn block() -> (BoxLevels, PosedSolid) {
         let look = look();
-        let solid = Solid {
-            kind: ShapeKind::Block,
-            length_m: 2.0,
-            width_m: 1.0,
-            height_m: 0.5,
-            list: 0.0,
-        };
-        let posed = PosedSolid {
-            solid,
-            east_m: 6.5,
-            north_m: 0.0,
-            heading_rad: 0.0,
-        };
+        let solid =
+            Solid { kind: ShapeKind::Block, length_m: 2.0, width_m: 1.0, height_m: 0.5, list: 0.0 };
+        let posed = PosedSolid { solid, east_m: 6.5, north_m: 0.0, heading_rad: 0.0 };
         (look, posed)
     }
 
@@ -288,12 +278,10 @@ mod tests {
     fn a_blocks_shadow_ends_where_the_geometry_says() {
         let (look, predicted) = of_block();
         let middle = &predicted.bottom[10 * look.bins..11 * look.bins];
-        // The far upper edge lies 7 m out and 2.5 m below: the ray over it meets the bottom at 7 * 3 / 2.5 = 8.4 m, 8.92 m of range.
+        // The far upper edge lies 7 m out and 2.5 m below: the ray over it meets the bottom at 7 *
+        // 3 / 2.5 = 8.4 m, 8.92 m of range.
         let range_m = |bin: usize| look.from_m + (bin as f64 + 0.5) * look.step_m;
-        let dark: Vec<f64> = (0..look.bins)
-            .filter(|bin| middle[*bin] < 0.5)
-            .map(range_m)
-            .collect();
+        let dark: Vec<f64> = (0..look.bins).filter(|bin| middle[*bin] < 0.5).map(range_m).collect();
         // It begins at the near side's foot, 6 m out on the bottom: 6.71 m of range.
         assert!((dark[0] - 6.71).abs() < 0.06, "{}", dark[0]);
         assert!((dark[dark.len() - 1] - 8.92).abs() < 0.06, "{dark:?}");
@@ -308,11 +296,9 @@ mod tests {
         assert!((20..=21).contains(&on_pings.len()), "{}", on_pings.len());
         let middle = on_pings[on_pings.len() / 2];
         assert_eq!(middle.ping, 10);
-        for (found_m, expected_m) in [
-            (middle.echo_m[0], 6.5),
-            (middle.echo_m[1], 7.43),
-            (middle.shadow_end_m, 8.92),
-        ] {
+        for (found_m, expected_m) in
+            [(middle.echo_m[0], 6.5), (middle.echo_m[1], 7.43), (middle.shadow_end_m, 8.92)]
+        {
             assert!((found_m - expected_m).abs() < 0.1, "{middle:?}");
         }
     }
@@ -342,12 +328,7 @@ mod tests {
             list: 0.0,
         };
         for (east_m, north_m) in [(7.0, 20.0), (-7.0, 0.0), (40.0, 0.0)] {
-            let posed = PosedSolid {
-                solid,
-                east_m,
-                north_m,
-                heading_rad: 0.3,
-            };
+            let posed = PosedSolid { solid, east_m, north_m, heading_rad: 0.3 };
             let mut predicted = Predicted::default();
             predict(&look, &posed, &mut predicted);
             assert!(predicted.bottom.iter().all(|share| *share == 1.0));

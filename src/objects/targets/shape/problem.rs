@@ -7,16 +7,18 @@ use bathyscope_bottom::vectors::{VectorLoop, ln, vectorised};
 
 /// Standard deviation of ln power of single-look speckle.
 pub(super) const SPECKLE_LN: f64 = 1.283;
-/// Beyond what is usual of a kind a logarithm of size counts against it as so many standard deviations.
+/// Beyond what is usual of a kind a logarithm of size counts against it as so many standard
+/// deviations.
 const BEYOND_USUAL: f64 = 0.03;
 /// Most that a boat lists ([`Solid::list`]): its keel lies beside it then.
 const MOST_LIST: f64 = 0.4;
-/// Strength over the bottom in ln power, expected and its standard deviation: 6 dB each. Darkness to begin with: 13 dB.
+/// Strength over the bottom in ln power, expected and its standard deviation: 6 dB each. Darkness
+/// to begin with: 13 dB.
 pub(super) const STRENGTH: [f64; 2] = [1.38, 1.4];
 pub(super) const DARKNESS: f64 = -3.0;
 
-/// Numbers of an object: heading, ln length, ln slenderness, ln steepness, list; then of each look east, north, strength, darkness, and how
-/// much lighter the dark is at the far end of it.
+/// Numbers of an object: heading, ln length, ln slenderness, ln steepness, list; then of each look
+/// east, north, strength, darkness, and how much lighter the dark is at the far end of it.
 pub(super) type Numbers = Vec<f64>;
 pub(super) const OF_OBJECT: usize = 5;
 pub(super) const OF_LOOK: usize = 5;
@@ -136,10 +138,7 @@ impl<'a> Problem<'a> {
 
     /// Of an object whose size and heading are known.
     pub(super) fn of_known(kind: ShapeKind, looks: &'a [BoxLevels]) -> Self {
-        Self {
-            is_object_known: true,
-            ..Self::new(kind, looks)
-        }
+        Self { is_object_known: true, ..Self::new(kind, looks) }
     }
 
     /// The solid as a look places it.
@@ -208,15 +207,13 @@ impl<'a> Problem<'a> {
             (beyond / BEYOND_USUAL).powi(2)
         });
         let looks = numbers[OF_OBJECT..].chunks_exact(OF_LOOK);
-        let strengths = looks
-            .clone()
-            .map(|look| ((look[2] - STRENGTH[0]) / STRENGTH[1]).powi(2));
+        let strengths = looks.clone().map(|look| ((look[2] - STRENGTH[0]) / STRENGTH[1]).powi(2));
         let lighter = looks.map(|look| look[4].powi(2));
         sizes.sum::<f64>() + strengths.sum::<f64>() + lighter.sum::<f64>()
     }
 
-    /// Whether a number is not sought: one of what is known, or none of this kind, which has no heading, or whose width follows from its
-    /// length or height.
+    /// Whether a number is not sought: one of what is known, or none of this kind, which has no
+    /// heading, or whose width follows from its length or height.
     pub(super) fn is_fixed(&self, number: usize) -> bool {
         match self.kind {
             _ if self.is_object_known && number < OF_OBJECT => true,
@@ -245,8 +242,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// A side of the outline that is moved while the opposite one stays: where one end of a boat is found and the other not, neither its length
-/// nor its place alone can be changed for the better.
+/// A side of the outline that is moved while the opposite one stays: where one end of a boat is
+/// found and the other not, neither its length nor its place alone can be changed for the better.
 #[derive(Clone, Copy)]
 pub(super) enum OutlineEdge {
     Bow,
@@ -256,12 +253,8 @@ pub(super) enum OutlineEdge {
 }
 
 impl OutlineEdge {
-    pub(super) const ALL: [OutlineEdge; 4] = [
-        OutlineEdge::Bow,
-        OutlineEdge::Stern,
-        OutlineEdge::Starboard,
-        OutlineEdge::Port,
-    ];
+    pub(super) const ALL: [OutlineEdge; 4] =
+        [OutlineEdge::Bow, OutlineEdge::Stern, OutlineEdge::Starboard, OutlineEdge::Port];
 
     fn is_end(self) -> bool {
         matches!(self, OutlineEdge::Bow | OutlineEdge::Stern)
@@ -274,7 +267,8 @@ impl Problem<'_> {
         !self.is_fixed(2) && (edge.is_end() || !self.is_fixed(3))
     }
 
-    /// Moves an edge so that length or width grow by a factor, given as its logarithm, and predicts all.
+    /// Moves an edge so that length or width grow by a factor, given as its logarithm, and predicts
+    /// all.
     pub(super) fn move_edge(&self, state: &mut FitState, edge: OutlineEdge, by: f64) {
         let numbers = &mut state.numbers;
         let (sin, cos) = numbers[0].sin_cos();
@@ -307,14 +301,15 @@ impl Problem<'_> {
     }
 }
 
-/// Sum of the squares of what is recorded minus what is predicted, from a look and the squares of its pings as they are.
+/// Sum of the squares of what is recorded minus what is predicted, from a look and the squares of
+/// its pings as they are.
 struct Squares<'a> {
     look: &'a BoxLevels,
     bare: &'a [f64],
     predicted: &'a Predicted,
     strength: f32,
-    /// Darkness in ln power at the near end of the look, and how much lighter it is at the far end. The noise that fills a shadow does not
-    /// fade with the bottom.
+    /// Darkness in ln power at the near end of the look, and how much lighter it is at the far end.
+    /// The noise that fills a shadow does not fade with the bottom.
     darkest: [f64; 2],
 }
 
@@ -340,8 +335,9 @@ impl VectorLoop for Squares<'_> {
 }
 
 impl Squares<'_> {
-    /// By how much the squares of some bins of a ping, from bin `first` on, exceed those of the levels alone: most of a look is bare bottom,
-    /// where nothing else is expected than 0. In: levels, what is seen of the bottom, echo of the object.
+    /// By how much the squares of some bins of a ping, from bin `first` on, exceed those of the
+    /// levels alone: most of a look is bare bottom, where nothing else is expected than 0. In:
+    /// levels, what is seen of the bottom, echo of the object.
     #[inline(always)]
     fn more(&self, [levels, bottom, object]: [&[f32]; 3], first: usize) -> f32 {
         let dark = self.darkest[0] as f32;

@@ -10,17 +10,18 @@ const STEPS: usize = 48;
 const LEAST_STEP_M: f64 = 0.015;
 /// A solid ends so far under the transducer at least, and rays begin so far out, metres.
 const LEAST_BELOW_M: f32 = 0.05;
-/// Sides of the rectangle around a solid stand between places so far before and behind them, metres: upright, and thinner than the side of
-/// a boat.
+/// Sides of the rectangle around a solid stand between places so far before and behind them,
+/// metres: upright, and thinner than the side of a boat.
 const AT_SIDE_M: f64 = 0.005;
-/// Most places of a ray: those between its steps, and one before and one behind the solid; rounded up so that places are computed
-/// together to the last.
+/// Most places of a ray: those between its steps, and one before and one behind the solid; rounded
+/// up so that places are computed together to the last.
 const MOST_PLACES: usize = (STEPS + 3).next_multiple_of(LANES) + LANES;
 
 type PlaceRow = [f32; MOST_PLACES];
 
-/// Places on a ray, from before the solid to behind it, each with the step that ends there. They lie in rows, so that several are computed
-/// at once: fitting shapes is most of a search for objects.
+/// Places on a ray, from before the solid to behind it, each with the step that ends there. They
+/// lie in rows, so that several are computed at once: fitting shapes is most of a search for
+/// objects.
 pub(super) struct ShapeRay {
     count: usize,
     altitude_m: f32,
@@ -30,7 +31,8 @@ pub(super) struct ShapeRay {
     /// Tangent of the direction, from the vertical.
     tangent: PlaceRow,
     slant_m: PlaceRow,
-    /// Echo of the step over that of the bare bottom, for each metre of range that the step extends over.
+    /// Echo of the step over that of the bare bottom, for each metre of range that the step extends
+    /// over.
     echo_m: PlaceRow,
     /// Where its range lies in a ping, counted in bins, and the bin.
     in_bins: PlaceRow,
@@ -56,8 +58,9 @@ impl Default for ShapeRay {
 }
 
 impl ShapeRay {
-    /// Follows the ray that begins under the boat at `start_m` along and across the solid and goes in the direction `outward`; the circle
-    /// around the solid covers twice `half_m` of it. Steps are no shorter than `least_step_m`. Whether the ray meets the solid.
+    /// Follows the ray that begins under the boat at `start_m` along and across the solid and goes
+    /// in the direction `outward`; the circle around the solid covers twice `half_m` of it. Steps
+    /// are no shorter than `least_step_m`. Whether the ray meets the solid.
     #[inline(always)]
     pub(super) fn follow(
         &mut self,
@@ -75,9 +78,7 @@ impl ShapeRay {
         if last_m <= first_m {
             return false;
         }
-        let least_m = (2.0 * half_m / STEPS as f64)
-            .max(LEAST_STEP_M)
-            .max(least_step_m);
+        let least_m = (2.0 * half_m / STEPS as f64).max(LEAST_STEP_M).max(least_step_m);
         let steps = (((last_m - first_m) / least_m) as usize + 1).clamp(1, STEPS);
         let step_m = (last_m - first_m) / steps as f64;
         self.count = steps + 3;
@@ -145,17 +146,17 @@ impl ShapeRay {
             let [slant0, slant1] = pairs(&self.slant_m, at);
             let echo: &mut [f32; LANES] = &mut self.echo_m[at..].as_chunks_mut().0[0];
             *echo = from_fn(|lane| {
-                let (out_m, below_m) = (
-                    0.5 * (out0[lane] + out1[lane]),
-                    0.5 * (below0[lane] + below1[lane]),
-                );
+                let (out_m, below_m) =
+                    (0.5 * (out0[lane] + out1[lane]), 0.5 * (below0[lane] + below1[lane]));
                 let step_m = out1[lane] - out0[lane];
                 let down_m = below1[lane] - below0[lane];
-                // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length. The cosine times the length is meant here.
+                // Lambert's law on a step that is longer for its slope: facing^2 / range^2 *
+                // length. The cosine times the length is meant here.
                 let facing_m2 = (below_m * step_m - out_m * down_m).max(0.0);
                 let length_m = (step_m * step_m + down_m * down_m).sqrt();
                 let range_m2 = out_m * out_m + below_m * below_m;
-                // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest point that grows without end.
+                // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest
+                // point that grows without end.
                 let range_m = 0.5 * (slant0[lane] + slant1[lane]);
                 let least_m2 = 0.01 * range_m * range_m;
                 let level_m = (range_m * range_m - altitude_m2).max(least_m2).sqrt();
@@ -165,7 +166,8 @@ impl ShapeRay {
     }
 }
 
-/// Slant range of a place so far out and so far below. These are no numbers that `hypot` would be needed for, which costs as much as a step.
+/// Slant range of a place so far out and so far below. These are no numbers that `hypot` would be
+/// needed for, which costs as much as a step.
 #[inline(always)]
 pub(super) fn slant_m(out_m: f64, below_m: f64) -> f64 {
     (out_m * out_m + below_m * below_m).sqrt()
@@ -226,13 +228,11 @@ impl<'a> EchoBins<'a> {
         }
         if let Some([first, last]) = solid {
             let end_m = ray.out_m[last].max(horizon * altitude_m);
-            // What is seen within was added; from where the last step of the bottom was seen on nothing is.
+            // What is seen within was added; from where the last step of the bottom was seen on
+            // nothing is.
             let ranges_m = [ray.out_m[first], end_m]
                 .map(|out_m| (out_m * out_m + altitude_m * altitude_m).sqrt());
-            self.hide(
-                ranges_m.map(|range_m| (range_m - self.from_m) * self.per_m),
-                weight,
-            );
+            self.hide(ranges_m.map(|range_m| (range_m - self.from_m) * self.per_m), weight);
         }
     }
 
@@ -276,7 +276,8 @@ impl<'a> EchoBins<'a> {
         }
     }
 
-    /// The first and the last bin between two places, which count as written with those between them; `None` where there are none.
+    /// The first and the last bin between two places, which count as written with those between
+    /// them; `None` where there are none.
     #[inline(always)]
     fn write(&mut self, [from, to]: [f32; 2]) -> Option<[usize; 2]> {
         let count = self.bottom.len();
@@ -287,7 +288,8 @@ impl<'a> EchoBins<'a> {
         self.write_bins([from.max(0.0) as usize, (to as usize).min(count - 1)])
     }
 
-    /// Two bins and those between them, which count as written; `None` where the first is not there.
+    /// Two bins and those between them, which count as written; `None` where the first is not
+    /// there.
     #[inline(always)]
     fn write_bins(&mut self, [first, last]: [usize; 2]) -> Option<[usize; 2]> {
         (first < self.bottom.len()).then(|| {

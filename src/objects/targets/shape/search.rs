@@ -2,8 +2,9 @@
 
 use super::problem::{FitState, OutlineEdge, Problem};
 
-/// Changes one number after the other, farther where that helped and less far where it did not, and goes on in the direction in which a
-/// round has gone (Hooke and Jeeves): predictions have kinks, so nothing is differentiated.
+/// Changes one number after the other, farther where that helped and less far where it did not, and
+/// goes on in the direction in which a round has gone (Hooke and Jeeves): predictions have kinks,
+/// so nothing is differentiated.
 pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize) {
     let mut trial = state.clone();
     for _ in 0..rounds {
@@ -42,7 +43,8 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize)
     }
 }
 
-/// Changes a state by a step, or else by as much the other way, where that costs less; whether it did.
+/// Changes a state by a step, or else by as much the other way, where that costs less; whether it
+/// did.
 fn try_both_ways(
     state: &mut FitState,
     trial: &mut FitState,
@@ -60,7 +62,8 @@ fn try_both_ways(
     better
 }
 
-/// Searches on from those that explain most over some rounds, and leaves them in order, the best first.
+/// Searches on from those that explain most over some rounds, and leaves them in order, the best
+/// first.
 pub(super) fn follow(
     problem: &Problem<'_>,
     states: &mut Vec<FitState>,

@@ -45,13 +45,15 @@ named! {
 }
 
 impl ShapeKind {
-    /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and from behind.
+    /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and
+    /// from behind.
     pub fn is_boat(self) -> bool {
         matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)
     }
 
-    /// Sizes that such objects have: crates, drums, tyres of cars and tractors, boulders that a boat's beam resolves, boats. Beyond
-    /// them one kind would take the place of another (a boulder four times as long as it is wide is a boat).
+    /// Sizes that such objects have: crates, drums, tyres of cars and tractors, boulders that a
+    /// boat's beam resolves, boats. Beyond them one kind would take the place of another (a boulder
+    /// four times as long as it is wide is a boat).
     pub(super) fn usual(self) -> UsualSize {
         let usual = |length_m, width_m, slenderness, steepness, typical_slenderness| UsualSize {
             length_m,
@@ -83,14 +85,16 @@ pub struct Solid {
     pub width_m: f64,
     /// Of its highest point above the bottom.
     pub height_m: f64,
-    /// How much more than its middle a boat's starboard side stands up, as a share of the height there; of the port side it is as much less.
-    /// 0 of what is no boat.
+    /// How much more than its middle a boat's starboard side stands up, as a share of the height
+    /// there; of the port side it is as much less. 0 of what is no boat.
     pub list: f64,
 }
 
-/// Middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is 0.6 m wide around a rim of 0.4 m at most.
+/// Middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is 0.6 m wide
+/// around a rim of 0.4 m at most.
 const RING: [f32; 2] = [0.68, 0.32];
-/// Thickness of a boat's side with what is fastened to it, metres, and the height of its floor, with the mud on it, as a share of the side's.
+/// Thickness of a boat's side with what is fastened to it, metres, and the height of its floor,
+/// with the mud on it, as a share of the side's.
 const SIDE_M: f32 = 0.1;
 const FLOOR: f32 = 0.3;
 
@@ -100,8 +104,8 @@ impl Solid {
         0.5 * self.length_m.hypot(self.width_m)
     }
 
-    /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and across it (to starboard) from its middle;
-    /// 0 beside it.
+    /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and
+    /// across it (to starboard) from its middle; 0 beside it.
     pub fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
         let mut height_m = [0.0_f32];
         self.heights_m([along_m, across_m], [0.0; 2], &mut height_m);
@@ -118,17 +122,18 @@ impl Solid {
             ShapeKind::Tyre => self.fill(first_m, step_m, into, |u, v| {
                 lying_round(((u * u + v * v).sqrt() - RING[0]) / RING[1])
             }),
-            ShapeKind::Boulder => self.fill(first_m, step_m, into, |u, v| {
-                (1.0 - u * u - v * v).max(0.0).sqrt()
-            }),
+            ShapeKind::Boulder => {
+                self.fill(first_m, step_m, into, |u, v| (1.0 - u * u - v * v).max(0.0).sqrt())
+            }
             ShapeKind::Hull => self.fill(first_m, step_m, into, |u, v| self.open_hull(u, v)),
-            ShapeKind::UpturnedHull => self.fill(first_m, step_m, into, |u, v| {
-                lying_round(v / boat_outline(u))
-            }),
+            ShapeKind::UpturnedHull => {
+                self.fill(first_m, step_m, into, |u, v| lying_round(v / boat_outline(u)))
+            }
         }
     }
 
-    /// Writes the heights of a shape that is so high, as a share, at places along and across in half lengths and half widths.
+    /// Writes the heights of a shape that is so high, as a share, at places along and across in
+    /// half lengths and half widths.
     #[inline(always)]
     fn fill(
         &self,
@@ -160,8 +165,8 @@ impl Solid {
         }
     }
 
-    /// Where a ray enters and leaves the rectangle around it: distances from a place along and across it in a direction of length 1;
-    /// `None` where it passes by.
+    /// Where a ray enters and leaves the rectangle around it: distances from a place along and
+    /// across it in a direction of length 1; `None` where it passes by.
     #[inline(always)]
     pub(super) fn met_m(&self, start_m: [f64; 2], toward: [f64; 2]) -> Option<[f64; 2]> {
         let half_m = self.half_m();
@@ -190,18 +195,13 @@ impl Solid {
         if inside_m < 0.0 { 0.0 } else { of_inside }
     }
 
-    /// Its outline on the bottom: places along and across from its middle, metres, back to the first.
+    /// Its outline on the bottom: places along and across from its middle, metres, back to the
+    /// first.
     pub fn outline_m(&self) -> Vec<[f64; 2]> {
         const POINTS: usize = 32;
         let [length_m, width_m] = self.half_m();
         if matches!(self.kind, ShapeKind::Block | ShapeKind::Cylinder) {
-            let corners = [
-                (1.0, 1.0),
-                (1.0, -1.0),
-                (-1.0, -1.0),
-                (-1.0, 1.0),
-                (1.0, 1.0),
-            ];
+            let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
             return corners.map(|(u, v)| [u * length_m, v * width_m]).to_vec();
         }
         let round = (0..=POINTS).map(|point| {
@@ -216,8 +216,8 @@ impl Solid {
     }
 }
 
-/// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the greatest: a transom, and a bow that is not
-/// quite pointed.
+/// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the
+/// greatest: a transom, and a bow that is not quite pointed.
 #[inline(always)]
 fn boat_outline(u: f32) -> f32 {
     // Both, whichever counts: several places are computed together then.
@@ -226,7 +226,8 @@ fn boat_outline(u: f32) -> f32 {
     if u < 0.0 { astern } else { ahead }
 }
 
-/// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0 beyond.
+/// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0
+/// beyond.
 #[inline(always)]
 fn lying_round(offset: f32) -> f32 {
     let height = 0.5 + 0.5 * (1.0 - offset * offset).max(0.0).sqrt();
@@ -238,13 +239,7 @@ mod tests {
     use super::*;
 
     fn solid(kind: ShapeKind) -> Solid {
-        Solid {
-            kind,
-            length_m: 4.0,
-            width_m: 2.0,
-            height_m: 1.0,
-            list: 0.0,
-        }
+        Solid { kind, length_m: 4.0, width_m: 2.0, height_m: 1.0, list: 0.0 }
     }
 
     #[test]
@@ -253,17 +248,12 @@ mod tests {
             let solid = solid(kind);
             let heights = (-25..=25)
                 .flat_map(|a| (-15..=15).map(move |c| (f64::from(a) * 0.1, f64::from(c) * 0.1)));
-            let highest = heights
-                .map(|(a, c)| solid.height_at_m(a, c))
-                .fold(0.0, f64::max);
+            let highest = heights.map(|(a, c)| solid.height_at_m(a, c)).fold(0.0, f64::max);
             assert!((highest - 1.0).abs() < 0.03, "{kind:?}: {highest}");
             let outline = solid.outline_m();
             assert!(outline.len() > 4);
             for [along, across] in outline {
-                assert!(
-                    solid.height_at_m(1.03 * along, 1.03 * across) == 0.0,
-                    "{kind:?}"
-                );
+                assert!(solid.height_at_m(1.03 * along, 1.03 * across) == 0.0, "{kind:?}");
                 let within = solid.height_at_m(0.96 * along, 0.96 * across);
                 assert!(within > 0.2, "{kind:?} {along} {across}: {within}");
             }
@@ -273,15 +263,9 @@ mod tests {
     #[test]
     fn a_tyre_has_a_hole_and_an_open_boat_a_floor() {
         assert_eq!(solid(ShapeKind::Tyre).height_at_m(0.0, 0.0), 0.0);
-        assert_eq!(
-            solid(ShapeKind::Hull).height_at_m(0.0, 0.0),
-            f64::from(FLOOR)
-        );
+        assert_eq!(solid(ShapeKind::Hull).height_at_m(0.0, 0.0), f64::from(FLOOR));
         assert_eq!(solid(ShapeKind::UpturnedHull).height_at_m(0.0, 0.0), 1.0);
-        let listing = Solid {
-            list: 0.2,
-            ..solid(ShapeKind::Hull)
-        };
+        let listing = Solid { list: 0.2, ..solid(ShapeKind::Hull) };
         let sides = [0.95, -0.95].map(|across_m| listing.height_at_m(0.0, across_m));
         assert!((sides[0] / sides[1] - 1.19 / 0.81).abs() < 1e-6);
         // The bow is ahead, and narrower than the stern.

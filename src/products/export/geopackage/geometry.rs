@@ -1,5 +1,5 @@
-//! Geometries as a GeoPackage stores them: a header with the box around them, and well-known binary (OGC 06-103r4) behind it, all of it with
-//! the lowest byte first.
+//! Geometries as a GeoPackage stores them: a header with the box around them, and well-known binary
+//! (OGC 06-103r4) behind it, all of it with the lowest byte first.
 
 /// Kinds of geometry in well-known binary.
 const POINT: u32 = 1;
@@ -38,8 +38,7 @@ impl FeatureGeometry {
 
     /// Least x and y, most x and y; NaN of nothing.
     pub(crate) fn bounds(&self) -> [f64; 4] {
-        self.places()
-            .fold([f64::NAN; 4], |bounds, [x, y]| united(bounds, [x, y, x, y]))
+        self.places().fold([f64::NAN; 4], |bounds, [x, y]| united(bounds, [x, y, x, y]))
     }
 
     /// The bytes in a system by its number.
@@ -79,12 +78,7 @@ impl FeatureGeometry {
 
 /// The box around two boxes; NaN counts for nothing.
 pub(super) fn united(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [
-        a[0].min(b[0]),
-        a[1].min(b[1]),
-        a[2].max(b[2]),
-        a[3].max(b[3]),
-    ]
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
 fn begin(bytes: &mut Vec<u8>, kind: u32) {
@@ -141,12 +135,7 @@ mod tests {
 
     #[test]
     fn nothing_has_no_bounds() {
-        assert!(
-            FeatureGeometry::Line(Vec::new())
-                .bounds()
-                .iter()
-                .all(|end| end.is_nan())
-        );
+        assert!(FeatureGeometry::Line(Vec::new()).bounds().iter().all(|end| end.is_nan()));
         let line = FeatureGeometry::Line(vec![[3.0, 1.0], [-2.0, 5.0]]);
         assert_eq!(line.bounds(), [-2.0, 1.0, 3.0, 5.0]);
     }

@@ -1,4 +1,5 @@
-//! GeoPackages (version 1.3, OGC 12-128r17): layers of features in one file, each with its R-tree and the style in which QGIS draws it.
+//! GeoPackages (version 1.3, OGC 12-128r17): layers of features in one file, each with its R-tree
+//! and the style in which QGIS draws it.
 //!
 //! In: layers of features. Out: a GeoPackage.
 //! It uses `support`.
@@ -18,10 +19,7 @@ use std::io;
 use std::path::Path;
 
 /// `GPKG`, and version 1.3.0.
-const KIND: DatabaseKind = DatabaseKind {
-    application: 0x4750_4b47,
-    version: 10_300,
-};
+const KIND: DatabaseKind = DatabaseKind { application: 0x4750_4b47, version: 10_300 };
 /// WGS84 in EPSG's register.
 const WGS84: u16 = 4326;
 const WGS84_WKT: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563,AUTHORITY[\"EPSG\",\"7030\"]],AUTHORITY[\"EPSG\",\"6326\"]],PRIMEM[\"Greenwich\",0,AUTHORITY[\"EPSG\",\"8901\"]],UNIT[\"degree\",0.0174532925199433,AUTHORITY[\"EPSG\",\"9122\"]],AUTHORITY[\"EPSG\",\"4326\"]]";
@@ -56,14 +54,13 @@ impl Layer {
     /// The box around its features; NaN without any.
     fn bounds(&self) -> [f64; 4] {
         let features = self.features.iter();
-        features.fold([f64::NAN; 4], |bounds, (geometry, _)| {
-            united(bounds, geometry.bounds())
-        })
+        features.fold([f64::NAN; 4], |bounds, (geometry, _)| united(bounds, geometry.bounds()))
     }
 }
 
-/// Writes layers in a system. The time of the last change is that of the first recording (Unix seconds), so that the same survey gives
-/// the same bytes. Gives back how many features there are and where.
+/// Writes layers in a system. The time of the last change is that of the first recording (Unix
+/// seconds), so that the same survey gives the same bytes. Gives back how many features there are
+/// and where.
 pub(crate) fn geopackage(
     path: &Path,
     crs: &Crs,
@@ -94,11 +91,7 @@ fn add_register(file: &Connection, layers: &[Layer], crs: &Crs, changed: &str) -
     for sql in [SYSTEMS_SQL, CONTENTS_SQL, COLUMNS_SQL, EXTENSIONS_SQL] {
         run(file, sql)?;
     }
-    insert(
-        file,
-        "gpkg_spatial_ref_sys",
-        systems(crs).into_iter().map(Ok),
-    )?;
+    insert(file, "gpkg_spatial_ref_sys", systems(crs).into_iter().map(Ok))?;
     let contents = layers.iter().map(|layer| contents(layer, crs, changed));
     let contents = contents.chain([styles_contents(changed)]);
     insert(file, "gpkg_contents", contents.map(Ok))?;
@@ -108,9 +101,7 @@ fn add_register(file: &Connection, layers: &[Layer], crs: &Crs, changed: &str) -
         Ok(named.into_iter().chain(numbers).collect())
     });
     insert(file, "gpkg_geometry_columns", columns)?;
-    let extensions = layers
-        .iter()
-        .map(|layer| Ok(spatial_index::extension(layer)));
+    let extensions = layers.iter().map(|layer| Ok(spatial_index::extension(layer)));
     insert(file, "gpkg_extensions", extensions)
 }
 
@@ -164,18 +155,12 @@ fn contents(layer: &Layer, crs: &Crs, changed: &str) -> Vec<Value> {
 
 fn styles_contents(changed: &str) -> Vec<Value> {
     let named = [STYLES, "attributes", STYLES, "Styles for QGIS", changed].map(text);
-    let nothing = [
-        Value::Null,
-        Value::Null,
-        Value::Null,
-        Value::Null,
-        Value::Null,
-    ];
+    let nothing = [Value::Null, Value::Null, Value::Null, Value::Null, Value::Null];
     named.into_iter().chain(nothing).collect()
 }
 
-/// The style of a layer: catalogue and schema, which QGIS looks for as empty texts, table, column, name, style, whether QGIS takes it up
-/// by itself.
+/// The style of a layer: catalogue and schema, which QGIS looks for as empty texts, table, column,
+/// name, style, whether QGIS takes it up by itself.
 fn style(layer: &Layer, changed: &str) -> Vec<Value> {
     let place = ["", "", layer.name, "geom", layer.name].map(text);
     let rest = [
@@ -211,14 +196,8 @@ mod tests {
                 .collect(),
             style: format!("<qgis>{name}</qgis>"),
         };
-        let layers = [
-            layer("spots", &[[4e5, 3e6], [4.1e5, 3.2e6]]),
-            layer("none", &[]),
-        ];
-        let crs = Crs::utm(LonLat {
-            lon_deg: -82.0,
-            lat_deg: 29.0,
-        });
+        let layers = [layer("spots", &[[4e5, 3e6], [4.1e5, 3.2e6]]), layer("none", &[])];
+        let crs = Crs::utm(LonLat { lon_deg: -82.0, lat_deg: 29.0 });
         let written = ["one.gpkg", "two.gpkg"].map(|name| {
             let path = folder.path().join(name);
             let summary = geopackage(&path, &crs, 1.5e9, &layers).unwrap();
@@ -227,11 +206,7 @@ mod tests {
             std::fs::read(path).unwrap()
         });
         assert_eq!(written[0], written[1]);
-        let holds = |text: &str| {
-            written[0]
-                .windows(text.len())
-                .any(|part| part == text.as_bytes())
-        };
+        let holds = |text: &str| written[0].windows(text.len()).any(|part| part == text.as_bytes());
         assert!(holds("SQLite format 3") && holds("CREATE TABLE spots (fid INTEGER PRIMARY KEY"));
         assert!(holds("CREATE VIRTUAL TABLE \"rtree_none_geom\"") && holds("<qgis>spots</qgis>"));
         assert!(holds("WGS 84 / UTM zone 17N") && holds("2017-07-14T02:40:00.000Z"));

@@ -1,5 +1,5 @@
-//! A log, or a part of it, in a file for other programs: the formats of recorders that are written, its records as CSV and Parquet, its
-//! track as GPX.
+//! A log, or a part of it, in a file for other programs: the formats of recorders that are written,
+//! its records as CSV and Parquet, its track as GPX.
 //!
 //! In: a log with its navigation. Out: a file.
 //! It uses `formats`, `sonar`, `survey` and `support`.
@@ -76,10 +76,7 @@ impl CopyFormat {
             None if is("csv") => Ok(Self::Csv),
             None if is("parquet") => Ok(Self::Parquet),
             None if is("gpx") => Ok(Self::Gpx),
-            None => Err(CopyError::Ending {
-                path: path.to_owned(),
-                endings: endings_in_words(),
-            }),
+            None => Err(CopyError::Ending { path: path.to_owned(), endings: endings_in_words() }),
         }
     }
 }
@@ -121,17 +118,17 @@ pub struct Copied {
 impl Copied {
     /// `1200 side-scan pings and 300 depths`.
     pub fn summary(&self) -> String {
-        let Self {
-            pings, soundings, ..
-        } = self;
+        let Self { pings, soundings, .. } = self;
         format!("{pings} side-scan pings and {soundings} depths")
     }
 }
 
-/// Writes a part of a log in the format that the ending of the file names. The boat is placed as `positions` ask for.
+/// Writes a part of a log in the format that the ending of the file names. The boat is placed as
+/// `positions` ask for.
 ///
 /// # Errors
-/// When [`check_copy`] refuses the file, the log has nothing of the part or cannot be in that format, writing fails, or the work is cancelled.
+/// When [`check_copy`] refuses the file, the log has nothing of the part or cannot be in that
+/// format, writing fails, or the work is cancelled.
 pub fn copy_log(
     path: &Path,
     survey: &Survey,
@@ -140,17 +137,11 @@ pub fn copy_log(
     progress: &Progress,
 ) -> Result<Copied, CopyError> {
     check_copy(path, &survey.source.files)?;
-    let positions = PositionSettings {
-        projection: Projection::Enu,
-        ..positions
-    };
+    let positions = PositionSettings { projection: Projection::Enu, ..positions };
     let navigation = navigate_with(survey, positions, progress)?;
     let stretches = choice.stretches(survey, &navigation)?;
     let (survey, navigation) = survey.part(&navigation, &stretches);
-    let log = LogToWrite {
-        survey: &survey,
-        navigation: &navigation,
-    };
+    let log = LogToWrite { survey: &survey, navigation: &navigation };
     Ok(Copied {
         pings: survey.side_scan.len(),
         soundings: survey.soundings.len(),

@@ -50,8 +50,7 @@ impl FromStr for TimeBound {
         let seconds = seconds.filter(|seconds: &f64| seconds.is_finite());
         let log = seconds.map(Self::Log);
         let unix = || unix_from_iso(text).map(Self::Unix);
-        log.or_else(unix)
-            .ok_or_else(|| PartError::NoTime(text.to_owned()))
+        log.or_else(unix).ok_or_else(|| PartError::NoTime(text.to_owned()))
     }
 }
 
@@ -61,9 +60,7 @@ impl TimeBound {
     /// # Errors
     /// When it is written otherwise.
     pub fn span(text: &str) -> Result<[Self; 2], PartError> {
-        let (from, to) = text
-            .split_once("..")
-            .ok_or_else(|| PartError::NoSpan(text.to_owned()))?;
+        let (from, to) = text.split_once("..").ok_or_else(|| PartError::NoSpan(text.to_owned()))?;
         Ok([from.parse()?, to.parse()?])
     }
 
@@ -158,39 +155,25 @@ mod tests {
         let (survey, navigation) = log();
         let of = |choice: LogPartChoice| {
             let stretches = choice.stretches(&survey, &navigation)?;
-            let ends = stretches
-                .into_iter()
-                .map(|stretch| [stretch.start, stretch.end]);
+            let ends = stretches.into_iter().map(|stretch| [stretch.start, stretch.end]);
             Ok(ends.collect::<Vec<_>>())
         };
         assert_eq!(of(LogPartChoice::default()), Ok(vec![[0, 10]]));
         let span = TimeBound::span("2..2021-10-12T00:53:27Z").expect("a span");
         let pings = Some(PingRange { start: 1, end: 6 });
-        let both = LogPartChoice {
-            pings,
-            time: Some(span),
-            ..LogPartChoice::default()
-        };
+        let both = LogPartChoice { pings, time: Some(span), ..LogPartChoice::default() };
         assert_eq!(of(both.clone()), Ok(vec![[2, 6]]));
         // From 150 m to 350 m and from 450 m on.
         let east = |metres: f64| survey.track.frame.to_lon_lat(metres, 0.0).lon_deg;
         let ring = |west: f64, east_m: f64| {
             let corners = [(west, -1.0), (east_m, -1.0), (east_m, 1.0), (west, 1.0)];
-            corners
-                .map(|(metres, lat_deg)| LonLat {
-                    lon_deg: east(metres),
-                    lat_deg,
-                })
-                .to_vec()
+            corners.map(|(metres, lat_deg)| LonLat { lon_deg: east(metres), lat_deg }).to_vec()
         };
         let area = WaterArea {
             rings: vec![ring(150.0, 350.0), ring(450.0, 2000.0)],
             ..WaterArea::default()
         };
-        let all = LogPartChoice {
-            area: Some(area),
-            ..both
-        };
+        let all = LogPartChoice { area: Some(area), ..both };
         assert_eq!(of(all), Ok(vec![[2, 4], [5, 6]]));
         let none = LogPartChoice {
             time: Some([TimeBound::Log(50.0), TimeBound::Log(60.0)]),
@@ -201,13 +184,7 @@ mod tests {
             pings: Some(PingRange { start: 1, end: 11 }),
             ..LogPartChoice::default()
         };
-        assert_eq!(
-            of(beyond),
-            Err(PartError::TooFew {
-                count: 10,
-                asked: 1..11
-            })
-        );
+        assert_eq!(of(beyond), Err(PartError::TooFew { count: 10, asked: 1..11 }));
     }
 
     #[test]
@@ -218,13 +195,7 @@ mod tests {
         let (mut survey, navigation) = log();
         survey.start_unix_s = None;
         let time = Some([TimeBound::Unix(0.0), TimeBound::Log(5.0)]);
-        let choice = LogPartChoice {
-            time,
-            ..LogPartChoice::default()
-        };
-        assert_eq!(
-            choice.stretches(&survey, &navigation),
-            Err(PartError::NoDate)
-        );
+        let choice = LogPartChoice { time, ..LogPartChoice::default() };
+        assert_eq!(choice.stretches(&survey, &navigation), Err(PartError::NoDate));
     }
 }

@@ -1,4 +1,5 @@
-//! The records of a log as a table: a row for each trace, which is one side of a ping, a ping of a channel that looks down, or a depth.
+//! The records of a log as a table: a row for each trace, which is one side of a ping, a ping of a
+//! channel that looks down, or a depth.
 
 use bathyscope_log::formats::log_writer::{LogToWrite, Recorded};
 use bathyscope_log::formats::parquet_table::{Column, ParquetWriter, Values};
@@ -26,7 +27,8 @@ struct Trace<'a> {
     span: Option<SideSpan>,
 }
 
-/// A column of numbers: its name, how many decimals it has as text, and its value, NaN where there is none.
+/// A column of numbers: its name, how many decimals it has as text, and its value, NaN where there
+/// is none.
 type NumberColumn = (&'static str, usize, fn(&Trace<'_>) -> f64);
 
 /// Every number that the log has of a trace.
@@ -34,40 +36,22 @@ const NUMBERS: [NumberColumn; 17] = [
     ("time_s", 3, |trace| trace.time_s),
     ("lon", 8, |trace| of_fix(trace, |fix| fix.position.lon_deg)),
     ("lat", 8, |trace| of_fix(trace, |fix| fix.position.lat_deg)),
-    ("course_deg", 2, |trace| {
-        of_fix(trace, |fix| compass_deg(fix.cog_rad.into(), 2))
-    }),
-    ("compass_deg", 2, |trace| {
-        of_fix(trace, |fix| compass_deg(fix.compass_rad.into(), 2))
-    }),
-    ("speed_mps", 3, |trace| {
-        of_fix(trace, |fix| fix.speed_mps.into())
-    }),
-    ("track_lon", 8, |trace| {
-        of_track(trace, |(at, _)| at.lon_deg)
-    }),
-    ("track_lat", 8, |trace| {
-        of_track(trace, |(at, _)| at.lat_deg)
-    }),
+    ("course_deg", 2, |trace| of_fix(trace, |fix| compass_deg(fix.cog_rad.into(), 2))),
+    ("compass_deg", 2, |trace| of_fix(trace, |fix| compass_deg(fix.compass_rad.into(), 2))),
+    ("speed_mps", 3, |trace| of_fix(trace, |fix| fix.speed_mps.into())),
+    ("track_lon", 8, |trace| of_track(trace, |(at, _)| at.lon_deg)),
+    ("track_lat", 8, |trace| of_track(trace, |(at, _)| at.lat_deg)),
     ("track_heading_deg", 2, |trace| {
         of_track(trace, |(_, place)| compass_deg(place.heading_rad, 2))
     }),
-    ("track_speed_mps", 3, |trace| {
-        of_track(trace, |(_, place)| place.speed_mps)
-    }),
+    ("track_speed_mps", 3, |trace| of_track(trace, |(_, place)| place.speed_mps)),
     ("depth_m", 3, |trace| trace.depth_m.into()),
-    ("near_m", 4, |trace| {
-        of_span(trace, |span| span.near_m.into())
-    }),
+    ("near_m", 4, |trace| of_span(trace, |span| span.near_m.into())),
     ("far_m", 4, |trace| of_span(trace, |span| span.far_m.into())),
-    ("samples", 0, |trace| {
-        of_span(trace, |span| span.count.into())
-    }),
+    ("samples", 0, |trace| of_span(trace, |span| span.count.into())),
     ("bits", 0, |trace| of_span(trace, |span| bits(span).into())),
     ("file", 0, |trace| of_span(trace, |span| span.file.into())),
-    ("offset", 0, |trace| {
-        of_span(trace, |span| span.offset as f64)
-    }),
+    ("offset", 0, |trace| of_span(trace, |span| span.offset as f64)),
 ];
 
 fn of_fix(trace: &Trace<'_>, value: impl Fn(&Fix) -> f64) -> f64 {
@@ -119,9 +103,9 @@ fn traces<'a>(log: &'a LogToWrite<'a>) -> impl Iterator<Item = Trace<'a>> {
         let [first, second] = match record {
             Recorded::Side(index, ping) => [("port", ping.port), ("starboard", ping.starboard)]
                 .map(|(side, span)| span.map(|span| trace(side, index, Some(span)))),
-            Recorded::Down {
-                kind, index, span, ..
-            } => [Some(trace(down(kind), index, Some(*span))), None],
+            Recorded::Down { kind, index, span, .. } => {
+                [Some(trace(down(kind), index, Some(*span))), None]
+            }
             Recorded::Sounding(index, _) => [Some(trace("sounding", index, None)), None],
         };
         first.into_iter().chain(second)
@@ -137,8 +121,9 @@ fn down(kind: ChannelKind) -> &'static str {
     }
 }
 
-/// Writes a line for each trace; a field is empty where there is no value. `lon` to `speed_mps` are of the recorded fix that is valid then,
-/// `track_*` of the fitted track, `depth_m` the nearest recorded depth; `file` and `offset` say where the samples begin.
+/// Writes a line for each trace; a field is empty where there is no value. `lon` to `speed_mps` are
+/// of the recorded fix that is valid then, `track_*` of the fitted track, `depth_m` the nearest
+/// recorded depth; `file` and `offset` say where the samples begin.
 pub(super) fn write_csv(
     log: &LogToWrite<'_>,
     out: &mut impl Write,
@@ -166,8 +151,8 @@ pub(super) fn write_csv(
     Ok(())
 }
 
-/// Writes a row for each trace, with the columns of [`write_csv`] and the `echoes` as bytes from the boat outward: one byte each, or two,
-/// little-endian, where `bits` is 16.
+/// Writes a row for each trace, with the columns of [`write_csv`] and the `echoes` as bytes from
+/// the boat outward: one byte each, or two, little-endian, where `bits` is 16.
 pub(super) fn write_parquet(
     log: &LogToWrite<'_>,
     file: File,
@@ -191,17 +176,10 @@ fn columns(log: &LogToWrite<'_>, rows: &[Trace<'_>]) -> Vec<Column> {
     let rows = || rows.iter();
     let microseconds = |unix_s: f64| (unix_s * 1e6).round() as i64;
     let mut columns = vec![
-        Column::new(
-            "channel",
-            Values::Text(rows().map(|trace| trace.channel).collect()),
-        ),
+        Column::new("channel", Values::Text(rows().map(|trace| trace.channel).collect())),
         Column::new(
             "index",
-            Values::Whole(
-                rows()
-                    .map(|trace| i32::try_from(trace.index).ok())
-                    .collect(),
-            ),
+            Values::Whole(rows().map(|trace| i32::try_from(trace.index).ok()).collect()),
         ),
         Column::new(
             "time",
@@ -216,16 +194,10 @@ fn columns(log: &LogToWrite<'_>, rows: &[Trace<'_>]) -> Vec<Column> {
 
 /// The samples of a trace as they are written.
 fn stored(log: &LogToWrite<'_>, trace: &Trace<'_>) -> Vec<u8> {
-    let Some(samples) = trace
-        .span
-        .as_ref()
-        .and_then(|span| log.survey.samples_of(span))
-    else {
+    let Some(samples) = trace.span.as_ref().and_then(|span| log.survey.samples_of(span)) else {
         return Vec::new();
     };
     let width = trace.span.map_or(1, |span| usize::from(bits(&span)) / 8);
     let values = (0..samples.len()).map(|index| samples.wide(index).to_le_bytes());
-    values
-        .flat_map(|bytes| bytes.into_iter().take(width))
-        .collect()
+    values.flat_map(|bytes| bytes.into_iter().take(width)).collect()
 }

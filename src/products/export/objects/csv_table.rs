@@ -40,9 +40,10 @@ const HEADER: [&str; 30] = [
     "shape_explained",
 ];
 
-/// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
-/// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe. A table of several
-/// logs begins with the column `log`. Shapes are those of whole objects: every sighting of one has the same.
+/// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of
+/// the middle ping. A field is empty where there is no value; a note that a spreadsheet would take
+/// for a formula begins with an apostrophe. A table of several logs begins with the column `log`.
+/// Shapes are those of whole objects: every sighting of one has the same.
 pub(crate) fn objects_csv(
     path: &Path,
     logs: &[ObjectLog<'_>],
@@ -62,10 +63,7 @@ pub(crate) fn objects_csv(
             table.write_record(name.into_iter().chain(fields))?;
         }
         table.flush()?;
-        table
-            .into_inner()
-            .map_err(|error| error.into_error())?
-            .flush()
+        table.into_inner().map_err(|error| error.into_error())?.flush()
     })
 }
 
@@ -88,8 +86,7 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
         one.id.0.to_string(),
         plain(file),
         plain(&of.class),
-        one.score
-            .map_or_else(String::new, |score| format!("{score:.4}")),
+        one.score.map_or_else(String::new, |score| format!("{score:.4}")),
         one.state.name().to_owned(),
         one.mark.side.name().to_owned(),
         one.mark.pings.start.to_string(),
@@ -106,14 +103,11 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
         of_target(|target| target.depth_m, 3),
         of_target(|target| target.sigma_m, 3),
         of_target(|target| target.height_sigma_m, 3),
-        of.object
-            .map_or_else(String::new, |object| object.to_string()),
+        of.object.map_or_else(String::new, |object| object.to_string()),
         plain(&one.note),
         plain(&one.name),
         row.confidence().to_owned(),
-        shape.map_or_else(String::new, |shape| {
-            shape.posed.solid.kind.name().to_owned()
-        }),
+        shape.map_or_else(String::new, |shape| shape.posed.solid.kind.name().to_owned()),
         of_shape(|shape| shape.posed.solid.length_m, 2),
         of_shape(|shape| shape.posed.solid.width_m, 2),
         of_shape(|shape| shape.posed.solid.height_m, 2),

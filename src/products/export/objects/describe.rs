@@ -36,8 +36,8 @@ pub(super) fn description(object: &SurveyObject) -> String {
     parts.join("; ")
 }
 
-/// What each object is called, each otherwise: plotters take places of one name for one. `Anna`, `rock 12`; a name that several objects
-/// have is followed by their numbers.
+/// What each object is called, each otherwise: plotters take places of one name for one. `Anna`,
+/// `rock 12`; a name that several objects have is followed by their numbers.
 pub(super) fn titles(objects: &[&SurveyObject]) -> Vec<String> {
     let mut times: HashMap<&str, usize> = HashMap::new();
     for object in objects {

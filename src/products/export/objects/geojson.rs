@@ -5,16 +5,14 @@ use crate::export::{ExportError, write_json};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Writes boxes as points with everything that is known about them; `log` says which of several logs they are of. Boxes without a place
-/// are left out.
+/// Writes boxes as points with everything that is known about them; `log` says which of several
+/// logs they are of. Boxes without a place are left out.
 pub(crate) fn objects_geojson(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
 ) -> Result<(), ExportError> {
-    let features = rows
-        .iter()
-        .filter_map(|row| feature(row, log_name(logs, row)));
+    let features = rows.iter().filter_map(|row| feature(row, log_name(logs, row)));
     let features: Vec<Value> = features.collect();
     let collection = json!({ "type": "FeatureCollection", "features": features });
     write_json(path, &collection)

@@ -1,4 +1,5 @@
-//! Layers of a GeoPackage with boxes: their places, and their outlines on the ground; `objects.gpkg` has these two.
+//! Layers of a GeoPackage with boxes: their places, and their outlines on the ground;
+//! `objects.gpkg` has these two.
 
 use super::{ObjectLog, ObjectRow, log_name};
 use crate::export::ExportError;
@@ -15,9 +16,9 @@ const WGS84: u16 = 4326;
 const COLUMNS: &str = "log TEXT, box INTEGER, object INTEGER, name TEXT, class TEXT, state TEXT, confidence TEXT, score DOUBLE, remarks TEXT, length_m DOUBLE, width_m DOUBLE, height_m DOUBLE, height_sigma_m DOUBLE, depth_m DOUBLE, sigma_m DOUBLE, side TEXT, ping_from INTEGER, ping_to INTEGER";
 const ABOUT: &str = "Targets of a side-scan survey";
 
-/// Writes boxes as two layers, `targets` (points) and `target_outlines` (length along the track by width across it, on the ground), with
-/// everything that is known about them. The time of the last change is that of the first recording, so that the same survey gives the
-/// same bytes.
+/// Writes boxes as two layers, `targets` (points) and `target_outlines` (length along the track by
+/// width across it, on the ground), with everything that is known about them. The time of the last
+/// change is that of the first recording, so that the same survey gives the same bytes.
 pub(crate) fn objects_gpkg(
     path: &Path,
     logs: &[ObjectLog<'_>],
@@ -30,8 +31,8 @@ pub(crate) fn objects_gpkg(
     geopackage(path, &degrees, first.unwrap_or(0.0), &layers).map(|_| ())
 }
 
-/// Boxes as two layers; `place` gives where a position lies in the system of the file. Boxes without a place are left out, points and
-/// boxes of unknown size from the outlines.
+/// Boxes as two layers; `place` gives where a position lies in the system of the file. Boxes
+/// without a place are left out, points and boxes of unknown size from the outlines.
 pub(crate) fn object_layers(
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
@@ -80,8 +81,7 @@ fn attributes(row: &ObjectRow<'_>, target: &Target, log: Option<&str>) -> Vec<Va
     vec![
         log.map_or(Value::Null, text),
         Value::Integer(one.id.0.into()),
-        of.object
-            .map_or(Value::Null, |number| Value::Integer(number.into())),
+        of.object.map_or(Value::Null, |number| Value::Integer(number.into())),
         or_nothing(&one.name),
         text(&of.class),
         text(one.state.name()),

@@ -6,7 +6,8 @@ use bathyscope_log::support::printable::xml;
 use bathyscope_objects::objects::SurveyObject;
 use std::path::Path;
 
-/// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class (`type`).
+/// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class
+/// (`type`).
 pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",

@@ -1,4 +1,5 @@
-//! Boxes of one log or of several and their places in the world for other programs: tables, and what maps and plotters read.
+//! Boxes of one log or of several and their places in the world for other programs: tables, and
+//! what maps and plotters read.
 //!
 //! In: boxes with their places and decisions. Out: tables and files for maps.
 //! It uses `detection`, `survey` and `support`.
@@ -44,14 +45,16 @@ fn log_name<'a>(logs: &[ObjectLog<'a>], row: &ObjectRow<'_>) -> Option<&'a str> 
 pub(crate) struct ObjectRow<'a> {
     /// The box in the list of objects.
     pub of: &'a ObjectBox,
-    /// Corners of its outline on the ground: length along the track by width across it; `None` where the size is not known.
+    /// Corners of its outline on the ground: length along the track by width across it; `None`
+    /// where the size is not known.
     pub outline: Option<[LonLat; 4]>,
     /// The shape of the object that it shows, where one fits.
     pub shape: Option<&'a FittedShape>,
 }
 
 impl ObjectRow<'_> {
-    /// The surest word of the analyst about the box: `unsure`, `probable` or `certain`; empty where nobody has said.
+    /// The surest word of the analyst about the box: `unsure`, `probable` or `certain`; empty where
+    /// nobody has said.
     fn confidence(&self) -> &'static str {
         self.of.one.confidence.map_or("", Confidence::name)
     }

@@ -11,7 +11,8 @@ use std::path::Path;
 const SQUARES: usize = 40;
 /// Room around a solid, as a share of its extents: its sides stand in the outermost squares.
 const ROOM: f64 = 1.02;
-/// That of inferred shapes in the window, and of no source of points: what is inferred is not to be taken for measured.
+/// That of inferred shapes in the window, and of no source of points: what is inferred is not to be
+/// taken for measured.
 const COLOUR: [u8; 3] = [255, 122, 46];
 
 /// The upper side of a solid in a grid of squares.
@@ -35,10 +36,7 @@ impl Body {
             })
             .collect();
         let mut index_of = vec![None; heights.len()];
-        let mut body = Self {
-            corners: Vec::new(),
-            squares: Vec::new(),
-        };
+        let mut body = Self { corners: Vec::new(), squares: Vec::new() };
         for row in 0..SQUARES {
             for column in 0..SQUARES {
                 let first = row * (SQUARES + 1) + column;
@@ -52,8 +50,7 @@ impl Body {
                     let index = index_of[corner].get_or_insert_with(|| {
                         let (place_m, height_m) = heights[corner];
                         let [east_m, north_m] = posed.place_m(place_m);
-                        body.corners
-                            .push([east_m, north_m, shape.bottom_z_m + height_m]);
+                        body.corners.push([east_m, north_m, shape.bottom_z_m + height_m]);
                         body.corners.len() as u32 - 1
                     });
                     *into = *index;
@@ -65,15 +62,14 @@ impl Body {
     }
 }
 
-/// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up, metres from the survey's origin in the
-/// plane of the cloud, as doubles; red, green, blue as bytes; the object's number as `object`. Comments name the kind and the size of each.
+/// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up,
+/// metres from the survey's origin in the plane of the cloud, as doubles; red, green, blue as
+/// bytes; the object's number as `object`. Comments name the kind and the size of each.
 pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
-    let shapes: BTreeMap<u32, &FittedShape> = (rows.iter())
-        .filter_map(|row| Some((row.of.object?, row.shape?)))
-        .collect();
-    let bodies: Vec<(u32, Body)> = (shapes.iter())
-        .map(|(number, shape)| (*number, Body::new(shape)))
-        .collect();
+    let shapes: BTreeMap<u32, &FittedShape> =
+        (rows.iter()).filter_map(|row| Some((row.of.object?, row.shape?))).collect();
+    let bodies: Vec<(u32, Body)> =
+        (shapes.iter()).map(|(number, shape)| (*number, Body::new(shape))).collect();
     write_summed(path, |out, summary| {
         out.write_all(
             b"ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\

@@ -11,12 +11,7 @@ use std::fs;
 use std::sync::Arc;
 
 fn mark() -> Mark {
-    Mark {
-        side: Side::Port,
-        pings: 10..22,
-        near_m: 4.0,
-        far_m: 6.0,
-    }
+    Mark { side: Side::Port, pings: 10..22, near_m: 4.0, far_m: 6.0 }
 }
 
 fn target(mark: &Mark) -> Target {
@@ -30,10 +25,7 @@ fn target(mark: &Mark) -> Target {
         altitude_m: 2.0,
         east_m: 12.5,
         north_m: -3.25,
-        position: LonLat {
-            lon_deg: -82.11,
-            lat_deg: 29.41,
-        },
+        position: LonLat { lon_deg: -82.11, lat_deg: 29.41 },
         length_m: 0.8,
         width_m: 0.6,
         height_m: f64::NAN,
@@ -57,29 +49,16 @@ fn boxes() -> [ObjectBox; 2] {
         note,
         ..Reviewed::drawn(BoxId(7), mark(), 0)
     };
-    let lost = Reviewed {
-        score: None,
-        note: String::new(),
-        ..one.clone()
-    };
+    let lost = Reviewed { score: None, note: String::new(), ..one.clone() };
     let boxed = |one: Reviewed, id, target, object| ObjectBox {
         log: 0,
-        key: LogBox {
-            log: LogId(0),
-            id: BoxId(id),
-        },
-        one: Arc::new(Reviewed {
-            id: BoxId(id),
-            ..one
-        }),
+        key: LogBox { log: LogId(0), id: BoxId(id) },
+        one: Arc::new(Reviewed { id: BoxId(id), ..one }),
         class: "tyre <old>".to_owned(),
         target,
         object,
     };
-    [
-        boxed(one, 7, Some(target(&mark())), Some(1)),
-        boxed(lost, 8, None, None),
-    ]
+    [boxed(one, 7, Some(target(&mark())), Some(1)), boxed(lost, 8, None, None)]
 }
 
 /// The same box, changed.
@@ -90,11 +69,7 @@ fn changed(of: &ObjectBox, change: impl FnOnce(&mut Reviewed)) -> ObjectBox {
 }
 
 fn rows(boxes: &[ObjectBox]) -> Vec<ObjectRow<'_>> {
-    let row = |of| ObjectRow {
-        of,
-        outline: None,
-        shape: None,
-    };
+    let row = |of| ObjectRow { of, outline: None, shape: None };
     boxes.iter().map(row).collect()
 }
 
@@ -119,16 +94,7 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     let mut table = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(&table.headers().unwrap()[17], "depth_m");
     let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
-    let fields = [
-        "7",
-        "survey",
-        "tyre <old>",
-        "0.8750",
-        "accepted",
-        "port",
-        "10",
-        "22",
-    ];
+    let fields = ["7", "survey", "tyre <old>", "0.8750", "accepted", "port", "10", "22"];
     assert!(lines[0].iter().take(8).eq(fields));
     assert_eq!((&lines[0][10], &lines[0][13]), ("-82.11000000", "-3.250"));
     assert_eq!((&lines[0][16], &lines[0][17]), ("", "2.000"), "no shadow");
@@ -178,11 +144,7 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
         one.name = "Anna".to_owned();
         one.score = Some(0.5);
     });
-    second.target = Some(Target {
-        height_m: 0.5,
-        height_sigma_m: 0.25,
-        ..target(&mark())
-    });
+    second.target = Some(Target { height_m: 0.5, height_sigma_m: 0.25, ..target(&mark()) });
     let named = object(&[first, second]);
     let gpx = written(|path| objects_gpx(path, &[&named, &named]).map(|_| ()));
     assert_eq!(gpx.matches("<wpt ").count(), 2);
@@ -214,10 +176,7 @@ fn markup_in_names_and_notes_is_escaped() {
 fn boxes_of_several_logs_say_which() {
     let (mut boxes, survey) = (boxes(), Survey::default());
     let logs = logs(&survey);
-    boxes[1] = ObjectBox {
-        log: 1,
-        ..boxes[0].clone()
-    };
+    boxes[1] = ObjectBox { log: 1, ..boxes[0].clone() };
     let rows = rows(&boxes);
     let text = written(|path| objects_csv(path, &logs, &rows));
     let mut table = csv::Reader::from_reader(text.as_bytes());
@@ -295,11 +254,10 @@ fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
         };
         [value(0), value(1), value(2)]
     };
-    let highest = (0..corners)
-        .map(|index| corner(index)[2])
-        .fold(f64::MIN, f64::max);
+    let highest = (0..corners).map(|index| corner(index)[2]).fold(f64::MIN, f64::max);
     assert!((highest + 2.5).abs() < 1e-9, "{highest}");
-    // Of a square with its corners counter-clockwise from above the area is positive; together they cover 2 x 1 m and the room around.
+    // Of a square with its corners counter-clockwise from above the area is positive; together they
+    // cover 2 x 1 m and the room around.
     let mut area_m2 = 0.0;
     for square in 0..squares {
         let at = corners * 31 + square * 17;
@@ -312,9 +270,7 @@ fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
             })
             .collect();
         let cross = |a: [f64; 3], b: [f64; 3]| 0.5 * (a[0] * b[1] - a[1] * b[0]);
-        let own: f64 = (0..4)
-            .map(|one| cross(places[one], places[(one + 1) % 4]))
-            .sum();
+        let own: f64 = (0..4).map(|one| cross(places[one], places[(one + 1) % 4])).sum();
         assert!(own > 0.0, "clockwise");
         area_m2 += own;
     }

@@ -5,9 +5,7 @@ use bathyscope_bottom::planning::WaypointKind;
 use bathyscope_log::support::printable::xml;
 
 pub(super) fn text(way: &PlannedWay<'_>) -> String {
-    let ends = way
-        .places()
-        .filter(|place| place.station != WaypointKind::Turn);
+    let ends = way.places().filter(|place| place.station != WaypointKind::Turn);
     let waypoints: String = ends.map(|place| point("wpt", &place)).collect();
     let route: String = way.places().map(|place| point("rtept", &place)).collect();
     let (name, description) = (xml(way.name), xml(&way.description()));

@@ -23,9 +23,8 @@ pub(super) fn text(way: &PlannedWay<'_>) -> String {
 }
 
 fn placemark(name: &str, places: impl Iterator<Item = LonLat>, style: &str) -> String {
-    let coordinates: Vec<String> = places
-        .map(|at| format!("{:.8},{:.8}", at.lon_deg, at.lat_deg))
-        .collect();
+    let coordinates: Vec<String> =
+        places.map(|at| format!("{:.8},{:.8}", at.lon_deg, at.lat_deg)).collect();
     format!(
         "<Placemark><name>{name}</name><styleUrl>#{style}</styleUrl><LineString><tessellate>1</tessellate>\
          <coordinates>{}</coordinates></LineString></Placemark>\n",

@@ -7,8 +7,8 @@ use bathyscope_log::support::geo::LonLat;
 /// `MAV_FRAME_GLOBAL`, of the home position.
 const ABSOLUTE_HEIGHT: u8 = 0;
 
-/// A row a place: number, whether it is the current one, frame, command, four parameters, latitude, longitude, height, whether to go on
-/// by itself. Row 0 is home.
+/// A row a place: number, whether it is the current one, frame, command, four parameters, latitude,
+/// longitude, height, whether to go on by itself. Row 0 is home.
 pub(super) fn text(way: &PlannedWay<'_>) -> String {
     let mut text = "QGC WPL 110\n".to_owned() + &row(0, ABSOLUTE_HEIGHT, way.home);
     for (number, place) in (1..).zip(way.places()) {

@@ -37,12 +37,8 @@ pub struct PlanFormatError(pub PathBuf);
 
 impl PlanFormat {
     /// All of them.
-    pub const ALL: [PlanFormat; 4] = [
-        PlanFormat::Gpx,
-        PlanFormat::Kml,
-        PlanFormat::QGroundControl,
-        PlanFormat::MissionPlanner,
-    ];
+    pub const ALL: [PlanFormat; 4] =
+        [PlanFormat::Gpx, PlanFormat::Kml, PlanFormat::QGroundControl, PlanFormat::MissionPlanner];
 
     /// How its files end.
     pub(crate) fn ending(self) -> &'static str {
@@ -60,9 +56,8 @@ impl PlanFormat {
     /// When it ends like none of them.
     pub fn of(path: &Path) -> Result<Self, PlanFormatError> {
         let ending = path.extension().unwrap_or_default();
-        let format = Self::ALL
-            .into_iter()
-            .find(|format| ending.eq_ignore_ascii_case(format.ending()));
+        let format =
+            Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.ending()));
         format.ok_or_else(|| PlanFormatError(path.to_owned()))
     }
 }
@@ -100,10 +95,7 @@ impl PlannedWay<'_> {
 
     fn places(&self) -> impl Iterator<Item = WayPlace> {
         let way = self.plan.way.iter();
-        way.map(|waypoint| WayPlace {
-            at: self.lon_lat(waypoint.place),
-            station: waypoint.station,
-        })
+        way.map(|waypoint| WayPlace { at: self.lon_lat(waypoint.place), station: waypoint.station })
     }
 
     fn lon_lat(&self, [east_m, north_m]: [f64; 2]) -> LonLat {

@@ -45,7 +45,8 @@ fn item((number, place): (u32, WayPlace)) -> Value {
         "command": NAV_WAYPOINT,
         "doJumpId": number,
         "frame": RELATIVE_HEIGHT,
-        // Hold time, acceptance radius, pass radius, yaw (the autopilot's own), latitude, longitude, height.
+        // Hold time, acceptance radius, pass radius, yaw (the autopilot's own), latitude,
+        // longitude, height.
         "params": [0.0, 0.0, 0.0, null, lat_deg, lon_deg, 0.0],
         "type": "SimpleItem",
     })

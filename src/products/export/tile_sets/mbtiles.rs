@@ -8,10 +8,7 @@ use crate::map_tiles::{TileStyle, WebTile};
 use std::path::Path;
 
 /// `MPBX`.
-const KIND: DatabaseKind = DatabaseKind {
-    application: 0x4d50_4258,
-    version: 0,
-};
+const KIND: DatabaseKind = DatabaseKind { application: 0x4d50_4258, version: 0 };
 const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KEY, value TEXT)";
 const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
 
@@ -31,9 +28,7 @@ pub(crate) fn mbtiles(
         let rows = store.tiles(picture).into_iter().map(|(_, stored)| {
             let WebTile { zoom, x, y } = stored.tile;
             let from_south = (1_i64 << zoom) - 1 - i64::from(y);
-            let mut row = [i64::from(zoom), i64::from(x), from_south]
-                .map(Value::Integer)
-                .to_vec();
+            let mut row = [i64::from(zoom), i64::from(x), from_south].map(Value::Integer).to_vec();
             row.push(Value::Blob(store.read(stored)?));
             Ok(row)
         });
@@ -48,10 +43,7 @@ fn metadata(set: &TileSet) -> Vec<(&'static str, String)> {
     vec![
         ("name", set.name.clone()),
         ("format", "png".to_owned()),
-        (
-            "bounds",
-            format!("{west:.7},{south:.7},{east:.7},{north:.7}"),
-        ),
+        ("bounds", format!("{west:.7},{south:.7},{east:.7},{north:.7}")),
         ("center", format!("{lon:.7},{lat:.7},{zoom}")),
         ("minzoom", zoom.to_string()),
         ("maxzoom", set.scales.zooms.finest.to_string()),

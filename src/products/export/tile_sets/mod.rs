@@ -1,4 +1,5 @@
-//! The tiles of a map in files that other programs open: MBTiles for plotters and apps, PMTiles for the web, and a page that shows these.
+//! The tiles of a map in files that other programs open: MBTiles for plotters and apps, PMTiles for
+//! the web, and a page that shows these.
 //!
 //! In: the tiles of a map. Out: MBTiles, PMTiles and an HTML page.
 //! It uses `bottom` and `support`.

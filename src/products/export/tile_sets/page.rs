@@ -18,13 +18,14 @@ const PAGE: &str = include_str!("../../../../assets/map_page/index.html");
 const STYLE: &str = include_str!("../../../../assets/map_page/style.css");
 const SCRIPT: &str = include_str!("../../../../assets/map_page/script.js");
 
-/// Archives that are smaller together lie in the page itself, bytes: it is then one file to send, and opens from a disk, where browsers let no
-/// page read what lies beside it.
+/// Archives that are smaller together lie in the page itself, bytes: it is then one file to send,
+/// and opens from a disk, where browsers let no page read what lies beside it.
 const MOST_INSIDE: u64 = 8 << 20;
 /// Steps of the colours of the legend.
 const STEPS: usize = 20;
 
-/// Writes the page into the folder of its archives (colours, and elevations), which are there already.
+/// Writes the page into the folder of its archives (colours, and elevations), which are there
+/// already.
 ///
 /// # Errors
 /// When an archive cannot be read or the file cannot be written.
@@ -117,15 +118,8 @@ mod tests {
         let small = written();
         assert!(small.contains("id=\"depth.pmtiles\">dGlsZXM=</script>"));
         assert!(small.contains("<h1>pond &amp; &lt;/script&gt;</h1>") && !small.contains("{{"));
-        assert!(
-            !small.contains("http://") && small.matches("https://").count() == 1,
-            "one remark"
-        );
-        fs::write(
-            folder.path().join(archives[1]),
-            vec![0; MOST_INSIDE as usize],
-        )
-        .unwrap();
+        assert!(!small.contains("http://") && small.matches("https://").count() == 1, "one remark");
+        fs::write(folder.path().join(archives[1]), vec![0; MOST_INSIDE as usize]).unwrap();
         let large = written();
         assert!(!large.contains("octet-stream") && large.contains("\"finest\":"));
         fs::remove_file(folder.path().join(archives[1])).unwrap();

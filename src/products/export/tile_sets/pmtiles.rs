@@ -1,7 +1,8 @@
-//! PMTiles version 3: all tiles in one file that a page reads in parts (<https://github.com/protomaps/PMTiles/blob/main/spec/v3/spec.md>).
+//! PMTiles version 3: all tiles in one file that a page reads in parts
+//! (<https://github.com/protomaps/PMTiles/blob/main/spec/v3/spec.md>).
 //!
-//! The crate `pmtiles` reads and writes them too, with an asynchronous runtime behind it; what is written here is a header, a list of numbers, and
-//! the pictures one after the other.
+//! The crate `pmtiles` reads and writes them too, with an asynchronous runtime behind it; what is
+//! written here is a header, a list of numbers, and the pictures one after the other.
 
 use super::store::Stored;
 use super::{TileSet, TileStore};
@@ -46,7 +47,8 @@ pub(crate) fn pmtiles(
     })
 }
 
-/// An entry of a directory: the number of a tile, where its bytes begin and how many they are; or of a directory, which has no run of tiles.
+/// An entry of a directory: the number of a tile, where its bytes begin and how many they are; or
+/// of a directory, which has no run of tiles.
 struct DirectoryEntry {
     id: u64,
     run: u64,
@@ -54,16 +56,12 @@ struct DirectoryEntry {
     length: u64,
 }
 
-/// The first directory, and those that it leads to one after the other; none where the first holds all tiles.
+/// The first directory, and those that it leads to one after the other; none where the first holds
+/// all tiles.
 fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
     let mut at = 0;
     let entries = tiles.iter().map(|(id, stored)| {
-        let entry = DirectoryEntry {
-            id: *id,
-            run: 1,
-            at,
-            length: u64::from(stored.length),
-        };
+        let entry = DirectoryEntry { id: *id, run: 1, at, length: u64::from(stored.length) };
         at += entry.length;
         entry
     });
@@ -101,20 +99,11 @@ fn directory(entries: &[DirectoryEntry]) -> io::Result<Vec<u8>> {
         put(&mut bytes, entry.id - before);
     }
     entries.iter().for_each(|entry| put(&mut bytes, entry.run));
-    entries
-        .iter()
-        .for_each(|entry| put(&mut bytes, entry.length));
+    entries.iter().for_each(|entry| put(&mut bytes, entry.length));
     let ends = entries.iter().map(|entry| Some(entry.at + entry.length));
     for (entry, end_before) in entries.iter().zip(std::iter::once(None).chain(ends)) {
         // 0 says: right behind the one before.
-        put(
-            &mut bytes,
-            if end_before == Some(entry.at) {
-                0
-            } else {
-                entry.at + 1
-            },
-        );
+        put(&mut bytes, if end_before == Some(entry.at) { 0 } else { entry.at + 1 });
     }
     gzip(&bytes)
 }
@@ -151,10 +140,7 @@ fn metadata(picture: TileStyle, set: &TileSet) -> Vec<u8> {
 fn header(set: &TileSet, tiles: &[(u64, Stored)], [root, metadata, leaves]: [&[u8]; 3]) -> Vec<u8> {
     let mut header = b"PMTiles\x03".to_vec();
     let mut at = HEADER as u64;
-    let content = tiles
-        .iter()
-        .map(|(_, stored)| u64::from(stored.length))
-        .sum();
+    let content = tiles.iter().map(|(_, stored)| u64::from(stored.length)).sum();
     let parts = [root, metadata, leaves].map(|part| part.len() as u64);
     for length in parts.into_iter().chain([content]) {
         header.extend(at.to_le_bytes());
@@ -164,14 +150,7 @@ fn header(set: &TileSet, tiles: &[(u64, Stored)], [root, metadata, leaves]: [&[u
     // Tiles that have a picture, entries of directories, pictures.
     header.extend((tiles.len() as u64).to_le_bytes().repeat(3));
     // The pictures lie in the order of the directory.
-    header.extend([
-        1,
-        GZIP,
-        PLAIN,
-        PNG,
-        set.scales.zooms.coarsest,
-        set.scales.zooms.finest,
-    ]);
+    header.extend([1, GZIP, PLAIN, PNG, set.scales.zooms.coarsest, set.scales.zooms.finest]);
     let place = |degrees: f64| ((degrees * 1e7).round() as i32).to_le_bytes();
     header.extend(set.scales.zooms.bounds_deg.map(place).concat());
     header.push(set.scales.zooms.coarsest);

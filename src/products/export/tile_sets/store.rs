@@ -1,4 +1,5 @@
-//! Pictures of tiles, from when they are drawn until they are written in the order that a file wants.
+//! Pictures of tiles, from when they are drawn until they are written in the order that a file
+//! wants.
 
 use crate::export::{ExportError, RasterError};
 use crate::map_tiles::{PyramidSource, TileStyle, WebTile, pyramid};
@@ -42,19 +43,14 @@ impl TileStore {
             true => tempfile::tempfile()?,
             false => tempfile::tempfile_in(folder)?,
         };
-        Ok(Self {
-            inner: Mutex::new(Inner {
-                file,
-                end: 0,
-                places: BTreeMap::new(),
-            }),
-        })
+        Ok(Self { inner: Mutex::new(Inner { file, end: 0, places: BTreeMap::new() }) })
     }
 
     /// With the pictures of a map, drawn now.
     ///
     /// # Errors
-    /// When the folder cannot be written into, the source cannot be read, or the work was cancelled.
+    /// When the folder cannot be written into, the source cannot be read, or the work was
+    /// cancelled.
     pub(crate) fn draw(
         folder: &Path,
         source: &impl PyramidSource,

@@ -119,14 +119,9 @@ fn every_tile_of_a_pmtiles_file_is_found_whether_it_has_one_directory_or_many() 
             let expected = store.read(*stored).unwrap();
             assert_eq!(reader.tile(*id as usize), Some(expected.as_slice()));
         }
-        let at = LonLat {
-            lon_deg: 0.0,
-            lat_deg: 0.0,
-        };
-        let elsewhere = WebTile::at_pixel(
-            web_pixel(at, set.scales.zooms.finest),
-            set.scales.zooms.finest,
-        );
+        let at = LonLat { lon_deg: 0.0, lat_deg: 0.0 };
+        let elsewhere =
+            WebTile::at_pixel(web_pixel(at, set.scales.zooms.finest), set.scales.zooms.finest);
         assert_eq!(reader.tile(elsewhere.hilbert_id() as usize), None);
     }
 }
@@ -139,9 +134,7 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
     let first = store(folder.path(), zooms);
     for (_, stored) in first.tiles(TileStyle::Colours) {
         let bytes = first.read(stored).unwrap();
-        turned
-            .keep(TileStyle::Colours, stored.tile, &bytes)
-            .unwrap();
+        turned.keep(TileStyle::Colours, stored.tile, &bytes).unwrap();
     }
     let files =
         ["a.pmtiles", "b.pmtiles", "a.mbtiles", "b.mbtiles"].map(|name| folder.path().join(name));

@@ -7,7 +7,8 @@ use bathyscope_log::support::printable::xml;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
+/// Writes the pieces as segments of one track; with times where it is known when the log began
+/// (Unix seconds).
 pub(crate) fn track_gpx(
     path: &Path,
     name: &str,

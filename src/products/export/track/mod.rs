@@ -45,24 +45,16 @@ pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
         let position = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
         let at_m = frame.to_enu(position);
         if at_m.iter().all(|metres| metres.is_finite()) {
-            let point = TrackPoint {
-                ping,
-                time_s,
-                position,
-            };
+            let point = TrackPoint { ping, time_s, position };
             pieces.add(point, at_m);
         }
     };
     if survey.side_scan.is_empty() {
         let places = survey.soundings.iter().zip(navigation.soundings.iter());
-        (0..)
-            .zip(places)
-            .for_each(|(ping, (one, place))| add(ping, one.time_s, place));
+        (0..).zip(places).for_each(|(ping, (one, place))| add(ping, one.time_s, place));
     } else {
         let places = survey.side_scan.iter().zip(navigation.pings.iter());
-        (0..)
-            .zip(places)
-            .for_each(|(ping, (one, place))| add(ping, one.time_s, place));
+        (0..).zip(places).for_each(|(ping, (one, place))| add(ping, one.time_s, place));
     }
     pieces.finish()
 }
@@ -82,9 +74,7 @@ impl Pieces {
         if self.came.as_ref().is_some_and(paused) {
             self.close();
         }
-        let step_m = self
-            .kept_m
-            .map_or(f64::INFINITY, |from| apart_m(from, at_m));
+        let step_m = self.kept_m.map_or(f64::INFINITY, |from| apart_m(from, at_m));
         if step_m >= LEAST_STEP_M {
             self.keep(point, at_m);
         }
@@ -129,15 +119,8 @@ mod tests {
     fn a_pause_breaks_the_track_and_repeats_go() {
         let mut pieces = Pieces::default();
         let mut add = |ping: usize, time_s: f64, east_m: f64| {
-            let position = LonLat {
-                lon_deg: east_m,
-                lat_deg: 0.0,
-            };
-            let point = TrackPoint {
-                ping,
-                time_s,
-                position,
-            };
+            let position = LonLat { lon_deg: east_m, lat_deg: 0.0 };
+            let point = TrackPoint { ping, time_s, position };
             pieces.add(point, [east_m, 0.0]);
         };
         for ping in 0..100 {

@@ -13,8 +13,9 @@ use std::path::Path;
 /// Lines longer than this, degrees (some 10 m), show their label.
 const LABELLED_DEG: f64 = 1e-4;
 
-/// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the middle of its line, for a line alone shows
-/// none. Geometries of both kinds in one would be no layer of lines for QGIS.
+/// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the
+/// middle of its line, for a line alone shows none. Geometries of both kinds in one would be no
+/// layer of lines for QGIS.
 pub(crate) fn lines_kmz(
     path: &Path,
     name: &str,
@@ -52,9 +53,8 @@ pub(crate) fn lines_kmz(
 /// The middle of a line that is long enough for its label.
 fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let steps = points.windows(2);
-    let length: f64 = steps
-        .map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1]))
-        .sum();
+    let length: f64 =
+        steps.map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1])).sum();
     let middle = points.get(points.len() / 2);
     middle.copied().filter(|_| length > LABELLED_DEG)
 }
@@ -67,10 +67,7 @@ pub(crate) fn areas_kmz(
     place: impl Fn([f64; 2]) -> LonLat,
 ) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
-        let mut summary = Summary {
-            count: 1,
-            ..Summary::default()
-        };
+        let mut summary = Summary { count: 1, ..Summary::default() };
         write!(
             out,
             "<Placemark><name>{}</name><Style><LineStyle><color>ff00d7ff</color><width>2</width></LineStyle>\

@@ -1,4 +1,5 @@
-//! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998): what every map program of the last decades opens.
+//! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998): what every map program of
+//! the last decades opens.
 
 use super::LabelledLine;
 use crate::export::{ExportError, Summary, write_atomically, write_bytes};
@@ -14,8 +15,8 @@ const DIGITS: (u8, u8) = (14, 3);
 /// Letters of a label.
 const LETTERS: u8 = 64;
 
-/// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns behind `label`. The `.shp` is
-/// in its place last: where it is, its companions are whole.
+/// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns
+/// behind `label`. The `.shp` is in its place last: where it is, its companions are whole.
 pub(crate) fn lines_shapefile(
     path: &Path,
     crs: &Crs,
@@ -45,10 +46,8 @@ fn shapes(
     let mut summary = Summary::default();
     for line in lines {
         let places = line.points.iter().map(|point| crs.place(*point));
-        let points: Vec<Point> = places
-            .inspect(|place| summary.reach(*place))
-            .map(|[x, y]| Point::new(x, y))
-            .collect();
+        let points: Vec<Point> =
+            places.inspect(|place| summary.reach(*place)).map(|[x, y]| Point::new(x, y)).collect();
         // The crate panics on a line of one point.
         if points.len() > 1 {
             summary.count += 1;
@@ -67,9 +66,7 @@ fn table(file: File, names: &[&'static str], lines: &[LabelledLine]) -> io::Resu
     }
     let mut writer = fields.build_with_dest(BufWriter::new(file));
     for line in lines.iter().filter(|line| line.points.len() > 1) {
-        writer
-            .write_record(&ShapefileRow(line))
-            .map_err(io::Error::other)?;
+        writer.write_record(&ShapefileRow(line)).map_err(io::Error::other)?;
     }
     writer.finalize().map_err(io::Error::other)
 }

@@ -1,6 +1,8 @@
-//! A zip archive of one file (PKWARE APPNOTE 6.3), which is all that a KMZ is: three headers around a deflated text.
+//! A zip archive of one file (PKWARE APPNOTE 6.3), which is all that a KMZ is: three headers around
+//! a deflated text.
 //!
-//! The `zip` crate would do, but switches features of crates that the GPU and the network runtime are built on.
+//! The `zip` crate would do, but switches features of crates that the GPU and the network runtime
+//! are built on.
 
 use flate2::write::DeflateEncoder;
 use flate2::{Compression, CrcWriter};
@@ -38,10 +40,7 @@ pub(super) fn one_file<T>(
     let sizes = [crc, packed, bytes];
     let directory = directory(name, sizes);
     out.write_all(&directory)?;
-    out.write_all(&end_record(
-        directory.len() as u32,
-        place.map_err(too_large)?,
-    ))?;
+    out.write_all(&end_record(directory.len() as u32, place.map_err(too_large)?))?;
     out.seek(SeekFrom::Start(0))?;
     out.write_all(&local_header(name, sizes))?;
     out.flush()?;
@@ -65,7 +64,8 @@ impl<W: Write> Write for ByteCounter<W> {
     }
 }
 
-/// What both headers of a file share: version, flags, method, time, date, check sum, sizes, length of the name, extra fields.
+/// What both headers of a file share: version, flags, method, time, date, check sum, sizes, length
+/// of the name, extra fields.
 fn shared(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for value in [VERSION, 0, DEFLATE, 0, DATE] {
@@ -81,24 +81,15 @@ fn shared(name: &str, sizes: [u32; 3]) -> Vec<u8> {
 }
 
 fn local_header(name: &str, sizes: [u32; 3]) -> Vec<u8> {
-    [
-        b"PK\x03\x04",
-        shared(name, sizes).as_slice(),
-        name.as_bytes(),
-    ]
-    .concat()
+    [b"PK\x03\x04", shared(name, sizes).as_slice(), name.as_bytes()].concat()
 }
 
-/// The directory's entry: made by which version, the shared part, then comment, disk, attributes and place, all 0.
+/// The directory's entry: made by which version, the shared part, then comment, disk, attributes
+/// and place, all 0.
 fn directory(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     let made_by = VERSION.to_le_bytes();
-    let parts = [
-        b"PK\x01\x02",
-        made_by.as_slice(),
-        &shared(name, sizes),
-        &[0; 14],
-        name.as_bytes(),
-    ];
+    let parts =
+        [b"PK\x01\x02", made_by.as_slice(), &shared(name, sizes), &[0; 14], name.as_bytes()];
     parts.concat()
 }
 

@@ -1,4 +1,5 @@
-//! Writes the bottom as a body: `bottom.glb`, the depth map as a mesh with its colours and the mosaic over it.
+//! Writes the bottom as a body: `bottom.glb`, the depth map as a mesh with its colours and the
+//! mosaic over it.
 
 use crate::export::{Summary, TexturedMesh, glb};
 use crate::outputs::OutputError;
@@ -24,8 +25,7 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let middle = middle(&surface.grid);
     let mut mesh = mesh(surface, middle);
     mesh.name = results.plane.survey.name();
-    mesh.pictures
-        .push(("depth", png(&surface.grid, &bottom.rgb)?));
+    mesh.pictures.push(("depth", png(&surface.grid, &bottom.rgb)?));
     if let Some(picture) = mosaic(results, &bottom)? {
         mesh.pictures.push(("mosaic", picture));
     }
@@ -39,10 +39,7 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     glb(path, &mesh)?;
     let mut summary = Summary::default();
     for [east_m, north_m, up_m] in &mesh.places_m {
-        let place = [
-            middle[0] + f64::from(*east_m),
-            middle[1] + f64::from(*north_m),
-        ];
+        let place = [middle[0] + f64::from(*east_m), middle[1] + f64::from(*north_m)];
         summary.add(map.in_crs(place), -f64::from(*up_m));
     }
     Ok(FileContent::in_system(crs, summary))
@@ -81,8 +78,7 @@ fn mesh(surface: &Surface, [middle_east_m, middle_north_m]: [f64; 2]) -> Texture
             let [north_west, north_east, south_west, south_east] =
                 [here - grid.columns - 1, here - grid.columns, here - 1, here]
                     .map(|cell| numbers[cell]);
-            mesh.triangles
-                .extend(square([north_west, north_east, south_east, south_west]));
+            mesh.triangles.extend(square([north_west, north_east, south_east, south_west]));
         }
     }
     mesh
@@ -99,7 +95,8 @@ fn square(corners: [Option<u32>; 4]) -> Vec<[u32; 3]> {
     }
 }
 
-/// The mosaic over the ground of the bottom, as finely as it is itself and a picture may be; `None` without side-scan.
+/// The mosaic over the ground of the bottom, as finely as it is itself and a picture may be; `None`
+/// without side-scan.
 fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, OutputError> {
     let Some(mosaic) = results.mosaic()? else {
         return Ok(None);
@@ -109,9 +106,8 @@ fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, Out
     let times = (MOST_PIXELS / coarse.columns.max(coarse.rows).max(1)).clamp(1, finest);
     let grid = coarse.finer(times);
     let levels = mosaic.levels(&grid, results.progress)?;
-    let colours: Vec<Rgb> = (levels.iter())
-        .map(|level| Bottom::echo_colour(mosaic.settings.colours, *level))
-        .collect();
+    let colours: Vec<Rgb> =
+        (levels.iter()).map(|level| Bottom::echo_colour(mosaic.settings.colours, *level)).collect();
     png(&grid, &colours).map(Some)
 }
 
@@ -130,13 +126,7 @@ mod tests {
 
     #[test]
     fn triangles_face_up_and_a_hole_takes_only_what_touches_it() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 3.0,
-            cell_m: 1.0,
-            columns: 4,
-            rows: 3,
-        };
+        let grid = Grid { west_m: 0.0, north_m: 3.0, cell_m: 1.0, columns: 4, rows: 3 };
         let mut depth_m = vec![2.0; grid.len()];
         depth_m[5] = f32::NAN;
         let surface = Surface::of_depths(grid, depth_m);
@@ -151,11 +141,7 @@ mod tests {
             });
             0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
         };
-        assert!(
-            mesh.triangles
-                .iter()
-                .all(|one| (area(one) - 0.5).abs() < 1e-6)
-        );
+        assert!(mesh.triangles.iter().all(|one| (area(one) - 0.5).abs() < 1e-6));
         let [least, most] = [0, mesh.in_pictures.len() - 1].map(|corner| mesh.in_pictures[corner]);
         assert_eq!((least, most), ([0.125, 0.5 / 3.0], [0.875, 2.5 / 3.0]));
     }

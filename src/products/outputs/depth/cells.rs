@@ -22,7 +22,8 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_system(&map.crs, cells))
 }
 
-/// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that what was inferred is not taken for measured.
+/// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that
+/// what was inferred is not taken for measured.
 pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);

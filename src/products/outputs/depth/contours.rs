@@ -8,7 +8,8 @@ use crate::pipeline::Contours;
 use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;
 use std::path::Path;
 
-/// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark enough for a map.
+/// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark
+/// enough for a map.
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 
 /// What is drawn, and how.
@@ -17,7 +18,8 @@ pub(in crate::outputs) struct DrawnContours<'a> {
     pub contours: &'a Contours,
     settings: &'a IsobathSettings,
     index_levels_m: Vec<f64>,
-    /// Square metres on the ground that one on the map is: a map's are not quite those of the ground.
+    /// Square metres on the ground that one on the map is: a map's are not quite those of the
+    /// ground.
     pub ground: f64,
 }
 
@@ -97,19 +99,14 @@ pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
 fn named_lines(drawn: &DrawnContours<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
     let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
     let depths = lines.iter().map(|line| line.depth_m);
-    let [least_m, most_m] = depths.fold([f64::MAX, f64::MIN], |[least, most], depth| {
-        [least.min(depth), most.max(depth)]
-    });
+    let [least_m, most_m] = depths
+        .fold([f64::MAX, f64::MIN], |[least, most], depth| [least.min(depth), most.max(depth)]);
     let named = lines.iter().map(|line| {
         let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
         let [light, dark] = COLOURS;
         let depth = drawn.settings.in_unit(line.depth_m);
         LabelledLine {
-            points: line
-                .points
-                .iter()
-                .map(|at| results.to_lon_lat(*at))
-                .collect(),
+            points: line.points.iter().map(|at| results.to_lon_lat(*at)).collect(),
             label: format!("{depth} {}", drawn.settings.unit.symbol()),
             numbers: vec![line.depth_m, ground * line.length_m()],
             colour: [0, 1, 2].map(|part| (light[part] + share * (dark[part] - light[part])) as u8),

@@ -21,7 +21,8 @@ pub(crate) struct MapTiles {
 }
 
 impl MapTiles {
-    /// Draws all tiles of the depth map of a log, or of all; on the way their pictures take room in a folder.
+    /// Draws all tiles of the depth map of a log, or of all; on the way their pictures take room in
+    /// a folder.
     ///
     /// # Errors
     /// When the folder cannot be written into, or the work was cancelled.
@@ -107,10 +108,6 @@ impl PyramidSource for RunTiles<'_> {
 
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
         let bounds = tile.pixel_bounds(self.scales.zooms.finest);
-        Ok(self
-            .lines
-            .iter()
-            .flat_map(|line| clipped(line, bounds))
-            .collect())
+        Ok(self.lines.iter().flat_map(|line| clipped(line, bounds)).collect())
     }
 }

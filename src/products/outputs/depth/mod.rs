@@ -1,5 +1,6 @@
-//! Writes what the depths give: the map and its uncertainty as rasters and text, the bottom as a body, isobaths and depth areas, storage, all in the system
-//! that `crs` names; and the map as tiles of the web.
+//! Writes what the depths give: the map and its uncertainty as rasters and text, the bottom as a
+//! body, isobaths and depth areas, storage, all in the system that `crs` names; and the map as
+//! tiles of the web.
 //!
 //! In: the depth map of a run, with its isobaths. Out: files of these.
 //! It uses `pipeline`, `bottom`, `formats`, `survey` and `support`.

@@ -1,5 +1,5 @@
-//! The surface as rasters: metres as f32 on one grid, and their source, each with what was and was not corrected in its description, and beside each its
-//! colours for QGIS (`.qml`).
+//! The surface as rasters: metres as f32 on one grid, and their source, each with what was and was
+//! not corrected in its description, and beside each its colours for QGIS (`.qml`).
 
 use super::applied;
 use crate::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
@@ -23,11 +23,7 @@ struct RasterLayer {
 }
 
 const fn band(name: &'static str, positive_down: bool) -> Band {
-    Band {
-        name,
-        unit: "metre",
-        positive_down,
-    }
+    Band { name, unit: "metre", positive_down }
 }
 
 /// Steps of the colours in a style.
@@ -86,19 +82,11 @@ pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `hardness.tif`.
 pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = RasterLayer {
-        band: Band {
-            unit: "decibel",
-            ..band("brightness of the bed over the median", false)
-        },
+        band: Band { unit: "decibel", ..band("brightness of the bed over the median", false) },
         what: "How much brighter the bed is than the median of the map, decibels of power, as echo levels tell it: without slope, angle, range and gain",
         colour: share_colour,
     };
-    write(
-        &layer,
-        |surface| surface.hardness_db.as_deref().unwrap_or_default(),
-        results,
-        path,
-    )
+    write(&layer, |surface| surface.hardness_db.as_deref().unwrap_or_default(), results, path)
 }
 
 /// Writes `source.tif`.
@@ -106,11 +94,7 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let spec = raster::over(grid, &plane.map);
-    let about = format!(
-        "{}. {}",
-        plane.survey.name(),
-        applied(results.products, surface)
-    );
+    let about = format!("{}. {}", plane.survey.name(), applied(results.products, surface));
     source_raster(path, spec, surface, &about, results.progress)?;
     qgis_classes(&path.with_extension("qml"), &CellSource::classes())?;
     let values = surface.source.iter().map(|source| match source {
@@ -161,10 +145,7 @@ fn summary(plane: &CloudPlane<'_>, grid: &Grid, values: &[f32]) -> Summary {
     known.for_each(|value| summary.add([f64::NAN; 2], f64::from(*value)));
     let corners = [[0, 0], [grid.rows, grid.columns]];
     for [rows, columns] in corners.map(|corner| corner.map(|cells| cells as f64)) {
-        let corner = [
-            grid.west_m + columns * grid.cell_m,
-            grid.north_m - rows * grid.cell_m,
-        ];
+        let corner = [grid.west_m + columns * grid.cell_m, grid.north_m - rows * grid.cell_m];
         summary.reach(plane.map.in_crs(corner));
     }
     summary

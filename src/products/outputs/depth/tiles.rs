@@ -1,4 +1,5 @@
-//! The depth map as tiles: for plotters and apps with isobaths, for web maps without, as depths, and with a page that shows them.
+//! The depth map as tiles: for plotters and apps with isobaths, for web maps without, as depths,
+//! and with a page that shows them.
 
 use super::map_tiles::MapTiles;
 use crate::export::Summary;

@@ -52,10 +52,7 @@ pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile 
 
 /// A file that tells of all others.
 pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
-    OutputFile {
-        brief,
-        ..row_written_by(name, when, FileWriter::Run(file))
-    }
+    OutputFile { brief, ..row_written_by(name, when, FileWriter::Run(file)) }
 }
 
 const fn row_written_by(name: Text, when: When, writer: FileWriter) -> OutputFile {
@@ -72,11 +69,7 @@ const fn row_written_by(name: Text, when: When, writer: FileWriter) -> OutputFil
 }
 
 pub(super) const fn described(what: Text, counted: Text, measured: Text) -> Option<Described> {
-    Some(Described {
-        what,
-        counted,
-        measured,
-    })
+    Some(Described { what, counted, measured })
 }
 
 pub(super) const fn cloud(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {

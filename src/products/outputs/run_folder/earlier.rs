@@ -23,18 +23,15 @@ pub(super) struct EarlierFiles {
     pub changed: Vec<String>,
 }
 
-/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and holds data is of later versions than
-/// those that wrote all files there: `survey.gpkg` is no danger to `survey.sl2`.
+/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and
+/// holds data is of later versions than those that wrote all files there: `survey.gpkg` is no
+/// danger to `survey.sl2`.
 pub(in crate::outputs) fn is_stem_of_output(stem: &str) -> bool {
     let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
     let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
     let stems = rows.map(OutputFile::stem);
-    let manifests = EARLIER_MANIFESTS
-        .iter()
-        .map(|name| name.trim_end_matches(".json"));
-    stems
-        .chain(manifests)
-        .any(|one| one.eq_ignore_ascii_case(stem))
+    let manifests = EARLIER_MANIFESTS.iter().map(|name| name.trim_end_matches(".json"));
+    stems.chain(manifests).any(|one| one.eq_ignore_ascii_case(stem))
 }
 
 /// The files that an earlier run wrote into a folder, as far as they `go`.
@@ -68,14 +65,13 @@ pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> EarlierFiles 
     found
 }
 
-/// What lies on top under the name of a file that a version without subfolders wrote: it may be that of a run without a manifest.
+/// What lies on top under the name of a file that a version without subfolders wrote: it may be
+/// that of a run without a manifest.
 fn beside(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
     let names = files.filter_map(|entry| entry.file_name().into_string().ok());
-    names
-        .filter(|name| row_of(name).is_none() && row_of_beside(name).is_some())
-        .collect()
+    names.filter(|name| row_of(name).is_none() && row_of_beside(name).is_some()).collect()
 }
 
 /// Names of the manifests of the run in a folder.
@@ -89,7 +85,8 @@ pub(in crate::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
     folder.join(MANIFEST).exists() && read(folder, MANIFEST).is_none()
 }
 
-/// The manifests of a folder: the one of this version's runs, or else those of versions that had no other record of a run.
+/// The manifests of a folder: the one of this version's runs, or else those of versions that had no
+/// other record of a run.
 fn manifests(folder: &Path) -> Vec<(&'static str, Value)> {
     let ours = |name| read(folder, name).map(|record| (name, record));
     match ours(MANIFEST) {
@@ -98,7 +95,8 @@ fn manifests(folder: &Path) -> Vec<(&'static str, Value)> {
     }
 }
 
-/// Writes the manifest of `folder` into `new` without the files of a group, unless it names none of them; gives back its name.
+/// Writes the manifest of `folder` into `new` without the files of a group, unless it names none of
+/// them; gives back its name.
 pub(super) fn without_group(
     folder: &Path,
     new: &Path,
@@ -147,7 +145,8 @@ fn is_our_page(folder: &Path) -> bool {
     page.is_ok_and(|page| page.contains("Made with bathyscope "))
 }
 
-/// What a version that did not list its files wrote: files with a record beside them that names them.
+/// What a version that did not list its files wrote: files with a record beside them that names
+/// them.
 fn recorded(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

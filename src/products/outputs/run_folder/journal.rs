@@ -25,12 +25,7 @@ impl Journal {
     /// `None` where there is none, or none that was written whole.
     pub(super) fn read(path: &Path) -> Option<Self> {
         let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
-        let Self {
-            first,
-            files,
-            remove,
-            manifest,
-        } = &journal;
+        let Self { first, files, remove, manifest } = &journal;
         let mut names = first.iter().chain(files).chain(remove).chain(manifest);
         names.all(|name| is_plain(name)).then_some(journal)
     }
@@ -80,8 +75,8 @@ fn move_into_place(new: &Path, folder: &Path, name: &str) -> io::Result<()> {
         fs::create_dir_all(parent)?;
     }
     if new.join(name).exists() {
-        // Out of the way first: some file systems bring a file to the disk before it takes the place of another, which makes the swap
-        // ten times as long.
+        // Out of the way first: some file systems bring a file to the disk before it takes the
+        // place of another, which makes the swap ten times as long.
         remove(&to)?;
     }
     match patiently(|| fs::rename(new.join(name), &to)) {
@@ -98,12 +93,10 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Whether a name from a file stays within the folder: a file, or a file in a subfolder or in a folder in that.
+/// Whether a name from a file stays within the folder: a file, or a file in a subfolder or in a
+/// folder in that.
 pub(super) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
-    let plain = parts
-        .by_ref()
-        .take(3)
-        .all(|part| matches!(part, Component::Normal(_)));
+    let plain = parts.by_ref().take(3).all(|part| matches!(part, Component::Normal(_)));
     plain && !name.is_empty() && parts.next().is_none() && !name.contains('\\')
 }

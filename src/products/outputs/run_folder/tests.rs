@@ -30,12 +30,8 @@ fn written(folder: &Path, files: &[&str], content: &str) -> Replaced {
 fn a_folder_holds_the_files_of_one_run_and_those_of_its_user() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let one = [
-        "mosaic/mosaic.tif",
-        "objects/chips/0001-rock.png",
-        "points/cloud.csv",
-        "track/track.gpx",
-    ];
+    let one =
+        ["mosaic/mosaic.tif", "objects/chips/0001-rock.png", "points/cloud.csv", "track/track.gpx"];
     written(&out, &one, "one");
     fs::write(out.join("notes.txt"), "mine").unwrap();
     fs::write(out.join("objects/chips/best.png"), "mine").unwrap();
@@ -125,19 +121,12 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     assert_eq!(text(&out.join("cloud.csv")), "one");
 }
 
-/// Killed after each of the renames and removals: the next run finishes the job, and a folder with a manifest is whole meanwhile.
+/// Killed after each of the renames and removals: the next run finishes the job, and a folder with
+/// a manifest is whole meanwhile.
 #[test]
 fn a_swap_that_was_killed_is_finished_by_the_next_run() {
-    let old = [
-        "depth.tif",
-        "objects/chips/0001-rock.png",
-        "points/cloud.csv",
-    ];
-    let new = [
-        "objects/chips/0001-boat.png",
-        "points/cloud.csv",
-        "report.json",
-    ];
+    let old = ["depth.tif", "objects/chips/0001-rock.png", "points/cloud.csv"];
+    let new = ["objects/chips/0001-boat.png", "points/cloud.csv", "report.json"];
     for step in 0.. {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path();
@@ -150,10 +139,7 @@ fn a_swap_that_was_killed_is_finished_by_the_next_run() {
         let journal = Journal {
             first: vec!["report.json".to_owned()],
             files: new.iter().map(|&name| name.to_owned()).collect(),
-            remove: vec![
-                "depth.tif".to_owned(),
-                "objects/chips/0001-rock.png".to_owned(),
-            ],
+            remove: vec!["depth.tif".to_owned(), "objects/chips/0001-rock.png".to_owned()],
             manifest: Some("manifest.json".to_owned()),
         };
         journal.write(&out.join(SIDE).join(JOURNAL)).unwrap();
@@ -197,10 +183,7 @@ fn a_manifest_from_elsewhere_removes_nothing_outside_the_folder() {
     fs::create_dir(&out).unwrap();
     fs::write(folder.path().join("thesis.txt"), "years").unwrap();
     let mut file = Fingerprint::of(folder.path(), "thesis.txt", &Progress::new()).unwrap();
-    for name in [
-        "../thesis.txt",
-        &folder.path().join("thesis.txt").to_string_lossy(),
-    ] {
+    for name in ["../thesis.txt", &folder.path().join("thesis.txt").to_string_lossy()] {
         file.file = name.to_owned();
         let manifest = serde_json::json!({ "program": "bathyscope 1", "files": [&file] });
         fs::write(out.join("manifest.json"), manifest.to_string()).unwrap();
@@ -218,12 +201,8 @@ fn a_manifest_from_elsewhere_removes_nothing_outside_the_folder() {
 
 #[test]
 fn a_group_of_files_leaves_the_run_and_takes_the_place_of_its_own() {
-    let one = [
-        "objects/detections.csv",
-        "objects/detections.gpx",
-        "points/cloud.csv",
-        "report.json",
-    ];
+    let one =
+        ["objects/detections.csv", "objects/detections.gpx", "points/cloud.csv", "report.json"];
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
     written(out, &one, "one");
@@ -232,12 +211,7 @@ fn a_group_of_files_leaves_the_run_and_takes_the_place_of_its_own() {
     fs::write(run.path().join("objects/detections.csv"), "two").unwrap();
     let gone = run.commit_group(|name| name.starts_with("objects/"));
     assert_eq!(gone.unwrap().removed, ["objects/detections.gpx"]);
-    let expected = [
-        "manifest.json",
-        "objects/detections.csv",
-        "points/cloud.csv",
-        "report.json",
-    ];
+    let expected = ["manifest.json", "objects/detections.csv", "points/cloud.csv", "report.json"];
     assert_eq!(names(out), expected);
     let manifest: serde_json::Value =
         serde_json::from_str(&text(&out.join("manifest.json"))).unwrap();
@@ -274,10 +248,7 @@ fn what_a_version_without_a_list_wrote_goes_by_its_records() {
     }
     let gone = written(out, &["depth/depth.tif", "report.json"], "new");
     assert_eq!(gone.kept, [""; 0]);
-    assert_eq!(
-        gone.removed,
-        ["mosaic.tif", "report.html", "track.dbf", "track.shp"]
-    );
+    assert_eq!(gone.removed, ["mosaic.tif", "report.html", "track.dbf", "track.shp"]);
     let mut expected = vec![
         "depth/depth.tif",
         "film.mkv.4294967294.part",

@@ -15,22 +15,18 @@ const PARTS: [(&str, &[PointSource]); 6] = [
 ];
 
 impl Agreement {
-    /// The comparison of all points of the logs that it was made of, and of those of each source that has some.
+    /// The comparison of all points of the logs that it was made of, and of those of each source
+    /// that has some.
     pub(crate) fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
-        let counted: Vec<Vec<usize>> = logs
-            .iter()
-            .map(|log| super::counted(&log.products))
-            .collect();
+        let counted: Vec<Vec<usize>> =
+            logs.iter().map(|log| super::counted(&log.products)).collect();
         let reference = self.reference.as_ref();
         let name = reference.map_or_else(|| "down-scan".to_owned(), |one| one.name());
         let part = |(source, sources): (&'static str, &[PointSource])| {
             let is_of = |point: &CloudPoint| sources.contains(&point.source);
             let of_log = |(log, counted): (&ProcessedLog, &Vec<usize>)| {
                 let points = &log.products.cloud.points;
-                counted
-                    .iter()
-                    .filter(|index| is_of(&points[**index]))
-                    .count()
+                counted.iter().filter(|index| is_of(&points[**index])).count()
             };
             let measured = logs.iter().zip(&counted).map(of_log).sum();
             let matches = self.differences();

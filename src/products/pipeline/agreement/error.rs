@@ -32,7 +32,8 @@ pub enum ReferenceFault {
     /// Its points are in a system that is not known.
     #[error(transparent)]
     System(#[from] CrsError),
-    /// Its points are in metres that lie over the survey neither in this system nor as metres from the first fix.
+    /// Its points are in metres that lie over the survey neither in this system nor as metres from
+    /// the first fix.
     #[error(
         "the file does not say which system its metres are in, and they lie over this survey neither as {0} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
     )]

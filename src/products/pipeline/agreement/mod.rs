@@ -1,10 +1,10 @@
 //! How the points of a survey, of one log or of several, agree with a reference, one by one.
 //!
-//! In: the results of logs, and a reference. Out: a difference for each point that has a reference, with statistics.
-//! It uses `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! In: the results of logs, and a reference. Out: a difference for each point that has a reference,
+//! with statistics. It uses `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
-//! `reference` is what it can be compared with: a file of points or another mission. `tables` sorts the differences by what they may
-//! hang on, `by_source` tells the sources of points apart.
+//! `reference` is what it can be compared with: a file of points or another mission. `tables` sorts
+//! the differences by what they may hang on, `by_source` tells the sources of points apart.
 
 mod by_source;
 mod error;
@@ -24,7 +24,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use reference::{bounds, distance_m};
 use std::sync::Arc;
 
-/// Points of one or several logs and how they differ from a reference, measured minus reference elevation: up is positive.
+/// Points of one or several logs and how they differ from a reference, measured minus reference
+/// elevation: up is positive.
 #[derive(Clone, Debug)]
 pub struct Agreement {
     /// The points, log by log.
@@ -46,7 +47,8 @@ pub struct LogDifferences {
     pub cloud: Arc<PointCloud>,
     /// Points that were compared with the reference.
     pub measured: usize,
-    /// Those that have one, in the cloud's order: `measured` of each is the index there. Empty where the reference is elsewhere.
+    /// Those that have one, in the cloud's order: `measured` of each is the index there. Empty
+    /// where the reference is elsewhere.
     pub differences: Vec<Match>,
 }
 
@@ -58,8 +60,8 @@ struct Chosen {
 }
 
 impl Agreement {
-    /// Of the kept points of some sources of all logs with the triangulated soundings of all of them at their place; `None` where no point lies
-    /// over them. The logs lie in one frame.
+    /// Of the kept points of some sources of all logs with the triangulated soundings of all of
+    /// them at their place; `None` where no point lies over them. The logs lie in one frame.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -84,7 +86,8 @@ impl Agreement {
         Self::of(logs, &asked, soundings, matching, progress)
     }
 
-    /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in one frame.
+    /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in
+    /// one frame.
     ///
     /// # Errors
     /// When there is no log, the reference lies elsewhere, or the work was cancelled.
@@ -102,7 +105,8 @@ impl Agreement {
         let there = bounds(points.map(|point| [point.east_m, point.north_m]));
         let mut places = reference.places(first, progress)?;
         let all = bounds(places.iter().map(|&[x, y, _]| [x, y]));
-        // No triangle that the surface keeps, and no radius, reaches farther: what is left out changes nothing.
+        // No triangle that the surface keeps, and no radius, reaches farther: what is left out
+        // changes nothing.
         let reach_m = match matching {
             Matching::Nearest { radius_m } => radius_m,
             Matching::Surface { max_gap_m } => 2.0 * max_gap_m,
@@ -111,10 +115,7 @@ impl Agreement {
         let places = places.iter().copied();
         let made = Self::of(logs, &counted, places, matching, progress);
         match made? {
-            Some(agreement) => Ok(Self {
-                reference: Some(reference.clone()),
-                ..agreement
-            }),
+            Some(agreement) => Ok(Self { reference: Some(reference.clone()), ..agreement }),
             None => {
                 let what = unmatched(matching, distance_m(there, all));
                 Err(FileError::new(what, reference.path()).into())
@@ -183,10 +184,7 @@ fn chosen(logs: &[ProcessedLog], of: impl Fn(&Products) -> Vec<usize>) -> Vec<Ch
         let points = of(&one.products);
         all.reserve_exact(points.len());
         // A cloud numbers its pings in 32 bits, too.
-        all.extend(points.into_iter().map(|point| Chosen {
-            log,
-            point: point as u32,
-        }));
+        all.extend(points.into_iter().map(|point| Chosen { log, point: point as u32 }));
     }
     all
 }
@@ -207,10 +205,7 @@ fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Ve
             cloud: log.products.cloud.clone(),
             measured: end - first,
             differences: own
-                .map(|one| Match {
-                    measured: chosen[one.measured].point as usize,
-                    ..*one
-                })
+                .map(|one| Match { measured: chosen[one.measured].point as usize, ..*one })
                 .collect(),
         }
     };

@@ -35,7 +35,8 @@ enum Held {
     /// One log or several of another mission.
     Mission {
         logs: Vec<MissionLog>,
-        /// What the pipeline made of each last: most changes of a setting leave most stages as they were.
+        /// What the pipeline made of each last: most changes of a setting leave most stages as they
+        /// were.
         made: Mutex<Vec<Products>>,
     },
 }
@@ -45,12 +46,14 @@ enum Held {
 pub struct MissionLog {
     /// The recording; without settings of its own as it was read, with them as these have it.
     pub survey: Arc<Survey>,
-    /// The settings that it is processed with; those of the survey that is compared with it where it has none of its own.
+    /// The settings that it is processed with; those of the survey that is compared with it where
+    /// it has none of its own.
     pub settings: Option<Settings>,
 }
 
 impl Reference {
-    /// Opens what a survey is to be compared with: points or a log, as [`open_reference`] tells them apart.
+    /// Opens what a survey is to be compared with: points or a log, as [`open_reference`] tells
+    /// them apart.
     ///
     /// # Errors
     /// When it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
@@ -66,8 +69,9 @@ impl Reference {
         }
     }
 
-    /// Points of a file. Metres of a file that does not say whose they are count as those of the system that `crs` names, or else as
-    /// metres east and north of the survey's first fix: as those where they lie over the survey.
+    /// Points of a file. Metres of a file that does not say whose they are count as those of the
+    /// system that `crs` names, or else as metres east and north of the survey's first fix: as
+    /// those where they lie over the survey.
     fn of_points(
         file: Elevations,
         survey: &Survey,
@@ -90,13 +94,11 @@ impl Reference {
         })
     }
 
-    /// Another mission of one log, which is processed with the settings of the survey that is compared with it.
+    /// Another mission of one log, which is processed with the settings of the survey that is
+    /// compared with it.
     fn of_mission(survey: Survey) -> Self {
         let path = survey.source.files.first().cloned().unwrap_or_default();
-        let log = MissionLog {
-            survey: Arc::new(survey),
-            settings: None,
-        };
+        let log = MissionLog { survey: Arc::new(survey), settings: None };
         Self::of_logs(&path, vec![log])
     }
 
@@ -105,10 +107,7 @@ impl Reference {
         Self {
             path: path.to_owned(),
             notes: Vec::new(),
-            held: Held::Mission {
-                logs,
-                made: Mutex::default(),
-            },
+            held: Held::Mission { logs, made: Mutex::default() },
         }
     }
 
@@ -136,7 +135,8 @@ impl Reference {
         }
     }
 
-    /// East, north and elevation of its points in the plane of a log, metres. Another mission is processed with the settings of that log.
+    /// East, north and elevation of its points in the plane of a log, metres. Another mission is
+    /// processed with the settings of that log.
     ///
     /// # Errors
     /// When it cannot be processed so, or the work was cancelled.
@@ -192,8 +192,9 @@ impl Reference {
 }
 
 impl MissionLog {
-    /// What the pipeline makes of it, and the recording as it is mounted. A flat spot, strokes, stretches and a height offset of the log
-    /// that is compared with it mean nothing here; that log's mounting is taken for its own.
+    /// What the pipeline makes of it, and the recording as it is mounted. A flat spot, strokes,
+    /// stretches and a height offset of the log that is compared with it mean nothing here; that
+    /// log's mounting is taken for its own.
     fn processed(
         &self,
         settings: &Settings,
@@ -229,9 +230,7 @@ pub fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
     let points = counted.map(|index| &products.cloud.points[index]);
     let positions = points.map(|point| {
         let (east_m, north_m) = (point.east_m, point.north_m);
-        let at = products
-            .navigation
-            .to_lon_lat(&survey.track, east_m, north_m);
+        let at = products.navigation.to_lon_lat(&survey.track, east_m, north_m);
         [at.lon_deg, at.lat_deg, point.z_m]
     });
     positions.collect()
@@ -271,10 +270,8 @@ impl System {
         let asked = format!("the file does not say so, but its metres are taken as those of {map}");
         let local =
             "the file does not say so, but its metres are taken as east and north of the first fix";
-        let whats = [
-            (Self::Crs(map.clone()), asked),
-            (Self::Local(frame.clone()), local.to_owned()),
-        ];
+        let whats =
+            [(Self::Crs(map.clone()), asked), (Self::Local(frame.clone()), local.to_owned())];
         let fixes = survey.track.fixes.iter();
         let track = bounds(fixes.map(|fix| frame.to_enu(fix.position)));
         for (system, words) in whats {
@@ -295,7 +292,8 @@ impl System {
     }
 }
 
-/// A file this far from the track may be one of the same water in the wrong place, and is reported as that far away.
+/// A file this far from the track may be one of the same water in the wrong place, and is reported
+/// as that far away.
 const NEAR_M: f64 = 20_000.0;
 
 /// West, south, east and north of what has a place.

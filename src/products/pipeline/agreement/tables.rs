@@ -35,9 +35,7 @@ pub(super) fn tables<'a>(
         let mut values: Vec<f64> = differences.iter().map(variable).collect();
         values.retain(|value| value.is_finite());
         let width = width.or_else(|| suited_width(&mut values));
-        let pairs = differences
-            .iter()
-            .map(|one| (variable(one), one.difference_m));
+        let pairs = differences.iter().map(|one| (variable(one), one.difference_m));
         binned(pairs, width.unwrap_or(ANY_WIDTH_M))
     };
     let all: Vec<f64> = differences.iter().map(|one| one.difference_m).collect();
@@ -71,7 +69,5 @@ fn across_m(products: &Products, point: &CloudPoint) -> f64 {
 }
 
 fn heading_deg(products: &Products, point: &CloudPoint) -> f64 {
-    boat(products, point).map_or(f64::NAN, |boat| {
-        boat.heading_rad.to_degrees().rem_euclid(360.0)
-    })
+    boat(products, point).map_or(f64::NAN, |boat| boat.heading_rad.to_degrees().rem_euclid(360.0))
 }

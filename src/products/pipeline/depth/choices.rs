@@ -1,4 +1,5 @@
-//! What each choice of geometry and calibration costs: the same picks, compared with the same soundings.
+//! What each choice of geometry and calibration costs: the same picks, compared with the same
+//! soundings.
 
 use super::residuals::kept_of;
 use crate::pipeline::Products;
@@ -26,42 +27,19 @@ pub struct GeometryChoice {
     residuals: Residuals,
 }
 
-const GEOMETRIES: [Geometry; 4] = [
-    Geometry::Published,
-    Geometry::SelfConsistent,
-    Geometry::Nadir,
-    Geometry::Slope,
-];
+const GEOMETRIES: [Geometry; 4] =
+    [Geometry::Published, Geometry::SelfConsistent, Geometry::Nadir, Geometry::Slope];
 
 const CALIBRATIONS: [(&str, ScaleMode, PpdReach, OffsetMode); 4] = [
-    (
-        "flat_spot, constant",
-        ScaleMode::FlatSpot,
-        PpdReach::Constant,
-        OffsetMode::None,
-    ),
-    (
-        "flat_spot, factor",
-        ScaleMode::FlatSpot,
-        PpdReach::Factor,
-        OffsetMode::None,
-    ),
-    (
-        "header",
-        ScaleMode::Header,
-        PpdReach::Factor,
-        OffsetMode::None,
-    ),
-    (
-        "header less offset",
-        ScaleMode::Header,
-        PpdReach::Factor,
-        OffsetMode::Fit,
-    ),
+    ("flat_spot, constant", ScaleMode::FlatSpot, PpdReach::Constant, OffsetMode::None),
+    ("flat_spot, factor", ScaleMode::FlatSpot, PpdReach::Factor, OffsetMode::None),
+    ("header", ScaleMode::Header, PpdReach::Factor, OffsetMode::None),
+    ("header less offset", ScaleMode::Header, PpdReach::Factor, OffsetMode::Fit),
 ];
 
-/// One line for each combination that gives points over the soundings; a flat spot that gives no scale has none. Of the stages only the
-/// calibration, the cloud and the outlier filter run, each where it differs.
+/// One line for each combination that gives points over the soundings; a flat spot that gives no
+/// scale has none. Of the stages only the calibration, the cloud and the outlier filter run, each
+/// where it differs.
 pub fn choices(
     survey: &Survey,
     products: &Products,
@@ -75,10 +53,7 @@ pub fn choices(
     );
     let (judged, counted) = (products.judged_returns(survey), products.counted_returns());
     // Nothing about a swath is chosen.
-    let survey = &Survey {
-        swath: Arc::default(),
-        ..survey.clone()
-    };
+    let survey = &Survey { swath: Arc::default(), ..survey.clone() };
     let traits = PickTraits::new(survey, &products.navigation, &counted);
     let mut found = Vec::new();
     for (name, mode, ppd, offset) in CALIBRATIONS {
@@ -101,17 +76,15 @@ pub fn choices(
                 true => products.cloud.clone(),
                 false => {
                     let counted = (&*counted, &traits);
-                    Arc::new(placed(
-                        survey, products, counted, &made, geometry, progress,
-                    )?)
+                    Arc::new(placed(survey, products, counted, &made, geometry, progress)?)
                 }
             };
             let points = cloud.points.iter().enumerate();
-            let points: Vec<(usize, &CloudPoint)> = points
-                .filter(|(_, point)| point.source.is_side_scan())
-                .collect();
+            let points: Vec<(usize, &CloudPoint)> =
+                points.filter(|(_, point)| point.source.is_side_scan()).collect();
             let matches = reference.matches(&points, |(_, point)| point.place(), progress)?;
-            // Beside a single track some geometries have no point over the soundings, and need no classes.
+            // Beside a single track some geometries have no point over the soundings, and need no
+            // classes.
             if matches.is_empty() {
                 continue;
             }
@@ -127,15 +100,13 @@ pub fn choices(
             let matches = matches.iter().filter(|one| is_kept(&points[one.measured]));
             let mut differences: Vec<f64> = matches.map(|one| one.difference_m).collect();
             let unmatched = kept - differences.len();
-            found.extend(
-                Residuals::of(&mut differences).map(|residuals| GeometryChoice {
-                    geometry,
-                    calibration: name,
-                    in_force,
-                    unmatched,
-                    residuals,
-                }),
-            );
+            found.extend(Residuals::of(&mut differences).map(|residuals| GeometryChoice {
+                geometry,
+                calibration: name,
+                in_force,
+                unmatched,
+                residuals,
+            }));
         }
     }
     Ok(found)
@@ -150,9 +121,6 @@ fn placed(
     geometry: Geometry,
     progress: &Progress,
 ) -> Result<PointCloud, Cancelled> {
-    let how = CloudSettings {
-        geometry,
-        ..products.settings.cloud.clone()
-    };
+    let how = CloudSettings { geometry, ..products.settings.cloud.clone() };
     products.placed(survey, counted, calibration, &how, progress)
 }

@@ -1,4 +1,5 @@
-//! What is drawn of a depth map: lines of equal depth, the areas between them and what lies below each.
+//! What is drawn of a depth map: lines of equal depth, the areas between them and what lies below
+//! each.
 
 use crate::pipeline::{DepthMap, Isobaths};
 use bathyscope_bottom::bathymetry::Surface;
@@ -19,8 +20,9 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// Between and below the lines of a depth map. The areas are bounded by the lines before these are smoothed, and
-    /// by the area that the lines end at; what lies below counts by the cells of the depth map in it.
+    /// Between and below the lines of a depth map. The areas are bounded by the lines before these
+    /// are smoothed, and by the area that the lines end at; what lies below counts by the cells of
+    /// the depth map in it.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -44,15 +46,10 @@ impl Contours {
     }
 }
 
-/// The levels, with the shallowest and what is just beyond the deepest depth around them, so that the areas cover all.
+/// The levels, with the shallowest and what is just beyond the deepest depth around them, so that
+/// the areas cover all.
 fn with_ends(levels_m: &[f64], [least_m, most_m]: [f64; 2]) -> Vec<f64> {
-    let within = levels_m
-        .iter()
-        .copied()
-        .filter(|level| *level > least_m && *level <= most_m);
+    let within = levels_m.iter().copied().filter(|level| *level > least_m && *level <= most_m);
     let beyond_m = most_m.next_up();
-    std::iter::once(least_m)
-        .chain(within)
-        .chain([beyond_m])
-        .collect()
+    std::iter::once(least_m).chain(within).chain([beyond_m]).collect()
 }

@@ -20,7 +20,8 @@ pub struct Crosslines {
     /// Those of two logs alone; absent of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     between_logs: Option<Residuals>,
-    /// How late the positions of each log are, in the order of the logs; null where the crossings do not tell.
+    /// How late the positions of each log are, in the order of the logs; null where the crossings
+    /// do not tell.
     latencies: Vec<Option<LogLatency>>,
     /// The first of them in the order of logs and time.
     list: Vec<Listed>,
@@ -53,8 +54,8 @@ const SIGN_OF_LOGS: &str = "elevation of the later pass minus that of the earlie
 /// More than this are not listed one by one.
 const MOST_LISTED: usize = 10_000;
 
-/// The crossings of the tracks of some logs in one frame; `names` are what they are called. `None` where no track crosses itself or
-/// another over depths.
+/// The crossings of the tracks of some logs in one frame; `names` are what they are called. `None`
+/// where no track crosses itself or another over depths.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -70,9 +71,7 @@ pub fn crosslines(
         let [east_m, north_m] = one.place;
         let tracks = one.passes.map(|pass| pass.track);
         let ProcessedLog { survey, products } = logs.get(tracks[0])?;
-        let at = products
-            .navigation
-            .to_lon_lat(&survey.track, east_m, north_m);
+        let at = products.navigation.to_lon_lat(&survey.track, east_m, north_m);
         let name = |log: usize| names.get(log).cloned().unwrap_or_default();
         Some(Listed {
             logs: is_of_several.then(|| tracks.map(name)),

@@ -1,5 +1,5 @@
-//! What the depths give: the surface, isobaths, the agreement of side-scan with soundings, the crossline analysis. All in the system
-//! that `crs` names.
+//! What the depths give: the surface, isobaths, the agreement of side-scan with soundings, the
+//! crossline analysis. All in the system that `crs` names.
 //!
 //! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
 //! It uses `bottom`, `sonar`, `survey` and `support`.

@@ -39,12 +39,7 @@ impl<'a> CloudPlane<'a> {
 
     /// The cloud of one of several logs, in the plane that all of them share.
     pub(crate) fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
-        Self {
-            map,
-            survey,
-            track: &survey.track,
-            navigation: &products.navigation,
-        }
+        Self { map, survey, track: &survey.track, navigation: &products.navigation }
     }
 
     /// Longitude and latitude of a place in the plane.
@@ -66,15 +61,11 @@ impl<'a> CloudPlane<'a> {
     /// The kept points that count for the surface, as weighted depths.
     pub(crate) fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let (cloud, classes) = (&products.cloud, &products.classes);
-        depth_points(cloud, classes, &products.settings.surface, |p| {
-            self.place(p)
-        })
+        depth_points(cloud, classes, &products.settings.surface, |p| self.place(p))
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {
-        let position = self
-            .navigation
-            .to_lon_lat(self.track, point.east_m, point.north_m);
+        let position = self.navigation.to_lon_lat(self.track, point.east_m, point.north_m);
         let [east_m, north_m] = self.map.place(position);
         [east_m, north_m, point.z_m]
     }

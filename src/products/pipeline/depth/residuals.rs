@@ -26,8 +26,9 @@ pub struct NamedComparison {
     pub comparison: Comparison,
 }
 
-/// Port, starboard, both and the swath against the surface of the soundings at their place, and against the nearest sounding, of all logs
-/// together in the plane of a map; empty where there is no side-scan point or no sounding.
+/// Port, starboard, both and the swath against the surface of the soundings at their place, and
+/// against the nearest sounding, of all logs together in the plane of a map; empty where there is
+/// no side-scan point or no sounding.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -43,21 +44,15 @@ pub(crate) fn comparisons(
     let (reference, _) = points(logs, map, is_sounding, |_, _| ());
     let (measured, kinds) = points(logs, map, |point| !is_sounding(point), kind);
     let max_gap_m = first.products.settings.surface.max_gap_m;
-    let ways = [
-        Matching::Surface { max_gap_m },
-        Matching::Nearest { radius_m: RADIUS_M },
-    ];
+    let ways = [Matching::Surface { max_gap_m }, Matching::Nearest { radius_m: RADIUS_M }];
     let level_m = first.products.correction.middle_level_m();
     let mut found = Vec::new();
     for matching in ways {
         // Each point is matched once, whichever lists it is in.
         let all = match_points(&measured, &reference, matching, progress)?;
         for (source, counts) in LISTS {
-            let matches: Vec<Match> = all
-                .iter()
-                .filter(|one| counts(kinds[one.measured]))
-                .copied()
-                .collect();
+            let matches: Vec<Match> =
+                all.iter().filter(|one| counts(kinds[one.measured])).copied().collect();
             if !matches.is_empty() {
                 let measured = kinds.iter().filter(|kind| counts(**kind)).count();
                 found.push(NamedComparison {
@@ -76,7 +71,8 @@ pub(crate) fn comparisons(
 #[derive(Clone, Copy)]
 struct PointKind {
     source: PointSource,
-    /// Whether the recorder had lost the bottom: depth comes from side-scan alone there, and nearby soundings are compared with it.
+    /// Whether the recorder had lost the bottom: depth comes from side-scan alone there, and nearby
+    /// soundings are compared with it.
     is_lost: bool,
 }
 
@@ -88,9 +84,7 @@ const LISTS: [(&str, PointTest); 5] = [
     ("side-scan", |kind| kind.source.is_side_scan()),
     ("port", |kind| kind.source == PointSource::Port),
     ("starboard", |kind| kind.source == PointSource::Starboard),
-    ("side-scan where the bottom was lost", |kind| {
-        kind.source.is_side_scan() && kind.is_lost
-    }),
+    ("side-scan where the bottom was lost", |kind| kind.source.is_side_scan() && kind.is_lost),
     ("swath", |kind| kind.source == PointSource::Swath),
 ];
 
@@ -114,10 +108,7 @@ fn points<T>(
 
 /// Which lists a point is in.
 fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
-    PointKind {
-        source: point.source,
-        is_lost: survey.locked_depth_m(point.ping as usize).is_nan(),
-    }
+    PointKind { source: point.source, is_lost: survey.locked_depth_m(point.ping as usize).is_nan() }
 }
 
 /// Kept points of some sources, in the cloud's order.

@@ -8,10 +8,11 @@ use bathyscope_bottom::swath::{LogEchoes, correct};
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*` settings of the first. Each log's
-/// points weigh what its own settings give them; where logs meet in a cell the weighted median stands, so that a log with many points
-/// there counts more. Depths between the lines come from the levels of the echoes of all logs where `surface.swath` says so. `None` where the depths span
-/// no surface.
+/// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*`
+/// settings of the first. Each log's points weigh what its own settings give them; where logs meet
+/// in a cell the weighted median stands, so that a log with many points there counts more. Depths
+/// between the lines come from the levels of the echoes of all logs where `surface.swath` says so.
+/// `None` where the depths span no surface.
 ///
 /// # Errors
 /// When the work was cancelled.

@@ -4,23 +4,17 @@ use crate::pipeline::Products;
 use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes};
 use bathyscope_log::survey::{PingNav, Side, Survey};
 
-/// What depths from levels read of a log; `place` gives east and north in the plane for those of the survey, metres. Pings that count for
-/// nothing have no place. Without usable side-scan there is none.
+/// What depths from levels read of a log; `place` gives east and north in the plane for those of
+/// the survey, metres. Pings that count for nothing have no place. Without usable side-scan there
+/// is none.
 pub fn log_echoes<'a>(
     survey: &'a Survey,
     products: &Products,
     place: impl Fn([f64; 2]) -> [f64; 2],
 ) -> LogEchoes<'a> {
-    let count = if survey.has_side_scan() {
-        survey.side_scan.len()
-    } else {
-        0
-    };
+    let count = if survey.has_side_scan() { survey.side_scan.len() } else { 0 };
     let of_ping = |ping: usize| {
-        let time_s = survey
-            .side_scan
-            .get(ping)
-            .map_or(f64::NAN, |ping| ping.time_s);
+        let time_s = survey.side_scan.get(ping).map_or(f64::NAN, |ping| ping.time_s);
         let navigation = products.navigation.pings.get(ping);
         let counts = products.exclusions.ping(ping).is_none();
         let (place_m, starboard) = navigation
@@ -35,10 +29,7 @@ pub fn log_echoes<'a>(
             sides: Side::BOTH.map(|side| side_echoes(survey, products, ping, side)),
         }
     };
-    LogEchoes {
-        levels: survey,
-        pings: (0..count).map(of_ping).collect(),
-    }
+    LogEchoes { levels: survey, pings: (0..count).map(of_ping).collect() }
 }
 
 /// Where a ping is, and which way starboard points there: north of two planes may differ.

@@ -1,4 +1,5 @@
-//! What is uncertain in all depths of a survey alike. Depths that are left out do not show it, since the others have it, too.
+//! What is uncertain in all depths of a survey alike. Depths that are left out do not show it,
+//! since the others have it, too.
 
 use crate::pipeline::joint::crossline_analysis;
 use crate::pipeline::{ProcessedLog, Products};
@@ -19,29 +20,28 @@ const EDGE_SAMPLES: f64 = 0.25;
 /// The parts of a depth's uncertainty that are common to a survey, one standard deviation each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CommonUncertainty {
-    /// Side-scan against soundings: what is left of the constant between first-return ranges and recorded depths, metres, and how
-    /// uncertain what was taken off is.
+    /// Side-scan against soundings: what is left of the constant between first-return ranges and
+    /// recorded depths, metres, and how uncertain what was taken off is.
     pub range_offset_m: f64,
-    /// Sound speed, as a share of the depth; 0 where none is given, and depths are as the recorder computed them.
+    /// Sound speed, as a share of the depth; 0 where none is given, and depths are as the recorder
+    /// computed them.
     pub sound_speed_share: f64,
     /// Draft, metres; 0 where none is given, and depths count from the transducer.
     pub draft_m: f64,
     /// Water level, metres; 0 where none is given.
     pub water_level_m: f64,
-    /// Several logs against each other where they cross, metres: levels, positions and clocks together.
+    /// Several logs against each other where they cross, metres: levels, positions and clocks
+    /// together.
     pub between_logs_m: f64,
-    /// Positions, metres along the ground, as the recorder rounds them: times the slope of the bottom it is a depth.
+    /// Positions, metres along the ground, as the recorder rounds them: times the slope of the
+    /// bottom it is a depth.
     pub position_m: f64,
 }
 
 impl CommonUncertainty {
     /// Of one log.
     pub(crate) fn of_log(survey: &Survey, products: &Products) -> Self {
-        let Products {
-            calibration,
-            correction,
-            ..
-        } = products;
+        let Products { calibration, correction, .. } = products;
         let where_given = |sigma: f64, is_given: bool| if is_given { sigma } else { 0.0 };
         Self {
             range_offset_m: range_offset_m(calibration),
@@ -59,9 +59,7 @@ impl CommonUncertainty {
     /// # Errors
     /// When the work was cancelled.
     pub fn of(logs: &[ProcessedLog], progress: &Progress) -> Result<Self, Cancelled> {
-        let each = logs
-            .iter()
-            .map(|log| Self::of_log(&log.survey, &log.products));
+        let each = logs.iter().map(|log| Self::of_log(&log.survey, &log.products));
         let each: Vec<Self> = each.collect();
         let rms = |of: fn(&Self) -> f64| {
             let squares: f64 = each.iter().map(|one| of(one).powi(2)).sum();
@@ -83,8 +81,8 @@ impl CommonUncertainty {
         })
     }
 
-    /// Standard deviation at a depth on a slope (metres a metre), metres: the root of the sum of squares, as in the total vertical uncertainty
-    /// of IHO S-44.
+    /// Standard deviation at a depth on a slope (metres a metre), metres: the root of the sum of
+    /// squares, as in the total vertical uncertainty of IHO S-44.
     pub fn at(&self, depth_m: f64, slope: f64) -> f64 {
         let parts = [
             self.range_offset_m,

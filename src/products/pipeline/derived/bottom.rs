@@ -1,4 +1,5 @@
-//! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for each.
+//! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for
+//! each.
 
 use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
 use crate::pipeline::relief::farthest_m;
@@ -17,11 +18,13 @@ use std::sync::Arc;
 
 /// Where the mosaic shows nothing.
 const UNSEEN: Rgb = [74, 84, 94];
-/// The mosaic is drawn so far beside the depths at most, metres: no side-scan sees farther, but a damaged header may say so.
+/// The mosaic is drawn so far beside the depths at most, metres: no side-scan sees farther, but a
+/// damaged header may say so.
 const MOST_BESIDE_M: f64 = 1000.0;
 /// Cells over which the colours for pictures from far away are means.
 const FAR_CELLS: usize = 4;
-/// The scale of an uncertainty or a distance ends at what this share of the cells does not exceed: single cells do not dull all others.
+/// The scale of an uncertainty or a distance ends at what this share of the cells does not exceed:
+/// single cells do not dull all others.
 const SCALE_SHARE: f64 = 0.98;
 
 /// What the colours of the bottom say.
@@ -38,7 +41,8 @@ pub enum BottomColour {
     Distance,
     /// The source of the depth.
     Source,
-    /// How bright the bed is by itself: `depth/hardness.tif`. Without depths from echo levels nothing is known.
+    /// How bright the bed is by itself: `depth/hardness.tif`. Without depths from echo levels
+    /// nothing is known.
     Hardness,
 }
 
@@ -94,8 +98,8 @@ impl BottomKey {
 pub struct Bottom {
     /// What it was made of.
     pub depth_map: Arc<DepthMap>,
-    /// Its means over larger cells, where it has more corners than were asked for; under the mosaic with the ground that has an echo and no
-    /// depth, on a flat extrapolation.
+    /// Its means over larger cells, where it has more corners than were asked for; under the mosaic
+    /// with the ground that has an echo and no depth, on a flat extrapolation.
     made: Option<Surface>,
     /// Shallowest and deepest depth of the depth map, metres.
     pub range_m: [f64; 2],
@@ -103,19 +107,22 @@ pub struct Bottom {
     pub colour: BottomColour,
     /// Colour of each corner.
     pub rgb: Vec<Rgb>,
-    /// Mean colour of the ground around each corner, for pictures from far away; `None` where colours are even enough.
+    /// Mean colour of the ground around each corner, for pictures from far away; `None` where
+    /// colours are even enough.
     far_rgb: Option<Vec<Rgb>>,
-    /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of the source of depths, and where nothing is
-    /// known.
+    /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of
+    /// the source of depths, and where nothing is known.
     pub ends: Option<[f32; 2]>,
-    /// Whether it has ground of which an echo is shown and no depth is known, on a flat extrapolation of the depths.
+    /// Whether it has ground of which an echo is shown and no depth is known, on a flat
+    /// extrapolation of the depths.
     pub has_flat_extrapolation: bool,
 }
 
 /// A corner of the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BottomCorner {
-    /// East and north in the plane of the survey, and elevation over its vertical reference, metres.
+    /// East and north in the plane of the survey, and elevation over its vertical reference,
+    /// metres.
     pub place_m: [f64; 3],
     /// Square to the bottom, of length 1: east, north, up.
     pub normal: [f32; 3],
@@ -184,8 +191,8 @@ impl Bottom {
         })
     }
 
-    /// In the colours of the mosaic, with the ground beside the depths that the mosaic shows, in cells as fine as the mosaic's where there may
-    /// be so many corners.
+    /// In the colours of the mosaic, with the ground beside the depths that the mosaic shows, in
+    /// cells as fine as the mosaic's where there may be so many corners.
     fn under_mosaic(
         derived: &Derived,
         depth_map: &Arc<DepthMap>,
@@ -207,9 +214,7 @@ impl Bottom {
         }
         let around = around(times);
         let colours = (mosaic.as_ref()).map_or(Colours::default(), |one| one.settings.colours);
-        let mosaic_cell_m = mosaic
-            .as_ref()
-            .map_or(fine.cell_m, |one| one.settings.cell_m);
+        let mosaic_cell_m = mosaic.as_ref().map_or(fine.cell_m, |one| one.settings.cell_m);
         let finest = (around.cell_m / mosaic_cell_m).round().max(1.0) as usize;
         let fits = |finer: &usize| around.finer(*finer).len() <= most_corners;
         let finer = (1..=finest).rev().find(fits).unwrap_or(1);
@@ -221,10 +226,7 @@ impl Bottom {
         let levels = coloured(&grid)?;
         let far = grid.coarser(FAR_CELLS);
         let far_levels = coloured(&far)?;
-        let surface = depth_map
-            .surface
-            .coarser(times)
-            .extrapolated_flat(around, |_| true);
+        let surface = depth_map.surface.coarser(times).extrapolated_flat(around, |_| true);
         progress.check()?;
         let mut surface = surface.finer(finer);
         let cells = surface.depth_m.par_iter_mut().zip(&surface.source);
@@ -233,9 +235,8 @@ impl Bottom {
                 *depth_m = f32::NAN;
             }
         });
-        let rgb: Vec<Rgb> = (levels.par_iter())
-            .map(|level| Self::echo_colour(colours, *level))
-            .collect();
+        let rgb: Vec<Rgb> =
+            (levels.par_iter()).map(|level| Self::echo_colour(colours, *level)).collect();
         let far_rgb = (0..grid.len()).into_par_iter().map(|cell| {
             let place = grid.centre_of(cell);
             let level = between(&far, &far_levels, place);
@@ -253,7 +254,8 @@ impl Bottom {
         })
     }
 
-    /// Depth of the cell at a place east and north of the survey's origin, known or extrapolated flat, metres.
+    /// Depth of the cell at a place east and north of the survey's origin, known or extrapolated
+    /// flat, metres.
     pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         let [easting_m, northing_m] = self.depth_map.to_map(place);
         let (depth_m, _) = self.surface().at(easting_m, northing_m)?;
@@ -265,8 +267,9 @@ impl Bottom {
         self.made.as_ref().unwrap_or(&self.depth_map.surface)
     }
 
-    /// The corners of some rows and columns, row by row from the north-west; beyond the grid they are unknown. Places are bilinear between
-    /// those of the four outermost: over some ten cells that is the projection to far below a millimetre.
+    /// The corners of some rows and columns, row by row from the north-west; beyond the grid they
+    /// are unknown. Places are bilinear between those of the four outermost: over some ten cells
+    /// that is the projection to far below a millimetre.
     pub fn corners(
         &self,
         rows: Range<usize>,
@@ -282,8 +285,8 @@ impl Bottom {
         ];
         let (first_row, first_column) = (rows.start, columns.start);
         let (height, width) = (rows.len().max(1) as f64, columns.len().max(1) as f64);
-        rows.flat_map(move |row| columns.clone().map(move |column| (row, column)))
-            .map(move |(row, column)| {
+        rows.flat_map(move |row| columns.clone().map(move |column| (row, column))).map(
+            move |(row, column)| {
                 let down = (row - first_row) as f64 / height;
                 let right = (column - first_column) as f64 / width;
                 let between = |axis: usize| {
@@ -294,10 +297,12 @@ impl Bottom {
                     north + down * (south - north)
                 };
                 self.corner(row, column, [between(0), between(1)])
-            })
+            },
+        )
     }
 
-    /// Colour of a level of the mosaic; of what nothing was seen of (level 0) that of unseen ground.
+    /// Colour of a level of the mosaic; of what nothing was seen of (level 0) that of unseen
+    /// ground.
     pub(crate) fn echo_colour(colours: Colours, level: u8) -> Rgb {
         match colours.rgba(level) {
             [_, _, _, 0] => UNSEEN,
@@ -349,7 +354,8 @@ fn beside(grid: &Grid, shown_m: [f64; 4], reach_m: f64) -> [f64; 4] {
     ]
 }
 
-/// A level of the mosaic between the middles of cells, of those around it that show something; `None` where none does.
+/// A level of the mosaic between the middles of cells, of those around it that show something;
+/// `None` where none does.
 fn between(grid: &Grid, levels: &[u8], place: [f64; 2]) -> Option<u8> {
     let [rows, columns] = grid.about(place);
     let weighted = |[before, behind]: [usize; 2], share: f64| {
@@ -397,10 +403,7 @@ fn hardness(values_db: &[f32]) -> (Vec<Rgb>, Option<[f32; 2]>) {
 /// Colours of a scale that begins at 0, and its ends.
 fn scaled(values: &[f32], colour: fn(f32) -> Rgb) -> (Vec<Rgb>, Option<[f32; 2]>) {
     match usual_most(values.iter().copied()) {
-        Some(most) => (
-            of_values(values, |value| colour(value / most)),
-            Some([0.0, most]),
-        ),
+        Some(most) => (of_values(values, |value| colour(value / most)), Some([0.0, most])),
         None => (of_values(values, colour), None),
     }
 }

@@ -50,13 +50,16 @@ impl DepthMapKey {
 pub struct DepthMap {
     /// The depths, in the metres of a plane.
     pub surface: Surface,
-    /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the survey.
+    /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the
+    /// survey.
     pub map: MapPlane,
     /// Where the light of the hill-shade comes from.
     pub light: Light,
-    /// Ends of the colour scale of depth on the screen, metres ([`crate::pipeline::Products::depth_range_m`]).
+    /// Ends of the colour scale of depth on the screen, metres
+    /// ([`crate::pipeline::Products::depth_range_m`]).
     pub colour_range_m: [f32; 2],
-    /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell is looked at for it.
+    /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell
+    /// is looked at for it.
     pub usual_error_m: Option<[f64; 2]>,
     /// Nothing is interpolated farther than this from a depth, metres.
     pub gap_m: f64,
@@ -69,7 +72,8 @@ pub struct DepthMap {
 }
 
 impl DepthMap {
-    /// Of all logs of a survey ([`joint_depth_surface`]), which lie in the frame of the first; `None` where the depths span no surface.
+    /// Of all logs of a survey ([`joint_depth_surface`]), which lie in the frame of the first;
+    /// `None` where the depths span no surface.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -100,7 +104,8 @@ impl DepthMap {
         }))
     }
 
-    /// Brightness of every cell under [`DepthMap::light`], 0 where it is unknown; made when it is first asked for.
+    /// Brightness of every cell under [`DepthMap::light`], 0 where it is unknown; made when it is
+    /// first asked for.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -120,7 +125,8 @@ impl DepthMap {
         joint_depth_points(&self.logs, &self.map, progress)
     }
 
-    /// The surface whose isobaths understate no depth that it was made of ([`with_shoalest`]); made when it is first asked for.
+    /// The surface whose isobaths understate no depth that it was made of ([`with_shoalest`]); made
+    /// when it is first asked for.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -149,13 +155,12 @@ impl DepthMap {
         }
     }
 
-    /// West, south, east and north of the grid, degrees: its edges are bent, and their middles count too.
+    /// West, south, east and north of the grid, degrees: its edges are bent, and their middles
+    /// count too.
     pub fn bounds_deg(&self) -> [f64; 4] {
         let grid = &self.surface.grid;
         let steps = [0.0, 0.5, 1.0];
-        let shares = steps
-            .into_iter()
-            .flat_map(|across| steps.map(|down| [across, down]));
+        let shares = steps.into_iter().flat_map(|across| steps.map(|down| [across, down]));
         bounds_deg(shares.map(|[across, down]| {
             self.map.to_lon_lat([
                 grid.west_m + across * grid.columns as f64 * grid.cell_m,
@@ -167,8 +172,7 @@ impl DepthMap {
     /// The place in the plane of one that is given east and north of the survey's origin, metres.
     pub fn to_map(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
         let track = &self.survey.track;
-        self.map
-            .place(self.navigation.to_lon_lat(track, east_m, north_m))
+        self.map.place(self.navigation.to_lon_lat(track, east_m, north_m))
     }
 
     /// Inverse of [`DepthMap::to_map`].
@@ -177,8 +181,8 @@ impl DepthMap {
         self.navigation.to_plane(&self.survey.track, position)
     }
 
-    /// Depth at a place east and north of the survey's origin and the distance from its cell to the nearest depth, metres;
-    /// `None` where nothing is known.
+    /// Depth at a place east and north of the survey's origin and the distance from its cell to the
+    /// nearest depth, metres; `None` where nothing is known.
     pub fn at(&self, place: [f64; 2]) -> Option<(f32, f32)> {
         let [easting_m, northing_m] = self.to_map(place);
         self.surface.at(easting_m, northing_m)
@@ -189,14 +193,16 @@ impl DepthMap {
         self.surface.depth_at(self.to_map(place))
     }
 
-    /// West, south, east and north in the plane of the survey, metres. A map asks for them in every frame.
+    /// West, south, east and north in the plane of the survey, metres. A map asks for them in every
+    /// frame.
     pub fn bounds_m(&self) -> [f64; 4] {
         *self.bounds_m.get_or_init(|| self.bounds_in_survey_m())
     }
 
     fn bounds_in_survey_m(&self) -> [f64; 4] {
         let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
-        // The edges of a zone are bent by centimetres in the plane of the survey: their middles count too.
+        // The edges of a zone are bent by centimetres in the plane of the survey: their middles
+        // count too.
         let middle_east_m = 0.5 * (west_m + east_m);
         let middle_north_m = 0.5 * (north_m + south_m);
         let eastings_m = [west_m, middle_east_m, east_m].into_iter();

@@ -49,7 +49,8 @@ impl GainKey {
     }
 }
 
-/// The table over the pings that a mosaic shows; over all of them where the boat's place is not known.
+/// The table over the pings that a mosaic shows; over all of them where the boat's place is not
+/// known.
 pub(super) fn made(
     log: &ProcessedLog,
     progress: &Progress,

@@ -10,7 +10,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Lines shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
+/// Lines shorter than this, metres, are left out: rounded to the millimetre of the files, they are
+/// no lines any more.
 const LEAST_LENGTH_M: f64 = 0.01;
 
 /// What isobaths are made of; equal keys give equal lines.
@@ -23,10 +24,7 @@ pub struct IsobathKey {
 impl IsobathKey {
     /// Of a depth map by `isobaths.*`.
     pub fn of(depth_map: &Arc<DepthMap>, settings: &IsobathSettings) -> Self {
-        Self {
-            depth_map: Same(depth_map.clone()),
-            settings: settings.clone(),
-        }
+        Self { depth_map: Same(depth_map.clone()), settings: settings.clone() }
     }
 }
 
@@ -35,7 +33,8 @@ impl IsobathKey {
 pub struct Isobaths {
     /// Their depths from shallow to deep, metres.
     pub levels_m: Vec<f64>,
-    /// The lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of the area.
+    /// The lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of
+    /// the area.
     pub lines: Vec<Isobath>,
     /// Whether every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
@@ -68,17 +67,9 @@ impl Isobaths {
         }
         if let Some(area) = &clip {
             progress.check()?;
-            lines = lines
-                .par_iter()
-                .flat_map_iter(|line| area.parts_of(line))
-                .collect();
+            lines = lines.par_iter().flat_map_iter(|line| area.parts_of(line)).collect();
         }
-        Ok(Ok(Self {
-            levels_m,
-            lines,
-            shoal_safe,
-            clip: clip.map(Arc::new),
-        }))
+        Ok(Ok(Self { levels_m, lines, shoal_safe, clip: clip.map(Arc::new) }))
     }
 
     /// The surface that the lines run through.

@@ -1,4 +1,5 @@
-//! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search for passes share.
+//! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search
+//! for passes share.
 
 use super::gain::SideScanKey;
 use crate::pipeline::{ProcessedLog, Same};

@@ -1,7 +1,7 @@
 //! Results over all logs of a survey that are made on demand.
 //!
-//! In: the results of logs, and settings. Out: the depth map, isobaths, the bottom in 3D, mosaic and pictures, each made once.
-//! It uses `imagery`, `bottom`, `sonar`, `survey` and `support`.
+//! In: the results of logs, and settings. Out: the depth map, isobaths, the bottom in 3D, mosaic
+//! and pictures, each made once. It uses `imagery`, `bottom`, `sonar`, `survey` and `support`.
 //!
 //! ```text
 //! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths
@@ -11,8 +11,8 @@
 //!                     '--layout--> MosaicLayout of each log, for the Mosaic on the screen and for passes
 //! ```
 //!
-//! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
-//! files or the report. Nobody else makes one.
+//! [`Derived`] has one node for each: of the same results and settings it makes nothing twice,
+//! whoever asks, the map on the screen, the files or the report. Nobody else makes one.
 
 mod bottom;
 mod depth_map;
@@ -98,9 +98,8 @@ impl Derived {
         progress: &Progress,
     ) -> Result<Result<Arc<Isobaths>, NoIsobaths>, Cancelled> {
         let key = IsobathKey::of(depth_map, settings);
-        self.isobaths.get(key, progress, || {
-            Ok(Isobaths::new(depth_map, settings, progress)?.map(Arc::new))
-        })
+        self.isobaths
+            .get(key, progress, || Ok(Isobaths::new(depth_map, settings, progress)?.map(Arc::new)))
     }
 
     /// The bottom as a body of so many corners at most; `None` where the depths span no surface.
@@ -136,9 +135,8 @@ impl Derived {
         progress: &Progress,
     ) -> Result<Option<Arc<Mosaic>>, Cancelled> {
         let key = MosaicKey::of(logs, plane.clone());
-        self.mosaic.get(key, progress, || {
-            Ok(Mosaic::new(logs, &plane, self, progress)?.map(Arc::new))
-        })
+        self.mosaic
+            .get(key, progress, || Ok(Mosaic::new(logs, &plane, self, progress)?.map(Arc::new)))
     }
 
     /// Where the echoes of a log lie in its own plane.
@@ -152,11 +150,7 @@ impl Derived {
     ) -> Result<Arc<MosaicLayout>, Cancelled> {
         let make = || {
             progress.check()?;
-            Ok(Arc::new(mosaic_layout_by(
-                &log.survey,
-                &log.products,
-                |place| place,
-            )))
+            Ok(Arc::new(mosaic_layout_by(&log.survey, &log.products, |place| place)))
         };
         self.layout.get(LayoutKey::of(log), progress, make)
     }
@@ -194,8 +188,8 @@ impl Derived {
         self.picture.get(key.clone(), progress, make)
     }
 
-    /// As [`Derived::picture`], of a log that grew since its last results as a `whole`: with the gain of those, and without the stripe
-    /// filter, which is of all pings.
+    /// As [`Derived::picture`], of a log that grew since its last results as a `whole`: with the
+    /// gain of those, and without the stripe filter, which is of all pings.
     ///
     /// # Errors
     /// When the work was cancelled.

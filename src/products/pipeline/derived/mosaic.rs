@@ -1,4 +1,5 @@
-//! The side-scan mosaic of a survey: every log laid out, its gain normalised and brought to that of the others.
+//! The side-scan mosaic of a survey: every log laid out, its gain normalised and brought to that of
+//! the others.
 
 use super::Derived;
 use super::gain::SideScanKey;
@@ -13,11 +14,14 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Relief;
 use std::sync::{Arc, OnceLock};
 
-/// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as long.
+/// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as
+/// long.
 pub const FINEST: i8 = -6;
-/// Levels of detail, each twice as coarse as the one before, from the finest to what shows a continent.
+/// Levels of detail, each twice as coarse as the one before, from the finest to what shows a
+/// continent.
 const LEVELS: usize = 32;
-/// Pings are left out of a level where neither the boat nor the ends of its swath move farther than this share of a cell.
+/// Pings are left out of a level where neither the boat nor the ends of its swath move farther than
+/// this share of a cell.
 const THINNED: f64 = 0.7;
 
 /// The plane that a mosaic is laid out in.
@@ -44,24 +48,16 @@ struct MosaicLogKey {
 }
 
 impl MosaicKey {
-    /// Of the results of some logs. Cells and colours do not matter: they are chosen when it is drawn.
+    /// Of the results of some logs. Cells and colours do not matter: they are chosen when it is
+    /// drawn.
     pub fn of(logs: &[ProcessedLog], plane: MosaicPlane) -> Self {
-        let MosaicSettings {
-            cell_m, colours, ..
-        } = MosaicSettings::default();
+        let MosaicSettings { cell_m, colours, .. } = MosaicSettings::default();
         let key = |log: &ProcessedLog| MosaicLogKey {
             side_scan: SideScanKey::of(log),
             relief: Same(log.products.relief.clone()),
-            settings: MosaicSettings {
-                cell_m,
-                colours,
-                ..log.products.settings.mosaic.clone()
-            },
+            settings: MosaicSettings { cell_m, colours, ..log.products.settings.mosaic.clone() },
         };
-        Self {
-            plane,
-            logs: logs.iter().map(key).collect(),
-        }
+        Self { plane, logs: logs.iter().map(key).collect() }
     }
 }
 
@@ -73,13 +69,15 @@ pub struct Mosaic {
     pub settings: MosaicSettings,
     /// West, south, east and north of what is shown, metres.
     pub bounds: Bounds,
-    /// For each log the layouts with as many pings as a level shows, made when the level is first drawn.
+    /// For each log the layouts with as many pings as a level shows, made when the level is first
+    /// drawn.
     thinned: Vec<[OnceLock<MosaicLayout>; LEVELS]>,
 }
 
 impl Mosaic {
-    /// The logs that have side-scan, laid out in a plane in the order of their recording, each normalised by its own gain and brought to the
-    /// levels of the others. Where they overlap, `mosaic.overlap` says what is shown: with `later` that is the later log. `None` where
+    /// The logs that have side-scan, laid out in a plane in the order of their recording, each
+    /// normalised by its own gain and brought to the levels of the others. Where they overlap,
+    /// `mosaic.overlap` says what is shown: with `later` that is the later log. `None` where
     /// nothing is shown.
     ///
     /// # Errors
@@ -118,17 +116,15 @@ impl Mosaic {
         let logs = match_levels(made, &settings, progress)?;
         let bounds = joint_bounds(&logs);
         Ok(bounds.map(|bounds| Self {
-            thinned: logs
-                .iter()
-                .map(|_| [const { OnceLock::new() }; LEVELS])
-                .collect(),
+            thinned: logs.iter().map(|_| [const { OnceLock::new() }; LEVELS]).collect(),
             logs,
             settings,
             bounds,
         }))
     }
 
-    /// Levels of all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. A coarse grid costs what it shows.
+    /// Levels of all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. A coarse
+    /// grid costs what it shows.
     ///
     /// # Errors
     /// When the work was cancelled.

@@ -7,8 +7,8 @@ use std::time::Duration;
 /// How long somebody who waits for the work of another looks away.
 const WAIT: Duration = Duration::from_millis(5);
 
-/// The last results of one kind, each with its key: equal keys give equal results, so none is made twice. Two who ask for the same at
-/// once get the work of one.
+/// The last results of one kind, each with its key: equal keys give equal results, so none is made
+/// twice. Two who ask for the same at once get the work of one.
 pub(super) struct DerivedNode<K, T> {
     kept: Mutex<Vec<(K, T)>>,
     /// Most that all results together may weigh.
@@ -22,13 +22,10 @@ impl<K: PartialEq, T: Clone> DerivedNode<K, T> {
         Self::weighing(most, |_| 1)
     }
 
-    /// Keeps results that together weigh so much at most; the oldest go. The last one stays, whatever it weighs.
+    /// Keeps results that together weigh so much at most; the oldest go. The last one stays,
+    /// whatever it weighs.
     pub(super) fn weighing(most: usize, weight: fn(&T) -> usize) -> Self {
-        Self {
-            kept: Mutex::default(),
-            most,
-            weight,
-        }
+        Self { kept: Mutex::default(), most, weight }
     }
 
     /// The result of a key, made by `make` if it is not kept.
@@ -47,10 +44,7 @@ impl<K: PartialEq, T: Clone> DerivedNode<K, T> {
         }
         let made = make()?;
         kept.push((key, made.clone()));
-        let mut all = kept
-            .iter()
-            .map(|(_, one)| (self.weight)(one))
-            .sum::<usize>();
+        let mut all = kept.iter().map(|(_, one)| (self.weight)(one)).sum::<usize>();
         while all > self.most && kept.len() > 1 {
             all -= (self.weight)(&kept.remove(0).1);
         }

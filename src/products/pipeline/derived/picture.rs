@@ -7,7 +7,8 @@ use bathyscope_bottom::picture::{LogPicture, PingScales, stripe_factors};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::sync::Arc;
 
-/// What a log is shown with depends on this alone; levels, balance and time-varied gain are numbers that act on top.
+/// What a log is shown with depends on this alone; levels, balance and time-varied gain are numbers
+/// that act on top.
 #[derive(Clone, PartialEq)]
 pub struct PictureKey {
     of: GainKey,

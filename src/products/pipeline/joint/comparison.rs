@@ -5,9 +5,10 @@ use bathyscope_bottom::bathymetry::compare::{Comparison, Matching, ReferencePoin
 use bathyscope_bottom::cloud::CloudPoint;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// How the points of some logs agree with the triangulated points of others, all in one plane: one log against the rest, a boat against
-/// another, a day against the next. Points count that the depth map takes, and `surface.max_gap_m` of the first measured log says how
-/// large a triangle may be.
+/// How the points of some logs agree with the triangulated points of others, all in one plane: one
+/// log against the rest, a boat against another, a day against the next. Points count that the
+/// depth map takes, and `surface.max_gap_m` of the first measured log says how large a triangle may
+/// be.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -23,9 +24,7 @@ pub(crate) fn compare_logs(
     let reference = ReferencePoints::new(reference.iter().copied(), matching);
     let places: Vec<[f64; 3]> = measured.iter().flat_map(|log| places(log)).collect();
     let matches = reference.matches(&places, |place| *place, progress)?;
-    let level_m = measured
-        .first()
-        .map_or(0.0, |log| log.products.correction.middle_level_m());
+    let level_m = measured.first().map_or(0.0, |log| log.products.correction.middle_level_m());
     Ok(Comparison::new(places.len(), &matches, level_m))
 }
 

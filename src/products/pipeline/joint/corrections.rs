@@ -1,4 +1,5 @@
-//! Corrections of a log's positions and heights that were asked for: what was found, and why it is not in force where it is not.
+//! Corrections of a log's positions and heights that were asked for: what was found, and why it is
+//! not in force where it is not.
 
 use super::LogPositions;
 use bathyscope_bottom::bathymetry::position_offsets::{Shift, Wanted};
@@ -57,31 +58,23 @@ const ONE_LOG: &str = "one log alone has no other to agree with";
 const NO_SOLUTION: &str = "the crossings of the tracks give no solution";
 
 impl RequestedCorrection {
-    /// What became of the positions of a log; `found` is `None` where the equations have no solution.
+    /// What became of the positions of a log; `found` is `None` where the equations have no
+    /// solution.
     pub fn of_positions(log: &str, wanted: Wanted, found: Option<&LogPositions>) -> Vec<Self> {
         let nothing = |setting| Self::nothing(log, setting, NO_SOLUTION);
         let shift =
             || found.map_or_else(|| nothing("position_shift"), |found| of_shift(log, found));
-        let latency = || {
-            found.map_or_else(
-                || nothing("mounting.latency_s"),
-                |found| of_latency(log, found),
-            )
-        };
+        let latency =
+            || found.map_or_else(|| nothing("mounting.latency_s"), |found| of_latency(log, found));
         let shift = wanted.shifts.then(shift);
-        shift
-            .into_iter()
-            .chain(wanted.latencies.then(latency))
-            .collect()
+        shift.into_iter().chain(wanted.latencies.then(latency)).collect()
     }
 
     /// What a single log cannot show.
     pub fn of_one_log(log: &str, wanted: Wanted) -> Vec<Self> {
         let shift = wanted.shifts.then_some("position_shift");
         let settings = ["height_offset_m"].into_iter().chain(shift);
-        settings
-            .map(|setting| Self::nothing(log, setting, ONE_LOG))
-            .collect()
+        settings.map(|setting| Self::nothing(log, setting, ONE_LOG)).collect()
     }
 
     fn nothing(log: &str, setting: &'static str, why: &'static str) -> Self {
@@ -94,17 +87,11 @@ impl RequestedCorrection {
 }
 
 fn of_shift(log: &str, positions: &LogPositions) -> RequestedCorrection {
-    let Shift {
-        east_m, north_m, ..
-    } = positions.found.shift;
+    let Shift { east_m, north_m, .. } = positions.found.shift;
     let standard_error_m = positions.found.shift_error_m;
     RequestedCorrection {
         log: log.to_owned(),
-        found: FoundCorrection::Shift {
-            east_m,
-            north_m,
-            standard_error_m,
-        },
+        found: FoundCorrection::Shift { east_m, north_m, standard_error_m },
         refused: match positions.told_shift() {
             Some(_) => None,
             None if standard_error_m < TOLD_M => Some(IN_FORCE),
@@ -134,18 +121,11 @@ impl Display for RequestedCorrection {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.log)?;
         match self.found {
-            FoundCorrection::Shift {
-                east_m,
-                north_m,
-                standard_error_m,
-            } => write!(
+            FoundCorrection::Shift { east_m, north_m, standard_error_m } => write!(
                 f,
                 "position_shift of {east_m:+.2} m east, {north_m:+.2} m north, standard error {standard_error_m:.2} m"
             ),
-            FoundCorrection::Latency {
-                latency_s,
-                standard_error_s,
-            } => write!(
+            FoundCorrection::Latency { latency_s, standard_error_s } => write!(
                 f,
                 "mounting.latency_s of {latency_s:+.2} s, standard error {standard_error_s:.2} s"
             ),
@@ -166,11 +146,7 @@ mod tests {
     fn positions(east_m: f64, error: f64) -> LogPositions {
         LogPositions {
             found: FoundShift {
-                shift: Shift {
-                    east_m,
-                    north_m: -0.5,
-                    latency_s: 0.3,
-                },
+                shift: Shift { east_m, north_m: -0.5, latency_s: 0.3 },
                 shift_error_m: error,
                 latency_error_s: error,
             },
@@ -180,10 +156,7 @@ mod tests {
 
     #[test]
     fn what_was_found_is_said_with_what_became_of_it() {
-        let wanted = Wanted {
-            shifts: true,
-            latencies: true,
-        };
+        let wanted = Wanted { shifts: true, latencies: true };
         let said = |positions: Option<&LogPositions>| {
             let all = RequestedCorrection::of_positions("a", wanted, positions);
             all.iter().map(ToString::to_string).collect::<Vec<_>>()
@@ -196,10 +169,7 @@ mod tests {
             ]
         );
         let unknown = said(Some(&positions(1.25, 1.9)));
-        assert!(
-            unknown.iter().all(|one| one.ends_with(NO_SLOPE)),
-            "{unknown:?}"
-        );
+        assert!(unknown.iter().all(|one| one.ends_with(NO_SLOPE)), "{unknown:?}");
         assert!(said(None)[0].ends_with(NO_SOLUTION));
         let alone = RequestedCorrection::of_one_log("a", wanted);
         assert_eq!(alone.len(), 2, "height offset and shift");

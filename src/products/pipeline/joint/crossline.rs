@@ -11,8 +11,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::PositionShift;
 use serde::Serialize;
 
-/// Crossings of all tracks with themselves and each other, in numbers: the later pass minus the earlier, or the second log minus the
-/// first, as elevations.
+/// Crossings of all tracks with themselves and each other, in numbers: the later pass minus the
+/// earlier, or the second log minus the first, as elevations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrosslineAnalysis {
     /// All crossings.
@@ -23,13 +23,11 @@ pub struct CrosslineAnalysis {
     pub within_logs: Vec<Option<Residuals>>,
 }
 
-/// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings. A log without any gives the depths
-/// of its first returns.
+/// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings.
+/// A log without any gives the depths of its first returns.
 pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
     let survey = &log.survey;
-    let soundings = log
-        .kept_points()
-        .filter(|point| point.source == PointSource::DownScan);
+    let soundings = log.kept_points().filter(|point| point.source == PointSource::DownScan);
     let depths = soundings.filter_map(|point| {
         let time_s = survey.soundings.get(point.sounding()?)?.time_s;
         let [east_m, north_m, z_m] = point.place();
@@ -48,13 +46,12 @@ pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
 }
 
 fn is_finite(depth: &TrackDepth) -> bool {
-    [depth.east_m, depth.north_m, depth.depth_m]
-        .iter()
-        .all(|value| value.is_finite())
+    [depth.east_m, depth.north_m, depth.depth_m].iter().all(|value| value.is_finite())
 }
 
-/// The height offset of every log (`height_offset_m`) by the overlaps of their tracks, whatever offset is in force: what a log has
-/// already is part of what is found, so that applying it and asking again gives the same.
+/// The height offset of every log (`height_offset_m`) by the overlaps of their tracks, whatever
+/// offset is in force: what a log has already is part of what is found, so that applying it and
+/// asking again gives the same.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -86,9 +83,7 @@ pub fn crossline_analysis(
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
     let found = crossings(&tracks, progress)?;
     let residuals = |of: &dyn Fn([usize; 2]) -> bool| {
-        let chosen = found
-            .iter()
-            .filter(|one| of(one.passes.map(|pass| pass.track)));
+        let chosen = found.iter().filter(|one| of(one.passes.map(|pass| pass.track)));
         let mut differences: Vec<f64> = chosen.map(Crossing::difference_m).collect();
         Residuals::of(&mut differences)
     };
@@ -109,15 +104,15 @@ pub struct LogPositions {
     pub in_force: Shift,
 }
 
-/// What differs from what is in force by more than so many of its standard errors is worth applying.
+/// What differs from what is in force by more than so many of its standard errors is worth
+/// applying.
 const TELLING_SIGMAS: f64 = 2.0;
 
 impl LogPositions {
-    /// The position shift that is worth applying, metres: `None` where what is in force may be right.
+    /// The position shift that is worth applying, metres: `None` where what is in force may be
+    /// right.
     pub fn told_shift(&self) -> Option<PositionShift> {
-        let Shift {
-            east_m, north_m, ..
-        } = self.found.shift;
+        let Shift { east_m, north_m, .. } = self.found.shift;
         let off_m = (east_m - self.in_force.east_m).hypot(north_m - self.in_force.north_m);
         (off_m > TELLING_SIGMAS * self.found.shift_error_m).then_some(PositionShift {
             east_m: in_hundredths(east_m),
@@ -144,8 +139,9 @@ fn in_hundredths(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-/// How the positions of each log are off, by all crossings of their tracks with themselves and each other: what a log has in force is part of what is
-/// found, so that applying it and asking again gives about the same. `None` where the equations have no solution.
+/// How the positions of each log are off, by all crossings of their tracks with themselves and each
+/// other: what a log has in force is part of what is found, so that applying it and asking again
+/// gives about the same. `None` where the equations have no solution.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -155,30 +151,18 @@ pub fn position_offsets(
     progress: &Progress,
 ) -> Result<Option<Vec<LogPositions>>, Cancelled> {
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
-    let found = settled_offsets(
-        &vec![CorrectedLog::default(); logs.len()],
-        wanted,
-        |placed| {
-            let moved = tracks.iter().zip(placed);
-            let moved: Vec<Vec<TrackDepth>> = moved
-                .map(|(track, placed)| shifted(track, &placed.shift))
-                .collect();
-            crossings(&moved, progress)
-        },
-    )?;
+    let found = settled_offsets(&vec![CorrectedLog::default(); logs.len()], wanted, |placed| {
+        let moved = tracks.iter().zip(placed);
+        let moved: Vec<Vec<TrackDepth>> =
+            moved.map(|(track, placed)| shifted(track, &placed.shift)).collect();
+        crossings(&moved, progress)
+    })?;
     let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
         let settings = &log.products.settings;
         let PositionShift { east_m, north_m } = settings.position_shift;
-        let in_force = Shift {
-            east_m,
-            north_m,
-            latency_s: settings.mounting.latency_s,
-        };
+        let in_force = Shift { east_m, north_m, latency_s: settings.mounting.latency_s };
         LogPositions {
-            found: FoundShift {
-                shift: found.shift.plus(in_force.values()),
-                ..found
-            },
+            found: FoundShift { shift: found.shift.plus(in_force.values()), ..found },
             in_force,
         }
     };
@@ -196,7 +180,8 @@ pub struct LogLatency {
     pub in_force_s: f64,
 }
 
-/// A latency is told from a standard error of this on, seconds: a larger one says no more than is assumed of any recorder.
+/// A latency is told from a standard error of this on, seconds: a larger one says no more than is
+/// assumed of any recorder.
 const TOLD_S: f64 = 0.5;
 /// What is in force is contradicted from so many seconds and standard errors on.
 const CONTRADICTED_S: f64 = 0.15;
@@ -211,14 +196,12 @@ impl LogLatency {
 
     /// `0.62 s, standard error 0.08 s`.
     pub fn in_words(&self) -> String {
-        format!(
-            "{:.2} s, standard error {:.2} s",
-            self.latency_s, self.standard_error_s
-        )
+        format!("{:.2} s, standard error {:.2} s", self.latency_s, self.standard_error_s)
     }
 }
 
-/// The latency of each log from the crossings of all tracks with themselves and each other; `None` of a log whose crossings say nothing.
+/// The latency of each log from the crossings of all tracks with themselves and each other; `None`
+/// of a log whose crossings say nothing.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -226,10 +209,7 @@ pub fn latencies(
     logs: &[ProcessedLog],
     progress: &Progress,
 ) -> Result<Vec<Option<LogLatency>>, Cancelled> {
-    let wanted = Wanted {
-        shifts: false,
-        latencies: true,
-    };
+    let wanted = Wanted { shifts: false, latencies: true };
     let Some(found) = position_offsets(logs, wanted, progress)? else {
         return Ok(vec![None; logs.len()]);
     };

@@ -17,9 +17,11 @@ pub struct LogsReport {
     pub datum: &'static str,
     /// Every log.
     pub logs: Vec<LogReport>,
-    /// How every two logs differ that cross or overlap, before any offset is applied; `residual_m` is what the offsets found leave of it.
+    /// How every two logs differ that cross or overlap, before any offset is applied; `residual_m`
+    /// is what the offsets found leave of it.
     pub pairs: Vec<PairDifference>,
-    /// Crossings of all tracks, with the offsets in force; `None` where none crosses another or itself.
+    /// Crossings of all tracks, with the offsets in force; `None` where none crosses another or
+    /// itself.
     pub crosslines: Option<CrosslineAnalysis>,
 }
 
@@ -63,12 +65,7 @@ impl LogsReport {
     /// The table of offsets, in lines for people.
     pub fn summary(&self) -> String {
         let line = |log: &LogReport| {
-            let LogOffset {
-                offset_m,
-                standard_error_m,
-                log_overlaps,
-                ..
-            } = log.offset;
+            let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = log.offset;
             match log_overlaps {
                 0 => format!("{}: crosses no other log", log.log),
                 _ => format!(

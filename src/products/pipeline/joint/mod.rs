@@ -3,10 +3,12 @@
 //! In: the results of several logs. Out: their differences, height offsets and one report.
 //! It uses `bottom`, `survey` and `support`.
 //!
-//! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
-//! ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` compares logs with each other where
-//! their tracks meet, and finds their height offsets, `corrections` says what became of those that were asked for, `comparison` compares them with each
-//! other by their points, `report` sums them up and lists them (`logs_report`).
+//! Every log is processed by itself, with its own calibration and outliers; all of them lie in the
+//! frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their
+//! results together. `crossline` compares logs with each other where their tracks meet, and finds
+//! their height offsets, `corrections` says what became of those that were asked for, `comparison`
+//! compares them with each other by their points, `report` sums them up and lists them
+//! (`logs_report`).
 
 mod comparison;
 mod corrections;

@@ -12,8 +12,9 @@ use std::collections::BTreeMap;
 const DATUM: &str = "offset_m is what is to be added to the elevations of a log so that it agrees with those that it is connected with; \
      the mean of connected logs is zero. Differences are elevations, the second log minus the first: positive is shallower.";
 
-/// The report of a survey of several logs: counts, track and residuals are those of all of them, `format`, `start_unix_s`, settings and `calibration` those of the first,
-/// and what belongs to one log stands with it. `names` are what the logs are called. `None` without a log.
+/// The report of a survey of several logs: counts, track and residuals are those of all of them,
+/// `format`, `start_unix_s`, settings and `calibration` those of the first, and what belongs to one
+/// log stands with it. `names` are what the logs are called. `None` without a log.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -41,8 +42,7 @@ pub(crate) fn joint_report(
         }
         all.inputs.extend(single.inputs.iter().cloned());
         let warnings = single.warnings.iter();
-        all.warnings
-            .extend(warnings.map(|warning| format!("{}: {warning}", names[index])));
+        all.warnings.extend(warnings.map(|warning| format!("{}: {warning}", names[index])));
         let others: Vec<&ProcessedLog> = logs
             .iter()
             .enumerate()
@@ -87,13 +87,12 @@ fn statement(logs: &[LogReport]) -> String {
     if logs.iter().all(|log| log.statement == first) {
         return first.to_owned();
     }
-    let each = logs
-        .iter()
-        .map(|log| format!("{}: {}", log.log, log.statement));
+    let each = logs.iter().map(|log| format!("{}: {}", log.log, log.statement));
     each.collect::<Vec<_>>().join(" ")
 }
 
-/// Elevations of the side-scan points of all logs minus those of the recorded depths at the same pings.
+/// Elevations of the side-scan points of all logs minus those of the recorded depths at the same
+/// pings.
 fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
     let of_log = |log: &ProcessedLog| {
         let made = &log.products;
@@ -102,7 +101,8 @@ fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
     logs.iter().flat_map(of_log).collect()
 }
 
-/// What another log is set to where that differs from the first: `None` where it leaves a setting without a value.
+/// What another log is set to where that differs from the first: `None` where it leaves a setting
+/// without a value.
 fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<toml::Value>> {
     let [values, others] = [first, own].map(setting_values);
     let keys = values.keys().chain(others.keys());
@@ -121,11 +121,8 @@ fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<tom
 
 /// Says which logs cannot be compared in height with the first.
 fn not_connected(logs: &[LogReport]) -> Option<String> {
-    let apart: Vec<&str> = logs
-        .iter()
-        .filter(|log| log.offset.group != 0)
-        .map(|log| log.log.as_str())
-        .collect();
+    let apart: Vec<&str> =
+        logs.iter().filter(|log| log.offset.group != 0).map(|log| log.log.as_str()).collect();
     (!apart.is_empty()).then(|| {
         format!(
             "heights cannot be compared with the first log, since no track leads there by crossings: {}",
@@ -134,7 +131,8 @@ fn not_connected(logs: &[LogReport]) -> Option<String> {
     })
 }
 
-/// A warning for every log that makes no survey with the others; `names` are what the logs are called.
+/// A warning for every log that makes no survey with the others; `names` are what the logs are
+/// called.
 fn not_one_survey<'a>(
     logs: &[ProcessedLog],
     names: &'a [String],
@@ -143,14 +141,12 @@ fn not_one_survey<'a>(
     let why = apart(&surveys, &vec![false; surveys.len()]);
     let why = names.iter().zip(why);
     why.filter_map(|(name, why)| {
-        Some(format!(
-            "{name} is no part of this survey, {}: process it by itself",
-            why?
-        ))
+        Some(format!("{name} is no part of this survey, {}: process it by itself", why?))
     })
 }
 
-/// A warning for every two logs that no height offsets bring together; `names` are what the logs are called.
+/// A warning for every two logs that no height offsets bring together; `names` are what the logs
+/// are called.
 pub fn contradictions<'a>(
     pairs: &'a [PairDifference],
     names: &'a [String],

@@ -1,5 +1,5 @@
-//! A number of the settings in the unit that the window shows: what its control spans, and what comes back from it. The setting itself
-//! stays in metres.
+//! A number of the settings in the unit that the window shows: what its control spans, and what
+//! comes back from it. The setting itself stays in metres.
 
 use super::{Number, SettingKind, SettingRow, Settings};
 use bathyscope_bottom::presentation::units::Units;
@@ -50,10 +50,7 @@ impl Number {
             number: self,
             per,
             // A control counts its steps from its lower end.
-            ends: [
-                (least / per / step).floor() * step,
-                (most / per / step).ceil() * step,
-            ],
+            ends: [(least / per / step).floor() * step, (most / per / step).ceil() * step],
             step,
             decimals: self.decimals.max(exponent.min(0).unsigned_abs() as usize),
             suffix: format!(" {symbol}"),
@@ -84,7 +81,8 @@ impl ShownNumber<'_> {
 }
 
 impl SettingRow {
-    /// Its value as its control writes it, in the units that are shown; empty where a file or a list is none.
+    /// Its value as its control writes it, in the units that are shown; empty where a file or a
+    /// list is none.
     pub fn value_in_words(&self, settings: &Settings, units: Units) -> String {
         match &self.kind {
             SettingKind::Number(number) => match (number.get)(settings) {
@@ -117,10 +115,7 @@ mod tests {
 
     #[test]
     fn feet_set_metres_and_show_as_they_were_typed() {
-        let feet = Units {
-            length: LengthUnit::Feet,
-            speed: SpeedUnit::Knots,
-        };
+        let feet = Units { length: LengthUnit::Feet, speed: SpeedUnit::Knots };
         let mut settings = Settings::default();
         let draft = number(&rows::DRAFT).shown_in(feet);
         draft.take(&mut settings, 5.0);
@@ -142,10 +137,7 @@ mod tests {
     #[test]
     fn a_value_is_written_as_its_control_writes_it() {
         let units = Units::default();
-        let mut settings = Settings {
-            draft_m: 0.3,
-            ..Settings::default()
-        };
+        let mut settings = Settings { draft_m: 0.3, ..Settings::default() };
         assert_eq!(rows::DRAFT.value_in_words(&settings, units), "0.30 m");
         let scale = rows::SCALE.value_in_words(&settings, units);
         assert_eq!(scale, "recorded range");

@@ -1,4 +1,5 @@
-//! What is made of all rows of the table of settings: the row of a key, the help and the manual's page.
+//! What is made of all rows of the table of settings: the row of a key, the help and the manual's
+//! page.
 
 use super::rows::ROWS;
 use super::table::{SettingKind, SettingRow};
@@ -80,12 +81,8 @@ pub fn markdown() -> String {
         let cells = [row.values(), recommended, published, meaning];
         // A bar would end the cell.
         let [values, recommended, published, meaning] = cells.map(|cell| cell.replace('|', "\\|"));
-        writeln!(
-            text,
-            "| `{}` | {values} | {recommended} | {published} | {meaning} |",
-            row.key
-        )
-        .ok();
+        writeln!(text, "| `{}` | {values} | {recommended} | {published} | {meaning} |", row.key)
+            .ok();
     }
     text.trim_start().to_owned()
 }

@@ -1,4 +1,5 @@
-//! Settings by their keys: files and `--set` laid over others, and what to say of a key that is none.
+//! Settings by their keys: files and `--set` laid over others, and what to say of a key that is
+//! none.
 
 use super::help::row;
 use super::rows::ROWS;
@@ -40,9 +41,7 @@ impl Settings {
     /// A sentence that names the key.
     pub fn with_assignment(&self, assignment: &str) -> Result<Self, SettingsError> {
         let (key, value) = assignment.split_once('=').ok_or_else(|| {
-            SettingsError(format!(
-                "a setting is written key=value; got `{assignment}`"
-            ))
+            SettingsError(format!("a setting is written key=value; got `{assignment}`"))
         })?;
         let (key, value) = (key.trim(), value.trim());
         // A bare word is a string; numbers and booleans stay what TOML says they are.
@@ -102,9 +101,7 @@ fn misfit_in(over: &Table) -> Option<String> {
 
 /// That a setting cannot have a value, and what it may be; `reason` is what its own type said.
 fn misfit(row: &SettingRow, value: &Value, reason: &str) -> String {
-    let value = value
-        .as_str()
-        .map_or_else(|| value.to_string(), str::to_owned);
+    let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     // What serde says is meant for programmers; what the settings' own types say is not.
     let is_serdes = ["invalid ", "unknown ", "missing ", "data did not match"]
         .iter()
@@ -176,7 +173,8 @@ const RENAMED: [(&str, &str); 7] = [
     ("water_level.clock_offset_s", "mounting.clock_offset_s"),
 ];
 
-/// What a setting of an earlier version is called now; `None` where no version had one of this name.
+/// What a setting of an earlier version is called now; `None` where no version had one of this
+/// name.
 pub fn renamed(key: &str) -> Option<&'static str> {
     let found = RENAMED.iter().find(|(then, _)| *then == key);
     found.map(|(_, now)| *now)
@@ -236,10 +234,7 @@ mod tests {
             .unwrap();
         assert_eq!(settings.first_return.method, Method::Threshold);
         assert_eq!(settings.first_return.threshold, 0.41);
-        assert_eq!(
-            settings.calibration.pings.map(String::from),
-            Some("400..600".to_owned())
-        );
+        assert_eq!(settings.calibration.pings.map(String::from), Some("400..600".to_owned()));
         assert_eq!(settings.outliers.min_neighbors, 4);
     }
 
@@ -277,11 +272,7 @@ mod tests {
             file.unwrap_err().0,
             "settings: there is no setting `surface.max_gap`; is `surface.max_gap_m` meant?"
         );
-        assert!(
-            Settings::default()
-                .with_toml("[bottom]\npings = 4\n")
-                .is_ok()
-        );
+        assert!(Settings::default().with_toml("[bottom]\npings = 4\n").is_ok());
     }
 
     #[test]
@@ -291,10 +282,7 @@ mod tests {
                 "draft_m=1,5",
                 "`draft_m` cannot be `1,5`: it is a number, 0 to 20 m; write 1.5: decimals take a point",
             ),
-            (
-                "draft_m=deep",
-                "`draft_m` cannot be `deep`: it is a number, 0 to 20 m",
-            ),
+            ("draft_m=deep", "`draft_m` cannot be `deep`: it is a number, 0 to 20 m"),
             (
                 "outliers.min_neighbors=2.5",
                 "`outliers.min_neighbors` cannot be `2.5`: it is a whole number, 1 to 10000",
@@ -307,22 +295,10 @@ mod tests {
                 "isobaths.depths_m=2",
                 "`isobaths.depths_m` cannot be `2`: it is a list of numbers, [A, B, ...], each -10000 to 12000 m",
             ),
-            (
-                "projection=flat",
-                "`projection` cannot be `flat`: it is enu | mercator",
-            ),
-            (
-                "points.las=perhaps",
-                "`points.las` cannot be `perhaps`: it is false | true",
-            ),
-            (
-                "track.file=3",
-                "`track.file` cannot be `3`: it is a file, CSV or GPX",
-            ),
-            (
-                "source.crs=33",
-                "`source.crs` cannot be `33`: it is EPSG:NUMBER",
-            ),
+            ("projection=flat", "`projection` cannot be `flat`: it is enu | mercator"),
+            ("points.las=perhaps", "`points.las` cannot be `perhaps`: it is false | true"),
+            ("track.file=3", "`track.file` cannot be `3`: it is a file, CSV or GPX"),
+            ("source.crs=33", "`source.crs` cannot be `33`: it is EPSG:NUMBER"),
         ] {
             let refused = Settings::default().with_assignment(assignment);
             assert_eq!(refused.unwrap_err().0, expected);

@@ -3,8 +3,9 @@
 //! In: keys with values, as text. Out: checked settings, and the words that explain them.
 //! It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
-//! `rows` is the table of them: key, range, unit, words. `table` says what a row is and checks by it, `help` makes the help and the
-//! manual's page, `keys` lays files and assignments over settings, `display_units` has a number in the unit of the window.
+//! `rows` is the table of them: key, range, unit, words. `table` says what a row is and checks by
+//! it, `help` makes the help and the manual's page, `keys` lays files and assignments over
+//! settings, `display_units` has a number in the unit of the window.
 
 mod display_units;
 mod help;
@@ -79,13 +80,13 @@ pub struct Settings {
     pub crs: CrsChoice,
     /// How deep the transducer hangs below the water's surface, metres: added to every depth.
     pub draft_m: f64,
-    /// Height of the water's surface above the level that depths count from, metres: taken off every one. With readings, the
-    /// height of their zero.
+    /// Height of the water's surface above the level that depths count from, metres: taken off
+    /// every one. With readings, the height of their zero.
     pub water_level_m: f64,
     /// `water_level.*`: readings over time.
     pub water_level: WaterLevelSettings,
-    /// What is added to every elevation of the log, metres, so that it agrees with others of its survey: `height_offsets` finds it
-    /// from crossings.
+    /// What is added to every elevation of the log, metres, so that it agrees with others of its
+    /// survey: `height_offsets` finds it from crossings.
     pub height_offset_m: f64,
     /// `sound_speed.*`.
     pub sound_speed: SoundSpeedSettings,
@@ -102,13 +103,15 @@ pub struct Settings {
     pub cloud: CloudSettings,
     /// `heading.*`.
     pub heading: HeadingSettings,
-    /// `mounting.*`; sides and clock act on the log before any stage, the rest where pings are placed.
+    /// `mounting.*`; sides and clock act on the log before any stage, the rest where pings are
+    /// placed.
     pub mounting: MountingSettings,
     /// `position_shift.*`.
     pub position_shift: PositionShift,
     /// `source.*`: what the log itself does not say; it acts before any stage.
     pub source: SourceSettings,
-    /// `track.*`, for a track from another receiver; it acts when the track is applied to the log, before any stage.
+    /// `track.*`, for a track from another receiver; it acts when the track is applied to the log,
+    /// before any stage.
     pub track: TrackSettings,
     /// `excluded.*`, once `left_out.*`: turns, stops and other stretches that count for nothing.
     #[serde(alias = "left_out")]
@@ -119,7 +122,8 @@ pub struct Settings {
     pub detector: DetectorSettings,
     /// `review.*`: the analyst's classes. What is detected does not depend on them.
     pub review: ReviewSettings,
-    /// `picture.*`, for the waterfall and the pictures that are written of it; no result depends on it.
+    /// `picture.*`, for the waterfall and the pictures that are written of it; no result depends on
+    /// it.
     pub picture: PictureSettings,
     /// `mosaic.*`.
     pub mosaic: MosaicSettings,
@@ -137,10 +141,12 @@ pub struct Settings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SourceSettings {
-    /// The system of positions that a log has in metres; logs whose positions are degrees need none.
+    /// The system of positions that a log has in metres; logs whose positions are degrees need
+    /// none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crs: Option<SourceCrs>,
-    /// The frequency of the side-scan that is shown, kHz, where a log holds several; none: the one that the reader chooses.
+    /// The frequency of the side-scan that is shown, kHz, where a log holds several; none: the one
+    /// that the reader chooses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_khz: Option<f64>,
 }
@@ -162,8 +168,9 @@ pub struct ReportSettings {
 }
 
 impl Settings {
-    /// Reads what they name: the water levels of `water_level.file`, and the area of `isobaths.clip` where it is not there yet. What can
-    /// be read is there also where the other cannot.
+    /// Reads what they name: the water levels of `water_level.file`, and the area of
+    /// `isobaths.clip` where it is not there yet. What can be read is there also where the other
+    /// cannot.
     ///
     /// # Errors
     /// A sentence when a file cannot be read, or holds something else.
@@ -196,13 +203,12 @@ impl Settings {
             Preset::Recommended => Self::default(),
             Preset::Published => Self {
                 projection: Projection::Mercator,
-                image: ImageSettings {
-                    samples: SampleMode::Words,
-                },
+                image: ImageSettings { samples: SampleMode::Words },
                 first_return: FirstReturnSettings {
                     method: Method::Threshold,
                     threshold: 0.30,
-                    // 24 of the published picture's pixels, at its 0.033977 m a pixel, on either side of the middle.
+                    // 24 of the published picture's pixels, at its 0.033977 m a pixel, on either
+                    // side of the middle.
                     dead_zone_m: 0.815,
                     min_confidence: 0.0,
                     ..FirstReturnSettings::default()
@@ -222,16 +228,10 @@ impl Settings {
                     source: HeadingSource::Steps,
                     ..HeadingSettings::default()
                 },
-                outliers: OutlierSettings {
-                    radius_m: 3.011,
-                    min_neighbors: 10,
-                },
+                outliers: OutlierSettings { radius_m: 3.011, min_neighbors: 10 },
                 detector: DetectorSettings::default(),
                 mosaic: MosaicSettings::default(),
-                surface: SurfaceSettings {
-                    above_bottom: true,
-                    ..SurfaceSettings::default()
-                },
+                surface: SurfaceSettings { above_bottom: true, ..SurfaceSettings::default() },
                 ..Self::default()
             },
         }
@@ -268,8 +268,8 @@ impl Settings {
         }
     }
 
-    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water and shore, its transducer, its
-    /// classes of objects, its picture) from others.
+    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water
+    /// and shore, its transducer, its classes of objects, its picture) from others.
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
         settings.bottom = other.bottom.clone();
@@ -292,7 +292,8 @@ impl Settings {
         settings
     }
 
-    /// The preset that these settings are, if any; what holds for one survey, and the choices of detector and maps, do not count.
+    /// The preset that these settings are, if any; what holds for one survey, and the choices of
+    /// detector and maps, do not count.
     pub fn matching_preset(&self) -> Option<Preset> {
         let mut plain = self.with_survey_of(&Self::default());
         plain.detector = DetectorSettings::default();

@@ -49,7 +49,8 @@ macro_rules! rows {
             #[doc = concat!("`", $key, "`: ", $hint)]
             pub static $id: SettingRow = SettingRow { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
         )+
-        /// All settings, in the order of the manual. The bottom edits are none: they are made of strokes.
+        /// All settings, in the order of the manual. The bottom edits are none: they are made of
+        /// strokes.
         pub static ROWS: &[&SettingRow] = &[$(&$id),+];
     };
 }
@@ -79,7 +80,8 @@ rows! {
     HEIGHT_OFFSET: "height_offset_m", "Height offset", "height offset",
         "Added to every elevation of the log, so that it agrees with other logs where they cross.",
         number!(height_offset_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
-    // From ice-cold fresh water to the brine of the Dead Sea and the deepest sea, with room for another unit's mistake to be seen.
+    // From ice-cold fresh water to the brine of the Dead Sea and the deepest sea, with room for
+    // another unit's mistake to be seen.
     SOUND_SPEED: "sound_speed.m_s", "Sound speed", "sound speed",
         "Measured speed of sound in this water.",
         number!(sound_speed.m_s, "m/s", [1300.0, 1800.0], 1.0, 1, Slider, Some("computed from temperature and salinity where the temperature is given, else ranges stay as the recorder computed them"));
@@ -109,7 +111,8 @@ rows! {
     THRESHOLD: "first_return.threshold", "Threshold", "threshold",
         "Normalised intensity that a sample must reach to count as a return; 0.30 in the paper (Pulido et al.).",
         number!(first_return.threshold, "", [0.0, 1.0], 0.01, 2, Slider);
-    // The longest pulses ring for a few metres; to ignore more would hide the bottom of the waters that are surveyed.
+    // The longest pulses ring for a few metres; to ignore more would hide the bottom of the waters
+    // that are surveyed.
     DEAD_ZONE: "first_return.dead_zone_m", "Dead zone", "dead zone",
         "Slant range near the transducer that is ignored, because of its ring-down.",
         number!(first_return.dead_zone_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
@@ -154,7 +157,8 @@ rows! {
             "self_consistent", "self-consistent", "As in the paper, with a PPD that reproduces the depth at the flat stretch.";
             "published", "paper", "z = r cos(α2), y = r sin(α2), as in the paper.";
         ]);
-    // From 60 degrees on the depth would be less than half of the range: no first return is that far out.
+    // From 60 degrees on the depth would be less than half of the range: no first return is that
+    // far out.
     ALPHA2: "cloud.alpha2_deg", "Angle α2", "angle",
         "Angle of the first return from the vertical, α2 of the paper; 16 degrees in its code.",
         number!(cloud.alpha2_deg, "°", [0.0, 60.0], 0.5, 1, Slider);
@@ -259,7 +263,8 @@ rows! {
             "empirical", "gain-normalised", "Divided by the mean of the log at the same range and angle, as in the mosaic; shadows stay dark.";
             "recorded", "as recorded", "The recorder's own levels.";
         ]);
-    // Spreading of intensity is 20 log r one way; nobody applies more than both ways twice over, or takes more than that back.
+    // Spreading of intensity is 20 log r one way; nobody applies more than both ways twice over, or
+    // takes more than that back.
     PICTURE_SPREADING: "picture.spreading_db", "Spreading", "gain for spreading",
         "k of the time-varied gain k log10 r + 2 α r: dB for each tenfold slant range.",
         number!(picture.spreading_db, "dB", [-80.0, 80.0], 0.5, 1, Slider);

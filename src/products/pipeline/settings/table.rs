@@ -65,19 +65,22 @@ pub struct Number {
 pub enum Control {
     /// Along a line.
     Slider,
-    /// Along a line on which each decade is as long as the next: where more than two of them are of use.
+    /// Along a line on which each decade is as long as the next: where more than two of them are of
+    /// use.
     LogSlider,
     /// By its last digit: where no line is long enough.
     Drag,
 }
 
 impl Number {
-    /// Whether its control has a zero that stands for no value: where it may have none, and zero is none that it may have.
+    /// Whether its control has a zero that stands for no value: where it may have none, and zero is
+    /// none that it may have.
     pub fn zero_is_none(&self) -> bool {
         self.without.is_some() && self.range[0] > 0.0
     }
 
-    /// What its control shows without a value: `none` where nothing is done then, else `automatic`. `None` where it always has one.
+    /// What its control shows without a value: `none` where nothing is done then, else `automatic`.
+    /// `None` where it always has one.
     pub fn none_word(&self) -> Option<&'static str> {
         let does_nothing = |without: &str| without.starts_with("no ");
         let word = |without| match does_nothing(without) {
@@ -213,10 +216,9 @@ impl SettingRow {
         let fits = |value: &f64| (least..=most).contains(value);
         match values.iter().all(fits) {
             true => Ok(()),
-            false => Err(SettingsError(format!(
-                "{} must lie between {least} and {most}",
-                self.key
-            ))),
+            false => {
+                Err(SettingsError(format!("{} must lie between {least} and {most}", self.key)))
+            }
         }
     }
 
@@ -253,10 +255,9 @@ impl SettingRow {
     /// What it does, and what happens without a value where it may have none.
     pub fn meaning(&self) -> String {
         match &self.kind {
-            SettingKind::Number(Number {
-                without: Some(without),
-                ..
-            }) => format!("{} Without one: {without}.", self.hint),
+            SettingKind::Number(Number { without: Some(without), .. }) => {
+                format!("{} Without one: {without}.", self.hint)
+            }
             _ => self.hint.to_owned(),
         }
     }

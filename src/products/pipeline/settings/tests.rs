@@ -19,10 +19,7 @@ fn every_setting_has_a_row_and_every_row_a_setting() {
     let groups = expected("no_such_key = 1");
     let mut keys = BTreeSet::new();
     // The old name of a group is read, and has no rows.
-    for group in groups
-        .iter()
-        .filter(|group| *group != "bottom" && *group != "left_out")
-    {
+    for group in groups.iter().filter(|group| *group != "bottom" && *group != "left_out") {
         // A group tells its fields; a setting that it holds no key of that name.
         match toml::from_str::<Settings>(&format!("[{group}]\nno_such_key = 1")) {
             Err(error) if error.message().contains("unknown field") => {
@@ -132,40 +129,24 @@ fn help_and_manual_hold_every_key() {
     for line in help.lines().filter(|line| line.starts_with(' ')) {
         assert!(line.chars().count() <= 88, "{line}");
     }
-    let radius = help
-        .lines()
-        .find(|line| line.starts_with("outliers.radius_m "));
-    assert_eq!(
-        radius,
-        Some("outliers.radius_m = 0.01 to 100 m, default 3.011")
-    );
+    let radius = help.lines().find(|line| line.starts_with("outliers.radius_m "));
+    assert_eq!(radius, Some("outliers.radius_m = 0.01 to 100 m, default 3.011"));
     assert!(help.contains("\ncloud.geometry = slope | "));
-    assert!(
-        help.contains("\n      nadir: Straight below the boat"),
-        "{help}"
-    );
+    assert!(help.contains("\n      nadir: Straight below the boat"), "{help}");
     let line = page.lines().find(|line| line.contains("`projection`"));
     let line = line.expect("a line");
-    assert!(
-        line.contains("enu \\| mercator | enu | mercator |"),
-        "{line}"
-    );
+    assert!(line.contains("enu \\| mercator | enu | mercator |"), "{line}");
     assert_eq!(row("draft_m").map(|row| row.label), Some(rows::DRAFT.label));
 }
 
 #[test]
 fn presets_are_recognised_whatever_the_flat_spot() {
     for preset in [Preset::Published, Preset::Recommended] {
-        let settings = Settings::preset(preset)
-            .with_assignment("calibration.pings=1..9")
-            .unwrap();
+        let settings = Settings::preset(preset).with_assignment("calibration.pings=1..9").unwrap();
         assert_eq!(settings.matching_preset(), Some(preset));
     }
     assert_eq!(
-        Settings::default()
-            .with_assignment("cloud.alpha2_deg=12")
-            .unwrap()
-            .matching_preset(),
+        Settings::default().with_assignment("cloud.alpha2_deg=12").unwrap().matching_preset(),
         None
     );
 }

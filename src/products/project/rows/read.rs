@@ -55,21 +55,13 @@ struct LogLines {
 /// # Errors
 /// A sentence with the line that makes no sense.
 pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
-    let mut reading = RowReading {
-        folder,
-        unknown: Unknown::default(),
-    };
+    let mut reading = RowReading { folder, unknown: Unknown::default() };
     let mut project = Project::default();
     let mut settings = Vec::new();
     let mut logs: BTreeMap<String, LogLines> = BTreeMap::new();
     for (key, row) in rows {
         let parts = key.parts();
-        let rest = |from: usize| {
-            parts[from..]
-                .iter()
-                .map(|part| (*part).to_owned())
-                .collect()
-        };
+        let rest = |from: usize| parts[from..].iter().map(|part| (*part).to_owned()).collect();
         match parts.as_slice() {
             ["settings", ..] if parts.len() > 1 => settings.push((rest(1), row)),
             ["plane", "origin"] => {
@@ -94,15 +86,11 @@ pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
             ["measure", number] if is_number(number) => {
                 let number = number.parse().unwrap_or_default();
                 let known: MeasurementRow = reading.fields(&key, &row, &MeasurementRow::FIELDS)?;
-                let read = known
-                    .read()
-                    .map_err(|what| ProjectError::line(row.line, what))?;
+                let read = known.read().map_err(|what| ProjectError::line(row.line, what))?;
                 project.measurements.insert(number, read);
             }
             ["view", name] => {
-                let value = row
-                    .value()
-                    .map_err(|what| ProjectError::line(row.line, what))?;
+                let value = row.value().map_err(|what| ProjectError::line(row.line, what))?;
                 project.views.insert((*name).to_owned(), value);
             }
             _ => {
@@ -180,9 +168,7 @@ impl RowReading<'_> {
         known: &[&str],
     ) -> Result<T, ProjectError> {
         let mut fields: Table = as_is(row)?;
-        let unknown = fields
-            .keys()
-            .filter(|field| !known.contains(&field.as_str()));
+        let unknown = fields.keys().filter(|field| !known.contains(&field.as_str()));
         for name in unknown.cloned().collect::<Vec<_>>() {
             if let Some(value) = fields.remove(&name) {
                 let kept = self.unknown.fields.entry(key.clone()).or_default();
@@ -259,10 +245,8 @@ impl RowReading<'_> {
         };
         log.settings = self.log_settings(key, &lines, &log, shared)?;
         // The sides in a project are those of the mounting that it keeps.
-        let of = Identity {
-            swapped_sides: log.settings.swaps_sides(shared),
-            ..log.file.identity()
-        };
+        let of =
+            Identity { swapped_sides: log.settings.swaps_sides(shared), ..log.file.identity() };
         let (review, numbers) = self.review(key, &lines, &of)?;
         log.review = Arc::new(review);
         log.object_numbers = Arc::new(numbers);
@@ -281,19 +265,14 @@ impl RowReading<'_> {
         for (name, value) in self.values(&section, &lines.settings) {
             settings.set(&name, value);
         }
-        let of = Identity {
-            swapped_sides: settings.swaps_sides(shared),
-            ..log.file.identity()
-        };
+        let of = Identity { swapped_sides: settings.swaps_sides(shared), ..log.file.identity() };
         settings.bottom = self.bottom(key, &lines.bottom, &of)?;
         let excluded = self.excluded(key, &lines.excluded)?;
         if !excluded.is_empty() {
             settings.set(EXCLUDED, Value::Array(excluded));
             settings.set(EXCLUDED_LOG, value_of(&log.file.identity()));
         }
-        let composed = settings
-            .compose(shared)
-            .and_then(|composed| composed.check());
+        let composed = settings.compose(shared).and_then(|composed| composed.check());
         composed.map_err(|error| at(&lines.settings, &error.0))?;
         Ok(settings)
     }
@@ -318,10 +297,7 @@ impl RowReading<'_> {
             let value = Value::Table(fields);
             // Each by itself first, so that the line is known.
             let one: Stretch = into(value.clone(), row.line)?;
-            let alone = ExclusionSettings {
-                stretches: vec![one],
-                ..ExclusionSettings::default()
-            };
+            let alone = ExclusionSettings { stretches: vec![one], ..ExclusionSettings::default() };
             alone.check().map_err(|what| wrong(what.to_owned()))?;
             stretches.push(value);
         }
@@ -353,11 +329,7 @@ impl RowReading<'_> {
                 continue;
             };
             let key = Key::new(["log", log_key, "bottom", side, first]);
-            let Stretch {
-                last,
-                corners,
-                accepted,
-            } = self.fields(&key, row, &BOTTOM_FIELDS)?;
+            let Stretch { last, corners, accepted } = self.fields(&key, row, &BOTTOM_FIELDS)?;
             let side = Side::BOTH.into_iter().find(|one| one.name() == side);
             let line = BottomEdit {
                 side: side.unwrap_or(Side::Port),
@@ -372,12 +344,8 @@ impl RowReading<'_> {
                     "this stretch of the bottom lies over the one before; change one of them";
                 return Err(ProjectError::line(row.line, what));
             }
-            let one = BottomSettings {
-                lines: vec![line],
-                ..all
-            };
-            one.check()
-                .map_err(|what| ProjectError::line(row.line, what))?;
+            let one = BottomSettings { lines: vec![line], ..all };
+            one.check().map_err(|what| ProjectError::line(row.line, what))?;
             all.lines.extend(one.lines);
         }
         let line = lines.last().map_or(0, |(_, row)| row.line);
@@ -431,23 +399,18 @@ impl RowReading<'_> {
     }
 }
 
-/// Where a sentence about settings belongs: the line whose key it names, or else the last part of it.
+/// Where a sentence about settings belongs: the line whose key it names, or else the last part of
+/// it.
 fn at(lines: &[Line], what: &str) -> ProjectError {
     let whole = |(parts, _): &&Line| what.contains(&parts.join("."));
-    let last = |(parts, _): &&Line| {
-        parts
-            .last()
-            .is_some_and(|last| what.contains(last.as_str()))
-    };
+    let last = |(parts, _): &&Line| parts.last().is_some_and(|last| what.contains(last.as_str()));
     let named = lines.iter().find(whole).or_else(|| lines.iter().find(last));
     let place = named.or(lines.first());
     ProjectError::line(place.map_or(0, |(_, row)| row.line), what)
 }
 
 fn as_is<T: DeserializeOwned>(row: &Row) -> Result<T, ProjectError> {
-    let value = row
-        .value()
-        .map_err(|what| ProjectError::line(row.line, what))?;
+    let value = row.value().map_err(|what| ProjectError::line(row.line, what))?;
     into(value, row.line)
 }
 
@@ -459,14 +422,11 @@ fn into<T: DeserializeOwned>(value: Value, line: usize) -> Result<T, ProjectErro
 
 fn is_number(text: &str) -> bool {
     // As it is written: `07` would come back as another line.
-    text.parse::<u32>()
-        .is_ok_and(|number| number.to_string() == text)
+    text.parse::<u32>().is_ok_and(|number| number.to_string() == text)
 }
 
 fn colour_of(text: &str) -> Option<[u8; 3]> {
-    let digits = text
-        .strip_prefix('#')
-        .filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
     let part = |from: usize| u8::from_str_radix(&digits[from..from + 2], 16).ok();
     Some([part(0)?, part(2)?, part(4)?])
 }

@@ -12,7 +12,8 @@ use std::sync::Arc;
 /// A change that can be taken back.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The settings of a log became these: what belongs to the log changes there, all else for all logs.
+    /// The settings of a log became these: what belongs to the log changes there, all else for all
+    /// logs.
     Settings {
         /// The log whose settings the analyst looks at; `None` to change the shared ones alone.
         log: Option<LogKey>,
@@ -79,7 +80,8 @@ pub enum Change {
 }
 
 impl Project {
-    /// The project after a change; `None` when it changes nothing, or is about something that is not there.
+    /// The project after a change; `None` when it changes nothing, or is about something that is
+    /// not there.
     pub fn apply(&self, change: &Change) -> Option<Self> {
         match change {
             Change::Settings { log, after, .. } => self.with_settings(log.as_ref(), after),

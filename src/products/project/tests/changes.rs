@@ -14,10 +14,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
     Some(match kind {
         0 => Change::Add(Box::new(log(&format!("log {}", a % 6)))),
         1 if b % 4 == 0 => Change::Remove(key()?),
-        2 => Change::Move {
-            log: key()?,
-            to: b % 6,
-        },
+        2 => Change::Move { log: key()?, to: b % 6 },
         3 => Change::Rename(key()?, format!("name {b}")),
         4 => Change::Colour(key()?, (b % 3 > 0).then_some([b as u8, 1, 2])),
         5 => Change::Show(key()?, b % 2 == 0),
@@ -36,10 +33,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
                 label: "search",
             }
         }
-        11 | 12 => Change::Box {
-            log: key()?,
-            edit: box_edit(a, b),
-        },
+        11 | 12 => Change::Box { log: key()?, edit: box_edit(a, b) },
         _ => change_of_survey(a, b),
     })
 }
@@ -48,14 +42,8 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
 fn setting_change(project: &Project, log: LogKey, b: usize) -> Option<Change> {
     let settings = project.settings_of(project.log(&log)?).ok()?;
     let text = ["draft_m=", "outliers.min_neighbors=", "water_level_m="][b % 3];
-    let after = settings
-        .with_assignment(&format!("{text}{}", 1 + b % 7))
-        .ok()?;
-    Some(Change::Settings {
-        log: Some(log),
-        after: Box::new(after),
-        label: "setting",
-    })
+    let after = settings.with_assignment(&format!("{text}{}", 1 + b % 7)).ok()?;
+    Some(Change::Settings { log: Some(log), after: Box::new(after), label: "setting" })
 }
 
 /// A line of the bottom that is drawn or accepted, or one that is removed.
@@ -71,10 +59,7 @@ fn bottom_change(log: &ProjectLog, is_drawn: bool, a: usize, b: usize) -> Change
         true => of_log.with(line(side, pings)),
         false => of_log.without(side, pings),
     };
-    Change::Bottom {
-        log: log.key.clone(),
-        after,
-    }
+    Change::Bottom { log: log.key.clone(), after }
 }
 
 /// An edit of a box that may be there, or a box that is added.
@@ -87,15 +72,8 @@ fn box_edit(a: usize, b: usize) -> Edit {
         3 => Edit::Relabel(id, b % 3),
         4 => Edit::Reshape(id, mark(b % 480)),
         5 => Edit::SwapSide(id),
-        6 => Edit::Add {
-            mark: mark(b % 480),
-            class: 0,
-        },
-        7 => Edit::SetEdges {
-            id,
-            mark: mark(b % 480),
-            border_m: b as f64 / 100.0,
-        },
+        6 => Edit::Add { mark: mark(b % 480), class: 0 },
+        7 => Edit::SetEdges { id, mark: mark(b % 480), border_m: b as f64 / 100.0 },
         8 => Edit::FindEdges(id),
         9 => Edit::AddPoint {
             side: Side::BOTH[b % 2],
@@ -113,10 +91,7 @@ fn box_edit(a: usize, b: usize) -> Edit {
 
 /// A change of what belongs to no log: measurements and files.
 fn change_of_survey(a: usize, b: usize) -> Change {
-    let at = |step: f64| LonLat {
-        lon_deg: a as f64 / 10.0 + step,
-        lat_deg: b as f64 / 10.0,
-    };
+    let at = |step: f64| LonLat { lon_deg: a as f64 / 10.0 + step, lat_deg: b as f64 / 10.0 };
     let measurement = Measurement {
         kind: [MeasurementKind::Area, MeasurementKind::Profile][a % 2],
         corners: vec![at(0.0), at(0.5), at(0.25)],
@@ -137,7 +112,8 @@ fn change_of_survey(a: usize, b: usize) -> Change {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever is done can be taken back to the state before, and done again to the state after, step by step.
+    /// Whatever is done can be taken back to the state before, and done again to the state after,
+    /// step by step.
     #[test]
     fn all_that_is_done_is_undone_and_done_again(requested in prop::collection::vec(any_change(), 1..60)) {
         let mut history = History::default();
@@ -168,7 +144,8 @@ proptest! {
         prop_assert!(history.redo(&now).is_none());
     }
 
-    /// What a journal says of a change makes of the lines before it the lines after it, from any state to any other.
+    /// What a journal says of a change makes of the lines before it the lines after it, from any
+    /// state to any other.
     #[test]
     fn the_lines_of_a_change_are_all_of_it(requested in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
         let mut states = vec![full()];

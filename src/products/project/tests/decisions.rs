@@ -2,23 +2,19 @@
 
 use super::*;
 
-/// Each change of the full project removes and adds so many lines, and what it writes is read as it is.
+/// Each change of the full project removes and adds so many lines, and what it writes is read as it
+/// is.
 fn assert_lines_changed<const N: usize>(changes: [(Change, [usize; 2]); N]) {
     let project = full();
     for (change, lines) in changes {
         let after = project.apply(&change).expect("a change");
         let differ = lines_that_differ(&project.to_text(folder()), &after.to_text(folder()));
         // Blank lines and headings are no decisions.
-        let count = differ
-            .each_ref()
-            .map(|lines| lines.iter().filter(|line| line.contains(" = ")).count());
+        let count =
+            differ.each_ref().map(|lines| lines.iter().filter(|line| line.contains(" = ")).count());
         assert_eq!(count, lines, "{change:?}: {differ:#?}");
         let back = read(&after.to_text(folder())).expect("a project");
-        assert_eq!(
-            back.to_text(folder()),
-            after.to_text(folder()),
-            "{change:?}"
-        );
+        assert_eq!(back.to_text(folder()), after.to_text(folder()), "{change:?}");
     }
 }
 
@@ -26,21 +22,9 @@ fn assert_lines_changed<const N: usize>(changes: [(Change, [usize; 2]); N]) {
 fn one_decision_about_a_box_changes_one_line() {
     let key = full().logs()[0].key.clone();
     let id = BoxId(7);
-    let add = Edit::Add {
-        mark: mark(50),
-        class: 1,
-    };
-    let set_edges = Edit::SetEdges {
-        id,
-        mark: mark(50),
-        border_m: mark(50).near_m + 0.25,
-    };
-    let add_point = Edit::AddPoint {
-        side: Side::Port,
-        ping: 77,
-        range_m: 6.5,
-        class: 1,
-    };
+    let add = Edit::Add { mark: mark(50), class: 1 };
+    let set_edges = Edit::SetEdges { id, mark: mark(50), border_m: mark(50).near_m + 0.25 };
+    let add_point = Edit::AddPoint { side: Side::Port, ping: 77, range_m: 6.5, class: 1 };
     let edits = [
         (Edit::Accept(id), [1, 1]),
         (Edit::Note(id, "a \"wreck\"\nor so".to_owned()), [1, 1]),
@@ -59,19 +43,9 @@ fn one_decision_about_a_box_changes_one_line() {
 #[test]
 fn one_decision_about_a_log_changes_one_line() {
     let key = full().logs()[0].key.clone();
-    let move_down = Change::Move {
-        log: key.clone(),
-        to: 1,
-    };
-    let own = Change::Own {
-        log: key.clone(),
-        key: "outliers.min_neighbors".to_owned(),
-        own: true,
-    };
-    let draw = Change::Bottom {
-        log: key.clone(),
-        after: bottom(&[line(Side::Port, [10, 20])]),
-    };
+    let move_down = Change::Move { log: key.clone(), to: 1 };
+    let own = Change::Own { log: key.clone(), key: "outliers.min_neighbors".to_owned(), own: true };
+    let draw = Change::Bottom { log: key.clone(), after: bottom(&[line(Side::Port, [10, 20])]) };
     assert_lines_changed([
         (Change::Rename(key.clone(), "Chart 2".to_owned()), [1, 1]),
         (Change::Show(key, false), [0, 1]),
@@ -86,17 +60,10 @@ fn one_decision_about_the_survey_changes_one_line() {
     let project = full();
     let mut settings = project.settings.clone();
     settings.outliers.min_neighbors = 9;
-    let set = Change::Settings {
-        log: None,
-        after: Box::new(settings),
-        label: "outliers",
-    };
+    let set = Change::Settings { log: None, after: Box::new(settings), label: "outliers" };
     let base_map = Some(PathBuf::from("/lake/b.tif"));
     assert_lines_changed([
-        (
-            Change::Measure(None, project.measurements[&1].clone()),
-            [0, 1],
-        ),
+        (Change::Measure(None, project.measurements[&1].clone()), [0, 1]),
         (Change::Forget(1), [1, 0]),
         (set, [1, 1]),
         (Change::File("base_map".to_owned(), base_map), [1, 1]),

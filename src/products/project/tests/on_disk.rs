@@ -1,4 +1,5 @@
-//! Projects on disk: opened, saved, killed, open twice, changed by others, in folders that cannot be written.
+//! Projects on disk: opened, saved, killed, open twice, changed by others, in folders that cannot
+//! be written.
 
 use super::change::Change;
 use crate::project::store::{StoreFault, read};
@@ -18,9 +19,8 @@ fn saved(folder: &Path) -> (Store, Project) {
     fs::copy(bathyscope_test_support::demo_log(), &log).expect("a log");
     let survey = formats::open(&log, &Progress::new()).expect("a log");
     let file = LogFile::of(&survey, &Progress::new()).expect("a log");
-    let project = Project::default()
-        .apply(&Change::Add(Box::new(ProjectLog::new(file))))
-        .expect("a log");
+    let project =
+        Project::default().apply(&Change::Add(Box::new(ProjectLog::new(file)))).expect("a log");
     let store = Store::create(&folder.join("lake.bathyscope"), &project).expect("a project");
     (store, project)
 }
@@ -35,18 +35,15 @@ fn path(folder: &Path) -> PathBuf {
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder").flatten();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }
 
 fn renamed(project: &Project, name: &str) -> Project {
     let key = project.logs()[0].key.clone();
-    project
-        .apply(&Change::Rename(key, name.to_owned()))
-        .expect("a change")
+    project.apply(&Change::Rename(key, name.to_owned())).expect("a change")
 }
 
 fn name(project: &Project) -> &str {
@@ -78,11 +75,7 @@ fn what_was_not_saved_is_taken_in_when_the_project_is_opened() {
         "{:?}",
         opened.notes
     );
-    assert!(
-        opened.notes[0].contains("rename first"),
-        "{:?}",
-        opened.notes
-    );
+    assert!(opened.notes[0].contains("rename first"), "{:?}", opened.notes);
     let mut store = opened.store;
     assert!(store.is_unsaved(&opened.project));
     // They stay unsaved, and outlive another end without a word.
@@ -98,9 +91,7 @@ fn what_was_not_saved_is_taken_in_when_the_project_is_opened() {
     assert!(again.notes.is_empty() && name(&again.project) == "second");
     // What is not to be kept is forgotten.
     let mut store = again.store;
-    store
-        .record(&renamed(&again.project, "third"), "rename")
-        .expect("a line");
+    store.record(&renamed(&again.project, "third"), "rename").expect("a line");
     store.close(false);
     let kept = ["lake.bathyscope", "lake.bathyscope-history", "pond.sl2"];
     assert_eq!(names(folder), kept);
@@ -154,16 +145,8 @@ fn what_another_program_changed_is_not_written_over() {
     // What was done is about another file: it is kept aside, not mixed in.
     let opened = Store::open(&path(folder)).expect("a project");
     assert_eq!(name(&opened.project), "theirs");
-    assert!(
-        opened.notes.len() == 1 && opened.notes[0].contains("-older"),
-        "{:?}",
-        opened.notes
-    );
-    assert!(
-        names(folder).iter().any(|name| name.contains("-older")),
-        "{:?}",
-        names(folder)
-    );
+    assert!(opened.notes.len() == 1 && opened.notes[0].contains("-older"), "{:?}", opened.notes);
+    assert!(names(folder).iter().any(|name| name.contains("-older")), "{:?}", names(folder));
 }
 
 #[test]
@@ -175,14 +158,8 @@ fn a_folder_that_cannot_be_written_is_told() {
     // Where the journal belongs lies a folder: the root of a container may write where nobody may.
     fs::create_dir(folder.join("lake.bathyscope-journal")).expect("a folder");
     let refused = Store::open(&path(folder)).expect_err("no journal");
-    assert!(
-        matches!(refused.what, StoreFault::NotWritable(_)),
-        "{refused}"
-    );
-    assert!(
-        refused.to_string().contains("save it under another name"),
-        "{refused}"
-    );
+    assert!(matches!(refused.what, StoreFault::NotWritable(_)), "{refused}");
+    assert!(refused.to_string().contains("save it under another name"), "{refused}");
     assert_eq!(read(&path(folder)).expect("a project"), project);
 }
 
@@ -206,11 +183,7 @@ fn a_project_is_no_log_and_a_log_no_project() {
     }
     drop(store);
     assert_eq!(fs::read(&log).expect("a log"), before);
-    assert!(
-        names(folder).iter().all(|name| !name.contains("journal")),
-        "{:?}",
-        names(folder)
-    );
+    assert!(names(folder).iter().all(|name| !name.contains("journal")), "{:?}", names(folder));
     assert!(Store::open(&folder.join("none.bathyscope")).is_err());
 }
 
@@ -221,13 +194,8 @@ fn a_newer_project_is_not_written_over() {
     let folder = temporary.path();
     let newer = format!("bathyscope = {}\n\nfuture = true\n", VERSION + 1);
     fs::write(path(folder), &newer).expect("a file");
-    let refused = Store::open(&path(folder))
-        .expect_err("a newer one")
-        .to_string();
-    assert!(
-        refused.contains("newer Bathyscope") && !refused.contains('\n'),
-        "{refused}"
-    );
+    let refused = Store::open(&path(folder)).expect_err("a newer one").to_string();
+    assert!(refused.contains("newer Bathyscope") && !refused.contains('\n'), "{refused}");
     assert_eq!(text(folder), newer);
     assert_eq!(names(folder), ["lake.bathyscope"]);
 }
@@ -246,25 +214,16 @@ fn every_version_opens() {
         let log = &project.logs()[0];
         assert_eq!((log.name.as_str(), log.is_visible), ("Chart 1", true));
         let settings = project.settings_of(log).expect("settings");
-        assert_eq!(
-            (settings.draft_m, settings.first_return.threshold),
-            (0.3, 0.41)
-        );
+        assert_eq!((settings.draft_m, settings.first_return.threshold), (0.3, 0.41));
         assert_eq!(settings.bottom.ping_count(), 12);
-        let decided = log
-            .review
-            .get(BoxId(2))
-            .map(|one| (one.state.name(), one.note.as_str()));
+        let decided = log.review.get(BoxId(2)).map(|one| (one.state.name(), one.note.as_str()));
         assert_eq!(decided, Some(("accepted", "a \"wreck\"\nor so")));
         assert_eq!(project.measurements.len(), 1);
         // Saved, it is one of this version, and says the same.
         let mut store = opened.store;
         store.save(project).expect("a save");
         let again = read(store.path()).expect("a project");
-        assert_eq!(
-            again.to_text(Path::new("/")),
-            project.to_text(Path::new("/"))
-        );
+        assert_eq!(again.to_text(Path::new("/")), project.to_text(Path::new("/")));
     }
 }
 
@@ -289,12 +248,8 @@ fn a_journal_of_nonsense_does_no_harm() {
     let journal = folder.join("lake.bathyscope-journal");
     let good = fs::read(&journal).expect("a journal");
     store.close(true);
-    let mut spoilt: Vec<Vec<u8>> = vec![
-        Vec::new(),
-        vec![0; 5000],
-        vec![b'\n'; 5000],
-        b"{}\n".to_vec(),
-    ];
+    let mut spoilt: Vec<Vec<u8>> =
+        vec![Vec::new(), vec![0; 5000], vec![b'\n'; 5000], b"{}\n".to_vec()];
     for at in (0..good.len()).step_by(37) {
         let mut one = good.clone();
         one[at] = one[at].wrapping_add(1);
@@ -321,9 +276,7 @@ fn a_project_is_an_input_of_its_logs_wherever_they_lie() {
     let key = project.logs()[0].key.clone();
     let before = project.settings_of(&project.logs()[0]).expect("settings");
     let after = ["draft_m=0.4", "outliers.min_neighbors=7"];
-    let after = after
-        .iter()
-        .try_fold(before, |settings, text| settings.with_assignment(text));
+    let after = after.iter().try_fold(before, |settings, text| settings.with_assignment(text));
     let change = Change::Settings {
         log: Some(key.clone()),
         after: Box::new(after.expect("settings")),
@@ -338,18 +291,12 @@ fn a_project_is_an_input_of_its_logs_wherever_they_lie() {
     let inputs = read(folder).expect("inputs");
     assert_eq!(inputs.len(), 1);
     let settings = &inputs[0].settings;
-    assert_eq!(
-        (settings.draft_m, settings.outliers.min_neighbors),
-        (0.4, 7)
-    );
+    assert_eq!((settings.draft_m, settings.outliers.min_neighbors), (0.4, 7));
     let log = &inputs[0].log.file.path;
     assert_eq!(*log, fs::canonicalize(day.join("pond.sl2")).expect("a log"));
     fs::remove_file(log).expect("a log");
     let sentence = read(folder).expect_err("no log").to_string();
-    assert!(
-        sentence.contains("`pond`") && sentence.contains("is not there"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("`pond`") && sentence.contains("is not there"), "{sentence}");
     let hidden = project.apply(&Change::Show(key, false)).expect("a change");
     store.save(&hidden).expect("a save");
     let sentence = read(folder).expect_err("no log that is shown").to_string();

@@ -1,4 +1,5 @@
-//! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands below.
+//! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands
+//! below.
 
 use crate::app::{Command, LogPlace, Tool};
 use crate::ui::list_keys::ListKeys;
@@ -14,21 +15,9 @@ const COLUMNS: [(&str, &str, f32); 6] = [
     ("No.", "Rank: 1 is the best stretch.", 0.08),
     ("Ping", "First ping of the stretch.", 0.25),
     ("Long", "Length along the track.", 0.40),
-    (
-        "Relief",
-        "Difference between greatest and least recorded depth.",
-        0.60,
-    ),
-    (
-        "Scale",
-        "Recorded depth divided by recorded range: the factor for ranges.",
-        0.81,
-    ),
-    (
-        "SD",
-        "Standard deviation of the scale of single pings.",
-        1.0,
-    ),
+    ("Relief", "Difference between greatest and least recorded depth.", 0.60),
+    ("Scale", "Recorded depth divided by recorded range: the factor for ranges.", 0.81),
+    ("SD", "Standard deviation of the scale of single pings.", 1.0),
 ];
 
 /// Draws the table.
@@ -60,8 +49,7 @@ fn headings(ui: &mut Ui) {
     let font = FontId::proportional(theme::SMALL);
     for (heading, _, end) in COLUMNS {
         let at = pos2(rect.left() + end * rect.width(), rect.center().y);
-        ui.painter()
-            .text(at, Align2::RIGHT_CENTER, heading, font.clone(), ink);
+        ui.painter().text(at, Align2::RIGHT_CENTER, heading, font.clone(), ink);
     }
     let names = COLUMNS.map(|(heading, ..)| heading).join(", ");
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &names));
@@ -91,9 +79,7 @@ fn candidate(
     let is_proposed = context.app.log.proposed_stretch() == Some(range);
     let worse = objections.first().map(|why| units.sentence(why));
     let brief = || flat_spot_words::brief(spot, units);
-    let words = worse
-        .as_ref()
-        .map_or_else(brief, |why| format!("worse: {why}"));
+    let words = worse.as_ref().map_or_else(brief, |why| format!("worse: {why}"));
     let (PingRange { start, end }, depth) = (range, units.measure(spot.depth_m, 2));
     let name = format!("Flat stretch {rank}, pings {start}..{end}, {depth} deep, {words}");
     let response = row(ui, &cells, is_proposed, &name);
@@ -135,8 +121,7 @@ fn row(ui: &mut Ui, cells: &[String; 6], is_chosen: bool, name: &str) -> Respons
     let font = TextStyle::Small.resolve(ui.style());
     for (cell, (_, _, end)) in cells.iter().zip(COLUMNS) {
         let at = pos2(rect.left() + end * rect.width(), rect.center().y);
-        ui.painter()
-            .text(at, Align2::RIGHT_CENTER, cell, font.clone(), ink);
+        ui.painter().text(at, Align2::RIGHT_CENTER, cell, font.clone(), ink);
     }
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, name));
     response

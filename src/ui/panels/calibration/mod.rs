@@ -1,4 +1,5 @@
-//! Step 2: from samples to metres. The scale in use, the flat stretches to measure one on, and the one that is proposed.
+//! Step 2: from samples to metres. The scale in use, the flat stretches to measure one on, and the
+//! one that is proposed.
 //!
 //! In: the state. Out: controls and texts, and commands.
 //! It uses `app`, `pipeline`, `sonar`, `survey` and `support`.
@@ -24,36 +25,31 @@ const TITLE: &str = "Calibration";
 /// Draws the section.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_new = follow_proposal(ui, context);
-    section(
-        ui,
-        context,
-        Section::new(TITLE).step(2).of(Stage::Calibration),
-        |ui, context| {
-            let Some(products) = context.app.log.products.clone() else {
-                return parts::remark(ui, "No result yet.");
-            };
-            let calibration = &products.calibration;
-            in_use(ui, calibration, context.units());
-            setting(
-                ui,
-                context,
-                match calibration.mode {
-                    ScaleMode::FlatSpot => &rows::PPD_REACH,
-                    ScaleMode::Header => &rows::OFFSET,
-                },
-            );
-            let survey = context.app.log.survey.clone();
-            let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
-                return parts::remark(ui, "This log records no depth to measure a scale against.");
-            };
-            for text in &calibration.warnings {
-                parts::warning(ui, context, &context.units().sentence(text));
-            }
-            tools(ui, context, calibration.mode);
-            proposal::ui(ui, context, &products, is_new);
-            candidates::ui(ui, context, &survey, &products);
-        },
-    );
+    section(ui, context, Section::new(TITLE).step(2).of(Stage::Calibration), |ui, context| {
+        let Some(products) = context.app.log.products.clone() else {
+            return parts::remark(ui, "No result yet.");
+        };
+        let calibration = &products.calibration;
+        in_use(ui, calibration, context.units());
+        setting(
+            ui,
+            context,
+            match calibration.mode {
+                ScaleMode::FlatSpot => &rows::PPD_REACH,
+                ScaleMode::Header => &rows::OFFSET,
+            },
+        );
+        let survey = context.app.log.survey.clone();
+        let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
+            return parts::remark(ui, "This log records no depth to measure a scale against.");
+        };
+        for text in &calibration.warnings {
+            parts::warning(ui, context, &context.units().sentence(text));
+        }
+        tools(ui, context, calibration.mode);
+        proposal::ui(ui, context, &products, is_new);
+        candidates::ui(ui, context, &survey, &products);
+    });
 }
 
 /// Whether another stretch is proposed than in the frame before: the section opens for it.
@@ -72,12 +68,7 @@ fn follow_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
 fn scale(scale: Option<&Scale>) -> String {
     scale.map_or_else(
         || text::NONE.to_owned(),
-        |scale| {
-            format!(
-                "{:.2} ±{:.2} pixels/m",
-                scale.px_per_m, scale.spread_px_per_m
-            )
-        },
+        |scale| format!("{:.2} ±{:.2} pixels/m", scale.px_per_m, scale.spread_px_per_m),
     )
 }
 

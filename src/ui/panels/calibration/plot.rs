@@ -52,9 +52,8 @@ impl<'a> Points<'a> {
     fn of(trial: &'a ScaleTrial) -> Self {
         let pings = &trial.spot.pings;
         let step = trial.points.len().div_ceil(MOST_POINTS).max(1);
-        let on_stretch: Vec<&RangeAtDepth> = (trial.points.iter())
-            .filter(|point| pings.contains(&point.ping))
-            .collect();
+        let on_stretch: Vec<&RangeAtDepth> =
+            (trial.points.iter()).filter(|point| pings.contains(&point.ping)).collect();
         let every = on_stretch.len().div_ceil(MOST_POINTS).max(1);
         let depths = trial.points.iter().map(|point| point.depth_m);
         let [least_m, most_m] = ends(depths.collect());

@@ -1,4 +1,5 @@
-//! The stretch that is proposed for the scale: what it gives, what speaks against it, and what it would change.
+//! The stretch that is proposed for the scale: what it gives, what speaks against it, and what it
+//! would change.
 
 use super::{pings, plot};
 use crate::app::Action;

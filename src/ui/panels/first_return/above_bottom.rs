@@ -1,4 +1,5 @@
-//! The first returns above the recorded depth: how many, why they may be there, what counts, and a list of the stretches to accept.
+//! The first returns above the recorded depth: how many, why they may be there, what counts, and a
+//! list of the stretches to accept.
 
 use super::super::parts::remark;
 use crate::app::{AboveBottom, AboveStretch, Action, Command, LogPlace, Tool};
@@ -22,8 +23,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
         context.units().measure(margin_m, 2)
     );
     let (count, of) = (text::count(above.count), text::count(of));
-    ui.label(format!("{count} of {of} above recorded depth"))
-        .on_hover_text(hint);
+    ui.label(format!("{count} of {of} above recorded depth")).on_hover_text(hint);
     for text in reasons(context, above) {
         remark(ui, text);
     }
@@ -71,7 +71,8 @@ fn reasons(context: &ViewContext<'_>, above: &AboveBottom) -> Vec<String> {
     reasons
 }
 
-/// The stretches, those with most that do not count first: a click shows one in all views, the button accepts it.
+/// The stretches, those with most that do not count first: a click shows one in all views, the
+/// button accepts it.
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, stretches: &[AboveStretch]) {
     let height = ROWS * (ROW + ui.spacing().item_spacing.y);
     ScrollArea::vertical()
@@ -85,13 +86,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, stretches: &[AboveStretch]) 
 }
 
 fn row(ui: &mut Ui, context: &mut ViewContext<'_>, stretch: &AboveStretch) {
-    let AboveStretch {
-        side,
-        pings: pings @ [first, last],
-        count,
-        uncounted,
-        height_m,
-    } = *stretch;
+    let AboveStretch { side, pings: pings @ [first, last], count, uncounted, height_m } = *stretch;
     let units = context.units();
     let name = format!("pings {first} to {last}, {}", side.name());
     ui.horizontal(|ui| {

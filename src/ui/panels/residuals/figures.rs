@@ -8,7 +8,8 @@ use bathyscope_bottom::cloud::Residuals;
 use bathyscope_bottom::presentation::units::Units;
 use egui::Ui;
 
-/// Draws them; `same_ping` are those against the sounding of each point's own ping, where that is the reference.
+/// Draws them; `same_ping` are those against the sounding of each point's own ping, where that is
+/// the reference.
 pub(super) fn ui(
     ui: &mut Ui,
     comparison: &Comparison,

@@ -1,4 +1,5 @@
-//! How the points of the survey differ from a reference: statistics, how the differences spread, and what they hang on.
+//! How the points of the survey differ from a reference: statistics, how the differences spread,
+//! and what they hang on.
 //!
 //! In: the state. Out: tables and histograms, and commands.
 //! It uses `app`, `pipeline`, `bottom` and `support`.
@@ -17,45 +18,39 @@ use plots::{HEIGHT, OVERS};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(
-        ui,
-        context,
-        Section::new("Residuals").of(Stage::Outliers),
-        |ui, context| {
-            // Comparing costs a triangulation of all soundings: it waits until somebody looks.
-            let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
-            if context.app.log.products.is_some() && ui.is_rect_visible(place) {
-                context.push(Command::CompareWithReference);
+    section(ui, context, Section::new("Residuals").of(Stage::Outliers), |ui, context| {
+        // Comparing costs a triangulation of all soundings: it waits until somebody looks.
+        let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
+        if context.app.log.products.is_some() && ui.is_rect_visible(place) {
+            context.push(Command::CompareWithReference);
+        }
+        reference::ui(ui, context);
+        let Some(agreement) = context.app.agreement().cloned() else {
+            return parts::remark(ui, lack(context.app));
+        };
+        let figures = context.app.log.figures.as_ref();
+        let same_ping = figures
+            .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
+            .and_then(|figures| figures.residuals.as_ref());
+        let units = context.units();
+        figures::ui(ui, &agreement.comparison, same_ping, units);
+        let id = egui::Id::unique("residuals over");
+        let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        // Wrapped: a row that is wider than the panel would widen it when it comes into view.
+        ui.horizontal_wrapped(|ui| {
+            for (each, name, hint) in OVERS {
+                ui.selectable_value(&mut over, each, name).on_hover_text(hint);
             }
-            reference::ui(ui, context);
-            let Some(agreement) = context.app.agreement().cloned() else {
-                return parts::remark(ui, lack(context.app));
-            };
-            let figures = context.app.log.figures.as_ref();
-            let same_ping = figures
-                .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
-                .and_then(|figures| figures.residuals.as_ref());
-            let units = context.units();
-            figures::ui(ui, &agreement.comparison, same_ping, units);
-            let id = egui::Id::unique("residuals over");
-            let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-            // Wrapped: a row that is wider than the panel would widen it when it comes into view.
-            ui.horizontal_wrapped(|ui| {
-                for (each, name, hint) in OVERS {
-                    ui.selectable_value(&mut over, each, name)
-                        .on_hover_text(hint);
-                }
-            });
-            ui.data_mut(|data| data.insert_temp(id, over));
-            plots::picture(ui, &agreement.tables, over, context.options());
-            let of = match agreement.reference.is_some() {
-                true => "Elevation of the points minus that of the reference at their place",
-                false => "Elevation of side-scan points minus that of the soundings at their place",
-            };
-            parts::remark(ui, format!("{of}: above 0 is shallower."));
-            on_map(ui, context);
-        },
-    );
+        });
+        ui.data_mut(|data| data.insert_temp(id, over));
+        plots::picture(ui, &agreement.tables, over, context.options());
+        let of = match agreement.reference.is_some() {
+            true => "Elevation of the points minus that of the reference at their place",
+            false => "Elevation of side-scan points minus that of the soundings at their place",
+        };
+        parts::remark(ui, format!("{of}: above 0 is shallower."));
+        on_map(ui, context);
+    });
 }
 
 /// Why there is nothing to show.

@@ -20,26 +20,14 @@ pub(super) enum Over {
 
 /// Each of them with its name and what it shows.
 pub(super) const OVERS: [(Over, &str, &str); 4] = [
-    (
-        Over::Count,
-        "Histogram",
-        "How often differences of each size occur.",
-    ),
-    (
-        Over::Depth,
-        "Depth",
-        "Median and standard deviation over the depth of the soundings.",
-    ),
+    (Over::Count, "Histogram", "How often differences of each size occur."),
+    (Over::Depth, "Depth", "Median and standard deviation over the depth of the soundings."),
     (
         Over::Across,
         "Across",
         "Median and standard deviation over the across-track distance: port left, starboard right.",
     ),
-    (
-        Over::Heading,
-        "Heading",
-        "Median and standard deviation over the boat's heading.",
-    ),
+    (Over::Heading, "Heading", "Median and standard deviation over the boat's heading."),
 ];
 
 /// Height of the picture, points.
@@ -76,11 +64,7 @@ pub(super) fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options:
 
 /// An axis without a name whose ticks are where something is to be read, not round.
 fn axis<const N: usize>(ends: [f64; 2], values: [f64; N], label: impl Fn(f64) -> String) -> Axis {
-    Axis {
-        name: String::new(),
-        ends,
-        ticks: values.map(|value| (value, label(value))).to_vec(),
-    }
+    Axis { name: String::new(), ends, ticks: values.map(|value| (value, label(value))).to_vec() }
 }
 
 /// Two digits behind the point at most, and none that say nothing.
@@ -89,16 +73,9 @@ fn short(value: f64) -> String {
 }
 
 fn columns(painter: &Painter, rect: Rect, histogram: &DifferenceHistogram, options: &ViewOptions) {
-    let DifferenceHistogram {
-        from_m,
-        width_m,
-        counts,
-        ..
-    } = histogram;
+    let DifferenceHistogram { from_m, width_m, counts, .. } = histogram;
     let most = counts.iter().copied().max().unwrap_or(1) as f64;
-    let reach_m = from_m
-        .abs()
-        .max((from_m + width_m * counts.len() as f64).abs());
+    let reach_m = from_m.abs().max((from_m + width_m * counts.len() as f64).abs());
     let across = axis([-reach_m, reach_m], [-reach_m, 0.0, reach_m], |value| {
         let units = options.units;
         format!("{} {}", short(units.in_unit(value)), units.symbol())

@@ -48,10 +48,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
     let ready = context.app.log.products.is_some() && !context.app.map.comparing.is_opening();
     ui.horizontal_wrapped(|ui| {
-        for (action, enabled) in [
-            (Action::CompareWith, ready),
-            (Action::CloseReference, is_open),
-        ] {
+        for (action, enabled) in [(Action::CompareWith, ready), (Action::CloseReference, is_open)] {
             let button = ui.add_enabled(enabled, Button::new(action.label()));
             context.button(button, action);
         }

@@ -45,9 +45,8 @@ impl Classes {
         }
         ui.horizontal(|ui| {
             ui.add_space(14.0 + ui.spacing().item_spacing.x);
-            let field = TextEdit::singleline(&mut self.new)
-                .hint_text("New class")
-                .desired_width(110.0);
+            let field =
+                TextEdit::singleline(&mut self.new).hint_text("New class").desired_width(110.0);
             let field = ui.add(field).accessible_name("New class");
             let enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             let name = self.new.trim().to_owned();
@@ -81,10 +80,7 @@ impl Classes {
         match text.trim() {
             "" => text.clone_from(now),
             to if to == now => text.clone_from(now),
-            to => context.push(Command::RenameClass {
-                from: now.clone(),
-                to: to.to_owned(),
-            }),
+            to => context.push(Command::RenameClass { from: now.clone(), to: to.to_owned() }),
         }
     }
 }
@@ -126,10 +122,7 @@ fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (class, name) in app.class_names().into_iter().enumerate() {
             let (label, hint) = match class < KEYED {
-                true => (
-                    format!("{} {name}", class + 1),
-                    format!("Key {}", class + 1),
-                ),
+                true => (format!("{} {name}", class + 1), format!("Key {}", class + 1)),
                 false => (name.to_owned(), String::new()),
             };
             let chip =
@@ -144,9 +137,6 @@ fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         }
     });
     if let Some(name) = chosen {
-        context.push(Command::Edit {
-            edit: Edit::Classify(one.id, name),
-            live: false,
-        });
+        context.push(Command::Edit { edit: Edit::Classify(one.id, name), live: false });
     }
 }

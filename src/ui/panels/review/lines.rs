@@ -20,21 +20,13 @@ impl Line {
     /// Its heading, its name for screen readers, and what it is.
     fn words(self) -> [&'static str; 3] {
         match self {
-            Self::Name => [
-                "Name",
-                "Name of the box",
-                "What you call it, in tables, maps and the report.",
-            ],
-            Self::Class => [
-                "Class",
-                "Class of the box",
-                "A class of your own; Edit classes gives it a key.",
-            ],
-            Self::Note => [
-                "Remarks",
-                "Note on the box",
-                "Remarks, for table and report.",
-            ],
+            Self::Name => {
+                ["Name", "Name of the box", "What you call it, in tables, maps and the report."]
+            }
+            Self::Class => {
+                ["Class", "Class of the box", "A class of your own; Edit classes gives it a key."]
+            }
+            Self::Note => ["Remarks", "Note on the box", "Remarks, for table and report."],
         }
     }
 
@@ -78,9 +70,7 @@ impl BoxTexts {
         for (line, text) in Line::ALL.into_iter().zip(texts) {
             let now = line.of(context.app, *id).unwrap_or_default();
             let [heading, name, hint] = line.words();
-            let field = TextEdit::singleline(text)
-                .hint_text(heading)
-                .desired_width(f32::INFINITY);
+            let field = TextEdit::singleline(text).hint_text(heading).desired_width(f32::INFINITY);
             let field = ui.horizontal(|ui| {
                 name_cell(ui, heading, hint);
                 ui.add(field).accessible_name(name)
@@ -100,7 +90,8 @@ impl BoxTexts {
         confidence(ui, context, *id, one);
     }
 
-    /// Starts on the texts of another box; what was written on the last one is kept, also where that is of another log.
+    /// Starts on the texts of another box; what was written on the last one is kept, also where
+    /// that is of another log.
     pub(super) fn keep(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
         if self.written.as_ref().map(|(id, _)| *id) == now {
             return;

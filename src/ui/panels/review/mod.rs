@@ -1,5 +1,6 @@
-//! The review of the boxes of all logs: how far it is, the selected box enlarged with all that is known about it, the other boxes that
-//! show the same object, the queue, and where truth is known how the boxes stand to it.
+//! The review of the boxes of all logs: how far it is, the selected box enlarged with all that is
+//! known about it, the other boxes that show the same object, the queue, and where truth is known
+//! how the boxes stand to it.
 //!
 //! In: the state. Out: controls and pictures of boxes, and commands.
 //! It uses `app`, `pipeline`, `detection` and `support`.

@@ -1,4 +1,5 @@
-//! The object that the selected box shows, with the pictures of all boxes that show it side by side.
+//! The object that the selected box shows, with the pictures of all boxes that show it side by
+//! side.
 
 use super::super::parts::{fact, remark};
 use super::{button, size};
@@ -57,10 +58,7 @@ impl ObjectPictures {
         let options = &app.view.options.waterfall;
         let picture = |id: &LogBox| {
             let mark = &app.log_box(*id)?.mark;
-            Some((
-                *id,
-                chip::ChipKey::of(app.open_log(id.log)?, mark, options)?,
-            ))
+            Some((*id, chip::ChipKey::of(app.open_log(id.log)?, mark, options)?))
         };
         let shown = object.boxes.iter().take(MOST_PICTURES);
         let boxes: Boxes = shown.filter_map(picture).collect();

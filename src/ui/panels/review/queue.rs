@@ -24,10 +24,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let counts = context.app.review_counts();
     let (line, all) = (counts.in_line, counts.boxes.total());
     if line < all {
-        remark(
-            ui,
-            format!("The filter shows {} of {all}.", text::count(line)),
-        );
+        remark(ui, format!("The filter shows {} of {all}.", text::count(line)));
     }
     if queue != *before {
         context.push(Command::LineUp(Box::new(queue)));
@@ -127,7 +124,5 @@ fn between(ui: &mut Ui, name: &str, hint: &str, mut value: impl FnMut(&mut Ui, u
 }
 
 fn list(ui: &mut Ui, id: &str, shown: &str, items: impl FnOnce(&mut Choices<'_>)) -> Response {
-    DropDown::new(id, shown)
-        .width(ui.available_width() - 2.0)
-        .show(ui, items)
+    DropDown::new(id, shown).width(ui.available_width() - 2.0).show(ui, items)
 }

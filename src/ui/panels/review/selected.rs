@@ -46,8 +46,7 @@ impl ReviewPanel {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
-        self.chip
-            .ask(key, app.jobs(), move |_| BoxChip::new(&of, &ctx));
+        self.chip.ask(key, app.jobs(), move |_| BoxChip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
             picture.ui(ui, one, &app.log.reviewing.review, app.view.options.units);
         }
@@ -58,11 +57,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     let review = &context.app.log.reviewing.review;
     ui.horizontal_wrapped(|ui| {
         let class = review.class_name(one.class);
-        let title = if one.name.is_empty() {
-            class
-        } else {
-            &one.name
-        };
+        let title = if one.name.is_empty() { class } else { &one.name };
         ui.label(RichText::new(title).heading().strong());
         if !one.name.is_empty() {
             ui.label(class);
@@ -97,11 +92,7 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     });
     ui.horizontal_wrapped(|ui| {
         let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
-        let draws = if tool == Tool::Draw {
-            "Keep undecided"
-        } else {
-            "New box"
-        };
+        let draws = if tool == Tool::Draw { "Keep undecided" } else { "New box" };
         // A box drawn by hand has no proposal to go back to.
         let back = match one.model {
             Some(_) => (Action::UndecideBox, "Undecide"),
@@ -193,10 +184,9 @@ fn shadow(target: &Target, units: Units) -> String {
         None => "",
     };
     match (start_m.is_finite(), end_m.is_finite()) {
-        (true, true) => format!(
-            "{}, altitude {altitude}{measured}",
-            units.span([start_m, end_m], 2)
-        ),
+        (true, true) => {
+            format!("{}, altitude {altitude}{measured}", units.span([start_m, end_m], 2))
+        }
         (true, false) => {
             let start = units.measure(start_m, 2);
             format!("from {start} off the range, altitude {altitude}{measured}")

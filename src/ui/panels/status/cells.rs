@@ -21,7 +21,8 @@ impl StatusCell {
     }
 }
 
-/// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the bar.
+/// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the
+/// bar.
 pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     let units = app.view.options.units;
     let survey = app.log.survey.as_ref();
@@ -52,10 +53,7 @@ pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
         position,
         Some(StatusCell::new(4, format!("ping {}", mark.ping))),
         range,
-        Some(StatusCell::new(
-            3,
-            format!("altitude {}", metres(|bottom| bottom.altitude_m)),
-        )),
+        Some(StatusCell::new(3, format!("altitude {}", metres(|bottom| bottom.altitude_m)))),
         Some(depth),
         Some(StatusCell::new(6, place::labelled_heading(app, mark.ping))),
         Some(StatusCell::new(7, units.speed(speed, 1))),
@@ -64,8 +62,8 @@ pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     cells.into_iter().flatten().collect()
 }
 
-/// The cells that fit into `room`, in their order: all in full, or all in short, or in short without the least important ones.
-/// `width` is what a text takes with the gap behind it.
+/// The cells that fit into `room`, in their order: all in full, or all in short, or in short
+/// without the least important ones. `width` is what a text takes with the gap behind it.
 pub(super) fn fitting(cells: &[StatusCell], room: f32, width: impl Fn(&str) -> f32) -> Vec<&str> {
     let total = |texts: &[&str]| texts.iter().map(|text| width(text)).sum::<f32>();
     let full: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();
@@ -75,9 +73,7 @@ pub(super) fn fitting(cells: &[StatusCell], room: f32, width: impl Fn(&str) -> f
     let last = cells.iter().map(|cell| cell.rank).max().unwrap_or(0);
     let upto = |rank: u8| -> Vec<&str> {
         let cells = cells.iter().filter(|cell| cell.rank <= rank);
-        cells
-            .map(|cell| cell.short.as_ref().unwrap_or(&cell.text).as_str())
-            .collect()
+        cells.map(|cell| cell.short.as_ref().unwrap_or(&cell.text).as_str()).collect()
     };
     let candidates = (0..=last).rev().map(upto);
     let mut fitting = candidates.filter(|texts| total(texts) <= room);

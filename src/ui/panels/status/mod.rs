@@ -15,12 +15,13 @@ use egui::{Align, Layout, RichText, Ui};
 /// A job that takes longer than this is shown.
 const PATIENCE_S: f64 = 0.4;
 
-/// Room that the right end takes at least with a job and its button, and without one, points: the rest of the line stays as it is
-/// while jobs come and go.
+/// Room that the right end takes at least with a job and its button, and without one, points: the
+/// rest of the line stays as it is while jobs come and go.
 const JOB_ROOM: f32 = 330.0;
 const REST_ROOM: f32 = 150.0;
 
-/// Width that the right end leaves to the place under the pointer before it names frame rate and colours, points.
+/// Width that the right end leaves to the place under the pointer before it names frame rate and
+/// colours, points.
 const PLACE_ROOM: f32 = 560.0;
 
 /// Draws the line: the right end first, which leaves the rest to the place under the pointer.
@@ -29,7 +30,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let width = ui.available_width();
     ui.with_layout(right_to_left, |ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        // A log that is followed is looked at four times a second: the line must not change with that.
+        // A log that is followed is looked at four times a second: the line must not change with
+        // that.
         let follows = context.app.follow_status().is_some();
         let is_busy = follows || !context.app.is_idle() || context.app.is_stopped();
         let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
@@ -116,8 +118,7 @@ fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
     }
     if let Some(fps) = ui.data(|data| data.get_temp::<f32>(rate)) {
         let shown = RichText::new(format!("{fps:.0} fps")).weak().small();
-        ui.label(shown)
-            .on_hover_text("Frames a second when they last followed each other.");
+        ui.label(shown).on_hover_text("Frames a second when they last followed each other.");
     }
     let map = context.options().waterfall.colour_map.name();
     ui.label(RichText::new(map).weak().small());
@@ -140,9 +141,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 ("looking for passes", app.passes_fraction()),
                 ("opening the base map", app.base_map_fraction()),
             ];
-            let running = jobs
-                .into_iter()
-                .find_map(|(what, share)| share.zip(Some(what)));
+            let running = jobs.into_iter().find_map(|(what, share)| share.zip(Some(what)));
             running.map(|(share, what)| (what.to_owned(), share))
         }
     };
@@ -163,7 +162,8 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.label(RichText::new(text).small());
 }
 
-/// Offers to go on after processing was stopped. While a slider is dragged, results are behind on purpose.
+/// Offers to go on after processing was stopped. While a slider is dragged, results are behind on
+/// purpose.
 fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !context.app.is_stopped() || ui.input(|input| input.pointer.any_down()) {
         return;

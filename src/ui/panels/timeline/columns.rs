@@ -3,8 +3,8 @@
 /// Lowest and highest value of each column; `None` where nothing was measured.
 pub(super) type ColumnExtremes = Vec<Option<[f32; 2]>>;
 
-/// Sorts `values`, pairs of time and value, into `count` columns over `from_s..=to_s`. Values that are no numbers are
-/// left out.
+/// Sorts `values`, pairs of time and value, into `count` columns over `from_s..=to_s`. Values that
+/// are no numbers are left out.
 pub(super) fn columns(
     values: impl Iterator<Item = (f64, f32)>,
     from_s: f64,

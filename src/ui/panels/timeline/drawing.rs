@@ -29,12 +29,7 @@ impl TimelineLayout {
         let (mut depth, mut speed) = all.split_top_bottom_at_fraction(0.64);
         depth.max.y -= 1.0;
         speed.min.y += 1.0;
-        Self {
-            depth,
-            speed,
-            all,
-            axis_y: all.max.y,
-        }
+        Self { depth, speed, all, axis_y: all.max.y }
     }
 
     /// Draws both strips and the axis; `pictures` holds those of the strips.
@@ -55,16 +50,10 @@ impl TimelineLayout {
         let deepest = deepest.or_else(|| high(&strips.lost));
         let fastest = high(&strips.speed);
         // Depth hangs from the surface, speed stands on its base line.
-        let depth = SeriesBand {
-            rect: self.depth,
-            reach: deepest.unwrap_or(0.0) * 1.08,
-            hanging: true,
-        };
-        let speed = SeriesBand {
-            rect: self.speed,
-            reach: fastest.unwrap_or(0.0) * 1.1,
-            hanging: false,
-        };
+        let depth =
+            SeriesBand { rect: self.depth, reach: deepest.unwrap_or(0.0) * 1.08, hanging: true };
+        let speed =
+            SeriesBand { rect: self.speed, reach: fastest.unwrap_or(0.0) * 1.1, hanging: false };
         let lost = theme::stale_colour(look).gamma_multiply(0.5);
         depth.paint(&mut above, &strips.lost, Color32::TRANSPARENT, lost);
         let colour = theme::depth_strip_colour(look);
@@ -86,7 +75,8 @@ impl TimelineLayout {
         let to_depth = reach(deepest, &|depth_m| units.measure(depth_m, 1));
         let to_speed = reach(fastest, &|speed_mps| units.speed(speed_mps, 1));
         self.gutter(ui, self.depth, "Depth", to_depth);
-        // The gutter has no room for what they count from; at its foot the strip of depths is mostly empty.
+        // The gutter has no room for what they count from; at its foot the strip of depths is
+        // mostly empty.
         ui.painter().text(
             self.depth.right_bottom() - egui::vec2(4.0, 1.0),
             egui::Align2::RIGHT_BOTTOM,
@@ -106,21 +96,20 @@ impl TimelineLayout {
         let y = strip.center().y;
         let right = egui::Align2::RIGHT_CENTER;
         if strip.height() < 27.0 {
-            // In a low window there is no room for two lines, nor beside the buttons for both words: the unit says what it is.
-            ui.painter()
-                .text(egui::pos2(x, y), right, reach, small, strong);
+            // In a low window there is no room for two lines, nor beside the buttons for both
+            // words: the unit says what it is.
+            ui.painter().text(egui::pos2(x, y), right, reach, small, strong);
             return;
         }
-        ui.painter()
-            .text(egui::pos2(x, y - 7.0), right, name, small.clone(), strong);
-        ui.painter()
-            .text(egui::pos2(x, y + 7.0), right, reach, small, weak);
+        ui.painter().text(egui::pos2(x, y - 7.0), right, name, small.clone(), strong);
+        ui.painter().text(egui::pos2(x, y + 7.0), right, reach, small, weak);
     }
 
     fn axis(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let survey = context.app.log.survey.as_ref();
         let start = survey.and_then(|survey| survey.start_unix_s);
-        // In a window too narrow for the strips their width is negative: no room for ticks, not for one a second.
+        // In a window too narrow for the strips their width is negative: no room for ticks, not for
+        // one a second.
         let width = f64::from(self.all.width().max(1.0));
         let step_s = ticks::time_step_s((strips.to_s - strips.from_s) * 90.0 / width);
         let weak = ui.visuals().weak_text_color();
@@ -136,8 +125,7 @@ impl TimelineLayout {
             let label = label.trim_end_matches(" UTC");
             if x + 50.0 < self.all.right() {
                 let at = egui::pos2(x + 3.0, self.axis_y + Self::AXIS / 2.0 + 1.0);
-                ui.painter()
-                    .text(at, egui::Align2::LEFT_CENTER, label, font.clone(), weak);
+                ui.painter().text(at, egui::Align2::LEFT_CENTER, label, font.clone(), weak);
             }
             tick += step_s;
         }
@@ -211,8 +199,7 @@ impl TimelineLayout {
         }
         let edge = Stroke::new(1.0, ui.visuals().strong_text_color().gamma_multiply(0.6));
         let seen = Rect::from_x_y_ranges(from..=to, self.all.y_range());
-        ui.painter()
-            .rect_stroke(seen, 1.0, edge, egui::StrokeKind::Inside);
+        ui.painter().rect_stroke(seen, 1.0, edge, egui::StrokeKind::Inside);
     }
 
     /// Marks and selects the ping under the pointer.
@@ -229,11 +216,7 @@ impl TimelineLayout {
             (!pings.is_empty()).then(|| after.min(pings.len() - 1))
         };
         let acts = response.clicked() || response.dragged();
-        if let Some(ping) = response
-            .interact_pointer_pos()
-            .filter(|_| acts)
-            .and_then(ping_at)
-        {
+        if let Some(ping) = response.interact_pointer_pos().filter(|_| acts).and_then(ping_at) {
             context.push(Command::Reveal(LogPlace::ping(ping)));
         } else if let Some(ping) = response.hover_pos().and_then(ping_at) {
             context.push(Command::Hover(Some(LogPlace::ping(ping))));
@@ -241,7 +224,8 @@ impl TimelineLayout {
     }
 }
 
-/// Where a series is drawn, and its scale: from nothing to `reach`, hanging from the top or standing on the bottom.
+/// Where a series is drawn, and its scale: from nothing to `reach`, hanging from the top or
+/// standing on the bottom.
 struct SeriesBand {
     rect: Rect,
     reach: f32,

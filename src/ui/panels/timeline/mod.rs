@@ -39,10 +39,7 @@ impl StripsKey {
             let depths = Same(products.depths.clone());
             (Same(products.navigation.clone()), depths, correction)
         };
-        Self {
-            survey: Same(survey.clone()),
-            results: products.map(results),
-        }
+        Self { survey: Same(survey.clone()), results: products.map(results) }
     }
 }
 

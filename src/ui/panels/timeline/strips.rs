@@ -35,14 +35,8 @@ impl Strips {
         let reduction = products.map(Products::reduction).unwrap_or_default();
         let pings = &survey.side_scan;
         let soundings = &survey.soundings;
-        let starts = [
-            pings.first().map(|p| p.time_s),
-            soundings.first().map(|s| s.time_s),
-        ];
-        let ends = [
-            pings.last().map(|p| p.time_s),
-            soundings.last().map(|s| s.time_s),
-        ];
+        let starts = [pings.first().map(|p| p.time_s), soundings.first().map(|s| s.time_s)];
+        let ends = [pings.last().map(|p| p.time_s), soundings.last().map(|s| s.time_s)];
         let from_s = starts.into_iter().flatten().reduce(f64::min)?;
         let to_s = ends.into_iter().flatten().reduce(f64::max)?;
         let depths = |locked: bool| {
@@ -62,11 +56,7 @@ impl Strips {
         };
         let places = products.map_or(&[][..], |products| {
             let navigation = &products.navigation;
-            if pings.is_empty() {
-                &navigation.soundings
-            } else {
-                &navigation.pings
-            }
+            if pings.is_empty() { &navigation.soundings } else { &navigation.pings }
         });
         let speeds = times.iter().zip(places);
         let speeds = speeds.map(|(time_s, here)| (*time_s, here.speed_mps as f32));

@@ -8,7 +8,8 @@ use crate::ui::views::{legend, ticks};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::Vec3;
 
-/// Labels nearer to each other than this are thinned out, points: along a level edge, and along an upright one.
+/// Labels nearer to each other than this are thinned out, points: along a level edge, and along an
+/// upright one.
 const LABEL_SPACING: [f32; 2] = [44.0, 16.0];
 
 /// What the box is drawn with.
@@ -48,10 +49,7 @@ fn outline(axis: usize, walls: &[Face]) -> Vec<Edge> {
     let [a, b] = others(axis);
     let sides = [(false, false), (false, true), (true, false), (true, true)];
     let edges = sides.map(|(of_a, of_b)| (axis, (a, of_a), (b, of_b)));
-    edges
-        .into_iter()
-        .filter(|(_, a, b)| walls.contains(a) != walls.contains(b))
-        .collect()
+    edges.into_iter().filter(|(_, a, b)| walls.contains(a) != walls.contains(b)).collect()
 }
 
 /// Writes a text unless it would lie on what is covered.
@@ -77,10 +75,7 @@ fn others(axis: usize) -> [usize; 2] {
 impl BoxAxes<'_> {
     /// The points that are drawn.
     pub(super) fn shown(&self) -> ShownPoints {
-        ShownPoints {
-            outliers: self.options.cloud.outlier_preview,
-            part: self.part,
-        }
+        ShownPoints { outliers: self.options.cloud.outlier_preview, part: self.part }
     }
 
     /// Where a place is on the screen; `None` behind the camera.
@@ -117,7 +112,8 @@ impl BoxAxes<'_> {
         }
     }
 
-    /// Lengths along the outline, and what they count; to be painted after the points. Nothing is written over what is `covered`.
+    /// Lengths along the outline, and what they count; to be painted after the points. Nothing is
+    /// written over what is `covered`.
     pub(super) fn labels(&self, painter: &Painter, covered: &[Rect]) {
         let walls = walls(self.corners, self.projection.eye);
         for (axis, name) in ["east", "north", "elevation"].into_iter().enumerate() {
@@ -150,11 +146,9 @@ impl BoxAxes<'_> {
     fn label_edge(&self, painter: &Painter, edge: &Edge, name: &str, covered: &[Rect]) {
         let axis = edge.0;
         let middle = 0.5 * (self.corners[0] + self.corners[1]);
-        let (Some(from), Some(to), Some(centre)) = (
-            self.at(self.on(edge, 0.0)),
-            self.at(self.on(edge, 1.0)),
-            self.at(middle),
-        ) else {
+        let (Some(from), Some(to), Some(centre)) =
+            (self.at(self.on(edge, 0.0)), self.at(self.on(edge, 1.0)), self.at(middle))
+        else {
             return;
         };
         let along = (to - from).normalized();

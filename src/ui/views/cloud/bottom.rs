@@ -11,11 +11,13 @@ use std::sync::Arc;
 
 /// Width of an isobath on the bottom, points of the screen.
 const LINE: f32 = 1.2;
-/// Brightness of a bottom that is turned away from the light: relief is plain to see, and colours can still be told apart.
+/// Brightness of a bottom that is turned away from the light: relief is plain to see, and colours
+/// can still be told apart.
 const DARKEST: f32 = 0.25;
 /// The same under the mosaic, whose echoes have light and shade of their own.
 const DARKEST_ECHO: f32 = 0.6;
-/// Steps in which the bottom under the pointer is looked for: each comes nearer as many times as the view is steeper than the bottom.
+/// Steps in which the bottom under the pointer is looked for: each comes nearer as many times as
+/// the view is steeper than the bottom.
 const STEPS: usize = 6;
 
 /// A bottom on the GPU.
@@ -35,7 +37,8 @@ impl BottomScene {
         let [east_m, north_m, up_m] = self.origin_m;
         let [least_m, most_m] = self.bottom.range_m;
         let towards = projection.towards(ndc)?;
-        // From the middle of all depths to that of the place, and from there to that of the place where this one is.
+        // From the middle of all depths to that of the place, and from there to that of the place
+        // where this one is.
         let mut z = (-0.5 * (least_m + most_m) - up_m) as f32;
         let mut found = None;
         for _ in 0..STEPS {
@@ -52,7 +55,8 @@ impl BottomScene {
         found
     }
 
-    /// The bottom at a place east and north of the survey's origin, metres; `None` where there is none.
+    /// The bottom at a place east and north of the survey's origin, metres; `None` where there is
+    /// none.
     pub(super) fn at(&self, place_m: [f64; 2]) -> Option<Vec3> {
         let [east_m, north_m, up_m] = self.origin_m;
         let depth_m = f64::from(self.bottom.depth_at(place_m)?);
@@ -74,7 +78,8 @@ impl ShownBottom {
         self.0.is_running()
     }
 
-    /// Has the bottom of the survey uploaded where it changed; `None` where none is shown, or none is there yet.
+    /// Has the bottom of the survey uploaded where it changed; `None` where none is shown, or none
+    /// is there yet.
     pub(super) fn of(
         &mut self,
         app: &App,

@@ -1,4 +1,5 @@
-//! The clip box: only what lies in it is drawn. Each of its faces has a handle, and its ends stand beside the cloud as numbers.
+//! The clip box: only what lies in it is drawn. Each of its faces has a handle, and its ends stand
+//! beside the cloud as numbers.
 
 use super::axes::BoxAxes;
 use super::scene::SceneBox;
@@ -16,7 +17,8 @@ use glam::Vec3;
 const SHORTEST: f32 = 0.01;
 /// Radius of a handle, and half of the square that takes the pointer, points of the screen.
 const HANDLE: [f32; 2] = [5.0, 9.0];
-/// A face whose handle would cross the whole cloud in fewer points of the screen is seen from in front: it has none.
+/// A face whose handle would cross the whole cloud in fewer points of the screen is seen from in
+/// front: it has none.
 const SHORTEST_WAY: f32 = 30.0;
 /// Names of the axes, and of a handle at each end.
 const AXES: [(&str, [&str; 2]); 3] = [
@@ -25,7 +27,8 @@ const AXES: [(&str, [&str; 2]); 3] = [
     ("elevation", ["lower end", "upper end"]),
 ];
 
-/// Corners of what is drawn, in the places of a scene; as far as numbers go where the box has no end.
+/// Corners of what is drawn, in the places of a scene; as far as numbers go where the box has no
+/// end.
 pub(super) fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
     let end = |end: usize| {
         let at = |axis: usize| (clip.ends_m[axis][end] - origin_m[axis]) as f32;
@@ -34,7 +37,8 @@ pub(super) fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
     [end(0), end(1)]
 }
 
-/// The box around what is drawn. A cloud that was computed anew and lies elsewhere is not lost from sight.
+/// The box around what is drawn. A cloud that was computed anew and lies elsewhere is not lost from
+/// sight.
 pub(super) fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
     let [low, high] = scene.corners;
     let Some(clip) = clip else {
@@ -46,7 +50,8 @@ pub(super) fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
     [from, to.min(high).max(from + shortest)]
 }
 
-/// The box with an end put elsewhere, in the places of the scene. An end that comes to that of the cloud goes on for ever.
+/// The box with an end put elsewhere, in the places of the scene. An end that comes to that of the
+/// cloud goes on for ever.
 fn with_end(scene: SceneBox, mut clip: ClipBox, axis: usize, end: usize, to: f32) -> ClipBox {
     let [low, high] = scene.corners.map(|corner| corner[axis]);
     let shortest = SHORTEST * (high - low);
@@ -176,9 +181,7 @@ fn number(
         .speed(units.in_unit(0.005 * size_m))
         .fixed_decimals(2)
         .suffix(format!(" {}", units.symbol()));
-    let response = ui
-        .add(field)
-        .on_hover_text(format!("{name} of the clip box."));
+    let response = ui.add(field).on_hover_text(format!("{name} of the clip box."));
     let is_changed = response.changed() && value != before;
     is_changed.then(|| (value * units.length.metres() - origin_m) as f32)
 }

@@ -63,8 +63,7 @@ fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
         .prefix("x")
         .text("vertical");
     ui.spacing_mut().slider_width = 90.0;
-    ui.add(slider)
-        .on_hover_text("Vertical exaggeration of the 3D view.");
+    ui.add(slider).on_hover_text("Vertical exaggeration of the 3D view.");
 }
 
 /// The point under the pointer, in words, beside the button above.
@@ -127,7 +126,8 @@ fn lack(survey: &Survey, units: Units) -> Option<String> {
     }
 }
 
-/// What the colours mean, and how many points there are of each; returns what its lines and scales cover.
+/// What the colours mean, and how many points there are of each; returns what its lines and scales
+/// cover.
 pub(super) fn paint_legend(
     painter: &Painter,
     rect: Rect,
@@ -145,10 +145,7 @@ pub(super) fn paint_legend(
     if bottom.is_some_and(|bottom| bottom.colour == BottomColour::Source) {
         let sources = CellSource::KNOWN.iter().zip(SOURCES);
         lines.extend(sources.map(|(source, [r, g, b])| {
-            (
-                format!("bottom: {}", source.name()),
-                Color32::from_rgb(r, g, b),
-            )
+            (format!("bottom: {}", source.name()), Color32::from_rgb(r, g, b))
         }));
     }
     if bottom.is_some_and(|one| one.colour == BottomColour::Hardness && one.ends.is_none()) {
@@ -262,11 +259,7 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         let (noise, share) = (count(classes.noise()), 100.0 * classes.noise_share());
         lines.push((format!("outliers {verb} {noise} ({share:.1} %)"), colour));
     }
-    let others = [
-        PointClass::AboveBottom,
-        PointClass::Unclassified,
-        PointClass::NoBottom,
-    ];
+    let others = [PointClass::AboveBottom, PointClass::Unclassified, PointClass::NoBottom];
     for class in others.into_iter().filter(|class| classes.count(*class) > 0) {
         let text = format!("{} {}", class.name(), count(classes.count(class)));
         lines.push((text, colour));

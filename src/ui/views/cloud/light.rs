@@ -1,4 +1,5 @@
-//! The light on the bottom, moved by hand: a disc seen from above, north up, with the light where it stands.
+//! The light on the bottom, moved by hand: a disc seen from above, north up, with the light where
+//! it stands.
 
 use crate::ui::list_keys::keep_arrows;
 use egui::{Key, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2};
@@ -10,8 +11,8 @@ const LOWEST_DEG: f32 = 5.0;
 /// What an arrow key moves it by, degrees.
 const STEP_DEG: f32 = 5.0;
 
-/// The disc; `light_deg` is the direction clockwise from north and the height over the horizon, degrees. A drag takes the light along, the
-/// arrow keys turn and raise it.
+/// The disc; `light_deg` is the direction clockwise from north and the height over the horizon,
+/// degrees. A drag takes the light along, the arrow keys turn and raise it.
 pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     let size = Vec2::splat(2.0 * RADIUS);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -23,13 +24,8 @@ pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     if response.has_focus() {
         keep_arrows(ui.ctx(), response.id, true, true);
         let pressed = |key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
-        let [left, right, up, down] = [
-            Key::ArrowLeft,
-            Key::ArrowRight,
-            Key::ArrowUp,
-            Key::ArrowDown,
-        ]
-        .map(pressed);
+        let [left, right, up, down] =
+            [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown].map(pressed);
         let step = |more: bool, less: bool| STEP_DEG * (f32::from(more) - f32::from(less));
         let [azimuth_deg, altitude_deg] = *light_deg;
         *light_deg = [
@@ -44,12 +40,11 @@ pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     let [azimuth_deg, altitude_deg] = *light_deg;
     let name = format!("Light from {azimuth_deg:.0} degrees, {altitude_deg:.0} degrees high");
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, ui.is_enabled(), &name));
-    response.on_hover_text(format!(
-        "{name}. Drag the light, or turn it (arrow keys, Shift+L)."
-    ))
+    response.on_hover_text(format!("{name}. Drag the light, or turn it (arrow keys, Shift+L)."))
 }
 
-/// Where a light at a place of the disc stands: overhead in the middle, at the horizon on the rim. In the very middle it keeps its direction.
+/// Where a light at a place of the disc stands: overhead in the middle, at the horizon on the rim.
+/// In the very middle it keeps its direction.
 fn light_at(place: Vec2, azimuth_deg: f32) -> [f32; 2] {
     let altitude_deg = 90.0 * (1.0 - place.length()).clamp(0.0, 1.0);
     let turned_deg = match place.length() > 0.05 {

@@ -33,17 +33,14 @@ use std::sync::Arc;
 /// Points of the screen that the numbers around the box need, both sides together.
 const LABEL_ROOM: f32 = 90.0;
 
-type CloudKey = (
-    Vec<SceneLogPoints>,
-    ColourEnds,
-    (CloudColour, ThemeChoice, SideColours),
-);
+type CloudKey = (Vec<SceneLogPoints>, ColourEnds, (CloudColour, ThemeChoice, SideColours));
 
 /// State of the cloud view: where it looks, and what was made for it.
 #[derive(Default)]
 pub struct CloudView {
     camera: Option<OrbitCamera>,
-    /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew to another frame.
+    /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew
+    /// to another frame.
     fitted: Option<(OrbitCamera, Vec2)>,
     request: Option<ViewRequest>,
     scene: Background<CloudKey, Arc<CloudScene>>,
@@ -119,12 +116,7 @@ impl CloudView {
         self.ask_for_scene(context);
         let Some(scene) = self.scene.result().cloned() else {
             if !self.scene.is_running() {
-                empty::say(
-                    ui,
-                    context,
-                    rect,
-                    "This log has no positions to place points at.",
-                );
+                empty::say(ui, context, rect, "This log has no positions to place points at.");
             }
             return "3D point cloud, no points".to_owned();
         };
@@ -133,17 +125,13 @@ impl CloudView {
             return shown::name(&scene);
         };
         let uploader = Uploader::new(&state.device, &state.queue);
-        let bottom = self
-            .bottom
-            .of(context.app, scene.origin_m, &uploader)
-            .cloned();
+        let bottom = self.bottom.of(context.app, scene.origin_m, &uploader).cloned();
         let shown = ShownCloud::new(&survey, &products, &scene, bottom.as_ref());
         let camera = self.navigate(ui, context, rect, response, shown.pick_scene());
         let axes = shown.axes(context.app, rect, camera.projection(aspect(rect)));
         let painter = ui.painter_at(rect);
         self.paint(&painter, state, context.app, &shown, &axes);
-        self.pointer
-            .handle(context, response, shown.pick_scene(), (&axes, camera));
+        self.pointer.handle(context, response, shown.pick_scene(), (&axes, camera));
         self.controls(ui, context, shown.all, &axes);
         shown.name()
     }
@@ -211,10 +199,8 @@ impl CloudView {
             .map(|shown| SceneLogPoints::of(shown, options.swath))
             .collect();
         let uploader = context.uploader();
-        let ends = ColourEnds {
-            depth_m: context.app.depth_range_m(),
-            scales: context.app.point_scales(),
-        };
+        let ends =
+            ColourEnds { depth_m: context.app.depth_range_m(), scales: context.app.point_scales() };
         let key = (logs.clone(), ends, colours);
         self.scene.ask(key, context.app.jobs(), move |progress| {
             let scene = CloudScene::new(logs, ends, &options, uploader.as_ref(), progress);
@@ -260,10 +246,7 @@ impl CloudView {
             Some(ViewRequest::Side) => camera.look_from(Direction::South),
             Some(ViewRequest::Fit | ViewRequest::OneToOne) | None => {}
         }
-        let fits = matches!(
-            request,
-            Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side)
-        );
+        let fits = matches!(request, Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side));
         if is_new || fits || response.double_clicked() {
             camera.fit(clip::part(seen.all, clip), aspect(rect), margin(rect));
             self.fitted = Some((camera, rect.size()));
@@ -290,16 +273,15 @@ impl CloudView {
 }
 
 impl CloudView {
-    /// Goes with the cloud when its points lie elsewhere or count from another origin than before: after a change of preset it
-    /// may be another size in another place. A camera that nobody has moved shows all of it again.
+    /// Goes with the cloud when its points lie elsewhere or count from another origin than before:
+    /// after a change of preset it may be another size in another place. A camera that nobody has
+    /// moved shows all of it again.
     fn follow(&mut self, all: SceneBox) {
         let now = (all.origin_m, all.corners);
         let Some(before) = self.about.replace(now).filter(|before| *before != now) else {
             return;
         };
-        let is_fitted = self
-            .fitted
-            .is_some_and(|(fitted, _)| self.camera == Some(fitted));
+        let is_fitted = self.fitted.is_some_and(|(fitted, _)| self.camera == Some(fitted));
         let shift = shift(before.0, now.0);
         let fitted = self.fitted.as_mut().map(|(one, _)| one);
         for camera in self.camera.as_mut().into_iter().chain(fitted) {
@@ -319,8 +301,9 @@ fn shift(from_m: [f64; 3], to_m: [f64; 3]) -> glam::Vec3 {
     glam::Vec3::new(by(0), by(1), by(2))
 }
 
-/// Whether a cloud has gone from where it was: its box is another by more than a twentieth, a fifth in depth; of a camera that the analyst
-/// has placed, whether its target is left outside of the cloud.
+/// Whether a cloud has gone from where it was: its box is another by more than a twentieth, a fifth
+/// in depth; of a camera that the analyst has placed, whether its target is left outside of the
+/// cloud.
 fn has_moved(was: [glam::Vec3; 2], is: [glam::Vec3; 2], placed: Option<glam::Vec3>) -> bool {
     if let Some(target) = placed {
         let [low, high] = is;
@@ -330,12 +313,8 @@ fn has_moved(was: [glam::Vec3; 2], is: [glam::Vec3; 2], placed: Option<glam::Vec
         return was_inside.all() && !inside.all();
     }
     let common = was[1].min(is[1]) - was[0].max(is[0]);
-    let larger = (was[1] - was[0])
-        .max(is[1] - is[0])
-        .max(glam::Vec3::splat(0.1));
-    common
-        .cmplt(glam::Vec3::new(0.95, 0.95, 0.8) * larger)
-        .any()
+    let larger = (was[1] - was[0]).max(is[1] - is[0]).max(glam::Vec3::splat(0.1));
+    common.cmplt(glam::Vec3::new(0.95, 0.95, 0.8) * larger).any()
 }
 
 fn aspect(rect: Rect) -> f32 {
@@ -354,9 +333,7 @@ fn show_place(camera: &mut OrbitCamera, app: &App, mark: LogPlace, rect: Rect, s
         return;
     };
     let [low, high] = scene.corners;
-    let place = scene
-        .local(east_m, north_m, 0.0)
-        .with_z(0.5 * (low.z + high.z));
+    let place = scene.local(east_m, north_m, 0.0).with_z(0.5 * (low.z + high.z));
     let ndc = camera.projection(aspect(rect)).project(place);
     if ndc.is_none_or(|ndc| ndc.truncate().abs().max_element() > 0.9) {
         camera.target = place;
@@ -377,15 +354,9 @@ mod tests {
         assert!(!has_moved(was, nudged, None));
         assert!(has_moved(was, larger, None));
         let detail = Vec3::new(12.0, 8.0, -3.0);
-        assert!(
-            !has_moved(was, nudged, Some(detail)),
-            "a detail is still there"
-        );
+        assert!(!has_moved(was, nudged, Some(detail)), "a detail is still there");
         assert!(has_moved(was, larger, Some(detail)));
         assert!(!has_moved(was, larger, Some(Vec3::new(50.0, 30.0, -3.0))));
-        assert_eq!(
-            shift([10.0, 20.0, 0.0], [4.0, 25.0, 0.0]),
-            Vec3::new(6.0, -5.0, 0.0)
-        );
+        assert_eq!(shift([10.0, 20.0, 0.0], [4.0, 25.0, 0.0]), Vec3::new(6.0, -5.0, 0.0));
     }
 }

@@ -15,7 +15,8 @@ const LEAST: f32 = 3.0;
 /// Least half of its width: seen from the side, its outline would be one long line.
 const LEAST_WIDTH: f32 = 1.5;
 
-/// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
+/// Draws the footprints of the boxes of all visible logs that are in the queue; those that were
+/// rejected only while they are selected.
 pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     if !app.view.options.cloud.boxes {
         return;
@@ -27,7 +28,8 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Box
     shape(painter, app, scene, axes);
 }
 
-/// Draws the shape of the selected object: its outline on the bottom, and profiles along it and across it.
+/// Draws the shape of the selected object: its outline on the bottom, and profiles along it and
+/// across it.
 fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     let Some(Ok(fitted)) = app.selected_object_shape() else {
         return;
@@ -42,11 +44,7 @@ fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     let profile = |along: bool, line: usize| {
         let places = (0..=PROFILE_POINTS).map(|point| {
             let shares = [share(point, PROFILE_POINTS), share(line, PROFILES + 1)];
-            let [u, v] = if along {
-                shares
-            } else {
-                [shares[1], shares[0]]
-            };
+            let [u, v] = if along { shares } else { [shares[1], shares[0]] };
             [u * solid.length_m, v * solid.width_m]
         });
         places.collect::<Vec<[f64; 2]>>()
@@ -131,12 +129,7 @@ mod tests {
 
     #[test]
     fn an_outline_that_is_seen_from_the_side_is_no_line() {
-        let above = [
-            pos2(0.0, 0.0),
-            pos2(40.0, 0.0),
-            pos2(40.0, 20.0),
-            pos2(0.0, 20.0),
-        ];
+        let above = [pos2(0.0, 0.0), pos2(40.0, 0.0), pos2(40.0, 20.0), pos2(0.0, 20.0)];
         assert!((8.0..=10.0).contains(&half_width(&above)));
         let flat = above.map(|at| pos2(8.0 * at.x, 0.1 * at.y));
         assert!(half_width(&flat) < LEAST_WIDTH, "320 points long, 2 high");

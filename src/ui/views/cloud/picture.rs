@@ -76,8 +76,7 @@ impl Renderers {
             let mut pass = target.begin(&mut encoder);
             if let Some((scene, draw)) = &drawing.bottom {
                 let queue = &state.queue;
-                self.bottom
-                    .draw(queue, target, &mut pass, &scene.buffers, draw);
+                self.bottom.draw(queue, target, &mut pass, &scene.buffers, draw);
             }
             if let Some((scene, draw)) = &drawing.points
                 && let Some(points) = &scene.buffers

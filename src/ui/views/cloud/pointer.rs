@@ -13,7 +13,8 @@ use glam::Vec2;
 
 /// How near a point the pointer must be, points of the screen.
 const REACH: f32 = 9.0;
-/// How near a point must be for the place beside it to stay under the pointer in a zoom, points of the screen.
+/// How near a point must be for the place beside it to stay under the pointer in a zoom, points of
+/// the screen.
 const NEAR: f32 = 40.0;
 /// Beyond so many points only a click picks: a look at all of them would cost more than a frame.
 const MOST_ON_HOVER: usize = 2_000_000;
@@ -36,8 +37,9 @@ pub(super) struct PickScene<'a> {
     pub all: SceneBox,
 }
 
-/// Comes nearer or goes farther, about the bottom under the pointer, or else about what lies nearest to `at` on the screen: a zoom about a place where nothing is would end in
-/// a picture of nothing. Where no point is in the picture it comes no nearer.
+/// Comes nearer or goes farther, about the bottom under the pointer, or else about what lies
+/// nearest to `at` on the screen: a zoom about a place where nothing is would end in a picture of
+/// nothing. Where no point is in the picture it comes no nearer.
 pub(super) fn zoom(
     camera: &mut OrbitCamera,
     seen: PickScene<'_>,
@@ -65,9 +67,7 @@ pub(super) fn zoom(
         let ndc = projection.project(*place);
         ndc.is_some_and(|ndc| ndc.truncate().abs().max_element() <= 1.0)
     };
-    let places = scene
-        .places(shown)
-        .filter(|(_, place)| is_in_picture(place));
+    let places = scene.places(shown).filter(|(_, place)| is_in_picture(place));
     let nearest = projection.pick(places, off, size, [REACH, f32::INFINITY]);
     let Some(place) = nearest.and_then(|point| scene.place_of(point)) else {
         return;
@@ -80,7 +80,8 @@ pub(super) fn zoom(
     let after = ndc + (point_ndc.truncate() - ndc) * factor;
     let stays = off_px <= NEAR && after.abs().max_element() < 0.95;
     camera.look_at_depth_of(place);
-    // What is under the pointer stays there; where that would lose the nearest point, the point does.
+    // What is under the pointer stays there; where that would lose the nearest point, the point
+    // does.
     let about = if stays { ndc } else { point_ndc.truncate() };
     camera.zoom(factor, about, aspect);
     camera.hold(all.corners);
@@ -146,7 +147,8 @@ impl CloudPointer {
             }
         });
         let mark = point.and_then(|point| scene.mark(point));
-        // Other views show the log under the selection: what is hovered of another one is nowhere in them.
+        // Other views show the log under the selection: what is hovered of another one is nowhere
+        // in them.
         let here = mark.filter(|(log, _)| *log == context.app.log.id);
         self.hover.tell(context, here.map(|(_, mark)| mark));
         if response.clicked() {
@@ -184,7 +186,8 @@ fn pick(app: &App, scene: &CloudScene, axes: &BoxAxes<'_>, at: Pos2) -> Option<u
     )
 }
 
-/// Marks the selected and the hovered ping: its points, the line that joins them under the boat, and what is meant of it on the bottom.
+/// Marks the selected and the hovered ping: its points, the line that joins them under the boat,
+/// and what is meant of it on the bottom.
 pub(super) fn paint_marks(
     painter: &Painter,
     app: &App,
@@ -224,21 +227,17 @@ fn paint_mark(
         painter.circle_stroke(*at, 4.5, stroke);
     }
     let ping = products.navigation.pings.get(mark.ping);
-    let under = ping
-        .filter(|ping| ping.east_m.is_finite())
-        .and_then(|ping| {
-            let surface = scene.local(ping.east_m, ping.north_m, 0.0);
-            let bottom = surface.with_z(scene.corners[0].z);
-            axes.at(surface).zip(axes.at(bottom))
-        });
+    let under = ping.filter(|ping| ping.east_m.is_finite()).and_then(|ping| {
+        let surface = scene.local(ping.east_m, ping.north_m, 0.0);
+        let bottom = surface.with_z(scene.corners[0].z);
+        axes.at(surface).zip(axes.at(bottom))
+    });
     if let Some((surface, bottom)) = under {
         // A plumb line under the boat finds the ping from any distance.
         painter.add(Shape::dashed_line(&[surface, bottom], stroke, 4.0, 3.0));
         painter.circle_stroke(surface, 3.0, stroke);
     }
-    let point = mark
-        .point
-        .and_then(|index| products.cloud.points.get(index));
+    let point = mark.point.and_then(|index| products.cloud.points.get(index));
     let at = point.and_then(|point| axes.at(scene.place(point)));
     if let Some(at) = at {
         painter.circle_stroke(at, 8.0, stroke);
@@ -270,10 +269,7 @@ mod tests {
             north_m: f64::from(index / 2),
             z_m: -3.0,
         };
-        let cloud = PointCloud {
-            points: (0..120).map(point).collect(),
-            zero_heading: 0,
-        };
+        let cloud = PointCloud { points: (0..120).map(point).collect(), zero_heading: 0 };
         let log = SceneLogPoints {
             id: LogId(1),
             name: String::new(),
@@ -297,11 +293,7 @@ mod tests {
                 let mut camera = OrbitCamera::default();
                 camera.fit(scene.corners, 1.5, 1.2);
                 for _ in 0..100 {
-                    let seen = PickScene {
-                        scene: &scene,
-                        bottom: None,
-                        all: scene.extent(),
-                    };
+                    let seen = PickScene { scene: &scene, bottom: None, all: scene.extent() };
                     let shown = (Default::default(), rect);
                     zoom(&mut camera, seen, shown, at.into(), factor);
                 }

@@ -140,8 +140,9 @@ pub(super) struct ShownPoints {
     pub part: ScenePart,
 }
 
-/// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out from the clouds when they are
-/// asked for: a second copy of them all would be the largest thing in memory.
+/// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out
+/// from the clouds when they are asked for: a second copy of them all would be the largest thing in
+/// memory.
 pub(super) struct CloudScene {
     logs: Vec<SceneLogPoints>,
     /// Number of the first point of each log: points are counted through all of them.
@@ -294,9 +295,7 @@ impl CloudScene {
     pub(super) fn of_ping(&self, log: LogId, ping: usize) -> impl Iterator<Item = Vec3> {
         let log = self.logs.iter().find(move |one| one.id == log);
         let points = log.into_iter().flat_map(move |log| log.cloud.of_ping(ping));
-        points
-            .filter(|point| is_placed(point))
-            .map(|point| self.place(point))
+        points.filter(|point| is_placed(point)).map(|point| self.place(point))
     }
 
     /// The log and the mark of a point by its number.
@@ -340,10 +339,7 @@ impl CloudScene {
 
     /// The box around its kept points.
     pub(super) fn extent(&self) -> SceneBox {
-        SceneBox {
-            origin_m: self.origin_m,
-            corners: self.corners,
-        }
+        SceneBox { origin_m: self.origin_m, corners: self.corners }
     }
 
     /// The box around the kept points, or around the others.
@@ -368,10 +364,8 @@ impl CloudScene {
         let removed = removed.map(|(_, _, point)| (point, theme::OUTLIER_COLOUR));
         let all = kept.chain(removed).enumerate();
         all.map_while(move |(count, (point, colour))| {
-            goes_on(count).then(|| PointVertex {
-                place: self.place(point).into(),
-                colour: colour.to_array(),
-            })
+            goes_on(count)
+                .then(|| PointVertex { place: self.place(point).into(), colour: colour.to_array() })
         })
     }
 }
@@ -430,10 +424,7 @@ mod tests {
     }
 
     fn with_outliers(outliers: bool) -> ShownPoints {
-        ShownPoints {
-            outliers,
-            ..ShownPoints::default()
-        }
+        ShownPoints { outliers, ..ShownPoints::default() }
     }
 
     fn log(
@@ -478,10 +469,7 @@ mod tests {
     fn both_logs() -> CloudScene {
         let ends = ColourEnds {
             depth_m: Some([1.0, 9.0]),
-            scales: PointScales {
-                level: LEVELS,
-                range_m: None,
-            },
+            scales: PointScales { level: LEVELS, range_m: None },
         };
         let logs = vec![first_log(), second_log()];
         CloudScene::new(logs, ends, &ViewOptions::default(), None, &Progress::new()).unwrap()
@@ -498,36 +486,23 @@ mod tests {
         options.cloud.colour = colour;
         let (both, progress) = (both_logs(), Progress::new());
         let vertices = both.vertices(&options, &progress);
-        vertices
-            .map(|vertex| [vertex.colour[0], vertex.colour[1], vertex.colour[2]])
-            .collect()
+        vertices.map(|vertex| [vertex.colour[0], vertex.colour[1], vertex.colour[2]]).collect()
     }
 
     #[test]
     fn kept_points_come_first_and_know_where_they_came_from() {
         let both = both_logs();
         let numbers = both.places(with_outliers(true)).map(|(number, _)| number);
-        assert_eq!(
-            numbers.collect::<Vec<_>>(),
-            [0, 3, 4, 1],
-            "kept ones of all logs first"
-        );
+        assert_eq!(numbers.collect::<Vec<_>>(), [0, 3, 4, 1], "kept ones of all logs first");
         let (log, mark) = both.mark(4).unwrap();
-        assert_eq!(
-            (log, mark.point),
-            (LogId(2), Some(0)),
-            "a point knows its log"
-        );
+        assert_eq!((log, mark.point), (LogId(2), Some(0)), "a point knows its log");
         assert_eq!(both.of_ping(LogId(2), 4).count(), 1);
     }
 
     #[test]
     fn points_have_the_colour_of_their_log_or_level() {
         let by_log = colours_by(CloudColour::Log).into_iter();
-        assert_eq!(
-            by_log.map(|[red, ..]| red).collect::<Vec<_>>()[..3],
-            [1, 1, 7]
-        );
+        assert_eq!(by_log.map(|[red, ..]| red).collect::<Vec<_>>()[..3], [1, 1, 7]);
         let by_level = colours_by(CloudColour::Level);
         let sounding = theme::down_scan_colour(&ViewOptions::default()).to_array();
         assert_eq!(by_level[0], sounding[..3], "a sounding has no level");
@@ -557,10 +532,7 @@ mod tests {
             .collect();
         assert_eq!(drawn, [-2.0, -3.0, -9.0]);
         let (_, mark) = scene.mark(3).unwrap();
-        assert_eq!(
-            (mark.ping, mark.side, mark.point),
-            (4, Some(Side::Starboard), Some(3))
-        );
+        assert_eq!((mark.ping, mark.side, mark.point), (4, Some(Side::Starboard), Some(3)));
         assert_eq!(scene.corners[0].z, -3.0);
     }
 }

@@ -1,5 +1,5 @@
-//! The cross-section: the bottom along the line of the depth profile, with what stands in front of it left out; and the water's surface
-//! with the boat's track.
+//! The cross-section: the bottom along the line of the depth profile, with what stands in front of
+//! it left out; and the water's surface with the boat's track.
 
 use super::axes::BoxAxes;
 use super::clip;
@@ -22,27 +22,19 @@ const NEAREST_M: f32 = 0.01;
 pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> ScenePart {
     let options = &app.view.options.cloud;
     let corners = options.clip.map(|one| clip::limits(scene.origin_m, one));
-    let cut = options
-        .cut
-        .then(|| cut(app.map.measuring.stations(), scene, eye));
-    ScenePart {
-        corners: corners.unwrap_or(ScenePart::WHOLE.corners),
-        cut: cut.flatten(),
-    }
+    let cut = options.cut.then(|| cut(app.map.measuring.stations(), scene, eye));
+    ScenePart { corners: corners.unwrap_or(ScenePart::WHOLE.corners), cut: cut.flatten() }
 }
 
-/// The upright plane from the first to the last place of a profile; what is left out is the side that the camera is on, so that the section
-/// is seen from wherever one looks.
+/// The upright plane from the first to the last place of a profile; what is left out is the side
+/// that the camera is on, so that the section is seen from wherever one looks.
 fn cut(stations: &[TransectStation], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
     let ends = [stations.first()?, stations.last()?];
     let [first, last] = ends.map(|end| scene.local(end.place[0], end.place[1], 0.0).truncate());
     let right = (last - first).try_normalize()?.perp();
     let is_right = right.dot(eye.truncate() - first) > 0.0;
     let outward = if is_right { right } else { -right };
-    Some(Cut {
-        outward,
-        at_m: outward.dot(first),
-    })
+    Some(Cut { outward, at_m: outward.dot(first) })
 }
 
 /// Draws the bottom along the profile, and the plane from there up to where depths count from.
@@ -78,19 +70,15 @@ fn in_box(axes: &BoxAxes<'_>, place: Vec3) -> Option<Pos2> {
     is_in.then(|| axes.at(place)).flatten()
 }
 
-/// Draws where the water's surface is, or what else depths count from, and over it the tracks of all visible logs.
+/// Draws where the water's surface is, or what else depths count from, and over it the tracks of
+/// all visible logs.
 pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     if !app.view.options.cloud.water {
         return;
     }
     let up = scene.local(0.0, 0.0, 0.0).z;
     let [low, high] = axes.corners;
-    let corners = [
-        (low.x, low.y),
-        (high.x, low.y),
-        (high.x, high.y),
-        (low.x, high.y),
-    ];
+    let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
     let corners = corners.map(|(east, north)| Vec3::new(east, north, up));
     // From below, the bottom would lie in front of it.
     let outline = in_front(&axes.projection, &corners);
@@ -104,9 +92,7 @@ pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes
     for shown in logs {
         let pings = &shown.log.products.navigation.pings;
         let [r, g, b] = shown.colour;
-        let thinned = pings
-            .iter()
-            .step_by(pings.len().div_ceil(most.max(2)).max(1));
+        let thinned = pings.iter().step_by(pings.len().div_ceil(most.max(2)).max(1));
         let places = thinned.map(|ping| in_box(axes, scene.local(ping.east_m, ping.north_m, 0.0)));
         let places: Vec<Option<Pos2>> = places.collect();
         let stroke = Stroke::new(1.5, Color32::from_rgb(r, g, b));

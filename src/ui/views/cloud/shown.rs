@@ -14,7 +14,8 @@ use bathyscope_products::pipeline::Products;
 use egui::Rect;
 use std::sync::Arc;
 
-/// Beside the bottom, points count as nearer by this share of their distance: they lie on it, half of each within.
+/// Beside the bottom, points count as nearer by this share of their distance: they lie on it, half
+/// of each within.
 const NEARER: f32 = 0.004;
 
 /// What a frame of the view shows.
@@ -38,22 +39,12 @@ impl<'a> ShownCloud<'a> {
             Some(wide) => scene.extent().as_wide_as(wide),
             None => scene.extent(),
         };
-        Self {
-            survey,
-            products,
-            scene,
-            bottom,
-            all,
-        }
+        Self { survey, products, scene, bottom, all }
     }
 
     /// What the pointer picks from.
     pub(super) fn pick_scene(&self) -> PickScene<'a> {
-        PickScene {
-            scene: self.scene,
-            bottom: self.bottom.map(|bottom| &**bottom),
-            all: self.all,
-        }
+        PickScene { scene: self.scene, bottom: self.bottom.map(|bottom| &**bottom), all: self.all }
     }
 
     /// The box that is drawn around it.
@@ -94,10 +85,7 @@ impl<'a> ShownCloud<'a> {
             let draw = bottom::draw(app, of, axes.projection, pixels_per_point, part);
             (scene.clone(), draw)
         });
-        CloudDrawing {
-            points: options.points.then(|| (self.scene.clone(), points)),
-            bottom,
-        }
+        CloudDrawing { points: options.points.then(|| (self.scene.clone(), points)), bottom }
     }
 
     /// The accessible name of the view.

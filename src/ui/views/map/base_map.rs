@@ -55,11 +55,7 @@ impl BaseMapKey {
 
 /// What of the picture lies near the survey, in its plane.
 fn bounds(key: &BaseMapKey) -> GroundBounds {
-    let BaseMapKey {
-        map,
-        survey,
-        navigation,
-    } = key;
+    let BaseMapKey { map, survey, navigation } = key;
     let near = [-REACH_M, -REACH_M, REACH_M, REACH_M];
     let [columns, rows] = map.0.size.map(f64::from);
     let shares = (0..EDGE).map(|step| step as f64 / (EDGE - 1) as f64);
@@ -75,12 +71,7 @@ fn bounds(key: &BaseMapKey) -> GroundBounds {
     // A picture of half the Earth has edges where the plane of the survey has none.
     match map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
         true => near,
-        false => [
-            west.max(near[0]),
-            south.max(near[1]),
-            east.min(near[2]),
-            north.min(near[3]),
-        ],
+        false => [west.max(near[0]), south.max(near[1]), east.min(near[2]), north.min(near[3])],
     }
 }
 
@@ -104,8 +95,7 @@ impl TilePainter for BaseTiles {
         let map = &self.key.map.0;
         let (survey, navigation) = (&self.key.survey.0, &self.key.navigation.0);
         let warp = Warp::new(key, |[east_m, north_m]| {
-            map.place
-                .to_pixels(navigation.to_lon_lat(&survey.track, east_m, north_m))
+            map.place.to_pixels(navigation.to_lon_lat(&survey.track, east_m, north_m))
         });
         let texel = key.texel_m() / self.pixel_m;
         let [low, high] = extent(&warp)?;

@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 /// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
 const OPACITY: [f32; 2] = [0.9, 0.3];
-/// How far the hill-shade brightens what is turned to the light, 0 to 1; what is turned away is multiplied with its shade.
+/// How far the hill-shade brightens what is turned to the light, 0 to 1; what is turned away is
+/// multiplied with its shade.
 const HIGHLIGHT: f32 = 0.45;
 /// Looks at the surface along a texel, at most, where a texel is larger than a cell.
 const MOST_LOOKS: usize = 4;
@@ -67,7 +68,8 @@ fn paint<const N: usize>(
     (!is_empty).then_some(colours)
 }
 
-/// A value between the centres of cells: linear where all four around it are known, else that of the nearest cell.
+/// A value between the centres of cells: linear where all four around it are known, else that of
+/// the nearest cell.
 fn between(grid: &Grid, [x, y]: [f64; 2], value: impl Fn(usize) -> Option<f32>) -> Option<f32> {
     let [near_x, near_y] = [x.round(), y.round()];
     let inside = |place: f64, count: usize| place >= 0.0 && place < count as f64;
@@ -172,13 +174,7 @@ mod tests {
 
     #[test]
     fn values_are_linear_between_cells_and_end_with_them() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 0.0,
-            cell_m: 1.0,
-            columns: 3,
-            rows: 2,
-        };
+        let grid = Grid { west_m: 0.0, north_m: 0.0, cell_m: 1.0, columns: 3, rows: 2 };
         let values = [0.0, 1.0, 2.0, 10.0, 11.0, f32::NAN];
         let at = |x, y| between(&grid, [x, y], known(&values));
         assert_eq!(at(0.25, 0.5), Some(5.25));

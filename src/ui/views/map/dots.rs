@@ -5,7 +5,8 @@ use super::transform::{GroundBounds, around, away_m};
 use bathyscope_log::support::progress::Progress;
 use egui::Color32;
 
-/// Dots in a box that shows whether they need to be looked at. A boat cannot jump: those in a row lie close together.
+/// Dots in a box that shows whether they need to be looked at. A boat cannot jump: those in a row
+/// lie close together.
 const BOXED: usize = 512;
 /// Radius of a dot, texels.
 const RADIUS: f64 = 1.5;
@@ -96,9 +97,7 @@ impl TilePainter for Dots {
         let inside = |[west, south, east, north]: &GroundBounds| {
             let across = [(west - west_m) / texel_m, (east - west_m) / texel_m];
             let down = [(north_m - north) / texel_m, (north_m - south) / texel_m];
-            [across, down]
-                .iter()
-                .all(|[low, high]| *low < far && *high > -RADIUS)
+            [across, down].iter().all(|[low, high]| *low < far && *high > -RADIUS)
         };
         let mut colours = vec![Color32::TRANSPARENT; SIDE * SIDE];
         let mut is_empty = true;
@@ -106,10 +105,7 @@ impl TilePainter for Dots {
         for (dots, _) in chunks.filter(|(_, bounds)| inside(bounds)) {
             progress.check().ok()?;
             for dot in dots.iter().filter(|dot| dot.has_place()) {
-                let at = [
-                    (dot.east_m - west_m) / texel_m,
-                    (north_m - dot.north_m) / texel_m,
-                ];
+                let at = [(dot.east_m - west_m) / texel_m, (north_m - dot.north_m) / texel_m];
                 let colour = self.colours[usize::from(dot.colour)];
                 is_empty &= !ink(&mut colours, at, colour);
             }
@@ -145,11 +141,7 @@ mod tests {
     use super::*;
 
     fn dot(east_m: f64, north_m: f64) -> Dot {
-        Dot {
-            east_m,
-            north_m,
-            colour: 1,
-        }
+        Dot { east_m, north_m, colour: 1 }
     }
 
     #[test]
@@ -158,11 +150,7 @@ mod tests {
         let colours = vec![Color32::WHITE, Color32::BLUE];
         let dots = Dots::new(dots, colours).expect("two with a place");
         let inked = |column: i32| {
-            let key = MapTileKey {
-                level: 0,
-                column,
-                row: 0,
-            };
+            let key = MapTileKey { level: 0, column, row: 0 };
             let painted = dots.paint(key, &Progress::new());
             painted.map(|colours| {
                 let row = SIDE - 1 - 11;
@@ -170,7 +158,8 @@ mod tests {
                 (0..SIDE).filter(inked).collect::<Vec<_>>()
             })
         };
-        // With the border, 256 m east lies between texels 256 and 257 of the western tile, and 0 and 1 of the eastern.
+        // With the border, 256 m east lies between texels 256 and 257 of the western tile, and 0
+        // and 1 of the eastern.
         assert_eq!(inked(0), Some(vec![256, 257]));
         assert_eq!(inked(1), Some(vec![0, 1, 44, 45]));
         assert_eq!(inked(2), None);

@@ -51,13 +51,11 @@ pub(super) fn places(scene: &MapScene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
     let last = pings.last();
     let shown = pings.iter().step_by(step).chain(last);
     let is_placed = |ping: &&PingNav| (ping.east_m + ping.north_m).is_finite();
-    shown
-        .filter(is_placed)
-        .map(|ping| scene.at([ping.east_m, ping.north_m]))
-        .collect()
+    shown.filter(is_placed).map(|ping| scene.at([ping.east_m, ping.north_m])).collect()
 }
 
-/// Draws the parts of a line that are in view: dashes far outside of it would cost as much as those inside.
+/// Draws the parts of a line that are in view: dashes far outside of it would cost as much as those
+/// inside.
 fn stroke(painter: &Painter, line: &[Pos2], casing: Stroke, dashes: Stroke) {
     let view = painter.clip_rect().expand(CASING);
     let is_seen = |pair: &[Pos2]| Rect::from_two_pos(pair[0], pair[1]).intersects(view);

@@ -1,4 +1,5 @@
-//! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one that is proposed.
+//! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one
+//! that is proposed.
 
 use super::scene::MapScene;
 use crate::ui::theme;
@@ -42,8 +43,8 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>) {
     }
 }
 
-/// Names the stretch that the calibration was measured on, beside it where nothing else stands; in a tile without such a
-/// place the colour has to do.
+/// Names the stretch that the calibration was measured on, beside it where nothing else stands; in
+/// a tile without such a place the colour has to do.
 pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: &[Rect]) {
     let calibration = &scene.products.calibration;
     let Some(spot) = &calibration.flat_spot else {
@@ -109,10 +110,7 @@ fn places(scene: &MapScene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
     let mut line: Vec<Pos2> = Vec::new();
     for place in places {
         // Nearer places show nothing more.
-        if line
-            .last()
-            .is_none_or(|last| last.distance(place) >= LEAST_STEP)
-        {
+        if line.last().is_none_or(|last| last.distance(place) >= LEAST_STEP) {
             line.push(place);
         }
     }

@@ -1,4 +1,5 @@
-//! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the left edge.
+//! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the
+//! left edge.
 
 use super::scene::MapScene;
 use crate::ui::theme;
@@ -59,12 +60,7 @@ fn edge(scene: &MapScene<'_>) -> impl Iterator<Item = LonLat> {
     let around = shares.flat_map(move |share| {
         let x = egui::lerp(rect.x_range(), share);
         let y = egui::lerp(rect.y_range(), share);
-        [
-            pos2(x, rect.top()),
-            pos2(x, rect.bottom()),
-            pos2(rect.left(), y),
-            pos2(rect.right(), y),
-        ]
+        [pos2(x, rect.top()), pos2(x, rect.bottom()), pos2(rect.left(), y), pos2(rect.right(), y)]
     });
     around.map(|at| scene.position(at))
 }
@@ -87,8 +83,8 @@ fn on_screen(scene: &MapScene<'_>, at: LonLat) -> Pos2 {
     scene.at(navigation.to_plane(&scene.survey.track, at))
 }
 
-/// Where the name of a line stands: upright lines have theirs on the lower edge, level ones on the left, which the lower edge
-/// takes first.
+/// Where the name of a line stands: upright lines have theirs on the lower edge, level ones on the
+/// left, which the lower edge takes first.
 fn name_at(scene: &MapScene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Pos2> {
     let rect = scene.rect;
     match family {

@@ -15,7 +15,8 @@ use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
-/// Where depth comes from side-scan only, the track shows it in dashes so long, with so much grey between, metres.
+/// Where depth comes from side-scan only, the track shows it in dashes so long, with so much grey
+/// between, metres.
 const DASH_M: [f64; 2] = [5.0, 2.5];
 
 /// What the tracks of some logs are made of; equal keys give equal tracks.
@@ -37,7 +38,8 @@ struct LayerLogKey {
 }
 
 impl TrackKey {
-    /// Of these logs in colours between two depths, metres; `by_log` colours by log instead of depth.
+    /// Of these logs in colours between two depths, metres; `by_log` colours by log instead of
+    /// depth.
     pub(super) fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
         let key = |shown: &ShownLog| LayerLogKey {
             id: shown.id,
@@ -47,11 +49,7 @@ impl TrackKey {
             depths: Same(shown.log.products.depths.clone()),
             correction: shown.log.products.correction.clone(),
         };
-        Self {
-            logs: logs.iter().map(key).collect(),
-            range_m,
-            by_log,
-        }
+        Self { logs: logs.iter().map(key).collect(), range_m, by_log }
     }
 }
 
@@ -71,7 +69,8 @@ pub(super) struct TrackLayer {
 }
 
 impl TrackLayer {
-    /// Depths are corrected as those of the depth map are. `None` when nothing has a position, or cancelled.
+    /// Depths are corrected as those of the depth map are. `None` when nothing has a position, or
+    /// cancelled.
     pub(super) fn new(
         logs: &[ShownLog],
         range_m: Option<[f32; 2]>,
@@ -108,9 +107,7 @@ impl TrackLayer {
             bounds,
             range_m: range_m.filter(|_| !by_log),
             side_scan_only: side_scan_only && !by_log,
-            logs: named
-                .map(|shown| (shown.name.clone(), shown.colour))
-                .collect(),
+            logs: named.map(|shown| (shown.name.clone(), shown.colour)).collect(),
             line,
             boxes: boxes.collect(),
         })
@@ -122,7 +119,8 @@ impl TrackLayer {
         Some(boxes.nearest(place, f64::INFINITY)?.0)
     }
 
-    /// The ping nearest to a place and its log, if one is within `reach_m`; of equally near ones that of the log `first`.
+    /// The ping nearest to a place and its log, if one is within `reach_m`; of equally near ones
+    /// that of the log `first`.
     pub(super) fn nearest_ping(
         &self,
         place: [f64; 2],
@@ -196,9 +194,8 @@ fn vertices(
         }
         last_s = record.time_s;
         let place = record.place;
-        let step_m = last.map_or(0.0, |last| {
-            (place.east_m - last.east_m).hypot(place.north_m - last.north_m)
-        });
+        let step_m = last
+            .map_or(0.0, |last| (place.east_m - last.east_m).hypot(place.north_m - last.north_m));
         last = Some(place);
         // Of NaN and a number, this is the number.
         way_m += step_m.max(0.0);
@@ -212,10 +209,7 @@ fn vertices(
             Colouring::Depth(_) => depth_colour(f32::NAN),
         };
         line.push(Vertex {
-            place: [
-                (place.east_m - east_m) as f32,
-                (place.north_m - north_m) as f32,
-            ],
+            place: [(place.east_m - east_m) as f32, (place.north_m - north_m) as f32],
             colour: [r, g, b, 255],
         });
     }

@@ -33,11 +33,7 @@ impl MapLine {
                 buffers.add(uploader, vertices);
             }
         });
-        Self {
-            origin_m,
-            pyramid,
-            buffers,
-        }
+        Self { origin_m, pyramid, buffers }
     }
 }
 
@@ -61,16 +57,13 @@ pub(super) struct LinePicture<T> {
 
 impl<T> Default for LinePicture<T> {
     fn default() -> Self {
-        Self {
-            picture: ViewTexture::default(),
-            renderer: None,
-            drawn: None,
-        }
+        Self { picture: ViewTexture::default(), renderer: None, drawn: None }
     }
 }
 
 impl<T> LinePicture<T> {
-    /// Draws the lines that `of` owns if they, or how they are seen, changed, and shows them; the first line lies below.
+    /// Draws the lines that `of` owns if they, or how they are seen, changed, and shows them; the
+    /// first line lies below.
     pub(super) fn show<const N: usize>(
         &mut self,
         painter: &Painter,
@@ -92,14 +85,10 @@ impl<T> LinePicture<T> {
         if (is_new || !same)
             && let Some(target) = self.picture.target()
         {
-            let renderer = self
-                .renderer
-                .get_or_insert_with(|| LineRenderer::new(&state.device));
+            let renderer = self.renderer.get_or_insert_with(|| LineRenderer::new(&state.device));
             let buffers = lines.iter().map(|(line, _)| line.buffers.as_ref());
-            let drawn: Vec<(&TrackBuffers, &LineDraw)> = buffers
-                .zip(&draws)
-                .filter_map(|(buffers, draw)| Some((buffers?, draw)))
-                .collect();
+            let drawn: Vec<(&TrackBuffers, &LineDraw)> =
+                buffers.zip(&draws).filter_map(|(buffers, draw)| Some((buffers?, draw))).collect();
             renderer.draw(&state.device, &state.queue, target, &drawn);
             self.drawn = Some((of.clone(), draws));
         }
@@ -140,9 +129,5 @@ fn line_draw(
             colour: [r, g, b, a],
         }
     };
-    LineDraw {
-        level,
-        runs,
-        strokes: [stroke(0), stroke(1)],
-    }
+    LineDraw { level, runs, strokes: [stroke(0), stroke(1)] }
 }

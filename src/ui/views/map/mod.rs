@@ -1,7 +1,7 @@
 //! The map view: the survey from above, in layers.
 //!
-//! In: the state. Out: a map with its layers, and commands.
-//! It uses `app`, `project`, `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! In: the state. Out: a map with its layers, and commands. It uses `app`, `project`, `pipeline`,
+//! `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 
 mod base_map;
 mod depth_tiles;
@@ -52,9 +52,11 @@ use transform::{GroundBounds, MapTransform};
 #[derive(Default)]
 pub struct MapView {
     transform: Option<MapTransform>,
-    /// The transform that showed everything; while it is in force, the view stays fitted to its frame.
+    /// The transform that showed everything; while it is in force, the view stays fitted to its
+    /// frame.
     fitted: Option<MapTransform>,
-    /// The layers that it was fitted to: it follows them while they are being made, not those that are shown later.
+    /// The layers that it was fitted to: it follows them while they are being made, not those that
+    /// are shown later.
     fits: Vec<MapLayer>,
     request: Option<ViewRequest>,
     /// The ground of the last frame.
@@ -91,8 +93,9 @@ impl MapView {
         }
     }
 
-    /// Keeps the ground where it is on the screen when the plot comes into the lower part of the view or goes: a map that
-    /// moved would put another place under the pointer that has just been clicking.
+    /// Keeps the ground where it is on the screen when the plot comes into the lower part of the
+    /// view or goes: a map that moved would put another place under the pointer that has just been
+    /// clicking.
     fn make_room(&mut self, plot_height: f32) {
         let before = std::mem::replace(&mut self.plot_height, plot_height);
         let taken = plot_height - before;
@@ -187,17 +190,10 @@ impl MapView {
             let view = (rect, transform);
             self.stretch.follow(ui, response, view, &track, context)
         });
-        let taken = self
-            .transform
-            .map_or_else(PointerUse::default, |transform| {
-                let place = plan::MapPlace {
-                    rect,
-                    transform,
-                    survey: &survey,
-                    products: &products,
-                };
-                self.plan.follow(ui, response, &place, context)
-            });
+        let taken = self.transform.map_or_else(PointerUse::default, |transform| {
+            let place = plan::MapPlace { rect, transform, survey: &survey, products: &products };
+            self.plan.follow(ui, response, &place, context)
+        });
         let transform = self.navigate(ui, context, response, &track, !draws && !taken.drag);
         let scene = scene::MapScene {
             rect,
@@ -349,8 +345,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers
     if let Some(text) = layers.under_way(now_s) {
         overlay::under_way(&painter, scene, &text);
         // A job that has just become worth telling about does not draw a frame by itself.
-        ui.ctx()
-            .request_repaint_after(std::time::Duration::from_millis(200));
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));
     }
 }
 

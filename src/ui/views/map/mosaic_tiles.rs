@@ -33,10 +33,7 @@ impl MosaicTiles {
             let [r, g, b, a] = settings.colours.rgba(level as u8);
             Color32::from_rgba_unmultiplied(r, g, b, a)
         };
-        Self {
-            mosaic,
-            palette: std::array::from_fn(colour),
-        }
+        Self { mosaic, palette: std::array::from_fn(colour) }
     }
 }
 
@@ -51,13 +48,7 @@ impl TilePainter for MosaicTiles {
 
     fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
         let [west_m, north_m] = key.corner();
-        let grid = Grid {
-            west_m,
-            north_m,
-            cell_m: key.texel_m(),
-            columns: SIDE,
-            rows: SIDE,
-        };
+        let grid = Grid { west_m, north_m, cell_m: key.texel_m(), columns: SIDE, rows: SIDE };
         let levels = self.mosaic.levels(&grid, progress).ok()?;
         let seen = levels.iter().any(|level| *level > 0);
         seen.then(|| {

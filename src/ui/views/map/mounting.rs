@@ -11,7 +11,8 @@ const HALF: f32 = 5.0;
 /// From here on each has its name, points.
 const NAMED: f32 = 34.0;
 
-/// Places of antenna and transducer at the selected ping, metres east and north; `None` while they are at one place.
+/// Places of antenna and transducer at the selected ping, metres east and north; `None` while they
+/// are at one place.
 fn places(scene: &MapScene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
     let ping = app.view.selection?.ping;
     let navigation = &scene.products.navigation;

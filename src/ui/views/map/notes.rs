@@ -25,12 +25,7 @@ fn notes(scene: &MapScene<'_>) -> Vec<String> {
     let shows = |layer| scene.shows(layer) && explained;
     let mut notes: Vec<String> = grey_track(scene).map(str::to_owned).into_iter().collect();
     if let Some(pings) = scene.made_of.filter(|_| {
-        let made = [
-            MapLayer::DepthMap,
-            MapLayer::HillShade,
-            MapLayer::Isobaths,
-            MapLayer::Mosaic,
-        ];
+        let made = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths, MapLayer::Mosaic];
         made.into_iter().any(|layer| scene.shows(layer))
     }) {
         notes.push(format!("layers: first\n{} pings", count(pings)));

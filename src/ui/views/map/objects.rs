@@ -15,7 +15,8 @@ const REACH: f32 = 8.0;
 /// Longer side of a footprint on the screen from which it is drawn, points.
 const FOOTPRINT: f32 = 12.0;
 
-/// Boxes of all visible logs that are in the queue, with their place; those of the log that the panels show last, the selected one at the end.
+/// Boxes of all visible logs that are in the queue, with their place; those of the log that the
+/// panels show last, the selected one at the end.
 fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>> {
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
@@ -30,12 +31,7 @@ fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'
         all.filter_map(move |one| {
             let placed = reviewing.placed(one.id)?;
             let at = transform.to_screen(frame, [placed.target.east_m, placed.target.north_m]);
-            rect.contains(at).then_some(Seen {
-                log,
-                one,
-                placed,
-                at,
-            })
+            rect.contains(at).then_some(Seen { log, one, placed, at })
         })
     })
 }
@@ -51,10 +47,7 @@ struct Seen<'a> {
 
 impl Seen<'_> {
     fn id(&self) -> LogBox {
-        LogBox {
-            log: self.log.id,
-            id: self.one.id,
-        }
+        LogBox { log: self.log.id, id: self.one.id }
     }
 }
 
@@ -62,12 +55,7 @@ impl Seen<'_> {
 pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     sightings(painter, scene, app);
     for seen in placed(scene, app) {
-        let Seen {
-            log,
-            one,
-            placed,
-            at,
-        } = seen;
+        let Seen { log, one, placed, at } = seen;
         let is_selected = log.id == app.log.id && Some(one.id) == log.reviewing.selected;
         let colour = theme::box_colour_on_panel(scene.options.theme, one.state);
         let footprint = placed.corners.map(|corner| scene.at(corner));
@@ -102,10 +90,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
 
 /// Joins the place of the selected object with the places of its boxes, where there are several.
 fn sightings(painter: &Painter, scene: &MapScene<'_>, app: &App) {
-    let Some(object) = app
-        .selected_object()
-        .filter(|object| object.boxes.len() > 1)
-    else {
+    let Some(object) = app.selected_object().filter(|object| object.boxes.len() > 1) else {
         return;
     };
     let middle = scene.at(object.joint.place_m);

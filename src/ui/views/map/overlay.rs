@@ -32,7 +32,8 @@ pub(super) fn furniture(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
 /// Most logs that the legend names.
 const MOST_LOGS: usize = 12;
 
-/// The names of the logs beside their colours, where the tracks are coloured by log; what they cover.
+/// The names of the logs beside their colours, where the tracks are coloured by log; what they
+/// cover.
 fn log_names(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     if !scene.shows(MapLayer::Track) {
         return Vec::new();
@@ -108,8 +109,8 @@ fn scale_bar(painter: &Painter, scene: &MapScene<'_>) -> Rect {
     plate
 }
 
-/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; an across-track place is joined
-/// to its boat.
+/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; an
+/// across-track place is joined to its boat.
 pub(super) fn marks(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if let Some(mark) = app.view.selection {
         let stroke = Stroke::new(2.0, theme::SELECTION_COLOUR);

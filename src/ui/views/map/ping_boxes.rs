@@ -1,5 +1,5 @@
-//! Finds the ping nearest to a place. The boat cannot jump: a few hundred pings in a row lie close together, and a box around
-//! them shows whether they need to be looked at.
+//! Finds the ping nearest to a place. The boat cannot jump: a few hundred pings in a row lie close
+//! together, and a box around them shows whether they need to be looked at.
 
 use super::transform::{GroundBounds, around, away_m};
 use bathyscope_log::survey::{Navigation, PingNav};
@@ -19,10 +19,7 @@ impl PingBoxes {
     pub(super) fn new(navigation: Arc<Navigation>) -> Self {
         let places = |pings: &[PingNav]| around(pings.iter().map(|one| [one.east_m, one.north_m]));
         let boxes = navigation.pings.chunks(PINGS).map(places);
-        Self {
-            boxes: boxes.collect(),
-            navigation,
-        }
+        Self { boxes: boxes.collect(), navigation }
     }
 
     /// The ping nearest to a place and its distance, metres, if one is within `reach_m`.
@@ -72,11 +69,7 @@ mod tests {
             let (sin, cos) = (ping as f64 * 0.013).sin_cos();
             let reach_m = 5.0 + ping as f64 * 0.02;
             PingNav {
-                east_m: if ping % 400 < 3 {
-                    f64::NAN
-                } else {
-                    reach_m * cos
-                },
+                east_m: if ping % 400 < 3 { f64::NAN } else { reach_m * cos },
                 north_m: reach_m * sin,
                 heading_rad: 0.0,
                 speed_mps: 1.0,

@@ -1,4 +1,5 @@
-//! Planned lines on the map: drawn with the way through them, selected by a click, their ends dragged.
+//! Planned lines on the map: drawn with the way through them, selected by a click, their ends
+//! dragged.
 
 use super::scene::MapScene;
 use super::transform::MapTransform;
@@ -85,11 +86,7 @@ impl PlanTool {
             return PointerUse::default();
         };
         let lines = place.lines(&planned);
-        if response
-            .hover_pos()
-            .and_then(|at| end_under(&lines, at))
-            .is_some()
-        {
+        if response.hover_pos().and_then(|at| end_under(&lines, at)).is_some() {
             ui.set_cursor_icon(CursorIcon::Grab);
         }
         if let Some(at) = drag::begun(ui, response)
@@ -110,20 +107,14 @@ impl PlanTool {
                 let to = navigation.to_lon_lat(&place.survey.track, east_m, north_m);
                 context.push(Command::Plan(PlanRequest::Move { line, end, to }));
             }
-            return PointerUse {
-                drag: true,
-                click: false,
-            };
+            return PointerUse { drag: true, click: false };
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         let under = clicked.flatten().and_then(|at| line_under(&lines, at));
         if under.is_some() || response.clicked() && app.map.planning.selected.is_some() {
             context.push(Command::Plan(PlanRequest::Select(under)));
         }
-        PointerUse {
-            drag: false,
-            click: under.is_some(),
-        }
+        PointerUse { drag: false, click: under.is_some() }
     }
 
     /// Draws the lines, and says what they are good for.
@@ -169,8 +160,7 @@ fn line_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<usize> {
     };
     let each = lines.iter().map(away).enumerate();
     let near = each.filter(|(_, away)| *away <= REACH);
-    near.min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(line, _)| line)
+    near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(line, _)| line)
 }
 
 /// The way as a thin line, the lines over it with an arrow and their number.
@@ -254,10 +244,7 @@ fn words(app: &App, planned: &PlannedLines) -> String {
     let lines = text::plural(plan.lines.len(), "line", "lines");
     let outside = match plan.turns_outside {
         0 => String::new(),
-        count => format!(
-            "; {} outside the survey",
-            text::plural(count, "turn", "turns")
-        ),
+        count => format!("; {} outside the survey", text::plural(count, "turn", "turns")),
     };
     let (length, minutes) = (units.measure(plan.length_m, 0), plan.minutes());
     let sigmas = [&plan.before, &plan.after].map(|worth| worth.mean_sigma_m);

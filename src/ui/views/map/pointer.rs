@@ -38,7 +38,8 @@ struct MenuAt {
     near: Option<(LogId, usize)>,
 }
 
-/// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in hand (`drag_moves`).
+/// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in
+/// hand (`drag_moves`).
 pub(super) fn move_view(
     ui: &Ui,
     response: &Response,
@@ -72,9 +73,7 @@ impl MapPointer {
         let at = response.hover_pos();
         // A measuring tool in hand has a use of its own for the pointer.
         let is_measuring = context.app.map.measuring.tool.is_some();
-        let near = at
-            .and_then(|at| nearest(scene, context.app, at))
-            .filter(|_| !is_measuring);
+        let near = at.and_then(|at| nearest(scene, context.app, at)).filter(|_| !is_measuring);
         // Other views show the log under the selection: a ping of another one is nowhere in them.
         let here = near.filter(|(log, _)| *log == context.app.log.id);
         let ping = here.map(|(_, ping)| LogPlace::ping(ping));
@@ -102,7 +101,8 @@ impl MapPointer {
         self.menu(context, response);
     }
 
-    /// A numbered stretch is proposed for the scale; with the tool in hand, any place of the track is.
+    /// A numbered stretch is proposed for the scale; with the tool in hand, any place of the track
+    /// is.
     fn click(&self, context: &mut ViewContext<'_>, scene: &MapScene<'_>, at: Pos2) {
         let near = nearest(scene, context.app, at);
         let spot = flat_spots::under(scene, at);
@@ -236,8 +236,7 @@ fn nearest(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> 
 
 /// The ping, if it is one of the log that the panels show.
 fn own_ping(app: &App, near: Option<(LogId, usize)>) -> Option<usize> {
-    near.filter(|(log, _)| *log == app.log.id)
-        .map(|(_, ping)| ping)
+    near.filter(|(log, _)| *log == app.log.id).map(|(_, ping)| ping)
 }
 
 /// A ping, with the name of its log where several are open.

@@ -64,11 +64,7 @@ pub(super) fn source(
         if index % CHECK == 0 {
             progress.check().ok()?;
         }
-        dots.push(Dot {
-            east_m: point.east_m,
-            north_m: point.north_m,
-            colour: source_slot(point),
-        });
+        dots.push(Dot { east_m: point.east_m, north_m: point.north_m, colour: source_slot(point) });
     }
     let colours = vec![
         theme::down_scan_colour(options),

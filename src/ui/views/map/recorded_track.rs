@@ -1,4 +1,5 @@
-//! The recorder's own track under another receiver's: thin, and joined to it where both were at the same times.
+//! The recorder's own track under another receiver's: thin, and joined to it where both were at the
+//! same times.
 
 use super::scene::MapScene;
 use crate::app::{App, MapLayer};

@@ -26,8 +26,8 @@ pub(super) struct ResidualLayer {
 }
 
 impl ResidualLayer {
-    /// The colours reach as far as 95 % of the differences do, more or less; inner `None` where no point has a place, outer when
-    /// cancelled.
+    /// The colours reach as far as 95 % of the differences do, more or less; inner `None` where no
+    /// point has a place, outer when cancelled.
     pub(super) fn new(agreement: Arc<Agreement>, progress: &Progress) -> Option<Option<Self>> {
         let p95_m = agreement.comparison.residuals.map(|found| found.p95_m);
         let reach_m = difference_reach_m(p95_m.unwrap_or(0.0));
@@ -52,12 +52,7 @@ impl ResidualLayer {
             Color32::from_rgb(r, g, b)
         };
         let dots = Dots::new(dots, (0..STEPS).map(colour).collect());
-        Some(dots.map(|dots| Self {
-            agreement,
-            differences_m,
-            dots: Arc::new(dots),
-            reach_m,
-        }))
+        Some(dots.map(|dots| Self { agreement, differences_m, dots: Arc::new(dots), reach_m }))
     }
 
     /// What paints it.
@@ -65,7 +60,8 @@ impl ResidualLayer {
         self.dots.clone()
     }
 
-    /// How the point nearest to a place differs from its reference, if one is within `reach_m`, metres.
+    /// How the point nearest to a place differs from its reference, if one is within `reach_m`,
+    /// metres.
     pub(super) fn at(&self, place: [f64; 2], reach_m: f64) -> Option<f64> {
         let dot = self.dots.nearest(place, reach_m)?;
         self.differences_m.get(dot).copied().map(f64::from)
@@ -88,10 +84,7 @@ impl ResidualLayer {
 fn shortened(name: &str) -> String {
     let count = name.chars().count();
     match count > LETTERS {
-        true => format!(
-            "…{}",
-            name.chars().skip(count - LETTERS + 1).collect::<String>()
-        ),
+        true => format!("…{}", name.chars().skip(count - LETTERS + 1).collect::<String>()),
         false => name.to_owned(),
     }
 }
@@ -156,11 +149,7 @@ mod tests {
         assert!((layer.reach_m - 0.3).abs() < 1e-12);
         assert_eq!(layer.at([20.4, 5.3], 1.0), Some(f64::from(-0.3_f32)));
         assert_eq!(layer.at([24.9, 5.0], 1.0), None, "none is near");
-        let key = MapTileKey {
-            level: -3,
-            column: 0,
-            row: 0,
-        };
+        let key = MapTileKey { level: -3, column: 0, row: 0 };
         let colours = layer.tiles().paint(key, &Progress::new());
         let colours = colours.expect("points in the tile");
         let ([west_m, north_m], texel_m) = (key.corner(), key.texel_m());

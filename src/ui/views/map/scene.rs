@@ -20,7 +20,8 @@ pub(super) struct MapScene<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub track: &'a Arc<TrackLayer>,
-    /// The depth map, while something of it is shown and once it is made; inner `None` where the depths span none.
+    /// The depth map, while something of it is shown and once it is made; inner `None` where the
+    /// depths span none.
     pub depth_map: Option<Option<&'a Arc<DepthMap>>>,
     /// The isobaths, while they are shown and once they are drawn.
     pub isobaths: Option<Arc<IsobathLayer>>,
@@ -28,7 +29,8 @@ pub(super) struct MapScene<'a> {
     pub residuals: Option<Arc<ResidualLayer>>,
     /// Soundings after the recorder had lost the bottom: they leave the track grey.
     pub lost_soundings: usize,
-    /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more: it is followed.
+    /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more:
+    /// it is followed.
     pub made_of: Option<usize>,
     /// Whether some of the tracks is excluded.
     pub has_excluded: bool,

@@ -1,4 +1,5 @@
-//! The layers of the map: computed in a background thread when they are shown, and drawn in the order of the stack.
+//! The layers of the map: computed in a background thread when they are shown, and drawn in the
+//! order of the stack.
 
 use super::base_map::BaseMapKey;
 use super::depth_tiles::{DepthTiles, ShadeTiles};
@@ -116,11 +117,10 @@ impl Layers {
         match agreement {
             Some(agreement) => {
                 let key = Same(agreement.clone());
-                self.residuals
-                    .ask(key, context.app.jobs(), move |progress| {
-                        let layer = ResidualLayer::new(agreement, progress)?;
-                        Some(layer.map(Arc::new))
-                    });
+                self.residuals.ask(key, context.app.jobs(), move |progress| {
+                    let layer = ResidualLayer::new(agreement, progress)?;
+                    Some(layer.map(Arc::new))
+                });
             }
             None if is_shown => self.residuals = Background::default(),
             None => {}
@@ -169,7 +169,8 @@ impl Layers {
         }
     }
 
-    /// Hands what was made to the tiles that are painted from it; layers that are not shown stop painting.
+    /// Hands what was made to the tiles that are painted from it; layers that are not shown stop
+    /// painting.
     fn give_sources(&mut self, stack: &LayerStack) {
         let [depth, shade] = match &self.depths {
             Some((_, tiles)) => tiles.clone().map(Some),

@@ -1,4 +1,5 @@
-//! The tools that are pressed on a track and dragged along it: one excludes pings, one proposes them for the scale.
+//! The tools that are pressed on a track and dragged along it: one excludes pings, one proposes
+//! them for the scale.
 
 use super::exclusions::{CASING, places};
 use super::layers::TrackLayer;
@@ -36,8 +37,9 @@ impl Drag {
 type MapPosition = (Rect, MapTransform);
 
 impl StretchTool {
-    /// Follows a drag or a click with one of the tools in hand; returns whether a drag must not move the map. Beside the tracks, with the
-    /// middle button or with Space held, it moves the map in any tool.
+    /// Follows a drag or a click with one of the tools in hand; returns whether a drag must not
+    /// move the map. Beside the tracks, with the middle button or with Space held, it moves the map
+    /// in any tool.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -64,11 +66,7 @@ impl StretchTool {
         }
         if let Some((log, ping)) = drag::begun(ui, response).and_then(under) {
             let edit = drag::exclusion_edit(ui.input(|input| input.modifiers));
-            let does = if is_calibrating {
-                Does::Propose
-            } else {
-                Does::Exclusion(edit)
-            };
+            let does = if is_calibrating { Does::Propose } else { Does::Exclusion(edit) };
             let ends = [ping, ping];
             self.drag = Some(Drag { log, ends, does });
         }

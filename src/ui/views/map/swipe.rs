@@ -1,4 +1,5 @@
-//! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was clicked.
+//! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was
+//! clicked.
 
 use super::scene::MapScene;
 use crate::app::{MapLayer, Swipe, SwipeSide};
@@ -16,9 +17,7 @@ const STEPS: [f32; 2] = [0.02, 0.1];
 /// The part of the map that a layer is drawn in.
 pub(super) fn part(scene: &MapScene<'_>, layer: MapLayer) -> Rect {
     let swipe = &scene.options.map.swipe;
-    let (left, right) = scene
-        .rect
-        .split_left_right_at_x(divider_x(scene.rect, swipe));
+    let (left, right) = scene.rect.split_left_right_at_x(divider_x(scene.rect, swipe));
     match swipe.side(layer) {
         _ if !swipe.on => scene.rect,
         SwipeSide::Both => scene.rect,
@@ -87,10 +86,9 @@ fn paint(painter: &Painter, scene: &MapScene<'_>, x: f32, response: &Response) {
     let grip = Rect::from_center_size(pos2(x, scene.rect.center().y), vec2(9.0, 34.0));
     painter.rect_filled(grip, 4.0, plate);
     painter.rect_stroke(grip, 4.0, Stroke::new(1.5, ink), egui::StrokeKind::Inside);
-    for (side, anchor, aside) in [
-        (SwipeSide::Left, Align2::RIGHT_TOP, -8.0),
-        (SwipeSide::Right, Align2::LEFT_TOP, 8.0),
-    ] {
+    for (side, anchor, aside) in
+        [(SwipeSide::Left, Align2::RIGHT_TOP, -8.0), (SwipeSide::Right, Align2::LEFT_TOP, 8.0)]
+    {
         let text = names(scene, side);
         let at = pos2(x, scene.rect.top() + 40.0) + Vec2::X * aside;
         if !text.is_empty() {

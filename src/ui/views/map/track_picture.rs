@@ -30,11 +30,8 @@ pub(super) fn show(
     };
     // The line under the track sets it off from the depth map, whose colours it shares.
     let casing = theme::canvas_colour(scene.options).gamma_multiply(CASING_OPACITY);
-    let pen = MapPen {
-        widths: WIDTHS,
-        colours: [Some(casing), None],
-        most_segments: MOST_SEGMENTS,
-    };
+    let pen =
+        MapPen { widths: WIDTHS, colours: [Some(casing), None], most_segments: MOST_SEGMENTS };
     let (view, lines) = ((scene.rect, &scene.transform), [(&scene.track.line, pen)]);
     picture.show(painter, state, view, scene.track, lines);
 }

@@ -6,12 +6,8 @@ use egui::{Pos2, Rect, Vec2, pos2};
 pub(super) type GroundBounds = [f64; 4];
 
 /// Around nothing.
-pub(super) const NOWHERE: GroundBounds = [
-    f64::INFINITY,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    f64::NEG_INFINITY,
-];
+pub(super) const NOWHERE: GroundBounds =
+    [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
 
 /// Around both.
 pub(super) fn joined(
@@ -24,9 +20,7 @@ pub(super) fn joined(
 /// Around places, those without numbers left out.
 pub(super) fn around(places: impl Iterator<Item = [f64; 2]>) -> GroundBounds {
     let placed = places.filter(|place| place.iter().all(|metres| metres.is_finite()));
-    placed.fold(NOWHERE, |all, [east, north]| {
-        joined(all, [east, north, east, north])
-    })
+    placed.fold(NOWHERE, |all, [east, north]| joined(all, [east, north, east, north]))
 }
 
 /// How far a place lies outside of bounds, along east and along north; 0 inside.
@@ -71,10 +65,7 @@ impl MapTransform {
         let up = (north - south).max(1.0) / f64::from(rect.height().max(1.0));
         let metres_per_point = (across.max(up) / FIT_SHARE).clamp(nearest, farthest);
         let aside_m = 0.5 * f64::from(legend) * metres_per_point;
-        Self {
-            centre_m: [0.5 * (west + east) + aside_m, 0.5 * (south + north)],
-            metres_per_point,
-        }
+        Self { centre_m: [0.5 * (west + east) + aside_m, 0.5 * (south + north)], metres_per_point }
     }
 
     /// Shows all of `ground` and no more than the shape of `rect` asks for.
@@ -144,7 +135,8 @@ impl MapTransform {
         self.centre_m = place;
     }
 
-    /// Scale and offset of pixels (from the top left of `rect`) per metre from `origin_m`, as `track.wgsl` takes them.
+    /// Scale and offset of pixels (from the top left of `rect`) per metre from `origin_m`, as
+    /// `track.wgsl` takes them.
     pub(super) fn pixels(&self, rect: Rect, pixels_per_point: f32, origin_m: [f64; 2]) -> [f32; 4] {
         let origin = self.to_screen(rect, origin_m) - rect.min;
         let scale = f64::from(pixels_per_point) / self.metres_per_point;

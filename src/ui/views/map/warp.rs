@@ -2,7 +2,8 @@
 
 use super::tiles::{MapTileKey, SIDE};
 
-/// Meshes of the net along a tile's side. In a tile of 65 km a projection bends a mesh of 8 km by less than half a texel.
+/// Meshes of the net along a tile's side. In a tile of 65 km a projection bends a mesh of 8 km by
+/// less than half a texel.
 const MESHES: usize = 8;
 
 /// Where the texels of a tile's picture lie in another plane.
@@ -19,9 +20,7 @@ impl Warp {
             let (row, column) = (index / (MESHES + 1), index % (MESHES + 1));
             into([west + column as f64 * step_m, north - row as f64 * step_m])
         };
-        Self {
-            nodes: (0..(MESHES + 1) * (MESHES + 1)).map(node).collect(),
-        }
+        Self { nodes: (0..(MESHES + 1) * (MESHES + 1)).map(node).collect() }
     }
 
     /// `looks` by `looks` places spread evenly over a texel.
@@ -62,18 +61,11 @@ mod tests {
 
     #[test]
     fn a_tile_of_kilometres_is_bent_by_less_than_half_a_texel() {
-        let origin = LonLat {
-            lon_deg: -111.5,
-            lat_deg: 36.9,
-        };
+        let origin = LonLat { lon_deg: -111.5, lat_deg: 36.9 };
         let (frame, zone) = (LocalFrame::new(origin), UtmZone::of(origin));
         let into = |[east_m, north_m]: [f64; 2]| zone.to_metres(frame.to_lon_lat(east_m, north_m));
         for level in [-4, 4, 8] {
-            let key = MapTileKey {
-                level,
-                column: 0,
-                row: -1,
-            };
+            let key = MapTileKey { level, column: 0, row: -1 };
             let warp = Warp::new(key, into);
             let [west, north] = key.corner();
             for (row, column) in [(0, 0), (17, 200), (129, 130), (257, 3)] {

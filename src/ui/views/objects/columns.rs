@@ -17,7 +17,8 @@ pub(super) struct ColumnWidths {
 }
 
 impl ColumnWidths {
-    /// Those of a table as wide as there is room: what is left goes to the columns of text. One log needs no column of logs.
+    /// Those of a table as wide as there is room: what is left goes to the columns of text. One log
+    /// needs no column of logs.
     pub(super) fn fit(room: f32, app: &App) -> Self {
         let is_shown = |column: &ObjectColumn| *column != ObjectColumn::Logs || app.log_count() > 1;
         let shown: Vec<ObjectColumn> = ObjectColumn::ALL.into_iter().filter(is_shown).collect();
@@ -25,9 +26,7 @@ impl ColumnWidths {
         let shares: f32 = shown.iter().map(|column| share(*column)).sum();
         let left = (room - PICTURE_WIDTH - least).max(0.0);
         let width = |column| least_width(column) + left * share(column) / shares;
-        Self {
-            widths: shown.into_iter().map(|one| (one, width(one))).collect(),
-        }
+        Self { widths: shown.into_iter().map(|one| (one, width(one))).collect() }
     }
 
     /// Width of a row.
@@ -150,9 +149,7 @@ pub(super) fn cell_text(app: &App, object: &SurveyObject, column: ObjectColumn) 
         ObjectColumn::Class => object.joint.class.clone(),
         ObjectColumn::State => decisions(object).0,
         ObjectColumn::Confidence => {
-            let word = summary
-                .confidence
-                .map(|word| Confidence::name(word).to_owned());
+            let word = summary.confidence.map(|word| Confidence::name(word).to_owned());
             let score = summary.score.map(|score| format!("{score:.2}"));
             let both: Vec<String> = word.into_iter().chain(score).collect();
             both.join(" ")

@@ -11,9 +11,8 @@ const FIELD_WIDTH: f32 = 220.0;
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut table = context.options().objects.clone();
     ui.horizontal_wrapped(|ui| {
-        let field = TextEdit::singleline(&mut table.text)
-            .hint_text("Filter")
-            .desired_width(FIELD_WIDTH);
+        let field =
+            TextEdit::singleline(&mut table.text).hint_text("Filter").desired_width(FIELD_WIDTH);
         ui.add(field)
             .accessible_name("Filter of the objects")
             .on_hover_text("Number, or part of the name, the class or the remarks.");

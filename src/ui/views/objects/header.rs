@@ -21,9 +21,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWid
         };
         let text = format!("{}{mark}", heading(column, units));
         let text = RichText::new(text).size(theme::SMALL);
-        let button = Button::selectable(is_sorted, text)
-            .min_size(cell.size())
-            .truncate();
+        let button = Button::selectable(is_sorted, text).min_size(cell.size()).truncate();
         let button = ui.put(Rect::from_min_size(cell.min, cell.size()), button);
         let name = format!("Sort objects by {}{order}", column.name());
         button.widget_info(|| WidgetInfo::selected(Role::Button, true, is_sorted, &name));

@@ -1,10 +1,11 @@
-//! The table of the objects of all visible logs: a row for each with its picture, sorted, filtered, and walked through by keys.
+//! The table of the objects of all visible logs: a row for each with its picture, sorted, filtered,
+//! and walked through by keys.
 //!
 //! In: the state. Out: rows with pictures, and commands.
 //! It uses `app`, `pipeline`, `detection` and `support`.
 //!
-//! `columns` says what stands in a row and how wide, `header` sorts, `filter` looks for rows, `row` draws one, `thumbnails` makes the pictures
-//! of the rows in sight.
+//! `columns` says what stands in a row and how wide, `header` sorts, `filter` looks for rows, `row`
+//! draws one, `thumbnails` makes the pictures of the rows in sight.
 
 mod columns;
 mod filter;
@@ -54,51 +55,46 @@ impl ObjectsView {
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let rect = ui.available_rect_before_wrap();
         if context.app.log.survey.is_none() {
-            ui.painter()
-                .rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
+            ui.painter().rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
             let text = "The objects of a survey are listed here.";
             return empty::offer_to_open(ui, context, rect, text);
         }
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
-        Frame::new()
-            .inner_margin(Margin::symmetric(8, 6))
-            .show(ui, |ui| match context.app.objects().is_empty() {
+        Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+            match context.app.objects().is_empty() {
                 true => no_objects(ui, context),
                 false => self.table(ui, context),
-            });
+            }
+        });
     }
 
     fn table(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         filter::ui(ui, context);
         let columns = ColumnWidths::fit(ui.available_width(), context.app);
-        ScrollArea::horizontal()
-            .id_salt("wide table of objects")
-            .auto_shrink([false, false])
-            .show(ui, |ui| {
+        ScrollArea::horizontal().id_salt("wide table of objects").auto_shrink([false, false]).show(
+            ui,
+            |ui| {
                 ui.set_min_width(columns.width());
                 ui.spacing_mut().item_spacing.y = 0.0;
                 header::ui(ui, context, &columns);
                 self.rows(ui, context, &columns);
-            });
+            },
+        );
     }
 
     fn rows(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
         let app = context.app;
-        let listed: Vec<&SurveyObject> = (app.listed_objects().iter())
-            .filter_map(|number| app.object(*number))
-            .collect();
+        let listed: Vec<&SurveyObject> =
+            (app.listed_objects().iter()).filter_map(|number| app.object(*number)).collect();
         let selected = app.selected_object().map(|object| object.number);
         let selected = listed.iter().position(|one| Some(one.number) == selected);
         let body = self.body(ui, listed.len(), selected);
-        context
-            .commands
-            .extend(self.keys(ui, context, &listed, selected, &body));
+        context.commands.extend(self.keys(ui, context, &listed, selected, &body));
         let is_new = selected != std::mem::replace(&mut self.last_selected, selected);
         let mut in_sight = 0..0;
-        ScrollArea::vertical()
-            .id_salt("objects")
-            .auto_shrink([false, false])
-            .show_viewport(ui, |ui, viewport| {
+        ScrollArea::vertical().id_salt("objects").auto_shrink([false, false]).show_viewport(
+            ui,
+            |ui, viewport| {
                 let corner = ui.max_rect().min;
                 let size = vec2(columns.width(), ROW_HEIGHT);
                 let place = |index: usize| {
@@ -125,9 +121,9 @@ impl ObjectsView {
                         context.commands.extend(commands);
                     }
                 }
-            });
-        self.thumbnails
-            .ask(app, ui.ctx(), listed[in_sight].iter().copied());
+            },
+        );
+        self.thumbnails.ask(app, ui.ctx(), listed[in_sight].iter().copied());
     }
 
     /// What has the keyboard: all rows as one control, which Tab comes to and leaves in one step.
@@ -151,7 +147,8 @@ impl ObjectsView {
         body
     }
 
-    /// What the keys ask for while the rows have the keyboard: another row, or the selected object in all views.
+    /// What the keys ask for while the rows have the keyboard: another row, or the selected object
+    /// in all views.
     fn keys(
         &self,
         ui: &Ui,
@@ -173,8 +170,7 @@ impl ObjectsView {
             return Vec::new();
         }
         let id = context.app.selected_log_box();
-        id.filter(|_| selected.is_some())
-            .map_or_else(Vec::new, enlarged)
+        id.filter(|_| selected.is_some()).map_or_else(Vec::new, enlarged)
     }
 }
 

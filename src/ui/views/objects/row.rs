@@ -19,7 +19,8 @@ pub(super) struct ObjectTableRow<'a> {
 }
 
 impl ObjectTableRow<'_> {
-    /// Draws it; a click selects the object and shows it in all views, a double-click enlarges it there.
+    /// Draws it; a click selects the object and shows it in all views, a double-click enlarges it
+    /// there.
     pub(super) fn ui(
         &self,
         ui: &mut Ui,

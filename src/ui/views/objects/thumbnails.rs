@@ -1,4 +1,5 @@
-//! The pictures of rows: made in the background for the rows in sight, and kept while they are of use.
+//! The pictures of rows: made in the background for the rows in sight, and kept while they are of
+//! use.
 
 use super::super::chip::{BoxChip, ChipKey};
 use crate::app::{App, LogBox, SurveyObject};

@@ -29,9 +29,8 @@ pub(super) fn draw(
             continue;
         };
         if let Some(samples) = shown.survey.samples(shown.ping, side) {
-            let raw: Vec<f32> = (0..samples.len())
-                .map(|index| f32::from(samples.get(index)) / 255.0)
-                .collect();
+            let raw: Vec<f32> =
+                (0..samples.len()).map(|index| f32::from(samples.get(index)) / 255.0).collect();
             let faint = ink.gamma_multiply(0.45);
             let points = points(plot, shown.reduction, span, side, &raw);
             raster.line(&points, WIDTH, faint);

@@ -53,11 +53,7 @@ fn threshold(painter: &Painter, plot: &ProfilePlot, level: f32, options: &ViewOp
     let galley = painter.layout_no_wrap(words, font, colour);
     // Above the line, or below it where the plot ends; on a ground, since the curve runs through.
     let above = y - galley.size().y > plot.area.top();
-    let anchor = if above {
-        Align2::RIGHT_BOTTOM
-    } else {
-        Align2::RIGHT_TOP
-    };
+    let anchor = if above { Align2::RIGHT_BOTTOM } else { Align2::RIGHT_TOP };
     let text = anchor.anchor_size(pos2(plot.area.right() - 2.0, y), galley.size());
     let ground = theme::canvas_colour(options).gamma_multiply(0.75);
     painter.rect_filled(text.expand2(vec2(2.0, 0.0)), 2.0, ground);
@@ -79,11 +75,7 @@ fn pick(
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
         return;
     }
-    let above_bottom = if found.pick.above_bottom {
-        " above bottom"
-    } else {
-        ""
-    };
+    let above_bottom = if found.pick.above_bottom { " above bottom" } else { "" };
     let label = format!("{}{above_bottom}", options.units.measure(found.range_m, 2));
     let anchor = match side {
         Side::Port => Align2::RIGHT_BOTTOM,

@@ -1,5 +1,5 @@
-//! One ping as a curve, port to the left and starboard to the right of the middle, as in the paper's figures: raw and
-//! normalised intensity, threshold, dead zone and picks.
+//! One ping as a curve, port to the left and starboard to the right of the middle, as in the
+//! paper's figures: raw and normalised intensity, threshold, dead zone and picks.
 //!
 //! In: the state. Out: a plot of one ping, and commands.
 //! It uses `app`, `pipeline`, `bottom`, `sonar`, `survey` and `support`.
@@ -80,7 +80,8 @@ impl ProfileView {
     /// Draws the profile of the hovered ping, or else the selected one.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let available = ui.available_size();
-        // No taller than wide: a curve that is stretched upward hides how little most echoes differ.
+        // No taller than wide: a curve that is stretched upward hides how little most echoes
+        // differ.
         let height = available.y.min(available.x).max(LEAST_HEIGHT);
         let size = vec2(available.x, height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -204,16 +205,10 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
 fn far_m(shown: &Shown<'_>) -> f64 {
     let far = Side::BOTH.map(|side| {
         let span = shown.recorded.side(side);
-        span.map_or(0.0, |span| {
-            shown.reduction.range_m(span, f64::from(span.count))
-        })
+        span.map_or(0.0, |span| shown.reduction.range_m(span, f64::from(span.count)))
     });
     let far_m = far[0].max(far[1]);
-    if far_m.is_finite() && far_m > 0.0 {
-        far_m
-    } else {
-        1.0
-    }
+    if far_m.is_finite() && far_m > 0.0 { far_m } else { 1.0 }
 }
 
 fn mark_at(shown: &Shown<'_>, across_m: f64) -> LogPlace {
@@ -226,11 +221,7 @@ fn mark_at(shown: &Shown<'_>, across_m: f64) -> LogPlace {
         })
         .filter(|(sample, count)| (0.0..*count).contains(sample))
         .map(|(sample, _)| sample as f32);
-    LogPlace {
-        side: sample.map(|_| side),
-        sample,
-        ..LogPlace::ping(shown.ping)
-    }
+    LogPlace { side: sample.map(|_| side), sample, ..LogPlace::ping(shown.ping) }
 }
 
 fn empty(painter: &egui::Painter, rect: Rect, response: &Response, text: &str) {

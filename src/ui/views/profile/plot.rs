@@ -24,10 +24,7 @@ impl ProfilePlot {
     pub(super) fn new(rect: Rect, far_m: f64) -> Self {
         let min = rect.min + vec2(SIDE, ABOVE);
         let max = rect.max - vec2(SIDE, BELOW);
-        Self {
-            area: Rect::from_min_max(min, max.max(min + vec2(1.0, 1.0))),
-            far_m,
-        }
+        Self { area: Rect::from_min_max(min, max.max(min + vec2(1.0, 1.0))), far_m }
     }
 
     /// Screen x of a slant range, port negative.

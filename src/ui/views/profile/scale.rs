@@ -19,7 +19,8 @@ struct ScaleKey {
 pub(super) struct ScaleJob(Background<ScaleKey, (ScaleKey, Normalisation)>);
 
 impl ScaleJob {
-    /// The normalisation for the present settings; while it is measured, the last one, or the full scale of a sample.
+    /// The normalisation for the present settings; while it is measured, the last one, or the full
+    /// scale of a sample.
     pub(super) fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
         let settings = &context.app.log.settings;
         let key = ScaleKey {
@@ -28,22 +29,20 @@ impl ScaleJob {
             dead_zone_m: settings.first_return.dead_zone_m,
         };
         let (requested, survey) = (key.clone(), survey.clone());
-        self.0
-            .ask(key.clone(), context.app.jobs(), move |progress| {
-                let (image, dead_zone_m) = (&requested.image, requested.dead_zone_m);
-                let measured =
-                    Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
-                Some((requested, measured))
-            });
+        self.0.ask(key.clone(), context.app.jobs(), move |progress| {
+            let (image, dead_zone_m) = (&requested.image, requested.dead_zone_m);
+            let measured = Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
+            Some((requested, measured))
+        });
         let usable = self.0.result().filter(|(known, _)| {
             known.survey_serial == key.survey_serial && known.image == key.image
         });
         match usable {
-            // The dead zone follows its slider at once; its effect on the extremes comes with the measurement.
-            Some((_, measured)) => Normalisation {
-                dead_zone_m: key.dead_zone_m,
-                ..measured.clone()
-            },
+            // The dead zone follows its slider at once; its effect on the extremes comes with the
+            // measurement.
+            Some((_, measured)) => {
+                Normalisation { dead_zone_m: key.dead_zone_m, ..measured.clone() }
+            }
             None => full_scale(&key),
         }
     }
@@ -90,9 +89,6 @@ mod tests {
         let settings = &app.log.settings;
         let (image, dead_zone_m) = (&settings.image, settings.first_return.dead_zone_m);
         let measured = Normalisation::measure(&survey, image, dead_zone_m, &Progress::new());
-        assert_eq!(
-            format!("{shown:?}"),
-            format!("{:?}", measured.expect("not cancelled"))
-        );
+        assert_eq!(format!("{shown:?}"), format!("{:?}", measured.expect("not cancelled")));
     }
 }

@@ -8,7 +8,8 @@ use bathyscope_log::survey::Survey;
 use egui::{Rect, Response, Role, Ui, WidgetInfo};
 use std::ops::Range;
 
-/// Fills a view that has no picture, or not yet: says why, and offers to open something where nothing is open.
+/// Fills a view that has no picture, or not yet: says why, and offers to open something where
+/// nothing is open.
 pub(super) fn without_picture(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -69,9 +70,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
     let products = context.app.log.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
-        .map_or_else(String::new, |change| {
-            format!(", {}", units.sentence(&change))
-        });
+        .map_or_else(String::new, |change| format!(", {}", units.sentence(&change)));
     format!(
         "Waterfall, pings {} to {} of {}, {first_return}{ranges}{excluded}{warning}",
         visible.start,

@@ -21,8 +21,8 @@ pub(super) struct BottomPen {
 }
 
 impl BottomPen {
-    /// Follows a drag with the pen in hand; returns whether the drag draws and must not move the picture. The middle button
-    /// and Space move the picture in any tool.
+    /// Follows a drag with the pen in hand; returns whether the drag draws and must not move the
+    /// picture. The middle button and Space move the picture in any tool.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -147,12 +147,8 @@ fn accepted(lens: &Lens, app: &App, line: &BottomEdit) -> Vec<Pos2> {
     let step = (last.saturating_sub(first) / MOST_PLACES).max(1);
     let picks = (first..=last).step_by(step).filter_map(|ping| {
         let pick = returns.side(line.side).get(ping)?;
-        let range_m = survey
-            .span(ping, line.side)?
-            .range_m(f64::from(pick.sample));
-        range_m
-            .is_finite()
-            .then(|| at(lens, line.side, ping as f64 + 0.5, range_m))
+        let range_m = survey.span(ping, line.side)?.range_m(f64::from(pick.sample));
+        range_m.is_finite().then(|| at(lens, line.side, ping as f64 + 0.5, range_m))
     });
     picks.collect()
 }

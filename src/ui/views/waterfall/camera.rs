@@ -6,7 +6,8 @@ use std::ops::Range;
 
 /// Screen points that a ping or a sample takes at most.
 const LARGEST_TEXEL: f64 = 48.0;
-/// Pings in a screen point beyond which a picture that is opened starts at its beginning instead of showing all.
+/// Pings in a screen point beyond which a picture that is opened starts at its beginning instead of
+/// showing all.
 const READABLE_PINGS: f64 = 4.0;
 
 /// What there is to look at.
@@ -14,7 +15,8 @@ const READABLE_PINGS: f64 = 4.0;
 pub(super) struct PictureExtent {
     /// Pings of the survey.
     pub pings: f64,
-    /// What lies nearest to the upper or left edge, metres from the middle: on the other side, or the middle itself.
+    /// What lies nearest to the upper or left edge, metres from the middle: on the other side, or
+    /// the middle itself.
     pub near_m: f64,
     /// Farthest slant range, metres.
     pub far_m: f64,
@@ -48,7 +50,8 @@ impl CameraAxis {
         self.fitted = false;
     }
 
-    /// Brings a range into the middle, unless all of it lies in the inner part of the view, or the view shows all there is.
+    /// Brings a range into the middle, unless all of it lies in the inner part of the view, or the
+    /// view shows all there is.
     fn bring_in(&mut self, [from, to]: [f64; 2], points: f64) {
         let inner = WELL_IN_VIEW * self.per_point * points / 2.0;
         if !self.fitted && (from < self.centre - inner || to > self.centre + inner) {
@@ -86,7 +89,8 @@ impl CameraAxis {
 const WELL_IN_VIEW: f64 = 0.7;
 /// Size of the view over that of an object that it shows close up.
 const CLOSE_UP: f64 = 3.0;
-/// Size of the view over that of an object that would not fit into it one to one, with what lies around it.
+/// Size of the view over that of an object that would not fit into it one to one, with what lies
+/// around it.
 const FITS: f64 = 2.0;
 
 /// Where the view looks. Along: ping numbers. Across: metres, port negative.
@@ -101,8 +105,8 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// The whole range across, and one to one from the first ping on; where the boat's speed is not known all pings, or as many from
-    /// the first as can be distinguished.
+    /// The whole range across, and one to one from the first ping on; where the boat's speed is not
+    /// known all pings, or as many from the first as can be distinguished.
     pub(super) fn start(extent: &PictureExtent, size: Size) -> Self {
         let mut camera = Self::default();
         camera.fit(extent, size);
@@ -113,11 +117,8 @@ impl Camera {
                 ..CameraAxis::default()
             };
         } else if camera.along.per_point > READABLE_PINGS {
-            camera.along = CameraAxis {
-                centre: size.along,
-                per_point: READABLE_PINGS / 2.0,
-                fitted: false,
-            };
+            camera.along =
+                CameraAxis { centre: size.along, per_point: READABLE_PINGS / 2.0, fitted: false };
         }
         camera
     }
@@ -152,8 +153,7 @@ impl Camera {
     /// Exactly these pings.
     pub(super) fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
         self.is_one_to_one = false;
-        self.along
-            .fit(pings.start as f64, pings.end as f64, size.along);
+        self.along.fit(pings.start as f64, pings.end as f64, size.along);
         self.along.fitted = false;
     }
 
@@ -166,14 +166,16 @@ impl Camera {
         }
     }
 
-    /// Moves along so that the end of the log lies at the edge of the view; a view of the whole log stays one.
+    /// Moves along so that the end of the log lies at the edge of the view; a view of the whole log
+    /// stays one.
     pub(super) fn show_end(&mut self, pings: f64, size: Size) {
         if !self.along.fitted {
             self.along.centre = pings - 0.5 * self.along.per_point * size.along;
         }
     }
 
-    /// Sees along the track what another part of the view sees, which this one leads where the other has not looked anywhere yet.
+    /// Sees along the track what another part of the view sees, which this one leads where the
+    /// other has not looked anywhere yet.
     pub(super) fn share_along(&mut self, other: &mut Self, extent: &PictureExtent, size: Size) {
         if other.along.per_point <= 0.0 {
             self.settle(extent, size);
@@ -195,12 +197,11 @@ impl Camera {
     /// Keeps the range across on the picture, whatever is seen along the track.
     pub(super) fn settle_across(&mut self, extent: &PictureExtent, size: Size) {
         let finest_m = extent.bin_m / LARGEST_TEXEL;
-        self.across
-            .settle(extent.near_m, extent.far_m, size.across, finest_m);
+        self.across.settle(extent.near_m, extent.far_m, size.across, finest_m);
     }
 
-    /// Shows these pings and ranges so that they fill about a third of the view, a metre along as long as one across where it is known
-    /// how many metres a ping is.
+    /// Shows these pings and ranges so that they fill about a third of the view, a metre along as
+    /// long as one across where it is known how many metres a ping is.
     pub(super) fn close_up(
         &mut self,
         pings: [f64; 2],
@@ -209,10 +210,7 @@ impl Camera {
         size: Size,
     ) {
         let [ping_count, range_m] = [pings, across_m].map(|[from, to]| to - from);
-        let mut per_point = [
-            CLOSE_UP * ping_count / size.along,
-            CLOSE_UP * range_m / size.across,
-        ];
+        let mut per_point = [CLOSE_UP * ping_count / size.along, CLOSE_UP * range_m / size.across];
         if let Some(metres) = metres_per_ping {
             let larger_m = per_point[1].max(per_point[0] * metres);
             per_point = [larger_m / metres, larger_m];
@@ -220,7 +218,8 @@ impl Camera {
         self.centre_on(pings, across_m, per_point);
     }
 
-    /// Brings these pings and ranges into the middle where they are not well in view; the scale stays.
+    /// Brings these pings and ranges into the middle where they are not well in view; the scale
+    /// stays.
     pub(super) fn bring_in(&mut self, pings: [f64; 2], across_m: [f64; 2], size: Size) {
         self.along.bring_in(pings, size.along);
         self.across.bring_in(across_m, size.across);
@@ -238,8 +237,9 @@ impl Camera {
         self.across = axis(across_m, per_point[1]);
     }
 
-    /// Shows these pings and ranges in the middle with a sample to a point of the screen, a metre along as long as one across where it
-    /// is known how many metres a ping is; smaller where they would fill more than half of the view.
+    /// Shows these pings and ranges in the middle with a sample to a point of the screen, a metre
+    /// along as long as one across where it is known how many metres a ping is; smaller where they
+    /// would fill more than half of the view.
     pub(super) fn sample_to_point(
         &mut self,
         (pings, across_m): ([f64; 2], [f64; 2]),
@@ -259,14 +259,16 @@ impl Camera {
         self.centre_on(pings, across_m, per_point);
     }
 
-    /// Makes a metre along the track as long as one across by the speed at a ping, which comes into the middle.
+    /// Makes a metre along the track as long as one across by the speed at a ping, which comes into
+    /// the middle.
     pub(super) fn equal_scales(&mut self, metres_per_ping: f64, ping: f64) {
         self.is_one_to_one = true;
         self.ping_m = Some(metres_per_ping);
         self.along.centre = ping;
     }
 
-    /// One to one by the usual speed, with what is in the middle staying there; from there everything along the track.
+    /// One to one by the usual speed, with what is in the middle staying there; from there
+    /// everything along the track.
     pub(super) fn toggle_one_to_one(&mut self, extent: &PictureExtent, size: Size) {
         self.ping_m = None;
         match self.is_one_to_one {
@@ -278,7 +280,8 @@ impl Camera {
         }
     }
 
-    /// How many times longer a metre along is drawn than one across, where the boat's speed is known.
+    /// How many times longer a metre along is drawn than one across, where the boat's speed is
+    /// known.
     pub(super) fn stretch(&self, extent: &PictureExtent) -> Option<f64> {
         let ping_m = self.ping_m.or(extent.ping_m)?;
         Some(self.across.per_point / (self.along.per_point * ping_m))
@@ -319,8 +322,7 @@ impl Camera {
                 self.along.settle_at(per_point, extent.pings, size.along);
             }
             None => {
-                self.along
-                    .settle(0.0, extent.pings, size.along, 1.0 / LARGEST_TEXEL);
+                self.along.settle(0.0, extent.pings, size.along, 1.0 / LARGEST_TEXEL);
             }
         }
     }
@@ -354,13 +356,8 @@ impl Size {
 }
 
 #[cfg(test)]
-pub(super) const EXTENT: PictureExtent = PictureExtent {
-    pings: 3453.0,
-    near_m: -30.0,
-    far_m: 30.0,
-    bin_m: 0.02,
-    ping_m: None,
-};
+pub(super) const EXTENT: PictureExtent =
+    PictureExtent { pings: 3453.0, near_m: -30.0, far_m: 30.0, bin_m: 0.02, ping_m: None };
 
 #[cfg(test)]
 pub(super) fn rect() -> egui::Rect {
@@ -428,10 +425,7 @@ mod tests {
 
     #[test]
     fn a_long_log_starts_readable_at_its_first_ping() {
-        let extent = PictureExtent {
-            pings: 1e6,
-            ..EXTENT
-        };
+        let extent = PictureExtent { pings: 1e6, ..EXTENT };
         let camera = Camera::start(&extent, size(Orientation::Horizontal));
         let lens = Lens::new(camera, rect(), Orientation::Horizontal);
         assert_eq!(lens.visible(1_000_000), 0..1600);
@@ -451,18 +445,12 @@ mod tests {
     #[test]
     fn a_picture_begins_one_to_one_until_it_is_stretched() {
         let size = size(Orientation::Horizontal);
-        let extent = PictureExtent {
-            ping_m: Some(0.25),
-            ..EXTENT
-        };
+        let extent = PictureExtent { ping_m: Some(0.25), ..EXTENT };
         let mut camera = Camera::start(&extent, size);
         camera.settle(&extent, size);
         // 60 m in 300 points: 800 points are 160 m, 640 pings.
         let [from, to, ..] = camera.seen(size);
-        assert!(
-            from.abs() < 1e-9 && (to - 640.0).abs() < 1e-9,
-            "{from} {to}"
-        );
+        assert!(from.abs() < 1e-9 && (to - 640.0).abs() < 1e-9, "{from} {to}");
         camera.zoom(Size::both(2.0), Size::both(0.0));
         camera.settle(&extent, size);
         assert!((camera.stretch(&extent).expect("a speed") - 1.0).abs() < 1e-9);

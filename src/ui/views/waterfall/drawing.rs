@@ -1,4 +1,5 @@
-//! What is drawn of one survey: the worker that makes it, what has arrived, what still has to go to the GPU.
+//! What is drawn of one survey: the worker that makes it, what has arrived, what still has to go to
+//! the GPU.
 
 use super::lens::Lens;
 use super::tiles::ResidentTiles;
@@ -38,8 +39,8 @@ pub(super) struct WaterfallDrawing {
 }
 
 impl WaterfallDrawing {
-    /// Starts the worker, which wakes the window when something arrives. Where jobs run inside their call, the picture's extent is
-    /// waited for.
+    /// Starts the worker, which wakes the window when something arrives. Where jobs run inside
+    /// their call, the picture's extent is waited for.
     pub(super) fn start(survey: Arc<Survey>, app: &App, ctx: &egui::Context) -> Self {
         let ctx = ctx.clone();
         let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
@@ -87,11 +88,9 @@ impl WaterfallDrawing {
                 Made::Axis(axis) => self.axis = Some(axis),
                 Made::Levels(levels) => self.levels = levels,
                 Made::WaterfallTile(tile) => self.arrived.push_back(tile),
-                Made::Grown {
-                    mut axis,
-                    unchanged,
-                } => {
-                    // A usual step that changes with every ping would stretch the picture a little each time.
+                Made::Grown { mut axis, unchanged } => {
+                    // A usual step that changes with every ping would stretch the picture a little
+                    // each time.
                     axis.ping_m = self.axis().and_then(|axis| axis.ping_m).or(axis.ping_m);
                     self.axis = Some(Some(axis));
                     let stays = |tile: &WaterfallTile| {
@@ -132,8 +131,8 @@ impl WaterfallDrawing {
         !self.arrived.is_empty()
     }
 
-    /// The tiles to draw with this; asks the worker for those that are missing. `upload` puts what the rows of a tile are brought to one
-    /// level by on the GPU.
+    /// The tiles to draw with this; asks the worker for those that are missing. `upload` puts what
+    /// the rows of a tile are brought to one level by on the GPU.
     pub(super) fn plan(
         &mut self,
         lens: &Lens,

@@ -1,4 +1,5 @@
-//! A channel that looks down, beside the side-scan or in its place: the same pings, with the bottom that was recorded and found.
+//! A channel that looks down, beside the side-scan or in its place: the same pings, with the bottom
+//! that was recorded and found.
 
 use super::camera::{Camera, PictureExtent, Size};
 use super::drawing::WaterfallDrawing;
@@ -48,11 +49,7 @@ impl EchogramPart {
     ) -> [Rect; 2] {
         let options = &context.options().waterfall;
         self.follow(ctx, context.app);
-        if self
-            .shown
-            .as_ref()
-            .is_none_or(|shown| shown.survey.is_none())
-        {
+        if self.shown.as_ref().is_none_or(|shown| shown.survey.is_none()) {
             return [whole, Rect::NOTHING];
         }
         if options.echogram_alone || !place::has_side_scan(context.app) {
@@ -101,8 +98,8 @@ impl EchogramPart {
         });
     }
 
-    /// Draws it over the pings that `along` sees, and moves that by what is done here; `side_scan` is the drawing of the log's first
-    /// returns. Returns whether everything is drawn.
+    /// Draws it over the pings that `along` sees, and moves that by what is done here; `side_scan`
+    /// is the drawing of the log's first returns. Returns whether everything is drawn.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -113,13 +110,8 @@ impl EchogramPart {
     ) -> bool {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let Self { shown, gpu } = self;
-        let Some(Shown {
-            survey: Some(survey),
-            drawing: Some(drawing),
-            camera,
-            channel,
-            ..
-        }) = shown
+        let Some(Shown { survey: Some(survey), drawing: Some(drawing), camera, channel, .. }) =
+            shown
         else {
             return true;
         };
@@ -139,13 +131,8 @@ impl EchogramPart {
             }
             None => true,
         };
-        let over = EchogramOverlay {
-            survey,
-            drawing,
-            side_scan,
-            far_m: axis.far_m,
-            name: channel.name(),
-        };
+        let over =
+            EchogramOverlay { survey, drawing, side_scan, far_m: axis.far_m, name: channel.name() };
         over.draw(&painter, &lens, context.app);
         let read_out = point(&response, &lens, survey, context);
         if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
@@ -170,7 +157,8 @@ fn channel_of(app: &App, survey: &Survey) -> EchogramChannel {
     there.unwrap_or(EchogramChannel::None)
 }
 
-/// Moves the camera by what was done in this frame; along the track it looks where `along` does, and takes that with it.
+/// Moves the camera by what was done in this frame; along the track it looks where `along` does,
+/// and takes that with it.
 fn aim(
     ui: &Ui,
     response: &Response,
@@ -201,7 +189,8 @@ fn aim(
     Lens::arranged(*camera, rect, &arrangement)
 }
 
-/// What the picture shows, for screen readers and tests; the read-out under the pointer is its value.
+/// What the picture shows, for screen readers and tests; the read-out under the pointer is its
+/// value.
 fn describe(
     response: &Response,
     channel: &str,
@@ -232,9 +221,7 @@ fn draw_picture(
     app: &App,
 ) -> bool {
     gpu.colour(state, app.view.options.waterfall.colour_map);
-    let uploaded = gpu
-        .gain
-        .get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
+    let uploaded = gpu.gain.get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
     let picture = &gpu.picture;
     drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
     let upload = |rows: &_| picture.upload_rows(&state.device, &state.queue, rows);
@@ -270,10 +257,8 @@ impl EchogramOverlay<'_> {
             lines.draw(painter, ink);
         }
         self.bottom(painter, lens, app);
-        let marked = [
-            (app.view.selection, theme::SELECTION_COLOUR),
-            (app.view.hover, theme::HOVER_COLOUR),
-        ];
+        let marked =
+            [(app.view.selection, theme::SELECTION_COLOUR), (app.view.hover, theme::HOVER_COLOUR)];
         for (mark, colour) in marked {
             if let Some(mark) = mark {
                 let line = lens.line_at_ping(mark.ping as f64 + 0.5);
@@ -304,20 +289,14 @@ impl EchogramOverlay<'_> {
         let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
-        let returns = app
-            .bottom_line()
-            .filter(|_| app.view.options.waterfall.first_return);
+        let returns = app.bottom_line().filter(|_| app.view.options.waterfall.first_return);
         let (Some(returns), Some(side_scan), Some(log)) =
             (returns, self.side_scan, &app.log.survey)
         else {
             return;
         };
         for side in Side::BOTH {
-            let step = LineStep::Picks {
-                returns,
-                lines: side_scan.picks.as_deref(),
-                side,
-            };
+            let step = LineStep::Picks { returns, lines: side_scan.picks.as_deref(), side };
             let found = pen(theme::side_colour(&app.view.options, side));
             lines::first_return_below(painter, lens, log, step, side, found);
         }
@@ -347,10 +326,9 @@ fn point(
     let clock = text::clock(survey.start_unix_s, recorded.time_s);
     let depth = units.measure(place.across_m.abs(), 2);
     let mut words = format!("ping {ping}  {clock}\n{depth} below the transducer");
-    if let (Some(span), Some(samples)) = (
-        survey.span(ping, Side::Starboard),
-        survey.samples(ping, Side::Starboard),
-    ) {
+    if let (Some(span), Some(samples)) =
+        (survey.span(ping, Side::Starboard), survey.samples(ping, Side::Starboard))
+    {
         let sample = span.sample_at(place.across_m.abs());
         if sample >= 0.0 && (sample as usize) < samples.len() {
             let echo = samples.get(sample as usize);

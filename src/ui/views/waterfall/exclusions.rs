@@ -26,11 +26,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Veiled> {
     let stretches = found.iter().flat_map(|found| &found.exclusions.stretches);
     let seen = stretches.filter_map(|stretch| {
         let pings = stretch.pings?;
-        Some(Veiled {
-            area: area(lens, pings)?,
-            edges: edges(lens, pings),
-            reason: stretch.reason,
-        })
+        Some(Veiled { area: area(lens, pings)?, edges: edges(lens, pings), reason: stretch.reason })
     });
     seen.collect()
 }
@@ -75,7 +71,8 @@ pub(super) fn veil(painter: &Painter, area: Rect) {
     }
     let painter = painter.with_clip_rect(area.intersect(painter.clip_rect()));
     let line = Stroke::new(1.0, Color32::from_white_alpha(60));
-    // On the screen's own grid, so that the lines stand still while the picture moves less than it is redrawn.
+    // On the screen's own grid, so that the lines stand still while the picture moves less than it
+    // is redrawn.
     let reach = area.height();
     let mut x = (area.left() / HATCH).floor() * HATCH;
     while x < area.right() + reach {

@@ -1,5 +1,5 @@
-//! The ranked flat stretches along the nadir, numbered as on the map, the one that the calibration was measured on, and the one that is
-//! proposed.
+//! The ranked flat stretches along the nadir, numbered as on the map, the one that the calibration
+//! was measured on, and the one that is proposed.
 
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
@@ -33,7 +33,8 @@ enum Kind {
     Ranked,
 }
 
-/// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if they are shown or one is to be chosen.
+/// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if
+/// they are shown or one is to be chosen.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     let products = app.log.products.as_ref();
     let Some(products) = products.filter(|_| place::has_side_scan(app)) else {
@@ -54,12 +55,10 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     });
     let units = app.view.options.units;
     let ranked = products.flat_spots.iter().enumerate();
-    let ranked = ranked
-        .filter(|_| shows_ranked(app))
-        .filter_map(|(rank, spot)| {
-            let name = format!("{}: {}", rank + 1, flat_spot_words::brief(spot, units));
-            stretch(lens, &spot.pings, Kind::Ranked, name)
-        });
+    let ranked = ranked.filter(|_| shows_ranked(app)).filter_map(|(rank, spot)| {
+        let name = format!("{}: {}", rank + 1, flat_spot_words::brief(spot, units));
+        stretch(lens, &spot.pings, Kind::Ranked, name)
+    });
     proposed.into_iter().chain(used).chain(ranked).collect()
 }
 
@@ -94,8 +93,8 @@ fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Optio
 }
 
 impl ShownStretch {
-    /// Draws it: two lines across the picture for that of the calibration and the proposed one, a bar along the nadir for the others. The
-    /// echoes between stay as they are.
+    /// Draws it: two lines across the picture for that of the calibration and the proposed one, a
+    /// bar along the nadir for the others. The echoes between stay as they are.
     pub(super) fn draw(&self, painter: &Painter) {
         let colour = self.colour();
         if self.kind == Kind::Ranked {
@@ -105,11 +104,7 @@ impl ShownStretch {
         }
         for edge in self.edges {
             painter.line_segment(edge, Stroke::new(3.0, Color32::from_black_alpha(110)));
-            let width = if self.kind == Kind::Proposed {
-                2.0
-            } else {
-                1.0
-            };
+            let width = if self.kind == Kind::Proposed { 2.0 } else { 1.0 };
             painter.line_segment(edge, Stroke::new(width, colour));
         }
         if self.kind == Kind::Proposed {

@@ -15,7 +15,8 @@ pub(super) struct NewestPing {
 }
 
 impl NewestPing {
-    /// Moves along by what was added where the newest ping was in view; goes to it when a log begins to be followed.
+    /// Moves along by what was added where the newest ping was in view; goes to it when a log
+    /// begins to be followed.
     pub(super) fn keep(
         &mut self,
         camera: &mut Camera,

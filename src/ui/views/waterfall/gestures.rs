@@ -27,9 +27,10 @@ pub(super) fn carry_out(
     }
 }
 
-/// Wheel: zoom at the pointer; with Shift, along the track; with Ctrl, zoom the track alone; with Alt, the range alone.
-/// Drag with the main button unless it has something else in hand (`drag_moves`), with the middle one, or move with Space
-/// held: pan. Double-click: everything, unless it ends a measurement (`fits`).
+/// Wheel: zoom at the pointer; with Shift, along the track; with Ctrl, zoom the track alone; with
+/// Alt, the range alone. Drag with the main button unless it has something else in hand
+/// (`drag_moves`), with the middle one, or move with Space held: pan. Double-click: everything,
+/// unless it ends a measurement (`fits`).
 pub(super) fn apply(
     camera: &mut Camera,
     ui: &egui::Ui,
@@ -66,10 +67,6 @@ pub(super) fn apply(
     camera.zoom(factor, offset);
     // egui turns the wheel sideways while Shift is held.
     let sideways = f64::from(scroll.x);
-    let sideways = if arrangement.flip {
-        -sideways
-    } else {
-        sideways
-    };
+    let sideways = if arrangement.flip { -sideways } else { sideways };
     camera.pan(Size::new(sideways, 0.0));
 }

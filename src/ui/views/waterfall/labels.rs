@@ -11,8 +11,8 @@ const APART: f32 = 2.0;
 /// Colour of words that name no side.
 pub(super) const INK: Color32 = Color32::from_gray(235);
 
-/// Short words that keep clear of each other and of the edges: what is asked for first is written, what would cover it or
-/// stick out is left out.
+/// Short words that keep clear of each other and of the edges: what is asked for first is written,
+/// what would cover it or stick out is left out.
 pub(super) struct WaterfallLabels<'a> {
     painter: &'a Painter,
     taken: Vec<Rect>,
@@ -21,10 +21,7 @@ pub(super) struct WaterfallLabels<'a> {
 impl<'a> WaterfallLabels<'a> {
     /// Nothing written yet.
     pub(super) fn new(painter: &'a Painter) -> Self {
-        Self {
-            painter,
-            taken: Vec::new(),
-        }
+        Self { painter, taken: Vec::new() }
     }
 
     /// Keeps words off a place that is taken by something else.

@@ -1,5 +1,5 @@
-//! The arithmetic between pings and metres and the screen: the one owner of how a ping and a range lie there, for all that is drawn
-//! over the picture and all that is read off it.
+//! The arithmetic between pings and metres and the screen: the one owner of how a ping and a range
+//! lie there, for all that is drawn over the picture and all that is read off it.
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
@@ -59,10 +59,7 @@ impl Arrangement {
     /// A screen vector as pings and metres run.
     pub(super) fn size(&self, vector: egui::Vec2) -> Size {
         let size = Size::of(vector, self.orientation);
-        Size {
-            along: if self.flip { -size.along } else { size.along },
-            ..size
-        }
+        Size { along: if self.flip { -size.along } else { size.along }, ..size }
     }
 }
 
@@ -80,10 +77,7 @@ impl Lens {
     /// Slant ranges, port first.
     #[cfg(test)]
     pub(super) fn new(camera: Camera, rect: Rect, orientation: Orientation) -> Self {
-        let arrangement = Arrangement {
-            orientation,
-            ..Arrangement::default()
-        };
+        let arrangement = Arrangement { orientation, ..Arrangement::default() };
         Self::arranged(camera, rect, &arrangement)
     }
 
@@ -122,7 +116,8 @@ impl Lens {
         self.camera.along.centre - half..self.camera.along.centre + half
     }
 
-    /// What is shown across at both ends, metres from the middle, negative on the side that is first.
+    /// What is shown across at both ends, metres from the middle, negative on the side that is
+    /// first.
     pub(super) fn metres(&self) -> Range<f64> {
         let half = self.camera.across.per_point * self.size.across / 2.0;
         self.camera.across.centre - half..self.camera.across.centre + half
@@ -185,7 +180,8 @@ impl Lens {
         }
     }
 
-    /// Screen position of a ping at metres from the middle as shown, negative on the side that is first.
+    /// Screen position of a ping at metres from the middle as shown, negative on the side that is
+    /// first.
     pub(super) fn at(&self, ping: f64, shown_m: f64) -> Pos2 {
         let Camera { along, across, .. } = &self.camera;
         let centre = self.rect.center();
@@ -229,7 +225,8 @@ impl Lens {
         [metres.start, metres.end].map(|shown_m| self.at(ping, shown_m))
     }
 
-    /// The line along the picture at a signed range as recorded: straight, but where altitudes bend it.
+    /// The line along the picture at a signed range as recorded: straight, but where altitudes bend
+    /// it.
     pub(super) fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
         let pings = self.pings();
         let steps = match self.geometry() {
@@ -283,18 +280,12 @@ mod tests {
 
     #[test]
     fn a_place_comes_back_from_the_screen() {
-        let geometries = [
-            PictureGeometry::Slant,
-            PictureGeometry::SlantBeyondWater,
-            PictureGeometry::Ground,
-        ];
+        let geometries =
+            [PictureGeometry::Slant, PictureGeometry::SlantBeyondWater, PictureGeometry::Ground];
         for orientation in BOTH {
             let turned = geometries.map(|geometry| turned(orientation, geometry));
             for lens in [lens(orientation)].into_iter().chain(turned) {
-                let place = LensPlace {
-                    ping: 1204.5,
-                    across_m: -7.25,
-                };
+                let place = LensPlace { ping: 1204.5, across_m: -7.25 };
                 let back = lens.place_at(lens.screen_at(place));
                 assert!((back.ping - place.ping).abs() < 0.01, "{back:?}");
                 assert!((back.across_m - place.across_m).abs() < 1e-3, "{back:?}");

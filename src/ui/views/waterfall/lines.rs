@@ -12,7 +12,8 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
 /// Pings wider than this many points get a dot each.
 const DOT_POINTS: f64 = 7.0;
 
-/// Points that the dark rim of a line stands out on each side: red and blue read on bright copper only with one.
+/// Points that the dark rim of a line stands out on each side: red and blue read on bright copper
+/// only with one.
 const RIM_POINTS: f32 = 1.25;
 
 /// How a line looks.
@@ -27,20 +28,12 @@ pub(super) struct WaterfallPen {
 
 impl WaterfallPen {
     pub(super) fn new(colour: Color32, width: f32) -> Self {
-        Self {
-            colour,
-            width,
-            rim: 0.0,
-        }
+        Self { colour, width, rim: 0.0 }
     }
 
     /// What is drawn under the line, so that it stands out from any picture.
     fn rim(self) -> Self {
-        Self {
-            colour: Color32::from_black_alpha(170),
-            rim: RIM_POINTS,
-            ..self
-        }
+        Self { colour: Color32::from_black_alpha(170), rim: RIM_POINTS, ..self }
     }
 
     fn stroke_width(self) -> f32 {
@@ -60,7 +53,8 @@ impl WaterfallPen {
     }
 }
 
-/// The first return of a side; above-bottom returns are dashed and paler, pings without a pick are gaps.
+/// The first return of a side; above-bottom returns are dashed and paler, pings without a pick are
+/// gaps.
 pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
@@ -70,11 +64,7 @@ pub(super) fn first_return(
     side: Side,
     pen: WaterfallPen,
 ) {
-    let step = LineStep::Picks {
-        returns,
-        lines: drawing.picks.as_deref(),
-        side,
-    };
+    let step = LineStep::Picks { returns, lines: drawing.picks.as_deref(), side };
     draw(painter, &columns(lens, survey, step, side), lens, pen);
 }
 
@@ -95,8 +85,8 @@ pub(super) fn first_return_below(
     draw(painter, &columns, lens, pen);
 }
 
-/// The recorded depth, where the slant range lies at which a flat bottom would give the first return; dashed and paler where the recorder
-/// had lost the bottom.
+/// The recorded depth, where the slant range lies at which a flat bottom would give the first
+/// return; dashed and paler where the recorder had lost the bottom.
 pub(super) fn depth(
     painter: &Painter,
     lens: &Lens,
@@ -136,7 +126,8 @@ fn draw(painter: &Painter, columns: &Columns, lens: &Lens, pen: WaterfallPen) {
     }
 }
 
-/// The line over the pings in view, one value or pair of extremes a screen point or ping, whichever is wider.
+/// The line over the pings in view, one value or pair of extremes a screen point or ping, whichever
+/// is wider.
 struct Columns {
     /// A column covers `2^halvings` pings.
     halvings: u8,
@@ -169,7 +160,8 @@ fn columns(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Colu
     }
 }
 
-/// Bars from extreme to extreme that touch their neighbours: quick to draw however ragged the line is.
+/// Bars from extreme to extreme that touch their neighbours: quick to draw however ragged the line
+/// is.
 fn ribbon(columns: &Columns, lens: &Lens, pen: WaterfallPen) -> Mesh {
     let mut mesh = Mesh::default();
     let half = f64::from(1_u32 << columns.halvings) / lens.pings_per_point() / 2.0;
@@ -224,10 +216,7 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
 
 /// A line drawn by hand; of a single ping a dot.
 pub(super) fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: WaterfallPen) {
-    let run = Run {
-        doubtful: false,
-        points,
-    };
+    let run = Run { doubtful: false, points };
     for pen in [pen.rim(), pen] {
         if !run.points.is_empty() {
             draw_run(painter, &run, lens, pen);

@@ -1,4 +1,5 @@
-//! Measuring in the waterfall: corners on the ground under the picture, and the height of what casts a shadow.
+//! Measuring in the waterfall: corners on the ground under the picture, and the height of what
+//! casts a shadow.
 
 use super::cross::Cross;
 use super::labels;
@@ -32,7 +33,8 @@ impl MeasureTool {
         self.wants_corner = true;
     }
 
-    /// Follows pointer and keys with a measuring tool in hand; returns whether a drag must not move the picture.
+    /// Follows pointer and keys with a measuring tool in hand; returns whether a drag must not move
+    /// the picture.
     pub(super) fn follow(
         &mut self,
         ui: &mut Ui,
@@ -120,7 +122,8 @@ impl MeasureTool {
         let next = next.filter(|_| app.map.measuring.is_drawing());
         let at = figure.corners.last().copied();
         Some(match next.zip(at) {
-            // Its place on the ground is not known before it is set; only the picture needs it until then.
+            // Its place on the ground is not known before it is set; only the picture needs it
+            // until then.
             Some((next, at)) if figure.kind == MeasurementKind::Height => {
                 figure.with(at, Some(next.clone()))
             }
@@ -137,12 +140,7 @@ fn pick_at(survey: &Survey, place: LensPlace) -> Option<Pick> {
     let (ping, side) = (place.ping as usize, place.side());
     let span = survey.span(ping, side)?;
     let far_m = span.range_m(f64::from(span.count));
-    Some(Pick {
-        log: Identity::of(survey),
-        side,
-        ping,
-        slant_m: place.across_m.abs().min(far_m),
-    })
+    Some(Pick { log: Identity::of(survey), side, ping, slant_m: place.across_m.abs().min(far_m) })
 }
 
 /// Where the picks of a figure lie that are of the shown log.
@@ -155,8 +153,7 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
     let own = picks.filter(|(_, pick)| pick.log.is_same_log(&shown));
     let at =
         |pick: &Pick| LensPlace::of(pick.ping as f64 + 0.5, pick.side_in(survey), pick.slant_m);
-    own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick))))
-        .collect()
+    own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick)))).collect()
 }
 
 /// Corners, lines between neighbours of this log, and the numbers beside the last one.

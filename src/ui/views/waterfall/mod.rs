@@ -1,4 +1,5 @@
-//! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
+//! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first
+//! return over it.
 //!
 //! In: the state. Out: the picture with lines, boxes and marks, and commands.
 //! It uses `app`, `project`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
@@ -85,9 +86,7 @@ struct Gpu {
 impl WaterfallView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
-        let whole = ui
-            .available_rect_before_wrap()
-            .round_to_pixels(ui.pixels_per_point());
+        let whole = ui.available_rect_before_wrap().round_to_pixels(ui.pixels_per_point());
         let canvas = theme::canvas_colour(context.options());
         flat::fill(ui.painter(), whole, canvas, context.render_state);
         self.follow_survey(ui.ctx(), context);
@@ -109,7 +108,8 @@ impl WaterfallView {
             let settled = self.echogram.ui(ui, below, &mut along, drawing, context);
             self.settled &= settled;
             let survey = context.app.log.survey.as_ref();
-            // A side-scan that is still being read looks at its beginning when it is there; without one nothing else moves it.
+            // A side-scan that is still being read looks at its beginning when it is there; without
+            // one nothing else moves it.
             if self.camera.is_some() || survey.is_some_and(|survey| !survey.has_side_scan()) {
                 self.camera = Some(along);
             }
@@ -150,15 +150,13 @@ impl WaterfallView {
     /// A view that looks at the same pings and ranges, in a frame of any size.
     pub(crate) fn for_picture(&self) -> Self {
         Self {
-            aim: self
-                .camera
-                .zip(self.size)
-                .map(|(camera, size)| camera.seen(size)),
+            aim: self.camera.zip(self.size).map(|(camera, size)| camera.seen(size)),
             ..Self::default()
         }
     }
 
-    /// Starts over when another survey is open; when its sides are exchanged, the camera stays where it is.
+    /// Starts over when another survey is open; when its sides are exchanged, the camera stays
+    /// where it is.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
         let serial = app.log.survey.as_ref().map(|_| app.view.survey_serial);
@@ -214,9 +212,7 @@ impl WaterfallView {
     ) -> Lens {
         let rect = response.rect;
         let size = Size::of(rect.size(), arrangement.orientation);
-        let mut camera = *self
-            .camera
-            .get_or_insert_with(|| Camera::start(extent, size));
+        let mut camera = *self.camera.get_or_insert_with(|| Camera::start(extent, size));
         if let Some(seen) = self.aim.take() {
             camera.show(seen, size);
         }
@@ -252,15 +248,7 @@ impl WaterfallView {
         }
         self.end.keep(&mut camera, extent, size, context.app);
         let fits = context.app.map.measuring.tool.is_none();
-        gestures::apply(
-            &mut camera,
-            ui,
-            response,
-            arrangement,
-            extent,
-            drag_moves,
-            fits,
-        );
+        gestures::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
         camera.settle(extent, size);
         self.end.note(&camera, extent, size);
         self.camera = Some(camera);
@@ -311,11 +299,7 @@ fn extent(axis: &RangeAxis) -> PictureExtent {
 impl Gpu {
     fn new(render_state: &RenderState) -> Self {
         let (device, target) = (&render_state.device, render_state.target_format);
-        Self {
-            picture: Arc::new(WaterfallPicture::new(device, target)),
-            palette: None,
-            gain: None,
-        }
+        Self { picture: Arc::new(WaterfallPicture::new(device, target)), palette: None, gain: None }
     }
 
     /// Takes the colours over where they are others.

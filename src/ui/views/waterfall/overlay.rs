@@ -58,10 +58,8 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     for stretch in &veiled {
         stretch.draw(painter);
     }
-    let marked = [
-        (shown.app.view.selection, theme::SELECTION_COLOUR),
-        (shown.hover, theme::HOVER_COLOUR),
-    ];
+    let marked =
+        [(shown.app.view.selection, theme::SELECTION_COLOUR), (shown.hover, theme::HOVER_COLOUR)];
     for (mark, colour) in marked {
         if let Some(mark) = mark {
             marks::cross_hair(painter, lens, shown.survey, &mark, colour);

@@ -46,7 +46,6 @@ impl CallbackTrait for PictureCallback {
         pass: &mut wgpu::RenderPass<'static>,
         _resources: &CallbackResources,
     ) {
-        self.picture
-            .paint(pass, &self.gain, self.tiles.iter().map(|(_, tile)| tile));
+        self.picture.paint(pass, &self.gain, self.tiles.iter().map(|(_, tile)| tile));
     }
 }

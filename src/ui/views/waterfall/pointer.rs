@@ -21,12 +21,7 @@ pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
         .map(|span| (span.sample_at(range_m), f64::from(span.count)))
         .filter(|(sample, count)| (0.0..*count).contains(sample))
         .map(|(sample, _)| sample as f32);
-    Some(LogPlace {
-        ping,
-        side: sample.map(|_| side),
-        sample,
-        point: None,
-    })
+    Some(LogPlace { ping, side: sample.map(|_| side), sample, point: None })
 }
 
 /// What [`follow`] found.
@@ -85,10 +80,7 @@ pub(super) fn follow(
             None => {}
         }
     }
-    Followed {
-        place,
-        equal_scales_at: menu(response, context),
-    }
+    Followed { place, equal_scales_at: menu(response, context) }
 }
 
 /// Acts on the selection, which the click that opened the menu made.
@@ -145,7 +137,8 @@ fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
     }
 }
 
-/// An entry that accepts the first returns above the recorded depth about a place as bottom, where there are any.
+/// An entry that accepts the first returns above the recorded depth about a place as bottom, where
+/// there are any.
 fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     let figures = context.app.log.figures.as_ref();
     let stretch = (mark.side.zip(figures))
@@ -159,11 +152,7 @@ fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
         side.name()
     );
     if ui.button("Accept as bottom").on_hover_text(hint).clicked() {
-        context.push(Command::AcceptBottom {
-            side,
-            pings,
-            accept: true,
-        });
+        context.push(Command::AcceptBottom { side, pings, accept: true });
         ui.close();
     }
 }
@@ -192,8 +181,8 @@ pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option
 /// Room between the read-out and what it keeps off, points.
 const APART: f32 = 10.0;
 
-/// The read-out in the corner of the view across from the pointer, or in another one where something in `clear` lies there: what it
-/// describes stays in sight.
+/// The read-out in the corner of the view across from the pointer, or in another one where
+/// something in `clear` lies there: what it describes stays in sight.
 pub(super) fn read_out(painter: &Painter, lens: &Lens, pointer: Pos2, text: &str, clear: &[Rect]) {
     let (at, anchor) = read_out_place(lens.rect, pointer, clear, |at, anchor| {
         labels::covered(painter, at, anchor, text)
@@ -212,17 +201,13 @@ fn read_out_place(
     let (right, below) = (pointer.x < centre.x, pointer.y < centre.y);
     let inner = view.shrink(8.0);
     // The corner across from the pointer first: it is the farthest.
-    let corners = [
-        (right, below),
-        (right, !below),
-        (!right, below),
-        (!right, !below),
-    ]
-    .map(|(right, below)| {
-        let x = if right { inner.right() } else { inner.left() };
-        let y = if below { inner.bottom() } else { inner.top() };
-        (pos2(x, y), anchor(!right, !below))
-    });
+    let corners = [(right, below), (right, !below), (!right, below), (!right, !below)].map(
+        |(right, below)| {
+            let x = if right { inner.right() } else { inner.left() };
+            let y = if below { inner.bottom() } else { inner.top() };
+            (pos2(x, y), anchor(!right, !below))
+        },
+    );
     let is_free = |(at, anchor): &(Pos2, Align2)| {
         let area = covered(*at, *anchor);
         let hides_pointer = area.expand(4.0).contains(pointer);
@@ -249,16 +234,15 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
     if shown.depth_line && ping.depth_m.is_finite() && !ping.depth_locked {
         lines += "\ndepth dashed: the recorder had lost the bottom";
     }
-    let pick = app
-        .bottom_line()
-        .and_then(|returns| returns.side(side).get(number));
+    let pick = app.bottom_line().and_then(|returns| returns.side(side).get(number));
     if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {
         lines += "\nfirst return above bottom";
     }
     lines
 }
 
-/// What is known of a place. Its range is that of the range lines and of the cloud; beside it stands the recorder's.
+/// What is known of a place. Its range is that of the range lines and of the cloud; beside it
+/// stands the recorder's.
 pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
@@ -281,11 +265,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<Stri
         && let Some(samples) = survey.samples(mark.ping, side)
     {
         let sample = (sample as usize).min(span.count.saturating_sub(1) as usize);
-        let echo = if sample < samples.len() {
-            samples.get(sample)
-        } else {
-            0
-        };
+        let echo = if sample < samples.len() { samples.get(sample) } else { 0 };
         lines += &format!("\nsample {sample}, echo {echo}");
     }
     lines += &format!("\ndepth {}", place::depth(app, mark.ping));

@@ -23,8 +23,9 @@ const LOOKED_UP: usize = 256;
 /// Range lines on a side, at most: a damaged scale must not draw for ever.
 const MOST_LINES: u32 = 1000;
 
-/// Lines of equal range on both sides, on the ground or slant, as far as the picture goes. The picture is drawn by the recorder's scale; the lines
-/// stand where the ranges of the cloud and of every read-out are.
+/// Lines of equal range on both sides, on the ground or slant, as far as the picture goes. The
+/// picture is drawn by the recorder's scale; the lines stand where the ranges of the cloud and of
+/// every read-out are.
 pub(super) struct RangeLines {
     step_m: f64,
     units: Units,
@@ -53,11 +54,7 @@ impl RangeLines {
                 in_slant_range(lens, survey, reduction, step_m, far_m)
             }
         };
-        Self {
-            step_m,
-            units,
-            lines,
-        }
+        Self { step_m, units, lines }
     }
 
     /// Draws the lines.
@@ -108,7 +105,8 @@ fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<ShownRangeLine> {
     lines
 }
 
-/// A place of a range line: the ping, its range as recorded, and how far from the middle that is shown, metres.
+/// A place of a range line: the ping, its range as recorded, and how far from the middle that is
+/// shown, metres.
 struct LinePlace {
     ping: usize,
     recorded_m: f64,
@@ -129,9 +127,8 @@ fn in_slant_range(
         let seen = lens.seen_of(side);
         let farthest = seen.end.min(far_m);
         let pings = visible.clone().step_by(step);
-        let spans: Vec<(usize, SideSpan)> = pings
-            .filter_map(|ping| Some((ping, *survey.span(ping, side)?)))
-            .collect();
+        let spans: Vec<(usize, SideSpan)> =
+            pings.filter_map(|ping| Some((ping, *survey.span(ping, side)?))).collect();
         // Also where no side was recorded in view, or its scale is damaged.
         if spans.is_empty() {
             continue;
@@ -169,11 +166,7 @@ fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
         return lens.line_at_distance(side, first_m).to_vec();
     }
     let at = |place: &LinePlace| {
-        lens.screen_at(LensPlace::of(
-            place.ping as f64 + 0.5,
-            side,
-            place.recorded_m,
-        ))
+        lens.screen_at(LensPlace::of(place.ping as f64 + 0.5, side, place.recorded_m))
     };
     places.iter().map(at).collect()
 }
@@ -206,10 +199,7 @@ pub(super) fn range_change(labels: &mut WaterfallLabels<'_>, lens: &Lens, change
     let rect = lens.rect.shrink(6.0);
     let (at, anchor) = match lens.orientation {
         Orientation::Horizontal => (rect.right_top() + vec2(0.0, BELOW_SIDE), Align2::RIGHT_TOP),
-        Orientation::Vertical => (
-            rect.left_bottom() - vec2(0.0, BELOW_SIDE),
-            Align2::LEFT_BOTTOM,
-        ),
+        Orientation::Vertical => (rect.left_bottom() - vec2(0.0, BELOW_SIDE), Align2::LEFT_BOTTOM),
     };
     labels.write(at, anchor, change, INK);
 }
@@ -280,10 +270,7 @@ mod tests {
             port: Some(span),
             starboard: Some(span),
         };
-        let survey = Survey {
-            side_scan: Arc::new(vec![ping; 50]),
-            ..Survey::default()
-        };
+        let survey = Survey { side_scan: Arc::new(vec![ping; 50]), ..Survey::default() };
         let calibration = Calibration {
             mode: ScaleMode::Header,
             reach: PpdReach::Factor,
@@ -298,12 +285,7 @@ mod tests {
         let correction = Correction::default();
         let reduction = Reduction::new(&calibration, &correction);
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(500.0, 400.0));
-        let extent = PictureExtent {
-            pings: 50.0,
-            near_m: -20.0,
-            far_m: 20.0,
-            ..EXTENT
-        };
+        let extent = PictureExtent { pings: 50.0, near_m: -20.0, far_m: 20.0, ..EXTENT };
         let size = Size::of(rect.size(), Orientation::Horizontal);
         let lens = Lens::new(Camera::start(&extent, size), rect, Orientation::Horizontal);
         let lines = RangeLines::in_view(&lens, &survey, reduction, 20.0, Units::default());
@@ -311,15 +293,8 @@ mod tests {
         for line in &lines.lines {
             let recorded_m = lens.place_at(line.points[0]).across_m.abs();
             let read_m = reduction.range_m(&span, span.sample_at(recorded_m));
-            assert!(
-                (read_m - line.range_m).abs() < 0.01,
-                "{read_m} {}",
-                line.range_m
-            );
-            assert!(
-                (recorded_m - line.range_m + 0.4).abs() < 0.01,
-                "{recorded_m}"
-            );
+            assert!((read_m - line.range_m).abs() < 0.01, "{read_m} {}", line.range_m);
+            assert!((recorded_m - line.range_m + 0.4).abs() < 0.01, "{recorded_m}");
         }
     }
 }

@@ -25,10 +25,7 @@ impl WaterfallView {
         let survey = context.app.log.survey.clone();
         let axis = self.drawing.as_ref().and_then(WaterfallDrawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
-            self.settled = self
-                .drawing
-                .as_ref()
-                .is_none_or(WaterfallDrawing::is_settled);
+            self.settled = self.drawing.as_ref().is_none_or(WaterfallDrawing::is_settled);
             accessibility::without_picture(ui, context, rect, &response, !self.settled);
             return;
         };
@@ -70,20 +67,14 @@ impl WaterfallView {
         }
         let visible = lens.visible(survey.side_scan.len());
         let seen = boxes::words(shown.boxes, shown.missed, context.app);
-        accessibility::describe(
-            &response,
-            &visible,
-            &survey,
-            context,
-            &seen,
-            read_out.as_deref(),
-        );
+        accessibility::describe(&response, &visible, &survey, context, &seen, read_out.as_deref());
         if context.app.view.visible != visible {
             context.push(Command::Visible(visible));
         }
     }
 
-    /// Each tool does what the pointer and the keys ask of it, in the picture as the frame before showed it.
+    /// Each tool does what the pointer and the keys ask of it, in the picture as the frame before
+    /// showed it.
     fn follow_tools(
         &mut self,
         ui: &mut Ui,
@@ -97,13 +88,11 @@ impl WaterfallView {
         let draws_stretch = self.stretch.follow(ui, response, lens, context);
         let measures = self.measure.follow(ui, response, lens, survey, context);
         self.aim_at_target(ui, response, lens, survey, context);
-        ToolsInUse {
-            hold_box,
-            draw: draws_bottom || draws_stretch || measures,
-        }
+        ToolsInUse { hold_box, draw: draws_bottom || draws_stretch || measures }
     }
 
-    /// With the tool for targets in hand, the place under the cross that the arrow keys move is what keys are about.
+    /// With the tool for targets in hand, the place under the cross that the arrow keys move is
+    /// what keys are about.
     fn aim_at_target(
         &mut self,
         ui: &mut Ui,
@@ -119,10 +108,7 @@ impl WaterfallView {
             return;
         }
         if self.cross.follow(ui, response, lens, context) {
-            let mark = self
-                .cross
-                .place()
-                .map(|place| pointer::mark_at(survey, place));
+            let mark = self.cross.place().map(|place| pointer::mark_at(survey, place));
             context.push(Command::Hover(mark.flatten()));
         }
     }

@@ -1,5 +1,5 @@
-//! The tools that are dragged along the pings: one excludes them, one proposes them for the scale, one accepts their first returns as
-//! bottom.
+//! The tools that are dragged along the pings: one excludes them, one proposes them for the scale,
+//! one accepts their first returns as bottom.
 
 use super::exclusions::{area, edges, veil};
 use super::labels;
@@ -47,7 +47,8 @@ impl Drag {
 }
 
 impl StretchTool {
-    /// Follows a drag with one of the tools in hand; returns whether the drag must not move the picture.
+    /// Follows a drag with one of the tools in hand; returns whether the drag must not move the
+    /// picture.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -65,10 +66,8 @@ impl StretchTool {
         }
         if let Some(at) = drag::begun(ui, response) {
             let place = lens.place_at(at);
-            self.drag = does(tool, place.side(), ui).map(|does| Drag {
-                ends: [place.ping, place.ping],
-                does,
-            });
+            self.drag = does(tool, place.side(), ui)
+                .map(|does| Drag { ends: [place.ping, place.ping], does });
         }
         if drag::is_given_up(ui, response) {
             self.drag = None;

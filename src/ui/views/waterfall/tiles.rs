@@ -1,4 +1,5 @@
-//! Which tiles are in view, which of them are there, and what is drawn instead of those that are not.
+//! Which tiles are in view, which of them are there, and what is drawn instead of those that are
+//! not.
 
 use super::lens::Lens;
 use crate::app::Orientation;
@@ -15,10 +16,7 @@ use std::sync::Arc;
 /// Bytes of tiles kept on the GPU: a 4K screen at the worst zoom needs 80 MB.
 const BUDGET: usize = 96 << 20;
 
-const _: () = assert!(
-    TILE == TILE_ROWS,
-    "a row of a tile has its place in its rows"
-);
+const _: () = assert!(TILE == TILE_ROWS, "a row of a tile has its place in its rows");
 /// Of a row of which nothing but its recording is known.
 const AS_RECORDED: TileRow = [0.0, 1.0, 0.0, 1.0];
 
@@ -47,23 +45,17 @@ pub(super) struct FramePlan {
 
 impl ResidentTiles {
     pub(super) fn new() -> Self {
-        Self {
-            cache: Lru::new(BUDGET),
-            rows_of: None,
-        }
+        Self { cache: Lru::new(BUDGET), rows_of: None }
     }
 
     pub(super) fn insert(&mut self, tile: &WaterfallTile, texture: TileTexture) {
-        let resident = Resident {
-            texture,
-            rows: None,
-            completeness: tile.completeness,
-            height: tile.height,
-        };
+        let resident =
+            Resident { texture, rows: None, completeness: tile.completeness, height: tile.height };
         self.cache.insert(tile.key, resident, tile.byte_count());
     }
 
-    /// Has tiles made again that reach beyond pings that stay as they are; drops all where none does.
+    /// Has tiles made again that reach beyond pings that stay as they are; drops all where none
+    /// does.
     pub(super) fn outdate(&mut self, unchanged: Option<usize>) {
         match unchanged {
             Some(unchanged) => self.cache.change(|key, resident| {
@@ -96,24 +88,13 @@ impl ResidentTiles {
         let picture = self.rows_of.clone();
         let picture = picture.as_ref().map(|picture| &*picture.0);
         let scale = LensScale::new(axis, lens, picture, pixels_per_point);
-        let mut plan = FramePlan {
-            draw: Vec::new(),
-            want: Vec::new(),
-        };
+        let mut plan = FramePlan { draw: Vec::new(), want: Vec::new() };
         for key in scale.keys_in_view() {
             self.plan_tile(&scale, key, &mut plan, &mut upload);
         }
         let level = axis.coarsest();
         for side in Side::BOTH {
-            self.want(
-                WaterfallTileKey {
-                    side,
-                    level,
-                    column: 0,
-                    row: 0,
-                },
-                &mut plan,
-            );
+            self.want(WaterfallTileKey { side, level, column: 0, row: 0 }, &mut plan);
         }
         plan
     }
@@ -165,10 +146,7 @@ impl ResidentTiles {
             .flat_map(|sum| (0..=sum.min(most.along)).map(move |along| (along, sum - along)))
             .filter(|(_, across)| *across <= most.across)
             .map(|(along, across)| WaterfallTileKey {
-                level: Level {
-                    along: key.level.along + along,
-                    across: key.level.across + across,
-                },
+                level: Level { along: key.level.along + along, across: key.level.across + across },
                 column: key.column >> along,
                 row: key.row >> across,
                 ..key
@@ -186,10 +164,7 @@ struct QuadArea {
 impl QuadArea {
     /// Without the pings from one on: a tile of a log that grew since does not have them.
     fn until(&self, ping: usize) -> Self {
-        Self {
-            pings: self.pings.start..self.pings.end.min(ping as f64),
-            bins: self.bins.clone(),
-        }
+        Self { pings: self.pings.start..self.pings.end.min(ping as f64), bins: self.bins.clone() }
     }
 }
 
@@ -215,18 +190,9 @@ impl<'a> LensScale<'a> {
         let bins_per_pixel = lens.metres_per_point() / axis.bin_m / pixels_per_point;
         // Texels no larger than a pixel; the shader averages the one to two that a pixel covers.
         let halvings = |per_pixel: f64| (per_pixel + 1e-6).log2().floor().clamp(0.0, 40.0) as u8;
-        let level = axis.drawable(Level {
-            along: halvings(pings_per_pixel),
-            across: halvings(bins_per_pixel),
-        });
-        Self {
-            axis,
-            lens,
-            picture,
-            pings_per_pixel,
-            bins_per_pixel,
-            level,
-        }
+        let level = axis
+            .drawable(Level { along: halvings(pings_per_pixel), across: halvings(bins_per_pixel) });
+        Self { axis, lens, picture, pings_per_pixel, bins_per_pixel, level }
     }
 
     /// What the lens sees of a side, within the survey.
@@ -254,7 +220,8 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Distances from the middle between which recorded ranges of a side are shown, as far as they are seen, metres.
+    /// Distances from the middle between which recorded ranges of a side are shown, as far as they
+    /// are seen, metres.
     fn shown_m(&self, side: Side, recorded_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
             (PictureGeometry::Slant, _) | (_, None) => recorded_m,
@@ -277,12 +244,7 @@ impl<'a> LensScale<'a> {
             let seen = self.whole(side);
             for column in tiles(&seen.pings, self.level.pings()) {
                 for row in tiles(&seen.bins, self.level.bins()) {
-                    keys.push(WaterfallTileKey {
-                        side,
-                        level: self.level,
-                        column,
-                        row,
-                    });
+                    keys.push(WaterfallTileKey { side, level: self.level, column, row });
                 }
             }
         }
@@ -314,11 +276,7 @@ impl<'a> LensScale<'a> {
         let share = |value: f64, seen: &Range<f64>| (value - seen.start) / (seen.end - seen.start);
         let along = [area.pings.start, area.pings.end].map(|ping| {
             let share = share(ping, &seen);
-            if self.lens.is_flipped() {
-                1.0 - share
-            } else {
-                share
-            }
+            if self.lens.is_flipped() { 1.0 - share } else { share }
         });
         let bin_m = self.axis.bin_m;
         let shown_m = self.shown_m(key.side, [area.bins.start * bin_m, area.bins.end * bin_m]);
@@ -355,8 +313,7 @@ impl<'a> LensScale<'a> {
         std::array::from_fn(|row| {
             let first = key.first_ping() + row * key.level.pings();
             let pings = first..first + key.level.pings();
-            self.picture
-                .map_or(AS_RECORDED, |picture| picture.row(key.side, pings))
+            self.picture.map_or(AS_RECORDED, |picture| picture.row(key.side, pings))
         })
     }
 }

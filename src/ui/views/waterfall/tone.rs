@@ -10,8 +10,8 @@ use bathyscope_products::pipeline::Same;
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 
-/// Share of the maximum in the picture: enough for a bright spot of one sample to survive in an overview, little enough
-/// to leave the ground its texture.
+/// Share of the maximum in the picture: enough for a bright spot of one sample to survive in an
+/// overview, little enough to leave the ground its texture.
 const HIGHLIGHT: f32 = 0.3;
 /// White is above black by this share of the colours, at least.
 const LEAST_CONTRAST: f32 = 1e-3;
@@ -120,13 +120,9 @@ mod tests {
     fn the_shader_knows_the_curves_as_they_are() {
         let source = include_str!("../../../../shaders/waterfall.wgsl");
         let constant = |name: &str| -> f32 {
-            let line = source
-                .lines()
-                .find(|line| line.contains(&format!("const {name}:")));
+            let line = source.lines().find(|line| line.contains(&format!("const {name}:")));
             let value = line.and_then(|line| line.split(['=', ';']).nth(1));
-            value
-                .and_then(|value| value.trim().parse().ok())
-                .expect(name)
+            value.and_then(|value| value.trim().parse().ok()).expect(name)
         };
         assert_eq!(constant("RANGE_BINS"), GainTable::RANGES as f32);
         assert_eq!(constant("ANGLE_BINS"), GainTable::ANGLES as f32);

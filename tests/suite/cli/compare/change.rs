@@ -1,4 +1,5 @@
-//! `bathyscope compare --change`: what changed between two depth maps, on a pond to which a known mound was added.
+//! `bathyscope compare --change`: what changed between two depth maps, on a pond to which a known
+//! mound was added.
 
 use super::super::{refusal, run};
 use bathyscope_log::formats::geotiff::{RasterValues, read_values};
@@ -24,22 +25,10 @@ fn survey(folder: &Path, name: &str, mound: bool, seed: &str) {
         false => String::new(),
     };
     fs::write(folder.join("scene.toml"), format!("{POND}{mound}")).expect("a scene");
-    run(
-        folder,
-        &["simulate", "scene.toml", "-o", name, "--seed", seed],
-    );
+    run(folder, &["simulate", "scene.toml", "-o", name, "--seed", seed]);
     let log = format!("{name}.sl2");
-    let products = [
-        "--no-objects",
-        "--products",
-        "depth",
-        "--set",
-        "surface.cell_m=0.5",
-    ];
-    run(
-        folder,
-        &[&["process", &log, "-o", name][..], &products].concat(),
-    );
+    let products = ["--no-objects", "--products", "depth", "--set", "surface.cell_m=0.5"];
+    run(folder, &[&["process", &log, "-o", name][..], &products].concat());
 }
 
 fn change(folder: &Path, newer: &str, older: &str) -> Value {
@@ -61,29 +50,16 @@ fn a_mound_is_found_with_its_volume_and_nothing_where_nothing_changed() {
     let truth_m3 = TAU * RADIUS_M * RADIUS_M * HEIGHT_M;
 
     let record = change(folder, "after", "before");
-    let (fill_m3, within_m3) = (
-        number(&record, "fill", "volume_m3"),
-        number(&record, "fill", "within_95_m3"),
-    );
+    let (fill_m3, within_m3) =
+        (number(&record, "fill", "volume_m3"), number(&record, "fill", "within_95_m3"));
     // With its rim, also where that is lower than the level of detection.
     assert!((fill_m3 - truth_m3).abs() < 0.1 * truth_m3, "{record}");
-    assert!(
-        (fill_m3 - truth_m3).abs() < within_m3 && within_m3 < 1.25 * truth_m3,
-        "{record}"
-    );
+    assert!((fill_m3 - truth_m3).abs() < within_m3 && within_m3 < 1.25 * truth_m3, "{record}");
     assert_eq!(record["fill"]["places"], 1);
     let all_m3 = number(&record, "all", "volume_m3");
     assert!((all_m3 - truth_m3).abs() < 0.1 * truth_m3, "{record}");
-    assert!(
-        number(&record, "cut", "volume_m3").abs() < 0.02 * truth_m3,
-        "{record}"
-    );
-    assert!(
-        record["median_m"]
-            .as_f64()
-            .is_some_and(|metres| metres.abs() < 0.04),
-        "{record}"
-    );
+    assert!(number(&record, "cut", "volume_m3").abs() < 0.02 * truth_m3, "{record}");
+    assert!(record["median_m"].as_f64().is_some_and(|metres| metres.abs() < 0.04), "{record}");
     assert_eq!(
         record,
         serde_json::from_str::<Value>(
@@ -96,23 +72,20 @@ fn a_mound_is_found_with_its_volume_and_nothing_where_nothing_changed() {
     assert!(page.contains("data:image/png") && !page.contains("http"));
 
     let turned = change(folder, "before", "after");
-    assert!(
-        (number(&turned, "cut", "volume_m3") + fill_m3).abs() < 0.02 * truth_m3,
-        "{turned}"
-    );
+    assert!((number(&turned, "cut", "volume_m3") + fill_m3).abs() < 0.02 * truth_m3, "{turned}");
     let same = change(folder, "again", "before");
     let moved_m3 = number(&same, "fill", "volume_m3") - number(&same, "cut", "volume_m3");
     assert!(moved_m3 < 0.05 * truth_m3, "{same}");
 }
 
-/// The volume of all cells is that of the rasters, detected cells lie in the places, and the uncertainty holds what the level is made of.
+/// The volume of all cells is that of the rasters, detected cells lie in the places, and the
+/// uncertainty holds what the level is made of.
 fn rasters_hold(folder: &Path, record: &Value) {
     let read = |name: &str| -> RasterValues { read_values(&folder.join(name)).expect("a raster") };
     let names = ["difference.tif", "detection_level.tif", "uncertainty.tif"];
     let [rise, level, uncertainty] = names.map(read);
-    let known: Vec<usize> = (0..rise.values.len())
-        .filter(|cell| !rise.values[*cell].is_nan())
-        .collect();
+    let known: Vec<usize> =
+        (0..rise.values.len()).filter(|cell| !rise.values[*cell].is_nan()).collect();
     assert_eq!(known.len() as f64, number(record, "all", "cells"));
     // Half a metre of the zone is half a metre on the ground to a few parts in ten thousand.
     let rises = known.iter().map(|cell| f64::from(rise.values[*cell]));
@@ -139,11 +112,9 @@ fn what_is_no_map_or_lies_elsewhere_is_refused_in_a_sentence() {
     let folder = temporary.path();
     fs::create_dir(folder.join("empty")).expect("a folder");
     fs::write(folder.join("text.tif"), "no raster").expect("a file");
-    for (newer, says) in [
-        ("empty", "no depth map"),
-        ("text.tif", "GeoTIFF"),
-        ("missing", "cannot be read"),
-    ] {
+    for (newer, says) in
+        [("empty", "no depth map"), ("text.tif", "GeoTIFF"), ("missing", "cannot be read")]
+    {
         let sentence = refusal(folder, &["compare", newer, newer, "--change", "change"], 1);
         assert!(sentence.contains(says), "{sentence}");
     }

@@ -12,54 +12,26 @@ const REFERENCE: &str = "columns.csv:RefE,RefN,Elevation";
 
 fn folder_with_columns() -> tempfile::TempDir {
     let temporary = tempfile::tempdir().expect("a temporary folder");
-    fs::write(
-        temporary.path().join("columns.csv"),
-        include_str!("columns.csv"),
-    )
-    .unwrap();
+    fs::write(temporary.path().join("columns.csv"), include_str!("columns.csv")).unwrap();
     temporary
 }
 
 fn compared(folder: &Path, reference: &str, options: &[&str]) -> Value {
-    let mut args = vec![
-        "compare",
-        MEASURED,
-        reference,
-        "--water-level",
-        "1.5",
-        "--json",
-    ];
+    let mut args = vec!["compare", MEASURED, reference, "--water-level", "1.5", "--json"];
     args.extend(options);
     serde_json::from_str(&run(folder, &args)).expect("JSON on stdout")
 }
 
 fn assert_same(found: &Value, expected: &Value) {
-    for key in [
-        "n",
-        "unmatched",
-        "mean_m",
-        "median_m",
-        "sd_m",
-        "rms_m",
-        "mae_m",
-        "p95_m",
-    ] {
+    for key in ["n", "unmatched", "mean_m", "median_m", "sd_m", "rms_m", "mae_m", "p95_m"] {
         let [found, expected] = [found, expected].map(|one| one[key].as_f64().unwrap());
-        assert!(
-            (found - expected).abs() < 1e-9,
-            "{key}: {found} instead of {expected}"
-        );
+        assert!((found - expected).abs() < 1e-9, "{key}: {found} instead of {expected}");
     }
     let orders = found["orders"].as_array().unwrap();
     assert_eq!(orders.len(), 4);
     for order in orders {
-        let share = expected["shares"][order["order"].as_str().unwrap()]
-            .as_f64()
-            .unwrap();
-        assert!(
-            (order["share"].as_f64().unwrap() - share).abs() < 1e-9,
-            "{order}"
-        );
+        let share = expected["shares"][order["order"].as_str().unwrap()].as_f64().unwrap();
+        assert!((order["share"].as_f64().unwrap() - share).abs() < 1e-9, "{order}");
     }
 }
 
@@ -71,46 +43,26 @@ fn two_column_sets_give_the_figures_of_numpy() {
     let some = compared(folder, REFERENCE, &[]);
     assert_same(&some, &expected["some"]);
     assert!(some["unmatched"].as_u64().unwrap() > 20);
-    assert_same(
-        &compared(folder, REFERENCE, &["--radius", "500"]),
-        &expected["all"],
-    );
+    assert_same(&compared(folder, REFERENCE, &["--radius", "500"]), &expected["all"]);
     let by_surface = ["--by", "surface", "--max-gap", "500"];
-    assert_same(
-        &compared(folder, REFERENCE, &by_surface),
-        &expected["surface"],
-    );
+    assert_same(&compared(folder, REFERENCE, &by_surface), &expected["surface"]);
     // A column of depths, turned.
-    assert_same(
-        &compared(folder, "columns.csv:RefE,RefN,-Depth", &[]),
-        &expected["some"],
-    );
+    assert_same(&compared(folder, "columns.csv:RefE,RefN,-Depth", &[]), &expected["some"]);
 }
 
 #[test]
 fn a_table_for_people_and_a_file_for_the_map() {
     let temporary = folder_with_columns();
     let folder = temporary.path();
-    let table = run(
-        folder,
-        &["compare", MEASURED, REFERENCE, "-o", "residuals.csv"],
-    );
-    for words in [
-        "up is positive",
-        "without a reference",
-        "median",
-        "S-44 exclusive",
-    ] {
+    let table = run(folder, &["compare", MEASURED, REFERENCE, "-o", "residuals.csv"]);
+    for words in ["up is positive", "without a reference", "median", "S-44 exclusive"] {
         assert!(table.contains(words), "{table}");
     }
     let text = fs::read_to_string(folder.join("residuals.csv")).unwrap();
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("x_m,y_m,z_m,reference_z_m,difference_m"));
     for line in lines {
-        let values: Vec<f64> = line
-            .split(',')
-            .map(|value| value.parse().unwrap())
-            .collect();
+        let values: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
         assert!((values[2] - values[3] - values[4]).abs() < 1e-12);
     }
 }
@@ -133,11 +85,7 @@ fn degrees_become_metres_and_do_not_mix_with_them() {
         found["n"].as_u64().unwrap()
     };
     assert_eq!(at("50.001"), 2);
-    let far = refusal(
-        folder,
-        &["compare", "a.csv", "b.csv", "--radius", "49.999"],
-        1,
-    );
+    let far = refusal(folder, &["compare", "a.csv", "b.csv", "--radius", "49.999"], 1);
     assert!(far.contains("larger distance"), "{far}");
     let mixed = refusal(folder, &["compare", "a.csv", "metres.csv"], 1);
     assert!(mixed.contains("degrees"), "{mixed}");
@@ -159,16 +107,8 @@ fn plane_csv(header: &str, [west, north]: [f64; 2], cell: f64) -> String {
 fn cells_of_gdals_rasters_and_points_of_geojson_are_elevations() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
-    fs::write(
-        folder.join("utm.csv"),
-        plane_csv("x,y,z", [392_000.0, 3_254_000.0], 0.5),
-    )
-    .unwrap();
-    fs::write(
-        folder.join("degrees.csv"),
-        plane_csv("lon,lat,z", [-82.11, 29.41], 1e-5),
-    )
-    .unwrap();
+    fs::write(folder.join("utm.csv"), plane_csv("x,y,z", [392_000.0, 3_254_000.0], 0.5)).unwrap();
+    fs::write(folder.join("degrees.csv"), plane_csv("lon,lat,z", [-82.11, 29.41], 1e-5)).unwrap();
     for (name, bytes, reference) in [
         ("strips.tif", &include_bytes!("strips.tif")[..], "utm.csv"),
         ("tiles.tif", include_bytes!("tiles.tif"), "utm.csv"),
@@ -186,14 +126,7 @@ fn cells_of_gdals_rasters_and_points_of_geojson_are_elevations() {
         assert!(found["mean_m"].as_f64().unwrap() > 4.0);
     }
     // A raster of a zone and points in degrees meet: both are some metres from each other.
-    let mixed = [
-        "compare",
-        "strips.tif",
-        "degrees.tif",
-        "--radius",
-        "100000",
-        "--json",
-    ];
+    let mixed = ["compare", "strips.tif", "degrees.tif", "--radius", "100000", "--json"];
     let found: Value = serde_json::from_str(&run(folder, &mixed)).unwrap();
     assert_eq!(found["n"], 107);
 
@@ -207,31 +140,14 @@ fn cells_of_gdals_rasters_and_points_of_geojson_are_elevations() {
         feature("-82.109985,29.409995", "\"depth_m\":2.21"),
         feature("-82.109985,29.409995", ""),
     ];
-    let text = format!(
-        "{{\"type\":\"FeatureCollection\",\"features\":[{}]}}",
-        features.join(",")
-    );
+    let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{}]}}", features.join(","));
     fs::write(folder.join("points.geojson"), text).unwrap();
-    let args = [
-        "compare",
-        "points.geojson",
-        "degrees.csv",
-        "--radius",
-        "0.01",
-        "--json",
-    ];
+    let args = ["compare", "points.geojson", "degrees.csv", "--radius", "0.01", "--json"];
     let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
     assert_eq!(found["n"], 2);
     // 10 cm and 20 cm deeper than -2.00 and -2.01.
-    assert!(
-        (found["mean_m"].as_f64().unwrap() + 0.15).abs() < 1e-9,
-        "{found}"
-    );
-    fs::write(
-        folder.join("broken.tif"),
-        &include_bytes!("strips.tif")[..200],
-    )
-    .unwrap();
+    assert!((found["mean_m"].as_f64().unwrap() + 0.15).abs() < 1e-9, "{found}");
+    fs::write(folder.join("broken.tif"), &include_bytes!("strips.tif")[..200]).unwrap();
     let refused = refusal(folder, &["compare", "broken.tif", "utm.csv"], 1);
     assert!(refused.contains("GeoTIFF"), "{refused}");
 }
@@ -241,23 +157,10 @@ fn the_map_of_a_survey_is_held_against_its_own_cloud() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
     super::simulated(folder);
-    let process = [
-        "process",
-        "pond.sl2",
-        "--no-objects",
-        "--products",
-        "depth",
-        "-o",
-        "out",
-    ];
+    let process = ["process", "pond.sl2", "--no-objects", "--products", "depth", "-o", "out"];
     run(folder, &process);
     // Degrees against the UTM zone that the raster names; a depth against elevations.
-    let args = [
-        "compare",
-        "out/depth/depth.tif",
-        "out/points/cloud.csv",
-        "--json",
-    ];
+    let args = ["compare", "out/depth/depth.tif", "out/points/cloud.csv", "--json"];
     let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
     assert!(found["n"].as_u64().unwrap() > 50, "{found}");
     assert!(found["median_m"].as_f64().unwrap().abs() < 0.02, "{found}");

@@ -21,8 +21,8 @@ impl Polygon {
     }
 }
 
-/// Joins pieces to closed rings. At every stop as many end as begin. Where two parts of the area touch at a corner, the ring
-/// stays in its own square, so that it never crosses itself.
+/// Joins pieces to closed rings. At every stop as many end as begin. Where two parts of the area
+/// touch at a corner, the ring stays in its own square, so that it never crosses itself.
 pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
     let mut order: Vec<usize> = (0..pieces.len()).collect();
     order.sort_unstable_by_key(|&piece| (pieces[piece].from, pieces[piece].square));
@@ -30,9 +30,8 @@ pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
     let next = |at: Stop, square: usize, used: &mut [bool]| {
         let first = order.partition_point(|&piece| pieces[piece].from < at);
         let leaving = order[first..].iter().copied();
-        let mut free = leaving
-            .take_while(|&piece| pieces[piece].from == at)
-            .filter(|&piece| !used[piece]);
+        let mut free =
+            leaving.take_while(|&piece| pieces[piece].from == at).filter(|&piece| !used[piece]);
         let same = free.clone().find(|&piece| pieces[piece].square == square);
         let chosen = same.or_else(|| free.next())?;
         used[chosen] = true;
@@ -59,8 +58,8 @@ pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
     rings
 }
 
-/// Sorts rings: counter-clockwise ones are outlines, clockwise ones holes in the smallest outline around them. Rings without
-/// area are left out.
+/// Sorts rings: counter-clockwise ones are outlines, clockwise ones holes in the smallest outline
+/// around them. Rings without area are left out.
 pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     let (mut outlines, mut holes) = (Vec::new(), Vec::new());
     for ring in rings.into_iter().filter(|ring| ring.len() > 3) {
@@ -77,23 +76,17 @@ pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     let edges: Vec<OnceCell<EdgesByRow<'_>>> = vec![OnceCell::new(); outlines.len()];
     for hole in holes {
         let box_of_hole = bounds(hole.iter().copied());
-        let owner = outlines
-            .iter()
-            .zip(&edges)
-            .position(|((_, bounds, ring), edges)| {
-                let edges = || edges.get_or_init(|| EdgesByRow::new(ring, *bounds));
-                within(box_of_hole, *bounds) && edges().surround(&hole)
-            });
+        let owner = outlines.iter().zip(&edges).position(|((_, bounds, ring), edges)| {
+            let edges = || edges.get_or_init(|| EdgesByRow::new(ring, *bounds));
+            within(box_of_hole, *bounds) && edges().surround(&hole)
+        });
         if let Some(owner) = owner {
             owned[owner].push(hole);
         }
     }
     drop(edges);
     let outlines = outlines.into_iter().map(|(_, _, outline)| outline);
-    outlines
-        .zip(owned)
-        .map(|(outline, holes)| Polygon { outline, holes })
-        .collect()
+    outlines.zip(owned).map(|(outline, holes)| Polygon { outline, holes }).collect()
 }
 
 /// Gauss's formula about the first point; positive counter-clockwise.
@@ -111,7 +104,8 @@ fn within(inner: [f64; 4], outer: [f64; 4]) -> bool {
     inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
 }
 
-/// The edges of an outline, by the rows of it that they cross: a place is compared with those of its row alone.
+/// The edges of an outline, by the rows of it that they cross: a place is compared with those of
+/// its row alone.
 #[derive(Clone)]
 struct EdgesByRow<'a> {
     outline: &'a [[f64; 2]],

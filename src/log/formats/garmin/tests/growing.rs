@@ -9,10 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
-    vec![(
-        PathBuf::from("log.rsd"),
-        Bytes::Held(Arc::new(bytes.to_vec())),
-    )]
+    vec![(PathBuf::from("log.rsd"), Bytes::Held(Arc::new(bytes.to_vec())))]
 }
 
 fn whole(bytes: &[u8]) -> Option<Survey> {
@@ -22,10 +19,7 @@ fn whole(bytes: &[u8]) -> Option<Survey> {
 fn assert_same(grown: &Survey, whole: &Survey) {
     assert_eq!(grown.side_scan.len(), whole.side_scan.len());
     for (a, b) in grown.side_scan.iter().zip(whole.side_scan.iter()) {
-        assert_eq!(
-            (a.time_s, a.port, a.starboard),
-            (b.time_s, b.port, b.starboard)
-        );
+        assert_eq!((a.time_s, a.port, a.starboard), (b.time_s, b.port, b.starboard));
         assert_eq!(a.depth_m.to_bits(), b.depth_m.to_bits());
     }
     assert_eq!(grown.soundings, whole.soundings);
@@ -102,28 +96,12 @@ fn the_levels_of_a_log_stay_when_louder_pings_come() {
     let known = whole(&bytes[..bytes.len() * 6 / 10]).expect("a log");
     let seam = known.seam().expect("a seam");
     let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
-    let grown = known
-        .extended(tail, &seam, &mut SurveyVersions::default())
-        .expect("a log");
-    let sides = grown
-        .side_scan
-        .iter()
-        .flat_map(|ping| [ping.port, ping.starboard])
-        .flatten();
-    let down = grown
-        .echograms
-        .iter()
-        .flat_map(|one| one.pings.iter().map(|ping| ping.span));
+    let grown = known.extended(tail, &seam, &mut SurveyVersions::default()).expect("a log");
+    let sides = grown.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]).flatten();
+    let down = grown.echograms.iter().flat_map(|one| one.pings.iter().map(|ping| ping.span));
     let spans: Vec<_> = sides.chain(down).collect();
     assert_eq!(spans.len(), 4 * 300);
-    assert!(
-        spans
-            .iter()
-            .all(|span| span.encoding == Encoding::U16 { shift: 0 })
-    );
+    assert!(spans.iter().all(|span| span.encoding == Encoding::U16 { shift: 0 }));
     let anew = whole(&bytes).expect("a log");
-    assert_eq!(
-        anew.echograms[0].pings[0].span.encoding,
-        Encoding::U16 { shift: 4 }
-    );
+    assert_eq!(anew.echograms[0].pings[0].span.encoding, Encoding::U16 { shift: 4 });
 }

@@ -1,4 +1,5 @@
-//! Files that lie about themselves: they are read as far as they go, and nothing panics, hangs or takes memory by a stated size.
+//! Files that lie about themselves: they are read as far as they go, and nothing panics, hangs or
+//! takes memory by a stated size.
 
 use super::{file, open, pings};
 use bathyscope_test_support::garmin::{HEADER, Ping, record, structure};
@@ -8,10 +9,8 @@ struct Random(u64);
 
 impl Random {
     fn below(&mut self, end: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % end.max(1)
     }
 }
@@ -28,10 +27,7 @@ fn assert_bounded(bytes: Vec<u8>) {
     if let Ok(survey) = open(bytes) {
         let records = survey.side_scan.len() + survey.track.fixes.len() + survey.soundings.len();
         assert!(records < length, "{records} of {length} bytes");
-        let spans = survey
-            .side_scan
-            .iter()
-            .flat_map(|ping| [ping.port, ping.starboard]);
+        let spans = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
         for span in spans.flatten() {
             assert!(span.offset + u64::from(span.count) <= length as u64);
             assert!(span.far_m.is_finite() && span.near_m >= 0.0);
@@ -76,10 +72,7 @@ fn any_bytes_may_be_wrong() {
 #[test]
 fn stated_sizes_of_four_gigabytes_are_not_believed() {
     let mut bytes = small();
-    let long = Ping {
-        has_trailer: false,
-        ..pings(1).remove(0)
-    };
+    let long = Ping { has_trailer: false, ..pings(1).remove(0) };
     let magic_field = (0, 0xB7E9_DA86_u32.to_le_bytes().to_vec());
     // Sizes of bodies; a state whose count of fields is that long.
     for fields in [
@@ -92,17 +85,10 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
         bytes.extend([1; 40]);
     }
     // Headers with a field, and with a count of fields, that long.
-    bytes.extend([
-        6, 4, 0x86, 0xDA, 0xE9, 0xB7, 0x0F, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F,
-    ]);
-    bytes.extend([
-        0xFF, 4, 0x86, 0xDA, 0xE9, 0xB7, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F,
-    ]);
+    bytes.extend([6, 4, 0x86, 0xDA, 0xE9, 0xB7, 0x0F, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
+    bytes.extend([0xFF, 4, 0x86, 0xDA, 0xE9, 0xB7, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
     // Samples, and fields of a body.
-    let stated = Ping {
-        stated_samples: Some(u32::MAX),
-        ..long.clone()
-    };
+    let stated = Ping { stated_samples: Some(u32::MAX), ..long.clone() };
     bytes.extend(stated.record());
     let mut body = long.body();
     body[0] = 0x7F;
@@ -116,11 +102,6 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
     assert_bounded(magic.iter().copied().cycle().take(1 << 20).collect());
     let tiny = [&[2][..], &magic[1..], &[4 << 3 | 1, 2, 0, 0, 0, 0, 0, 0]].concat();
     assert_bounded(tiny.iter().copied().cycle().take(1 << 20).collect());
-    let lying = [
-        &[2][..],
-        &magic[1..],
-        &[4 << 3 | 4, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0],
-    ]
-    .concat();
+    let lying = [&[2][..], &magic[1..], &[4 << 3 | 4, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0]].concat();
     assert_bounded(lying.iter().copied().cycle().take(1 << 20).collect());
 }

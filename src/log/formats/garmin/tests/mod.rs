@@ -11,22 +11,14 @@ use bathyscope_test_support::garmin::{
 };
 
 /// Traditional sonar, down-scan and a pair of sides, under numbers that units use.
-const BANDS: [Band; 4] = [
-    (2, 150_000, 240_000),
-    (4, 425_000, 485_000),
-    (5, 425_000, 485_000),
-    (6, 795_000, 805_000),
-];
+const BANDS: [Band; 4] =
+    [(2, 150_000, 240_000), (4, 425_000, 485_000), (5, 425_000, 485_000), (6, 795_000, 805_000)];
 /// Milliseconds between two pings of a channel.
 const STEP_MS: u32 = 100;
 
 /// What each channel pings, the port side first: number, beam, tilt.
-const CHANNELS: [(u32, u32, Option<f32>); 4] = [
-    (4, 2, Some(-TILT_DEG)),
-    (5, 3, Some(TILT_DEG)),
-    (2, 1, None),
-    (6, 4, None),
-];
+const CHANNELS: [(u32, u32, Option<f32>); 4] =
+    [(4, 2, Some(-TILT_DEG)), (5, 3, Some(TILT_DEG)), (2, 1, None), (6, 4, None)];
 
 /// A sample that tells its channel, its ping and its place.
 fn sample(channel: u32, ping: usize, place: usize) -> u16 {
@@ -36,26 +28,21 @@ fn sample(channel: u32, ping: usize, place: usize) -> u16 {
 /// The pings of the four channels, in the order in which they are written.
 fn pings(count: usize) -> Vec<Ping> {
     let of = |ping: usize| {
-        CHANNELS
-            .iter()
-            .enumerate()
-            .map(move |(place, &(channel, beam, tilt_deg))| Ping {
-                channel: Some(channel),
-                beam: Some(beam),
-                tilt_deg,
-                sequence: ping as u32,
-                time_ms: 500 + ping as u32 * STEP_MS + place as u32,
-                bottom_mm: Some(8_000 + ping as i32),
-                range_mm: Some(match beam {
-                    2 | 3 => [0, 40_000 + 10 * ping as i32],
-                    _ => [250, 15_000],
-                }),
-                place_deg: Some([43.125 + ping as f64 * 4e-6, -83.434 + ping as f64 * 2e-6]),
-                samples: (0..120 + 2 * beam as usize)
-                    .map(|at| sample(channel, ping, at))
-                    .collect(),
-                ..Ping::default()
-            })
+        CHANNELS.iter().enumerate().map(move |(place, &(channel, beam, tilt_deg))| Ping {
+            channel: Some(channel),
+            beam: Some(beam),
+            tilt_deg,
+            sequence: ping as u32,
+            time_ms: 500 + ping as u32 * STEP_MS + place as u32,
+            bottom_mm: Some(8_000 + ping as i32),
+            range_mm: Some(match beam {
+                2 | 3 => [0, 40_000 + 10 * ping as i32],
+                _ => [250, 15_000],
+            }),
+            place_deg: Some([43.125 + ping as f64 * 4e-6, -83.434 + ping as f64 * 2e-6]),
+            samples: (0..120 + 2 * beam as usize).map(|at| sample(channel, ping, at)).collect(),
+            ..Ping::default()
+        })
     };
     (0..count).flat_map(of).collect()
 }
@@ -64,10 +51,7 @@ fn pings(count: usize) -> Vec<Ping> {
 fn file(pings: &[Ping]) -> Vec<u8> {
     let mut bytes = header(GARMIN_S, &BANDS);
     for (channel, ..) in CHANNELS {
-        let begins = Ping {
-            channel: Some(channel),
-            ..Ping::default()
-        };
+        let begins = Ping { channel: Some(channel), ..Ping::default() };
         bytes.extend(garmin::record(&begins, &[]));
     }
     bytes.extend(pings.iter().flat_map(Ping::record));
@@ -84,11 +68,7 @@ fn read(bytes: Vec<u8>) -> Survey {
 
 fn kinds(survey: &Survey) -> Vec<(String, ChannelKind, usize)> {
     let of = |channel: &crate::survey::Channel| {
-        (
-            channel.recorder_name.clone(),
-            channel.kind,
-            channel.ping_count,
-        )
+        (channel.recorder_name.clone(), channel.kind, channel.ping_count)
     };
     survey.channels.iter().map(of).collect()
 }
@@ -101,10 +81,7 @@ fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
 }
 
 fn says(survey: &Survey, words: &str) -> bool {
-    survey
-        .warnings
-        .iter()
-        .any(|warning| warning.text.contains(words))
+    survey.warnings.iter().any(|warning| warning.text.contains(words))
 }
 
 #[test]
@@ -122,11 +99,7 @@ fn all_channels_are_read_with_depths_ranges_positions_and_times() {
     ];
     let expected = expected.map(|(name, kind)| (name.to_owned(), kind, 40));
     assert_eq!(kinds(&survey), expected);
-    let khz: Vec<_> = survey
-        .channels
-        .iter()
-        .map(|one| one.frequency_khz)
-        .collect();
+    let khz: Vec<_> = survey.channels.iter().map(|one| one.frequency_khz).collect();
     assert_eq!(khz, [Some(195.0), Some(800.0), Some(455.0), Some(455.0)]);
     assert_eq!(survey.side_scan.len(), 40);
     let ping = &survey.side_scan[7];
@@ -139,23 +112,11 @@ fn all_channels_are_read_with_depths_ranges_positions_and_times() {
     }
     assert_eq!(survey.soundings.len(), 40);
     assert_eq!(survey.sounding_channel, Some(ChannelKind::Primary));
-    let fix = survey
-        .track
-        .fixes
-        .iter()
-        .find(|fix| fix.time_s == 1.2)
-        .expect("a fix");
+    let fix = survey.track.fixes.iter().find(|fix| fix.time_s == 1.2).expect("a fix");
     assert!((fix.position.lat_deg - 43.125_028).abs() < 1e-7);
     assert!((fix.position.lon_deg + 83.433_986).abs() < 1e-7);
-    let downward: Vec<_> = survey
-        .echograms
-        .iter()
-        .map(|one| (one.kind, one.pings.len()))
-        .collect();
-    assert_eq!(
-        downward,
-        [(ChannelKind::DownScan, 40), (ChannelKind::Primary, 40)]
-    );
+    let downward: Vec<_> = survey.echograms.iter().map(|one| (one.kind, one.pings.len())).collect();
+    assert_eq!(downward, [(ChannelKind::DownScan, 40), (ChannelKind::Primary, 40)]);
     let span = survey.echograms[1].pings[3].span;
     assert_eq!((span.near_m, span.far_m, span.count), (0.25, 15.0, 122));
 }
@@ -165,9 +126,8 @@ fn samples_run_outward_on_both_sides_at_both_widths() {
     let wide = read(file(&pings(40)));
     // Twelve bits are in use: four are dropped.
     for (side, channel, count) in [(Side::Port, 4, 124), (Side::Starboard, 5, 126)] {
-        let expected: Vec<u8> = (0..count)
-            .map(|place| (sample(channel, 9, place) >> 4) as u8)
-            .collect();
+        let expected: Vec<u8> =
+            (0..count).map(|place| (sample(channel, 9, place) >> 4) as u8).collect();
         assert_eq!(outward(&wide, 9, side), expected);
     }
     let narrow = |ping: Ping| Ping {
@@ -175,24 +135,10 @@ fn samples_run_outward_on_both_sides_at_both_widths() {
         samples: ping.samples.iter().map(|sample| sample >> 4).collect(),
         ..ping
     };
-    let checked = |ping: Ping| Ping {
-        has_checksum: true,
-        ..ping
-    };
-    let shaded = |ping: Ping| Ping {
-        has_shade: true,
-        ..ping
-    };
-    let untrailed = |ping: Ping| Ping {
-        has_trailer: false,
-        ..ping
-    };
-    for change in [
-        &narrow as &dyn Fn(Ping) -> Ping,
-        &checked,
-        &shaded,
-        &untrailed,
-    ] {
+    let checked = |ping: Ping| Ping { has_checksum: true, ..ping };
+    let shaded = |ping: Ping| Ping { has_shade: true, ..ping };
+    let untrailed = |ping: Ping| Ping { has_trailer: false, ..ping };
+    for change in [&narrow as &dyn Fn(Ping) -> Ping, &checked, &shaded, &untrailed] {
         let changed: Vec<Ping> = pings(40).into_iter().map(change).collect();
         let other = read(file(&changed));
         assert_eq!(other.warnings, []);
@@ -224,11 +170,7 @@ fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
     // Nothing at all: no number in the body nor in the header, so that the beam is the number.
     let unnumbered = without(|ping| ping.channel = None);
     let named = ["beam 1", "beam 4", "beam 2", "beam 3"];
-    let names: Vec<_> = unnumbered
-        .channels
-        .iter()
-        .map(|one| one.recorder_name.as_str())
-        .collect();
+    let names: Vec<_> = unnumbered.channels.iter().map(|one| one.recorder_name.as_str()).collect();
     assert_eq!(names, named);
     assert_eq!(unnumbered.side_scan.len(), 20);
     // A file without the header's list of channels: the sound is shown as far as it goes.
@@ -240,24 +182,14 @@ fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
     plain.iter_mut().for_each(|ping| ping.beam = None);
     bytes.extend(plain.iter().flat_map(Ping::record));
     let survey = read(bytes);
-    let shown: Vec<_> = survey
-        .echograms
-        .iter()
-        .map(|one| (one.kind, one.pings.len()))
-        .collect();
-    assert_eq!(
-        shown,
-        [(ChannelKind::Secondary, 20), (ChannelKind::Primary, 20)]
-    );
+    let shown: Vec<_> = survey.echograms.iter().map(|one| (one.kind, one.pings.len())).collect();
+    assert_eq!(shown, [(ChannelKind::Secondary, 20), (ChannelKind::Primary, 20)]);
 }
 
 /// The same pings once more as channels with numbers that are higher by ten, `later_ms` later.
 fn with_second_pair(count: usize, later_ms: u32) -> Vec<Ping> {
     let first = pings(count);
-    let second = first
-        .iter()
-        .filter(|ping| matches!(ping.beam, Some(2 | 3)))
-        .cloned();
+    let second = first.iter().filter(|ping| matches!(ping.beam, Some(2 | 3))).cloned();
     let second = second.map(|ping| Ping {
         channel: ping.channel.map(|channel| channel + 10),
         time_ms: ping.time_ms + later_ms,
@@ -272,10 +204,7 @@ fn with_second_pair(count: usize, later_ms: u32) -> Vec<Ping> {
 fn of_two_pairs_at_once_one_is_shown_and_of_two_in_turn_both() {
     let at_once = read(file(&with_second_pair(60, 4)));
     assert_eq!(at_once.side_scan.len(), 60);
-    assert!(says(
-        &at_once,
-        "channel 14 (side-scan port) was recorded at the same time"
-    ));
+    assert!(says(&at_once, "channel 14 (side-scan port) was recorded at the same time"));
     assert!(kinds(&at_once).contains(&("15".to_owned(), ChannelKind::Other(15), 60)));
     let in_turn = read(file(&with_second_pair(60, 60 * STEP_MS)));
     assert_eq!(in_turn.side_scan.len(), 120);
@@ -316,10 +245,7 @@ fn what_is_missing_is_missing_and_the_sound_is_read() {
     assert_eq!((survey.side_scan.len(), survey.soundings.len()), (10, 0));
     assert!(survey.side_scan[1].port.is_none() && survey.side_scan[2].starboard.is_none());
     assert!(says(&survey, "has 124 samples over no range that can be"));
-    assert!(says(
-        &survey,
-        "says that it has 4294967295 samples, which do not lie in its record"
-    ));
+    assert!(says(&survey, "says that it has 4294967295 samples, which do not lie in its record"));
     let lost = [i32::MIN as f64 * 360.0 / 4_294_967_296.0; 2];
     let mut some = pings(10);
     some.iter_mut().for_each(|ping| ping.place_deg = Some(lost));
@@ -344,7 +270,8 @@ fn damage_is_named_with_its_place_and_the_rest_is_read() {
     assert!(says(&torn, "33 bytes belong to no record"));
     assert_eq!(torn.side_scan.len(), 20);
 
-    // The size of the body: field 4 with its two bytes, and the header's field 5 and checksum before the body.
+    // The size of the body: field 4 with its two bytes, and the header's field 5 and checksum
+    // before the body.
     let mut grown = whole.clone();
     let size_at = at(9) + records[9].len() - 12 - some[9].body().len() - 4 - 5 - 2;
     assert_eq!(grown[size_at - 1], 4 << 3 | 2);
@@ -352,10 +279,7 @@ fn damage_is_named_with_its_place_and_the_rest_is_read() {
     let grown = read(grown);
     assert_eq!(places(&grown), [(0, at(9) as u64)]);
     assert!(says(&grown, "but the next begins after"));
-    let sides = grown
-        .side_scan
-        .iter()
-        .map(|ping| [ping.port, ping.starboard]);
+    let sides = grown.side_scan.iter().map(|ping| [ping.port, ping.starboard]);
     assert_eq!(sides.flatten().flatten().count(), 39);
 
     let cut = read(whole[..whole.len() - 30].to_vec());

@@ -1,10 +1,12 @@
-//! Cloud Optimized Point Clouds (COPC 1.0, <https://copc.io>): LAZ 1.4 whose chunks are the nodes of an octree, with a table of where each
-//! lies, so that a map program reads as much of it as it shows, from a disk or over the network. Any reader of LAZ reads it as LAZ.
+//! Cloud Optimized Point Clouds (COPC 1.0, <https://copc.io>): LAZ 1.4 whose chunks are the nodes
+//! of an octree, with a table of where each lies, so that a map program reads as much of it as it
+//! shows, from a disk or over the network. Any reader of LAZ reads it as LAZ.
 //!
 //! In: points in the layout of LAS. Out: a COPC file.
 //! It uses nothing outside `formats`.
 //!
-//! `copc-rs` draws the points of a node by chance, so that no two files are the same, and brings other versions of `las` and `laz`.
+//! `copc-rs` draws the points of a node by chance, so that no two files are the same, and brings
+//! other versions of `las` and `laz`.
 
 mod octree;
 
@@ -35,7 +37,8 @@ pub(super) fn is_named_copc(path: &Path) -> bool {
     name.to_lowercase().ends_with(".copc.laz")
 }
 
-/// Takes the records off a header that say how points were packed and where they lay, which a writer finds out anew.
+/// Takes the records off a header that say how points were packed and where they lay, which a
+/// writer finds out anew.
 pub(super) fn remove_packing(header: &mut Builder) {
     let says_else = |record: &Vlr| {
         let is_of_copc = record.user_id == USER && [INFO, HIERARCHY].contains(&record.record_id);
@@ -45,17 +48,15 @@ pub(super) fn remove_packing(header: &mut Builder) {
     header.evlrs.retain(says_else);
 }
 
-/// Writes points into a file that is open for it. The header gives what all points have in common and its records; counts, bounds and
-/// packing are found out.
+/// Writes points into a file that is open for it. The header gives what all points have in common
+/// and its records; counts, bounds and packing are found out.
 ///
 /// # Errors
-/// What the system says, or that COPC holds no points of such a format: it holds formats 6 to 8 of LAS 1.4.
+/// What the system says, or that COPC holds no points of such a format: it holds formats 6 to 8 of
+/// LAS 1.4.
 pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<()> {
     let format = points.format();
-    let (number, extra) = (
-        format.to_u8().map_err(io::Error::other)? & 0x3f,
-        format.extra_bytes,
-    );
+    let (number, extra) = (format.to_u8().map_err(io::Error::other)? & 0x3f, format.extra_bytes);
     if !(6..=8).contains(&number) {
         return Err(io::Error::other(format!(
             "COPC holds points of the LAS formats 6 to 8, and these have format {number}; write .laz"
@@ -78,21 +79,15 @@ pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<
     write_header(&mut out, &header, None)?;
     let table = write_chunks(&mut out, &packing, &nodes, points)?;
     let first = out.stream_position()?;
-    let hierarchy = record(
-        HIERARCHY,
-        "EPT Hierarchy",
-        hierarchy(&header, &nodes, &table)?,
-    );
+    let hierarchy = record(HIERARCHY, "EPT Hierarchy", hierarchy(&header, &nodes, &table)?);
     let evlrs = std::iter::once(&hierarchy).chain(header.evlrs());
     for one in evlrs {
         let raw = one.clone().into_raw(true).map_err(io::Error::other)?;
         raw.write_to(&mut out).map_err(io::Error::other)?;
     }
     // The record's own header comes first.
-    let pages = [
-        first + (hierarchy.len(true) - hierarchy.data.len()) as u64,
-        hierarchy.data.len() as u64,
-    ];
+    let pages =
+        [first + (hierarchy.len(true) - hierarchy.data.len()) as u64, hierarchy.data.len() as u64];
     let mut builder = Builder::from(header);
     if let Some(info) = builder.vlrs.first_mut() {
         info.data = cube.info(pages, points);
@@ -104,15 +99,11 @@ pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<
 }
 
 fn record(number: u16, description: &str, data: Vec<u8>) -> Vlr {
-    Vlr {
-        user_id: USER.to_owned(),
-        record_id: number,
-        description: description.to_owned(),
-        data,
-    }
+    Vlr { user_id: USER.to_owned(), record_id: number, description: description.to_owned(), data }
 }
 
-/// The header with the records of the packing at the front, the first of them still empty, and counts and bounds of the points.
+/// The header with the records of the packing at the front, the first of them still empty, and
+/// counts and bounds of the points.
 fn with_packing(header: Header, packing: &LazVlr, points: &PointData) -> io::Result<Header> {
     let mut builder = Builder::from(header);
     builder.point_format = *points.format();
@@ -149,7 +140,8 @@ fn write_header(out: &mut impl Write, header: &Header, evlrs: Option<u64>) -> io
     out.write_all(header.vlr_padding())
 }
 
-/// Writes the points node by node, and behind them the table of the chunks, whose place stands before them. Gives back the table.
+/// Writes the points node by node, and behind them the table of the chunks, whose place stands
+/// before them. Gives back the table.
 fn write_chunks(
     out: &mut BufWriter<File>,
     packing: &LazVlr,
@@ -187,9 +179,7 @@ fn packed(packing: &LazVlr, node: &OctreeNode, points: &PointData) -> io::Result
     }
     let (records, length) = (points.raw_bytes(), points.record_len());
     let mut compressor = LayeredPointRecordCompressor::new(Vec::new());
-    compressor
-        .set_fields_from(packing.items())
-        .map_err(io::Error::other)?;
+    compressor.set_fields_from(packing.items()).map_err(io::Error::other)?;
     for &point in &node.points {
         compressor.compress_next(&records[point * length..(point + 1) * length])?;
     }
@@ -197,7 +187,8 @@ fn packed(packing: &LazVlr, node: &OctreeNode, points: &PointData) -> io::Result
     Ok(compressor.into_inner())
 }
 
-/// The table of the nodes: level, cell, where its chunk begins, how long it is and how many points it holds.
+/// The table of the nodes: level, cell, where its chunk begins, how long it is and how many points
+/// it holds.
 fn hierarchy(
     header: &Header,
     nodes: &[OctreeNode],
@@ -228,7 +219,8 @@ struct Cube {
 }
 
 impl Cube {
-    /// A little larger than the bounds, so that no point lies on its sides; of one place, as large as a step of the coordinates.
+    /// A little larger than the bounds, so that no point lies on its sides; of one place, as large
+    /// as a step of the coordinates.
     fn around(bounds: &Bounds, step: f64) -> Self {
         let array = |at: Vector<f64>| [at.x, at.y, at.z];
         let (least, most) = (array(bounds.min), array(bounds.max));
@@ -237,11 +229,7 @@ impl Cube {
         let sides = [0, 1, 2].map(|axis| most[axis] - least[axis]);
         let longest = sides.into_iter().fold(step, f64::max);
         Self {
-            centre: if is_empty {
-                [0.0; 3]
-            } else {
-                [0, 1, 2].map(middle)
-            },
+            centre: if is_empty { [0.0; 3] } else { [0, 1, 2].map(middle) },
             half: 0.5 * (1.0 + 1e-6) * longest,
         }
     }
@@ -251,27 +239,23 @@ impl Cube {
         [0, 1, 2].map(|axis| octree::on_lattice(share(axis)))
     }
 
-    /// The record: centre, half the side, distance of the points in the root, place and length of the table of the nodes, first and last
-    /// time; the rest is reserved.
+    /// The record: centre, half the side, distance of the points in the root, place and length of
+    /// the table of the nodes, first and last time; the rest is reserved.
     fn info(&self, pages: [u64; 2], points: &PointData) -> Vec<u8> {
         let spacing = 2.0 * self.half / f64::from(octree::GRID);
         let mut bytes = Vec::with_capacity(INFO_LENGTH);
         for number in self.centre.into_iter().chain([self.half, spacing]) {
             bytes.extend(number.to_le_bytes());
         }
-        pages
-            .iter()
-            .for_each(|number| bytes.extend(number.to_le_bytes()));
+        pages.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         let times = || points.gps_time().into_iter().flatten();
         let ends = match points.is_empty() {
             true => [0.0; 2],
-            false => [
-                times().fold(f64::INFINITY, f64::min),
-                times().fold(f64::NEG_INFINITY, f64::max),
-            ],
+            false => {
+                [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)]
+            }
         };
-        ends.iter()
-            .for_each(|time| bytes.extend(time.to_le_bytes()));
+        ends.iter().for_each(|time| bytes.extend(time.to_le_bytes()));
         bytes.resize(INFO_LENGTH, 0);
         bytes
     }
@@ -288,15 +272,8 @@ mod tests {
     fn header(format: u8) -> Header {
         let mut builder = Builder::from((1, 4));
         builder.point_format = Format::new(format).unwrap();
-        let millimetres = Transform {
-            scale: 0.001,
-            offset: 0.0,
-        };
-        builder.transforms = Vector {
-            x: millimetres,
-            y: millimetres,
-            z: millimetres,
-        };
+        let millimetres = Transform { scale: 0.001, offset: 0.0 };
+        builder.transforms = Vector { x: millimetres, y: millimetres, z: millimetres };
         builder.into_header().unwrap()
     }
 
@@ -304,12 +281,7 @@ mod tests {
     fn bed(side: usize) -> Vec<Point> {
         let point = |index: usize| {
             let [x, y] = [index % side, index / side].map(|at| 0.25 * at as f64);
-            let mut point = Point {
-                x,
-                y,
-                z: (-x / 32.0 * 1e3).round() / 1e3,
-                ..Point::default()
-            };
+            let mut point = Point { x, y, z: (-x / 32.0 * 1e3).round() / 1e3, ..Point::default() };
             point.gps_time = Some(index as f64);
             point.return_number = 1;
             point
@@ -319,9 +291,7 @@ mod tests {
 
     fn write(path: &Path, points: Vec<Point>) -> io::Result<()> {
         let header = header(6);
-        let points = PointDataBuilder::new()
-            .for_header(&header)
-            .build_from_points(points);
+        let points = PointDataBuilder::new().for_header(&header).build_from_points(points);
         write_copc(File::create(path)?, header, &points.unwrap())
     }
 
@@ -338,51 +308,25 @@ mod tests {
             times
         };
         let all: Vec<u64> = (0..points.len() as u64).collect();
-        let plain = Reader::from_path(&path)
-            .unwrap()
-            .read_points(u64::MAX)
-            .unwrap();
+        let plain = Reader::from_path(&path).unwrap().read_points(u64::MAX).unwrap();
         assert_eq!(times(&plain), all);
         let mut reader = CopcReader::from_path(&path).unwrap();
-        let every = reader
-            .query(LodSelection::All, BoundsSelection::All)
-            .unwrap();
+        let every = reader.query(LodSelection::All, BoundsSelection::All).unwrap();
         assert_eq!(times(&every), all);
         // 128 cells of 100 m: a point in each cell of 0.78 m, and twice as near on the next level.
-        let coarse = reader
-            .query(LodSelection::Level(0), BoundsSelection::All)
-            .unwrap();
+        let coarse = reader.query(LodSelection::Level(0), BoundsSelection::All).unwrap();
         assert_eq!(coarse.len(), 128 * 128);
-        let finer = reader
-            .query(LodSelection::LevelMinMax(0, 2), BoundsSelection::All)
-            .unwrap();
-        assert!(
-            (3 * coarse.len()..6 * coarse.len()).contains(&finer.len()),
-            "{}",
-            finer.len()
-        );
+        let finer = reader.query(LodSelection::LevelMinMax(0, 2), BoundsSelection::All).unwrap();
+        assert!((3 * coarse.len()..6 * coarse.len()).contains(&finer.len()), "{}", finer.len());
         let bounds = Bounds {
-            min: Vector {
-                x: 10.0,
-                y: 20.0,
-                z: -9.0,
-            },
-            max: Vector {
-                x: 12.0,
-                y: 21.0,
-                z: 0.0,
-            },
+            min: Vector { x: 10.0, y: 20.0, z: -9.0 },
+            max: Vector { x: 12.0, y: 21.0, z: 0.0 },
         };
-        let within = reader
-            .query(LodSelection::All, BoundsSelection::Within(bounds))
-            .unwrap();
+        let within = reader.query(LodSelection::All, BoundsSelection::Within(bounds)).unwrap();
         assert_eq!(within.len(), 9 * 5);
         let header = Reader::from_path(&path).unwrap().header().clone();
         let info = header.copc_info_vlr().unwrap();
-        assert_eq!(
-            [info.gpstime_minimum, info.gpstime_maximum],
-            [0.0, (points.len() - 1) as f64]
-        );
+        assert_eq!([info.gpstime_minimum, info.gpstime_maximum], [0.0, (points.len() - 1) as f64]);
         assert_eq!(header.number_of_points(), points.len() as u64);
         for entry in reader.hierarchy_entries().collect::<Vec<_>>() {
             let bounds = entry.key.bounds(&info);
@@ -398,40 +342,18 @@ mod tests {
     fn one_point_many_in_one_place_and_none_are_files_too() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("few.copc.laz");
-        let at = Point {
-            x: 5e5,
-            y: 4e6,
-            z: -2.5,
-            gps_time: Some(7.0),
-            ..Point::default()
-        };
+        let at = Point { x: 5e5, y: 4e6, z: -2.5, gps_time: Some(7.0), ..Point::default() };
         for count in [0, 1, 40_000] {
             // The second writing gives the same bytes.
             let bytes = [0, 1].map(|_| {
-                write(
-                    &path,
-                    vec![
-                        Point {
-                            x: 5e2,
-                            y: 4e2,
-                            ..at.clone()
-                        };
-                        count
-                    ],
-                )
-                .unwrap();
+                write(&path, vec![Point { x: 5e2, y: 4e2, ..at.clone() }; count]).unwrap();
                 std::fs::read(&path).unwrap()
             });
             assert_eq!(bytes[0], bytes[1]);
             let mut reader = CopcReader::from_path(&path).unwrap();
-            let read = reader
-                .query(LodSelection::All, BoundsSelection::All)
-                .unwrap();
+            let read = reader.query(LodSelection::All, BoundsSelection::All).unwrap();
             assert_eq!(read.len(), count);
-            let plain = Reader::from_path(&path)
-                .unwrap()
-                .read_points(u64::MAX)
-                .unwrap();
+            let plain = Reader::from_path(&path).unwrap().read_points(u64::MAX).unwrap();
             assert_eq!(plain.len(), count);
         }
     }

@@ -1,10 +1,12 @@
-//! Which points of a cloud a node of its octree holds: those near the root are few and far apart, each level below halves the distance.
+//! Which points of a cloud a node of its octree holds: those near the root are few and far apart,
+//! each level below halves the distance.
 
 use std::collections::VecDeque;
 
 /// Bits of a coordinate within the root.
 const BITS: u32 = 24;
-/// A node keeps one point of each cell of a grid of 128 by 128 by 128, so that the points of a level are evenly spread.
+/// A node keeps one point of each cell of a grid of 128 by 128 by 128, so that the points of a
+/// level are evenly spread.
 const GRID_BITS: u32 = 7;
 /// Cells along a side of a node.
 pub(super) const GRID: u32 = 1 << GRID_BITS;
@@ -30,8 +32,8 @@ pub(super) fn on_lattice(share: f64) -> u32 {
     ((share * f64::from(1 << BITS)) as u32).min((1 << BITS) - 1)
 }
 
-/// The nodes over points on the lattice, each level after the one above it. Every point is in one node, and every node but the root of
-/// no points holds some.
+/// The nodes over points on the lattice, each level after the one above it. Every point is in one
+/// node, and every node but the root of no points holds some.
 pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
     let mut nodes = Vec::new();
     let mut taken = vec![0_u64; 1 << (3 * GRID_BITS - 6)];
@@ -79,10 +81,7 @@ fn split(
             below[octant as usize].points.push(point);
         }
     }
-    let node = OctreeNode {
-        points: kept,
-        ..node
-    };
+    let node = OctreeNode { points: kept, ..node };
     (node, below)
 }
 
@@ -100,12 +99,12 @@ mod tests {
 
     #[test]
     fn a_level_halves_the_distance_and_no_point_is_lost() {
-        // An even bed of 512 by 512 points: 128 by 128 in the root, 256 by 256 on the next level, the rest below.
+        // An even bed of 512 by 512 points: 128 by 128 in the root, 256 by 256 on the next level,
+        // the rest below.
         let side = 512;
         let step = (1 << BITS) / side;
-        let places: Vec<[u32; 3]> = (0..side * side)
-            .map(|index| [index % side * step, index / side * step, 0])
-            .collect();
+        let places: Vec<[u32; 3]> =
+            (0..side * side).map(|index| [index % side * step, index / side * step, 0]).collect();
         let nodes = nodes(&places);
         let of_level = |level: u32| nodes.iter().filter(move |node| node.level == level);
         let count = |level: u32| of_level(level).map(|node| node.points.len()).sum::<usize>();
@@ -116,12 +115,7 @@ mod tests {
         for node in &nodes {
             let inside =
                 |point: &usize| places[*point].map(|at| at >> (BITS - node.level)) == node.cell;
-            assert!(
-                node.points.iter().all(inside),
-                "{} {:?}",
-                node.level,
-                node.cell
-            );
+            assert!(node.points.iter().all(inside), "{} {:?}", node.level, node.cell);
             assert!(node.points.is_sorted() && !node.points.is_empty());
         }
     }

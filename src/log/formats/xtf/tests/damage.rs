@@ -37,11 +37,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
         },
         ..Xtf::default()
     };
-    let sent = Xtf {
-        ping: |_, _| (),
-        before: raw_navigation,
-        ..Xtf::default()
-    };
+    let sent = Xtf { ping: |_, _| (), before: raw_navigation, ..Xtf::default() };
     let floating = Xtf {
         stored: (4, 5, true),
         sample: |ping, sample| ((ping * sample) as f32).to_le_bytes().to_vec(),
@@ -66,11 +62,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
                 let sides = pings.flat_map(|pings| pings.iter());
                 sides
                     .map(|ping| {
-                        (
-                            ping.time_s,
-                            ping.depth_m.to_bits(),
-                            ping.port.map(|one| one.offset),
-                        )
+                        (ping.time_s, ping.depth_m.to_bits(), ping.port.map(|one| one.offset))
                     })
                     .collect()
             };
@@ -126,7 +118,8 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
             looked_at(small[..length].to_vec());
         }
         let mut random = Random(20_210_605);
-        // Samples are of no interest: the headers lie in the first bytes and at the beginning of packets.
+        // Samples are of no interest: the headers lie in the first bytes and at the beginning of
+        // packets.
         let starts: Vec<usize> = (0..small.len() - 1)
             .filter(|&at| at < 512 || small[at..].starts_with(&[0xCE, 0xFA]))
             .collect();

@@ -41,9 +41,7 @@ fn value(sample: usize) -> u32 {
 }
 
 fn expected() -> Vec<u8> {
-    (0..SAMPLES)
-        .map(|sample| (value(sample) >> 4) as u8)
-        .collect()
+    (0..SAMPLES).map(|sample| (value(sample) >> 4) as u8).collect()
 }
 
 impl Default for Xtf {
@@ -70,12 +68,7 @@ fn latitude(index: usize) -> f64 {
 
 /// A packet header of a record of so many bytes.
 fn packet(kind: u8, size: usize) -> PacketHeader {
-    PacketHeader {
-        magic: 0xFACE,
-        kind,
-        size: size as u32,
-        ..PacketHeader::zeroed()
-    }
+    PacketHeader { magic: 0xFACE, kind, size: size as u32, ..PacketHeader::zeroed() }
 }
 
 /// The time of a ping, and the hundredths of its second.
@@ -126,10 +119,7 @@ fn ping(file: &Xtf, index: usize) -> Vec<u8> {
     let size = size_of::<PingHeader>() + file.channels.len() * side_len;
     let (time, hundredths) = time(index);
     let mut header = PingHeader {
-        packet: PacketHeader {
-            channels: file.channels.len() as u16,
-            ..packet(0, size)
-        },
+        packet: PacketHeader { channels: file.channels.len() as u16, ..packet(0, size) },
         year: time.year,
         month: time.month,
         day: time.day,
@@ -152,11 +142,7 @@ fn ping(file: &Xtf, index: usize) -> Vec<u8> {
         bytes.extend(bytes_of(&side));
         for sample in 0..SAMPLES {
             // Port lies from far to near.
-            let sample = if *kind == 1 {
-                SAMPLES - 1 - sample
-            } else {
-                sample
-            };
+            let sample = if *kind == 1 { SAMPLES - 1 - sample } else { sample };
             bytes.extend((file.sample)(index, sample));
         }
     }

@@ -10,7 +10,8 @@ const BEAMS: usize = 101;
 /// Depth of a flat bottom below the sonar, metres.
 const DEPTH_M: f64 = 12.0;
 
-/// A datagram 0x13 of a flat bottom: 1.5 degrees a beam, 15 000 samples a second, 1500 m/s. The first beam is bad.
+/// A datagram 0x13 of a flat bottom: 1.5 degrees a beam, 15 000 samples a second, 1500 m/s. The
+/// first beam is bad.
 fn datagram(roll_deg: f64) -> Vec<u8> {
     let mut bytes = vec![0; 36];
     let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
@@ -54,10 +55,7 @@ fn bathymetry(index: usize) -> Vec<u8> {
 fn beams_become_depths_across_the_track() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("line.xtf");
-    let file = Xtf {
-        before: bathymetry,
-        ..Xtf::default()
-    };
+    let file = Xtf { before: bathymetry, ..Xtf::default() };
     std::fs::write(&path, written(&file)).expect("a file");
     let read = read_multibeam(&path, &Progress::new()).expect("points");
     assert_eq!((read.plane, read.blank), (PointPlane::Degrees, 0));
@@ -69,23 +67,14 @@ fn beams_become_depths_across_the_track() {
         // East is ahead, so that starboard is south.
         let [east_m, north_m] = frame.to_enu(LonLat::new(lon_deg, lat_deg));
         let right_m = DEPTH_M * angle_rad.tan();
-        assert!(
-            east_m.abs() < 1e-6 && (north_m + right_m).abs() < 0.12,
-            "{index}"
-        );
+        assert!(east_m.abs() < 1e-6 && (north_m + right_m).abs() < 0.12, "{index}");
     }
     // Its side-scan is what is read otherwise; a file without beams has no points.
     let survey = read_survey(&written(&file));
-    assert!(says(
-        &survey,
-        "40 bathymetry (type 2) packets that are no side-scan pings"
-    ));
+    assert!(says(&survey, "40 bathymetry (type 2) packets that are no side-scan pings"));
     std::fs::write(&path, written(&Xtf::default())).expect("a file");
     let error = read_multibeam(&path, &Progress::new()).expect_err("no beams");
-    assert!(
-        error.to_string().contains("no beams of a Reson SeaBat"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("no beams of a Reson SeaBat"), "{error}");
 }
 
 fn read_survey(bytes: &[u8]) -> Survey {

@@ -26,14 +26,8 @@ fn one_of_two_frequencies_is_shown_and_the_other_can_be_chosen() {
     let high = survey.clone().with_frequency(380.0);
     assert_eq!(far_m(&high), Some(50.0));
     assert_eq!(high.side_scan[9].depth_m, 7.5);
-    assert!(says(
-        &high,
-        "400 kHz, 2 is shown; set source.frequency_khz to show 100 kHz, 0"
-    ));
-    assert_eq!(
-        survey.clone().with_frequency(120.0).side_scan,
-        survey.side_scan
-    );
+    assert!(says(&high, "400 kHz, 2 is shown; set source.frequency_khz to show 100 kHz, 0"));
+    assert_eq!(survey.clone().with_frequency(120.0).side_scan, survey.side_scan);
     // Nothing to choose from.
     let one = read(&Xtf::default());
     assert!(one.pairs.is_empty() && !says(&one, "source.frequency_khz"));

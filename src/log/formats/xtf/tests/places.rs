@@ -33,15 +33,9 @@ fn the_ships_position_is_moved_back_by_the_layback() {
             (ping.sensor_heading_deg, ping.ship_gyro_deg) = (0.0, 90.0);
         },
     ] {
-        let survey = read(&Xtf {
-            ping,
-            ..Xtf::default()
-        });
+        let survey = read(&Xtf { ping, ..Xtf::default() });
         assert_near(from_ship(&survey, 5), [-12.0, 0.0]);
-        assert!(says(
-            &survey,
-            "40 positions are the ship's and were moved to the sonar"
-        ));
+        assert!(says(&survey, "40 positions are the ship's and were moved to the sonar"));
         assert!(says(&survey, "by the stated layback of 12.0 m; mounting"));
     }
     // With the antenna 3 m before and 1 m to port of the reference point.
@@ -87,10 +81,7 @@ fn a_position_of_the_sonars_own_stays() {
         ..Xtf::default()
     });
     assert_near(from_ship(&survey, 5), [-12.0, 0.0]);
-    assert!(says(
-        &survey,
-        "40 pings state a layback that was not applied"
-    ));
+    assert!(says(&survey, "40 pings state a layback that was not applied"));
 }
 
 #[test]
@@ -141,10 +132,7 @@ fn navigation_packets_stand_in_for_pings_without_positions() {
     assert!((fix.compass_rad.to_degrees() - 45.0).abs() < 1e-4);
     assert!(says(&survey, "40 positions of navigation packets stand in"));
     // Those of the pings come first where they are good.
-    let survey = read(&Xtf {
-        before: raw_navigation,
-        ..Xtf::default()
-    });
+    let survey = read(&Xtf { before: raw_navigation, ..Xtf::default() });
     assert_eq!(survey.track.fixes.len(), 40);
     assert_near(from_ship(&survey, 7), [0.0, 0.0]);
     assert!(!says(&survey, "stand in") && !says(&survey, "skipped"));
@@ -182,9 +170,7 @@ fn old_positions_of_pings_give_way_to_those_of_packets() {
     });
     let fixes = &survey.track.fixes;
     let frame = LocalFrame::new(START);
-    let norths = fixes
-        .iter()
-        .map(|fix| (fix.time_s, frame.to_enu(fix.position)[1]));
+    let norths = fixes.iter().map(|fix| (fix.time_s, frame.to_enu(fix.position)[1]));
     let per_second_m = frame.to_enu(LonLat::new(START.lon_deg, latitude(10)))[1];
     for (time_s, north_m) in norths {
         let off_m = (north_m - per_second_m * time_s).abs();
@@ -224,11 +210,7 @@ fn headings_come_from_other_packets_where_pings_have_none() {
         .to_vec()
     };
     for before in [gyro as fn(usize) -> Vec<u8>, attitude] {
-        let survey = read(&Xtf {
-            ping: nothing_but_position,
-            before,
-            ..Xtf::default()
-        });
+        let survey = read(&Xtf { ping: nothing_but_position, before, ..Xtf::default() });
         let heading_deg = survey.track.fixes[12].compass_rad.to_degrees();
         assert!((heading_deg - 42.0).abs() < 1e-4, "{heading_deg}");
         assert!(says(&survey, "40 pings have the heading of other packets"));

@@ -12,50 +12,28 @@ fn every_format_of_samples_shows_the_same_picture() {
     type Sample = fn(usize, usize) -> Vec<u8>;
     let cases: [((u16, u8, bool), Sample); 8] = [
         ((1, 0, true), |_, sample| vec![(value(sample) >> 4) as u8]),
-        ((2, 0, false), |_, sample| {
-            (value(sample) as u16).to_le_bytes().to_vec()
-        }),
+        ((2, 0, false), |_, sample| (value(sample) as u16).to_le_bytes().to_vec()),
         ((2, 3, false), |_, sample| {
             let value = value(sample) as i16;
-            let signed = if sample.is_multiple_of(2) {
-                value
-            } else {
-                -value
-            };
+            let signed = if sample.is_multiple_of(2) { value } else { -value };
             signed.to_le_bytes().to_vec()
         }),
-        ((4, 0, true), |_, sample| {
-            (value(sample) << 9).to_le_bytes().to_vec()
-        }),
+        ((4, 0, true), |_, sample| (value(sample) << 9).to_le_bytes().to_vec()),
         ((4, 2, false), |_, sample| {
             let value = (value(sample) << 9) as i32;
-            let signed = if sample.is_multiple_of(2) {
-                value
-            } else {
-                -value
-            };
+            let signed = if sample.is_multiple_of(2) { value } else { -value };
             signed.to_le_bytes().to_vec()
         }),
         ((4, 5, false), |_, sample| {
             let value = value(sample) as f32 / 4096.0;
-            let signed = if sample.is_multiple_of(2) {
-                value
-            } else {
-                -value
-            };
+            let signed = if sample.is_multiple_of(2) { value } else { -value };
             signed.to_le_bytes().to_vec()
         }),
-        ((4, 0, true), |_, sample| {
-            (value(sample) as f32 * 0.01).to_le_bytes().to_vec()
-        }),
+        ((4, 0, true), |_, sample| (value(sample) as f32 * 0.01).to_le_bytes().to_vec()),
         ((4, 1, true), |_, sample| ibm(value(sample))),
     ];
     for (stored, sample) in cases {
-        let survey = read(&Xtf {
-            stored,
-            sample,
-            ..Xtf::default()
-        });
+        let survey = read(&Xtf { stored, sample, ..Xtf::default() });
         let shown = [Side::Port, Side::Starboard].map(|side| outward(&survey, 7, side));
         let expected = match stored {
             // 39.8 as the highest takes 6 bits.
@@ -79,15 +57,8 @@ fn samples_that_are_no_numbers_or_not_read_end_nothing() {
         },
         ..Xtf::default()
     });
-    assert_eq!(
-        outward(&survey, 0, Side::Starboard)[..4],
-        [0, 255, 255, 128]
-    );
-    let survey = read(&Xtf {
-        stored: (8, 0, true),
-        sample: |_, _| vec![0; 8],
-        ..Xtf::default()
-    });
+    assert_eq!(outward(&survey, 0, Side::Starboard)[..4], [0, 255, 255, 128]);
+    let survey = read(&Xtf { stored: (8, 0, true), sample: |_, _| vec![0; 8], ..Xtf::default() });
     assert!(says(&survey, "80 pings hold samples of 8 bytes (format 0)"));
     assert!(survey.side_scan.is_empty());
 }
@@ -96,11 +67,7 @@ fn samples_that_are_no_numbers_or_not_read_end_nothing() {
 fn the_weights_of_edgetech_put_all_pings_on_one_scale() {
     let file = Xtf {
         header: |header| header.sonar_type = 38,
-        sample: |ping, sample| {
-            ((value(sample) << (ping % 4)) as u16)
-                .to_le_bytes()
-                .to_vec()
-        },
+        sample: |ping, sample| ((value(sample) << (ping % 4)) as u16).to_le_bytes().to_vec(),
         side: |index, side| {
             side.slant_range_m = 25.0;
             side.weight = (index % 4) as i16;
@@ -112,14 +79,8 @@ fn the_weights_of_edgetech_put_all_pings_on_one_scale() {
         assert_eq!(outward(&survey, ping, Side::Port), expected(), "{ping}");
     }
     // The samples of other sonars have none.
-    let survey = read(&Xtf {
-        header: |_| (),
-        ..file
-    });
-    assert_ne!(
-        outward(&survey, 0, Side::Port),
-        outward(&survey, 1, Side::Port)
-    );
+    let survey = read(&Xtf { header: |_| (), ..file });
+    assert_ne!(outward(&survey, 0, Side::Port), outward(&survey, 1, Side::Port));
 }
 
 #[test]
@@ -129,25 +90,14 @@ fn a_range_that_is_not_stated_comes_from_time_and_speed_of_sound() {
     let cases: [(Ping, f32, bool); 4] = [
         (|_, ping| ping.sound_velocity_mps = 740.0, 29.6, false),
         (|_, ping| ping.sound_velocity_mps = 1480.0, 29.6, false),
-        (
-            |_, ping| ping.computed_sound_velocity_mps = 1490.0,
-            29.8,
-            false,
-        ),
+        (|_, ping| ping.computed_sound_velocity_mps = 1490.0, 29.8, false),
         (|_, ping| ping.sound_velocity_mps = f32::NAN, 30.0, true),
     ];
     for (ping, far_m, is_assumed) in cases {
-        let survey = read(&Xtf {
-            ping,
-            side: without_range,
-            ..Xtf::default()
-        });
+        let survey = read(&Xtf { ping, side: without_range, ..Xtf::default() });
         let span = survey.side_scan[3].port.expect("a side");
         assert!((span.far_m - far_m).abs() < 1e-4, "{}", span.far_m);
-        assert_eq!(
-            says(&survey, "neither a range nor a speed of sound"),
-            is_assumed
-        );
+        assert_eq!(says(&survey, "neither a range nor a speed of sound"), is_assumed);
     }
     let survey = read(&Xtf {
         ping: |_, ping| ping.sound_velocity_mps = 750.0,

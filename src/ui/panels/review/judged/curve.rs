@@ -99,9 +99,7 @@ fn shares(painter: &Painter, rect: Rect) -> PlotAxes {
     let axis = |name: &str| Axis {
         name: name.to_owned(),
         ends: [0.0, 1.0],
-        ticks: [0.0, 0.5, 1.0]
-            .map(|share| (share, share.to_string()))
-            .to_vec(),
+        ticks: [0.0, 0.5, 1.0].map(|share| (share, share.to_string())).to_vec(),
     };
     PlotAxes::new(painter, rect, axis("recall"), axis("precision"))
 }
@@ -149,17 +147,8 @@ mod tests {
     #[test]
     fn a_click_takes_the_nearest_point_of_the_curve() {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(WIDTH, HEIGHT));
-        let point = |score, recall, precision| CurvePoint {
-            score,
-            precision,
-            recall,
-            f1: 0.0,
-        };
-        let curve = [
-            point(0.9, 0.2, 1.0),
-            point(0.5, 0.8, 0.9),
-            point(0.1, 1.0, 0.4),
-        ];
+        let point = |score, recall, precision| CurvePoint { score, precision, recall, f1: 0.0 };
+        let curve = [point(0.9, 0.2, 1.0), point(0.5, 0.8, 0.9), point(0.1, 1.0, 0.4)];
         let ctx = Context::default();
         let _output = ctx.run_ui(RawInput::default(), |ui| {
             let painter = ui.ctx().layer_painter(LayerId::background());

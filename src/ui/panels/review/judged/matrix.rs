@@ -53,10 +53,7 @@ impl<'a> MatrixGrid<'a> {
         let background = self.confusion.classes();
         let (is, taken) = (self.name(truth), self.name(predicted));
         match (truth == background, predicted == background) {
-            (true, _) => format!(
-                "{}: {taken}",
-                text::plural(count, "false alarm", "false alarms")
-            ),
+            (true, _) => format!("{}: {taken}", text::plural(count, "false alarm", "false alarms")),
             (_, true) => format!("{count} missed: {is}"),
             _ if truth == predicted => format!("{count} found: {is}"),
             _ => format!("{count} {is} taken for {taken}"),

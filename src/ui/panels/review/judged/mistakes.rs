@@ -18,9 +18,12 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthC
     let mut sort = reviewing.judging.sort();
     let before = sort;
     row(ui, "Sort by", "The order of the list.", |ui| {
-        DropDown::new("sort mistakes", sort.name())
-            .width(ui.available_width() - 2.0)
-            .pick(ui, &mut sort, MistakeSort::ALL, MistakeSort::name)
+        DropDown::new("sort mistakes", sort.name()).width(ui.available_width() - 2.0).pick(
+            ui,
+            &mut sort,
+            MistakeSort::ALL,
+            MistakeSort::name,
+        )
     });
     if sort != before {
         context.push(Command::SortMistakes(sort));
@@ -58,13 +61,9 @@ fn list(
 fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
     let size = context.units().measure(mistake.size_m(), 1);
     match mistake {
-        Mistake::FalseAlarm {
-            id, score, cause, ..
-        } => {
+        Mistake::FalseAlarm { id, score, cause, .. } => {
             let review = &context.app.log.reviewing.review;
-            let class = review
-                .get(*id)
-                .map_or("", |one| review.class_name(one.class));
+            let class = review.get(*id).map_or("", |one| review.class_name(one.class));
             let cause = match cause {
                 Cause::Background => "nothing there",
                 Cause::Duplicate => "found twice",

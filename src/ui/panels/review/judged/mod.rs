@@ -1,5 +1,5 @@
-//! The boxes against the truth, where it is known: the precision-recall curve that the confidence slider runs along, the
-//! list of mistakes, and what was taken for what.
+//! The boxes against the truth, where it is known: the precision-recall curve that the confidence
+//! slider runs along, the list of mistakes, and what was taken for what.
 //!
 //! In: the state. Out: a curve, lists and a table, and commands.
 //! It uses `app`, `detection` and `support`.
@@ -62,9 +62,5 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// `0.93`, or a dash where there is nothing to divide by.
 fn share(value: f64) -> String {
-    if value.is_finite() {
-        format!("{value:.2}")
-    } else {
-        text::NONE.to_owned()
-    }
+    if value.is_finite() { format!("{value:.2}") } else { text::NONE.to_owned() }
 }

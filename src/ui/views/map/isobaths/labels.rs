@@ -1,7 +1,7 @@
 //! Where the depths stand along isobaths: upright, on straight pieces, none over another.
 //!
-//! Labels keep their size on the screen, so where they fit depends on the zoom. They are placed once for every octave of it,
-//! in a background thread, and move with the map in between.
+//! Labels keep their size on the screen, so where they fit depends on the zoom. They are placed
+//! once for every octave of it, in a background thread, and move with the map in between.
 
 use super::layer::{GroundLine, IsobathLayer};
 use bathyscope_log::support::progress::Progress;
@@ -14,9 +14,11 @@ const MARGIN: f32 = 8.0;
 const HEIGHT: f32 = 15.0;
 /// Way along a line from one label to the next, points.
 const SPACING: f32 = 340.0;
-/// The least share of a label's width that the chord of the line under it has: less, and the line bends away.
+/// The least share of a label's width that the chord of the line under it has: less, and the line
+/// bends away.
 const STRAIGHT: f32 = 0.94;
-/// Places tried to each side of where a label would stand best, and the step between them in widths of the label.
+/// Places tried to each side of where a label would stand best, and the step between them in widths
+/// of the label.
 const TRIES: i32 = 6;
 const TRY_STEP: f32 = 0.6;
 /// Most labels of a map.
@@ -49,7 +51,8 @@ pub(crate) fn octave(metres_per_point: f64) -> i32 {
 }
 
 impl IsobathLabels {
-    /// Places the labels of all lines, those of thick and of long lines first; `None` when cancelled.
+    /// Places the labels of all lines, those of thick and of long lines first; `None` when
+    /// cancelled.
     pub(crate) fn place(
         layer: Arc<IsobathLayer>,
         octave: i32,
@@ -77,9 +80,7 @@ fn place(
     for (line, way) in ways {
         progress.check().ok()?;
         let size_m = [width(&lines[line]), HEIGHT].map(|points| points * metres_per_point);
-        let count = (way.length_m() / (SPACING * metres_per_point))
-            .round()
-            .max(1.0);
+        let count = (way.length_m() / (SPACING * metres_per_point)).round().max(1.0);
         if way.length_m() < 1.5 * size_m[0] || count > MOST as f32 {
             continue;
         }
@@ -91,11 +92,7 @@ fn place(
                 .filter_map(|at_m| way.straight(at_m, size_m[0]))
                 .find(|(place, along)| taken.take(*place, *along, size_m));
             if let Some((place, along)) = stands {
-                labels.push(IsobathLabel {
-                    place,
-                    angle_rad: upright(along),
-                    line,
-                });
+                labels.push(IsobathLabel { place, angle_rad: upright(along), line });
             }
             if labels.len() >= MOST {
                 return Some(labels);
@@ -127,18 +124,12 @@ impl<'a> Way<'a> {
         let mut metres = Vec::with_capacity(line.points.len());
         let mut sum_m = 0.0;
         for (index, point) in line.points.iter().enumerate() {
-            if let Some(before) = index
-                .checked_sub(1)
-                .and_then(|index| line.points.get(index))
-            {
+            if let Some(before) = index.checked_sub(1).and_then(|index| line.points.get(index)) {
                 sum_m += (point[0] - before[0]).hypot(point[1] - before[1]);
             }
             metres.push(sum_m);
         }
-        Self {
-            points: &line.points,
-            metres,
-        }
+        Self { points: &line.points, metres }
     }
 
     fn length_m(&self) -> f32 {
@@ -160,7 +151,8 @@ impl<'a> Way<'a> {
         Some([0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * share))
     }
 
-    /// The middle and the unit direction of a piece of a width, where it is straight enough to carry a text.
+    /// The middle and the unit direction of a piece of a width, where it is straight enough to
+    /// carry a text.
     fn straight(&self, at_m: f32, width_m: f32) -> Option<([f32; 2], [f32; 2])> {
         let [from, to] = [-0.5, 0.5].map(|half| self.at(at_m + half * width_m));
         let (from, to) = (from?, to?);
@@ -179,10 +171,7 @@ struct TakenGround {
 
 impl TakenGround {
     fn new(square_m: f32) -> Self {
-        Self {
-            square_m: square_m.max(f32::MIN_POSITIVE),
-            squares: HashMap::new(),
-        }
+        Self { square_m: square_m.max(f32::MIN_POSITIVE), squares: HashMap::new() }
     }
 
     /// Takes the ground of a label unless another stands there.
@@ -216,21 +205,14 @@ mod tests {
     use super::*;
 
     fn line(points: Vec<[f32; 2]>, is_index: bool) -> GroundLine {
-        GroundLine {
-            text: "2.5".to_owned(),
-            is_index,
-            points,
-        }
+        GroundLine { text: "2.5".to_owned(), is_index, points }
     }
 
     /// A box around a label, metres, at the middle of its octave.
     fn spans(label: &IsobathLabel, metres_per_point: f32) -> [f32; 4] {
         let (sin, cos) = label.angle_rad.sin_cos();
         let [w, h] = [27.0 * metres_per_point, HEIGHT * metres_per_point];
-        let half = [
-            0.5 * (cos.abs() * w + sin.abs() * h),
-            0.5 * (sin.abs() * w + cos.abs() * h),
-        ];
+        let half = [0.5 * (cos.abs() * w + sin.abs() * h), 0.5 * (sin.abs() * w + cos.abs() * h)];
         let [x, y] = label.place;
         [x - half[0], y - half[1], x + half[0], y + half[1]]
     }

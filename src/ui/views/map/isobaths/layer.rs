@@ -12,12 +12,8 @@ use bathyscope_products::pipeline::Isobaths;
 const MANY: usize = 20_000;
 
 /// What is drawn where the settings give no depths.
-static NONE: Isobaths = Isobaths {
-    levels_m: Vec::new(),
-    lines: Vec::new(),
-    shoal_safe: false,
-    clip: None,
-};
+static NONE: Isobaths =
+    Isobaths { levels_m: Vec::new(), lines: Vec::new(), shoal_safe: false, clip: None };
 
 /// A line of equal depth in the plane of the survey.
 pub(crate) struct GroundLine {
@@ -85,13 +81,7 @@ impl IsobathLayer {
             };
             MapLine::new(origin_m, vertices, specks, uploader)
         });
-        Some(Self {
-            origin_m,
-            lines,
-            note,
-            thin,
-            thick,
-        })
+        Some(Self { origin_m, lines, note, thin, thick })
     }
 }
 
@@ -99,17 +89,14 @@ fn vertices(lines: &[GroundLine], is_index: bool) -> Vec<Vertex> {
     let chosen = lines.iter().filter(|line| line.is_index == is_index);
     chosen
         .flat_map(|line| {
-            let places = line.points.iter().map(|place| Vertex {
-                place: *place,
-                colour: [255; 4],
-            });
+            let places = line.points.iter().map(|place| Vertex { place: *place, colour: [255; 4] });
             std::iter::once(Vertex::BREAK).chain(places)
         })
         .collect()
 }
 
-/// Digits after the point that distinguish the levels: at most three, and two where levels that are round in metres are not shown in
-/// metres.
+/// Digits after the point that distinguish the levels: at most three, and two where levels that are
+/// round in metres are not shown in metres.
 fn decimals(levels_m: &[f64], units: Units) -> usize {
     let most = match units.length {
         LengthUnit::Metres => 3,
@@ -159,10 +146,7 @@ mod tests {
         let levels_m = [2.0, 2.2, 2.4];
         let metres = Units::default();
         assert!(note(&settings, &levels_m, metres).contains("0.2 m,\nthick 1.0 m"));
-        let feet = Units {
-            length: LengthUnit::Feet,
-            ..metres
-        };
+        let feet = Units { length: LengthUnit::Feet, ..metres };
         let levels_ft = [3.048, 4.572];
         assert!(note(&settings, &levels_ft, feet).contains("5 ft,\nthick 25 ft"));
         settings.depths_m = levels_m.to_vec();

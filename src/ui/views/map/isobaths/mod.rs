@@ -19,10 +19,12 @@ use egui::epaint::TextShape;
 use egui::{Align2, Color32, Painter, Shape, Stroke, Vec2, vec2};
 use std::sync::Arc;
 
-/// Most segments drawn in a frame, of the thin and of the thick lines: beyond, coarser levels are taken.
+/// Most segments drawn in a frame, of the thin and of the thick lines: beyond, coarser levels are
+/// taken.
 const MOST_SEGMENTS: [u32; 2] = [5_000, 2_500];
 
-/// Light lines in dark casings show on every colour of depth; in the light theme it is the other way round.
+/// Light lines in dark casings show on every colour of depth; in the light theme it is the other
+/// way round.
 fn pen(theme: ThemeChoice, is_index: bool) -> MapPen {
     let (line, casing) = match theme {
         ThemeChoice::Dark => (Color32::from_gray(244), Color32::from_black_alpha(120)),
@@ -51,10 +53,7 @@ pub(super) fn show(
         return;
     };
     let theme = scene.options.theme;
-    let lines = [
-        (&layer.thin, pen(theme, false)),
-        (&layer.thick, pen(theme, true)),
-    ];
+    let lines = [(&layer.thin, pen(theme, false)), (&layer.thick, pen(theme, true))];
     let view = (scene.rect, &scene.transform);
     picture.show(painter, state, view, layer, lines);
     let of_these = |labels: &&IsobathLabels| Arc::ptr_eq(&labels.layer, layer);
@@ -72,10 +71,7 @@ fn write(painter: &Painter, scene: &MapScene<'_>, layer: &IsobathLayer, labels: 
     let ink = crate::ui::theme::canvas_text_colour(scene.options);
     for label in &labels.labels {
         let [east_m, north_m] = label.place;
-        let place = [
-            layer.origin_m[0] + f64::from(east_m),
-            layer.origin_m[1] + f64::from(north_m),
-        ];
+        let place = [layer.origin_m[0] + f64::from(east_m), layer.origin_m[1] + f64::from(north_m)];
         let at = scene.at(place);
         if !frame.contains(at) {
             continue;

@@ -19,7 +19,8 @@ pub(super) struct ProfileTransform {
 }
 
 impl ProfileTransform {
-    /// Holds all of a line, with room above and below its depths; `None` while there is no depth on it, or no place for it.
+    /// Holds all of a line, with room above and below its depths; `None` while there is no depth on
+    /// it, or no place for it.
     pub(super) fn new(rect: Rect, stations: &[TransectStation]) -> Option<Self> {
         let length_m = stations.last()?.distance_m;
         let depths = || {
@@ -56,10 +57,7 @@ impl ProfileTransform {
 
     /// Where a station lies.
     pub(super) fn at(&self, station: &TransectStation) -> Option<Pos2> {
-        Some(pos2(
-            self.x(station.distance_m),
-            self.y(f64::from(station.depth_m?)),
-        ))
+        Some(pos2(self.x(station.distance_m), self.y(f64::from(station.depth_m?))))
     }
 
     /// How much steeper the plot is than the bed.

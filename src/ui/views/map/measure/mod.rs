@@ -60,9 +60,7 @@ impl MeasureTool {
             figure::paint(&painter, scene, context.app, shown);
             self.follow_on_map(ui, context.app, scene, response);
         }
-        let hovered = self
-            .hovered_m
-            .and_then(|at_m| profile::nearest(stations(context.app), at_m));
+        let hovered = self.hovered_m.and_then(|at_m| profile::nearest(stations(context.app), at_m));
         if let Some(station) = hovered {
             figure::station(&painter, scene, station);
         }
@@ -82,7 +80,8 @@ impl MeasureTool {
         }
     }
 
-    /// Where the next corner would be: under the pointer, or at the cross once the arrow keys have moved it.
+    /// Where the next corner would be: under the pointer, or at the cross once the arrow keys have
+    /// moved it.
     fn next_place(
         &mut self,
         ui: &mut Ui,
@@ -137,7 +136,8 @@ impl MeasureTool {
         }
     }
 
-    /// Tells the state where the next corner of a profile would be: it looks at the depths up to there.
+    /// Tells the state where the next corner of a profile would be: it looks at the depths up to
+    /// there.
     fn tell_next(&mut self, ui: &Ui, context: &mut ViewContext<'_>, next: Option<LonLat>) {
         let is_drawing =
             context.app.map.measuring.is_drawing() && context.app.map.measuring.shows_profile();
@@ -159,12 +159,9 @@ impl MeasureTool {
             return;
         };
         let off = |station: &TransectStation| scene.at(station.place).distance(at);
-        let nearest = stations(app)
-            .iter()
-            .min_by(|a, b| off(a).total_cmp(&off(b)));
-        let hovered_m = nearest
-            .filter(|station| off(station) < REACH)
-            .map(|station| station.distance_m);
+        let nearest = stations(app).iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        let hovered_m =
+            nearest.filter(|station| off(station) < REACH).map(|station| station.distance_m);
         if hovered_m != self.hovered_m {
             self.hovered_m = hovered_m;
             ui.ctx().request_repaint();

@@ -20,9 +20,7 @@ pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
     if !requested || whole.height() < 120.0 {
         return (whole, None);
     }
-    let height = (0.36 * whole.height())
-        .clamp(90.0, 240.0)
-        .min(0.6 * whole.height());
+    let height = (0.36 * whole.height()).clamp(90.0, 240.0).min(0.6 * whole.height());
     let (map, plot) = whole.split_top_bottom_at_y(whole.bottom() - height);
     (map, Some(plot))
 }
@@ -33,11 +31,7 @@ pub(super) fn nearest(stations: &[TransectStation], at_m: f64) -> Option<&Transe
     let about = [after.checked_sub(1), Some(after)];
     let about = about.into_iter().flatten();
     let about = about.filter_map(|index| stations.get(index));
-    about.min_by(|a, b| {
-        (a.distance_m - at_m)
-            .abs()
-            .total_cmp(&(b.distance_m - at_m).abs())
-    })
+    about.min_by(|a, b| (a.distance_m - at_m).abs().total_cmp(&(b.distance_m - at_m).abs()))
 }
 
 /// Words, buttons and the curve.
@@ -49,9 +43,8 @@ pub(super) fn ui(
 ) {
     let app = context.app;
     let line = app.map.measuring.profile();
-    let (stations, corners_m) = line.map_or((&[][..], &[][..]), |line| {
-        (&line.stations[..], &line.corners_m[..])
-    });
+    let (stations, corners_m) =
+        line.map_or((&[][..], &[][..]), |line| (&line.stations[..], &line.corners_m[..]));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
     let edge = ui.visuals().widgets.noninteractive.bg_stroke;
@@ -141,18 +134,13 @@ fn figures(stations: &[TransectStation], units: Units) -> String {
     }
     let unknown = stations.len() - depths().count();
     if unknown > 0 {
-        text += &format!(
-            ", {:.0} % unknown",
-            100.0 * unknown as f64 / stations.len() as f64
-        );
+        text += &format!(", {:.0} % unknown", 100.0 * unknown as f64 / stations.len() as f64);
     }
     text
 }
 
 fn name(stations: &[TransectStation], pointed: Option<&TransectStation>, units: Units) -> String {
-    let at = pointed.map_or_else(String::new, |station| {
-        format!("; {}", words(station, units))
-    });
+    let at = pointed.map_or_else(String::new, |station| format!("; {}", words(station, units)));
     format!("Depth profile, {}{at}", figures(stations, units))
 }
 

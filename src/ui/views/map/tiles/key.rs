@@ -32,12 +32,7 @@ impl MapTileKey {
     pub(crate) fn bounds(self) -> GroundBounds {
         let side_m = TEXELS as f64 * self.texel_m();
         let edge = |count: i32| f64::from(count) * side_m;
-        [
-            edge(self.column),
-            edge(self.row),
-            edge(self.column + 1),
-            edge(self.row + 1),
-        ]
+        [edge(self.column), edge(self.row), edge(self.column + 1), edge(self.row + 1)]
     }
 
     /// West and north edge of the picture with its border, metres.
@@ -56,7 +51,8 @@ impl MapTileKey {
         }
     }
 
-    /// Which part of the picture of `self` or of one of its forebears shows this tile: left, top, right and bottom as shares.
+    /// Which part of the picture of `self` or of one of its forebears shows this tile: left, top,
+    /// right and bottom as shares.
     pub(crate) fn part_of(self, forebear: MapTileKey) -> [f32; 4] {
         let up = u32::from((forebear.level - self.level).max(0).unsigned_abs());
         let count = f64::from(2u32.pow(up.min(30)));
@@ -64,12 +60,7 @@ impl MapTileKey {
         let north = f64::from(self.row) - f64::from(forebear.row) * count;
         let share =
             |tiles: f64| ((BORDER as f64 + TEXELS as f64 * tiles / count) / SIDE as f64) as f32;
-        [
-            share(east),
-            share(count - north - 1.0),
-            share(east + 1.0),
-            share(count - north),
-        ]
+        [share(east), share(count - north - 1.0), share(east + 1.0), share(count - north)]
     }
 }
 
@@ -146,16 +137,9 @@ mod tests {
 
     #[test]
     fn a_forebear_s_picture_shows_the_tile_where_it_lies() {
-        let key = MapTileKey {
-            level: 0,
-            column: -3,
-            row: 5,
-        };
+        let key = MapTileKey { level: 0, column: -3, row: 5 };
         let share = |texels: f64| ((1.0 + texels) / SIDE as f64) as f32;
-        assert_eq!(
-            key.part_of(key),
-            [share(0.0), share(0.0), share(256.0), share(256.0)]
-        );
+        assert_eq!(key.part_of(key), [share(0.0), share(0.0), share(256.0), share(256.0)]);
         // Column -3 is the eastern half of -2, row 5 the northern half of 2.
         assert_eq!(
             key.part_of(key.parent()),

@@ -1,10 +1,11 @@
-//! A layer of the map that is painted in tiles, in a background thread: what is in view, as finely as the screen shows it.
+//! A layer of the map that is painted in tiles, in a background thread: what is in view, as finely
+//! as the screen shows it.
 //!
 //! In: what a tile shows, and the part of the map in view. Out: tiles on the screen.
 //! It uses `app`, `imagery` and `support`.
 //!
-//! The work grows with what is on the screen, the memory is bounded, and until a tile is there a coarser one stands in for it,
-//! or what it looked like before its settings were changed.
+//! The work grows with what is on the screen, the memory is bounded, and until a tile is there a
+//! coarser one stands in for it, or what it looked like before its settings were changed.
 
 mod key;
 mod occupied;
@@ -36,8 +37,8 @@ pub(super) trait TilePainter: Send + Sync {
     /// The finest level worth painting: finer ones show nothing more.
     fn finest(&self) -> i8;
 
-    /// [`SIDE`] rows of as many colours, from the north-west corner of the tile with its border; `None` where there is nothing
-    /// or when cancelled.
+    /// [`SIDE`] rows of as many colours, from the north-west corner of the tile with its border;
+    /// `None` where there is nothing or when cancelled.
     fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>>;
 }
 
@@ -78,7 +79,8 @@ impl TileLayer {
         }
     }
 
-    /// Paints by `source` from now on; the tiles of another stay on the screen until theirs are there. `None` empties the layer.
+    /// Paints by `source` from now on; the tiles of another stay on the screen until theirs are
+    /// there. `None` empties the layer.
     pub(super) fn set_source(&mut self, source: Option<Arc<dyn TilePainter>>) {
         let same = match (&self.source, &source) {
             (Some(old), Some(new)) => std::ptr::addr_eq(Arc::as_ptr(old), Arc::as_ptr(new)),
@@ -155,7 +157,8 @@ impl TileLayer {
         resident.is_some_and(|resident| resident.generation == self.generation)
     }
 
-    /// Takes the tiles that are ready. What failed or was given up is as good as empty: asking again would not change that.
+    /// Takes the tiles that are ready. What failed or was given up is as good as empty: asking
+    /// again would not change that.
     fn collect(&mut self, context: &egui::Context) {
         let mut index = 0;
         while index < self.running.len() {
@@ -186,14 +189,12 @@ impl TileLayer {
             Some(_) => SIDE * SIDE * size_of::<Color32>(),
             None => EMPTY,
         };
-        let resident = PaintedTile {
-            texture,
-            generation: done.generation,
-        };
+        let resident = PaintedTile { texture, generation: done.generation };
         self.cache.insert(done.key, resident, bytes);
     }
 
-    /// Has the first of the requested tiles painted; gives up those that are not requested any more.
+    /// Has the first of the requested tiles painted; gives up those that are not requested any
+    /// more.
     fn order(
         &mut self,
         source: &Arc<dyn TilePainter>,
@@ -201,8 +202,7 @@ impl TileLayer {
         context: &egui::Context,
         jobs: &Jobs,
     ) {
-        self.running
-            .retain(|running| requested.contains(&running.key));
+        self.running.retain(|running| requested.contains(&running.key));
         for key in requested {
             if self.running.len() >= WORKERS {
                 break;
@@ -219,11 +219,7 @@ impl TileLayer {
                     (image, occupied)
                 })
             });
-            self.running.push(Running {
-                key,
-                generation: self.generation,
-                task,
-            });
+            self.running.push(Running { key, generation: self.generation, task });
             // Work inside the call is done by now.
             self.collect(context);
         }
@@ -244,10 +240,8 @@ impl TileLayer {
             }
             shown = shown.parent();
         }
-        let Some((texture, occupied)) = self
-            .cache
-            .use_now(&shown)
-            .and_then(|tile| tile.texture.as_ref())
+        let Some((texture, occupied)) =
+            self.cache.use_now(&shown).and_then(|tile| tile.texture.as_ref())
         else {
             return;
         };
@@ -284,10 +278,7 @@ mod tests {
 
     impl Plain {
         fn new(colour: Color32) -> Arc<Self> {
-            Arc::new(Self {
-                colour,
-                painted: AtomicUsize::new(0),
-            })
+            Arc::new(Self { colour, painted: AtomicUsize::new(0) })
         }
 
         fn painted(&self) -> usize {
@@ -314,14 +305,8 @@ mod tests {
     fn show(layer: &mut TileLayer, centre_m: [f64; 2], metres_per_point: f64) -> usize {
         let context = egui::Context::default();
         let rect = Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, 300.0));
-        let transform = MapTransform {
-            centre_m,
-            metres_per_point,
-        };
-        let input = egui::RawInput {
-            screen_rect: Some(rect),
-            ..Default::default()
-        };
+        let transform = MapTransform { centre_m, metres_per_point };
+        let input = egui::RawInput { screen_rect: Some(rect), ..Default::default() };
         let output = context.run_ui(input, |ui| {
             layer.show(&ui.painter_at(rect), rect, transform, &Jobs::Inline);
         });
@@ -336,21 +321,15 @@ mod tests {
         let source = Plain::new(Color32::RED);
         let mut layer = TileLayer::new("plain");
         layer.set_source(Some(source.clone()));
-        // Tiles of 4 m at 1/64 m a texel; the view is 6.25 m by 4.7 m, at most 3 by 3 of them, and the overview is one.
+        // Tiles of 4 m at 1/64 m a texel; the view is 6.25 m by 4.7 m, at most 3 by 3 of them, and
+        // the overview is one.
         let drawn = show(&mut layer, [50.0, 50.0], 1.0 / 64.0);
         let painted = source.painted();
-        assert!(
-            (4..=9).contains(&drawn) && painted == drawn + 1,
-            "{drawn} {painted}"
-        );
+        assert!((4..=9).contains(&drawn) && painted == drawn + 1, "{drawn} {painted}");
         assert!(layer.is_settled());
         assert_eq!(show(&mut layer, [50.0, 50.0], 1.0 / 64.0), drawn);
         assert_eq!(source.painted(), painted, "nothing is painted again");
-        assert_eq!(
-            show(&mut layer, [500.0, 50.0], 1.0 / 64.0),
-            0,
-            "nothing is there"
-        );
+        assert_eq!(show(&mut layer, [500.0, 50.0], 1.0 / 64.0), 0, "nothing is there");
         assert_eq!(source.painted(), painted);
     }
 

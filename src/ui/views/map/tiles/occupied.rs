@@ -1,4 +1,5 @@
-//! Which blocks of a tile's picture hold anything: most of a tile along a track is empty, and what is empty is not drawn.
+//! Which blocks of a tile's picture hold anything: most of a tile along a track is empty, and what
+//! is empty is not drawn.
 
 use egui::ColorImage;
 
@@ -13,7 +14,8 @@ pub(super) type PicturePart = [f32; 4];
 pub(super) struct Occupied(u64);
 
 impl Occupied {
-    /// The blocks of a picture that are not transparent, or that a neighbour's texel reaches into when it is magnified.
+    /// The blocks of a picture that are not transparent, or that a neighbour's texel reaches into
+    /// when it is magnified.
     pub(super) fn of(image: &ColorImage) -> Self {
         let [width, height] = image.size;
         let mut bits = 0;

@@ -20,12 +20,7 @@ const LEAST: f32 = 4.0;
 /// What the pointer holds.
 enum Held {
     /// A box, or some of its edges, since a place.
-    Box {
-        id: BoxId,
-        edges: Edges,
-        origin: Mark,
-        from: LensPlace,
-    },
+    Box { id: BoxId, edges: Edges, origin: Mark, from: LensPlace },
     /// The border between echo and shadow of a box, since a place.
     Border {
         id: BoxId,
@@ -46,8 +41,8 @@ pub(in crate::ui::views::waterfall) struct BoxGrab {
 }
 
 impl BoxGrab {
-    /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not move the picture. The middle
-    /// button and Space move the picture in any tool.
+    /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not
+    /// move the picture. The middle button and Space move the picture in any tool.
     pub(crate) fn follow(
         &mut self,
         ui: &Ui,
@@ -76,25 +71,11 @@ impl BoxGrab {
         };
         let is_over = response.drag_stopped();
         match held {
-            Held::Box {
-                id,
-                edges,
-                origin,
-                from,
-            } => {
+            Held::Box { id, edges, origin, from } => {
                 let mark = edges.dragged(origin, *from, lens.place_at(at));
-                context.push(Command::Edit {
-                    edit: Edit::Reshape(*id, mark),
-                    live: !is_over,
-                });
+                context.push(Command::Edit { edit: Edit::Reshape(*id, mark), live: !is_over });
             }
-            Held::Border {
-                id,
-                mark,
-                border_m,
-                from,
-                ..
-            } => {
+            Held::Border { id, mark, border_m, from, .. } => {
                 let moved_m = lens.place_at(at).outward_m(mark.side) - from.outward_m(mark.side);
                 let border_m = (border_m + moved_m).clamp(mark.near_m, mark.far_m);
                 let (id, mark) = (*id, mark.clone());
@@ -108,10 +89,7 @@ impl BoxGrab {
                 if extent.min_elem() >= LEAST {
                     let mark = drawn(lens.place_at(*corner), lens.place_at(at));
                     let class = context.app.log.reviewing.class();
-                    context.push(Command::Edit {
-                        edit: Edit::Add { mark, class },
-                        live: false,
-                    });
+                    context.push(Command::Edit { edit: Edit::Add { mark, class }, live: false });
                 }
             }
             Held::Corner(_) => {}
@@ -126,9 +104,7 @@ impl BoxGrab {
     fn give_up(&mut self, context: &mut ViewContext<'_>) {
         let edit = match self.held.take() {
             Some(Held::Box { id, origin, .. }) => Edit::Reshape(id, origin),
-            Some(Held::Border {
-                id, mark, extent, ..
-            }) => match extent.border_m() {
+            Some(Held::Border { id, mark, extent, .. }) => match extent.border_m() {
                 Some(border_m) => Edit::SetEdges { id, mark, border_m },
                 None => Edit::FindEdges(id),
             },
@@ -205,12 +181,7 @@ fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
         });
     }
     let edges = edges_under(lens, one, from)?;
-    Some(Held::Box {
-        id: one.id,
-        edges,
-        origin: one.mark.clone(),
-        from,
-    })
+    Some(Held::Box { id: one.id, edges, origin: one.mark.clone(), from })
 }
 
 /// Where a click finds a box: within its outline, or within the ring of a point.

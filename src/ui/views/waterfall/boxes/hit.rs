@@ -21,12 +21,7 @@ pub(super) struct Edges {
 
 impl Edges {
     /// The whole box.
-    pub(super) const ALL: Self = Self {
-        start: true,
-        end: true,
-        near: true,
-        far: true,
-    };
+    pub(super) const ALL: Self = Self { start: true, end: true, near: true, far: true };
 
     /// The edges under the pointer, all of them inside the box, `None` outside.
     pub(super) fn under(lens: &Lens, mark: &Mark, at: LensPlace) -> Option<Self> {
@@ -37,10 +32,7 @@ impl Edges {
         let end = points(at.ping, mark.pings.end as f64, along);
         let near = points(mark.near_m, range_m, across);
         let far = points(range_m, mark.far_m, across);
-        if [start, end, near, far]
-            .iter()
-            .any(|inside| *inside < -REACH)
-        {
+        if [start, end, near, far].iter().any(|inside| *inside < -REACH) {
             return None;
         }
         // In a box smaller than the reach the nearer edge counts.
@@ -54,15 +46,16 @@ impl Edges {
         Some(if is_inside { Self::ALL } else { edges })
     }
 
-    /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it. It leaves most of echo and shadow
-    /// to drag the whole box by.
+    /// Whether the border between echo and shadow is under the pointer, nearer than an edge along
+    /// it. It leaves most of echo and shadow to drag the whole box by.
     pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: LensPlace) -> bool {
         let range_m = at.outward_m(mark.side);
         let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
         let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
         let reach = (0.25 * echo.min(shadow)).clamp(LEAST_REACH, REACH);
         let off = points(range_m, border_m);
-        // A border on an edge leaves the edge to be grabbed: drawn away, it leaves the border behind.
+        // A border on an edge leaves the edge to be grabbed: drawn away, it leaves the border
+        // behind.
         let is_nearest = off < points(range_m, mark.near_m).min(points(range_m, mark.far_m));
         let along = lens.pings_per_point();
         let inside = [
@@ -76,21 +69,15 @@ impl Edges {
     pub(super) fn cursor(&self) -> CursorIcon {
         match self {
             _ if *self == Self::ALL => CursorIcon::Move,
-            Self {
-                start: false,
-                end: false,
-                ..
+            Self { start: false, end: false, .. } | Self { near: false, far: false, .. } => {
+                CursorIcon::Crosshair
             }
-            | Self {
-                near: false,
-                far: false,
-                ..
-            } => CursorIcon::Crosshair,
             _ => CursorIcon::AllScroll,
         }
     }
 
-    /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and its side.
+    /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and
+    /// its side.
     pub(super) fn dragged(&self, mark: &Mark, from: LensPlace, to: LensPlace) -> Mark {
         let pings = (to.ping - from.ping).round() as isize;
         let outward = to.outward_m(mark.side) - from.outward_m(mark.side);
@@ -144,12 +131,7 @@ mod tests {
     use bathyscope_log::survey::Side;
 
     fn port() -> Mark {
-        Mark {
-            side: Side::Port,
-            pings: 10..20,
-            near_m: 4.0,
-            far_m: 6.0,
-        }
+        Mark { side: Side::Port, pings: 10..20, near_m: 4.0, far_m: 6.0 }
     }
 
     fn place(ping: f64, across_m: f64) -> LensPlace {
@@ -161,16 +143,8 @@ mod tests {
         let moved = Edges::ALL.dragged(&port(), place(15.0, -5.0), place(12.0, -4.5));
         assert_eq!((moved.pings, moved.near_m, moved.far_m), (7..17, 3.5, 5.5));
         let stopped = Edges::ALL.dragged(&port(), place(15.0, -5.0), place(-90.0, 5.0));
-        assert_eq!(
-            (stopped.pings, stopped.near_m, stopped.far_m),
-            (0..10, 0.0, 2.0)
-        );
-        let edges = Edges {
-            start: false,
-            end: true,
-            near: true,
-            far: false,
-        };
+        assert_eq!((stopped.pings, stopped.near_m, stopped.far_m), (0..10, 0.0, 2.0));
+        let edges = Edges { start: false, end: true, near: true, far: false };
         let sized = edges.dragged(&port(), place(20.0, -4.0), place(5.0, -9.0));
         assert_eq!((sized.pings, sized.far_m), (10..11, 6.0));
         assert!((sized.near_m - 5.99).abs() < 1e-9);
@@ -179,13 +153,7 @@ mod tests {
     #[test]
     fn a_box_is_drawn_in_any_direction_and_stays_on_its_side() {
         let mark = drawn(place(20.2, -6.0), place(10.9, -4.0));
-        assert_eq!(
-            mark,
-            Mark {
-                pings: 10..21,
-                ..port()
-            }
-        );
+        assert_eq!(mark, Mark { pings: 10..21, ..port() });
         let cut = drawn(place(20.2, -6.0), place(10.9, 4.0));
         assert_eq!((cut.side, cut.near_m, cut.far_m), (Side::Port, 0.0, 6.0));
     }

@@ -15,7 +15,8 @@ pub(in crate::ui::views::waterfall) struct Missed<'a> {
 }
 
 impl<'a> Missed<'a> {
-    /// Those that a lens sees; none before anything was proposed, which would only give the truth away.
+    /// Those that a lens sees; none before anything was proposed, which would only give the truth
+    /// away.
     pub(crate) fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
         let judging = &app.log.reviewing.judging;
         let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
@@ -34,9 +35,7 @@ impl<'a> Missed<'a> {
                 is_selected: judging.missed() == Some(*object),
             })
         });
-        missed
-            .filter(|missed| missed.rect.intersects(lens.rect))
-            .collect()
+        missed.filter(|missed| missed.rect.intersects(lens.rect)).collect()
     }
 
     /// Draws its outline.

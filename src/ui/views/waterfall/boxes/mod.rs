@@ -44,9 +44,8 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
         is_selected: Some(one.id) == reviewing.selected,
     };
     let others = reviewing.between(pings).map(shown);
-    let mut seen: Vec<ShownBox<'_>> = others
-        .filter(|shown| !shown.is_selected && shown.rect.intersects(lens.rect))
-        .collect();
+    let mut seen: Vec<ShownBox<'_>> =
+        others.filter(|shown| !shown.is_selected && shown.rect.intersects(lens.rect)).collect();
     // In sight whatever the filter says: keys act on it.
     seen.extend(reviewing.selected_box().map(shown));
     seen
@@ -103,12 +102,7 @@ impl ShownBox<'_> {
 
     /// The edge that the arrow keys move; `None` where they move all of it.
     fn edge(&self, lens: &Lens, reviewing: &Reviewing) -> Option<[Pos2; 2]> {
-        let Mark {
-            side,
-            pings,
-            near_m,
-            far_m,
-        } = &self.one.mark;
+        let Mark { side, pings, near_m, far_m } = &self.one.mark;
         let at_ping = |ping: usize| {
             [*near_m, *far_m]
                 .map(|range_m| lens.screen_at(LensPlace::of(ping as f64, *side, range_m)))
@@ -133,7 +127,8 @@ impl ShownBox<'_> {
     }
 }
 
-/// `rock 0.87`, or `Anna (wreck) 0.87` of one that has a name; what was decided goes without saying by the outline.
+/// `rock 0.87`, or `Anna (wreck) 0.87` of one that has a name; what was decided goes without saying
+/// by the outline.
 fn caption(one: &Reviewed, review: &Review) -> String {
     let class = review.class_name(one.class);
     let class = match one.name.is_empty() {

@@ -44,18 +44,12 @@ impl Style {
             State::Rejected => Line::Crossed,
             State::Added => Line::Corners,
         };
-        Self {
-            colour: theme::box_colour(state),
-            line,
-        }
+        Self { colour: theme::box_colour(state), line }
     }
 
     /// An object that no box has found.
     pub(crate) fn missed() -> Self {
-        Self {
-            colour: theme::MISSED_COLOUR,
-            line: Line::Dotted,
-        }
+        Self { colour: theme::MISSED_COLOUR, line: Line::Dotted }
     }
 }
 
@@ -70,7 +64,8 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: boo
     }
     if rect.size().min_elem() < PLAIN {
         match style.line {
-            // Without a frame around it: distinguished from the others by its shape where there is no room for two lines.
+            // Without a frame around it: distinguished from the others by its shape where there is
+            // no room for two lines.
             Line::Crossed => cross(painter, rect.expand2(room(rect)), style.colour),
             _ => {
                 painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
@@ -176,13 +171,7 @@ fn handle(painter: &Painter, at: Pos2, colour: Color32) {
 /// The way around, back to its start.
 fn outline(rect: Rect) -> [Pos2; 5] {
     let start = rect.left_top();
-    [
-        start,
-        rect.right_top(),
-        rect.right_bottom(),
-        rect.left_bottom(),
-        start,
-    ]
+    [start, rect.right_top(), rect.right_bottom(), rect.left_bottom(), start]
 }
 
 fn corners(rect: Rect) -> [[Pos2; 3]; 4] {
@@ -194,11 +183,7 @@ fn corners(rect: Rect) -> [[Pos2; 3]; 4] {
         (rect.left_bottom(), vec2(1.0, -1.0)),
     ];
     inward.map(|(corner, to)| {
-        [
-            corner + vec2(arm * to.x, 0.0),
-            corner,
-            corner + vec2(0.0, arm * to.y),
-        ]
+        [corner + vec2(arm * to.x, 0.0), corner, corner + vec2(0.0, arm * to.y)]
     })
 }
 

@@ -13,7 +13,8 @@ const WIDTH: f32 = 1.5;
 const RIM: f32 = 3.0;
 const DASH: f32 = 4.0;
 
-/// Draws the shape of the selected object in each of its boxes of this log: a line around its echo, a dashed one around its shadow.
+/// Draws the shape of the selected object in each of its boxes of this log: a line around its echo,
+/// a dashed one around its shadow.
 pub(in crate::ui::views::waterfall) fn draw(painter: &Painter, lens: &Lens, app: &App) {
     let fitted = app.selected_object_shape();
     let (Some(Ok(fitted)), Some(object)) = (fitted, app.selected_object()) else {
@@ -25,16 +26,10 @@ pub(in crate::ui::views::waterfall) fn draw(painter: &Painter, lens: &Lens, app:
             continue;
         };
         let echo = around(lens, &one.mark, on_pings, |one| one.echo_m);
-        let shadow = around(lens, &one.mark, on_pings, |one| {
-            [one.echo_m[1], one.shadow_end_m]
-        });
+        let shadow = around(lens, &one.mark, on_pings, |one| [one.echo_m[1], one.shadow_end_m]);
         let rim = Stroke::new(RIM, outline::RIM);
         let stroke = Stroke::new(WIDTH, theme::INFERRED_COLOUR);
-        if echo.len() < 3
-            || !painter
-                .clip_rect()
-                .intersects(egui::Rect::from_points(&shadow))
-        {
+        if echo.len() < 3 || !painter.clip_rect().intersects(egui::Rect::from_points(&shadow)) {
             continue;
         }
         painter.add(Shape::closed_line(echo.clone(), rim));
