@@ -58,7 +58,9 @@ def texts(package):
 def notices(target):
     users = {}
     print("Bathyscope contains these crates:\n")
-    for package in shipped(target)[0][1:]:
+    for package in shipped(target)[0]:
+        if not package["source"]:
+            continue  # The crates of this repository have the licence of the program.
         name = f"{package['name']} {package['version']}"
         print(f"{name}: {package['license'] or 'see its text below'}")
         for text in texts(package):
@@ -72,7 +74,7 @@ def purl(package):
 
 
 def component(package, checksums):
-    kind = "library" if package["source"] else "application"
+    kind = "application" if package["name"] == "bathyscope" else "library"
     this = {"type": kind, "bom-ref": purl(package), "name": package["name"], "version": package["version"], "purl": purl(package)}
     if package["source"]:
         this["hashes"] = [{"alg": "SHA-256", "content": checksums[package["name"], package["version"]]}]

@@ -24,7 +24,7 @@
 //!
 //! let scene = Scene::with_pings(200);
 //! let simulated = simulate(&scene, 1, &Progress::new())?;
-//! assert_eq!(simulated.truth.len(), 200);
+//! assert_eq!(simulated.pings.len(), 200);
 //! # Ok::<(), bathyscope_log::support::progress::Cancelled>(())
 //! ```
 

@@ -19,14 +19,15 @@ mod lines;
 mod many_logs;
 mod map;
 mod memory;
-#[path = "../suite/missions.rs"]
+#[path = "../../src/products/tests/suite/missions.rs"]
 mod missions;
 mod mosaic;
 mod outliers;
 mod products;
 mod resources;
 mod surface;
-#[path = "../suite/truth.rs"]
+#[allow(dead_code, reason = "tests of bathyscope-products use all of it")]
+#[path = "../../src/products/tests/suite/truth.rs"]
 mod truth;
 mod waterfall;
 

@@ -1,7 +1,7 @@
 //! What is done to a recording: cut short, a byte changed, a field of a record's header set to an
 //! extreme.
 
-use super::records::{FieldKind, RecordLayout};
+use bathyscope_test_support::records::{FieldKind, RecordLayout};
 use std::fmt;
 use std::ops::Range;
 

@@ -11,8 +11,11 @@
 //! An input may take four times its own memory and 64 MiB; an allocation beyond that ends the
 //! program, as a panic does.
 
-use bathyscope::fuzz::{self, TARGETS, Target, sweep};
+#[path = "mod.rs"]
+mod readers;
+
 use libfuzzer_sys as _;
+use readers::{TARGETS, Target, sweep};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::{CString, c_char, c_int};
 use std::path::PathBuf;
@@ -178,7 +181,7 @@ fn run_sweep(arguments: impl Iterator<Item = String>) -> ExitCode {
 fn run_fuzzer(target: &'static Target, options: impl Iterator<Item = String>) -> ExitCode {
     TARGET.get_or_init(|| target);
     std::panic::set_hook(Box::new(|panic| {
-        if fuzz::is_fault(panic) {
+        if readers::is_fault(panic) {
             MOST.store(usize::MAX, Ordering::Relaxed);
             eprintln!("{panic}");
             eprintln!("{}", std::backtrace::Backtrace::force_capture());

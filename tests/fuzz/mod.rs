@@ -14,7 +14,6 @@ mod models;
 mod points;
 mod projects;
 mod rasters;
-pub(super) mod records;
 mod scratch;
 pub mod sweep;
 mod tables;

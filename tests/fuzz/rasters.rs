@@ -120,7 +120,7 @@ pub(super) fn cells_seeds() -> Vec<Vec<u8>> {
     vec![
         of(CellFormat::Metres, 60),
         of(CellFormat::Level, 300),
-        include_bytes!("../suite/base_map/heights.tif").to_vec(),
+        include_bytes!("../support/base_map/heights.tif").to_vec(),
     ]
 }
 
@@ -146,10 +146,10 @@ pub(super) fn base_map(bytes: &[u8]) {
 
 pub(super) fn base_map_seeds() -> Vec<Vec<u8>> {
     vec![
-        include_bytes!("../suite/base_map/degrees_grey.tif").to_vec(),
-        include_bytes!("../suite/base_map/british.tif").to_vec(),
-        include_bytes!("../suite/base_map/jpeg.tif").to_vec(),
-        include_bytes!("../suite/base_map/late_palette.tif").to_vec(),
-        include_bytes!("../suite/base_map/masked_grey.tif").to_vec(),
+        include_bytes!("../support/base_map/degrees_grey.tif").to_vec(),
+        include_bytes!("../support/base_map/british.tif").to_vec(),
+        include_bytes!("../support/base_map/jpeg.tif").to_vec(),
+        include_bytes!("../support/base_map/late_palette.tif").to_vec(),
+        include_bytes!("../support/base_map/masked_grey.tif").to_vec(),
     ]
 }

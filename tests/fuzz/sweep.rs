@@ -5,10 +5,10 @@
 //! the same where its samples lie at the same place and its time and its range are the same.
 
 use super::harm::{Harm, harms};
-use super::records::layout_of;
 use bathyscope_log::formats::{OpenError, open_at_hand};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Bytes, ChannelKind, RangeSource, Side, SideSpan, Survey};
+use bathyscope_test_support::records::layout_of;
 use rayon::prelude::*;
 use std::fs;
 use std::ops::Range;

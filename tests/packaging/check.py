@@ -23,7 +23,7 @@ from license_expression import get_spdx_licensing
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGING = ROOT / "assets/packaging"
 WORKFLOW = ROOT / ".github/workflows/release.yml"
-VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["version"]
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
 RELEASES = "https://example.org/releases"
 # What compiles a program for a target; nothing here does for macOS, where the program is only copied.
 COMPILERS = {"x86_64-unknown-linux-gnu": "x86_64-linux-gnu-gcc", "aarch64-unknown-linux-gnu": "aarch64-linux-gnu-gcc",

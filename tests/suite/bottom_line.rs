@@ -1,8 +1,8 @@
 //! The bottom line at the recorded depth: the picture follows it, the measurements do not, and what
 //! was drawn stays.
 
-use crate::river::processed;
 use crate::support::{demo_log, real_data};
+use crate::truth::processed;
 use crate::window::{app, demo_window, press};
 use bathyscope::app::Command;
 use bathyscope_bottom::first_return::{BottomEdit, BottomLine, BottomSettings};

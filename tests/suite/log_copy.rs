@@ -210,7 +210,7 @@ fn tables_have_a_row_for_each_trace() {
     let (Values::Bytes(echoes), Values::Whole(indices)) = (echoes, indices) else {
         panic!("bytes and whole numbers");
     };
-    assert_eq!((channels.len(), echoes.len()), (count, count));
+    assert_eq!((channels.row_count(), echoes.len()), (count, count));
     let stored = samples(&log, 70, Side::Port);
     let row = (0..count).find(|row| {
         indices[*row] == Some(70) && !echoes[*row].is_empty() && echoes[*row].len() == stored.len()

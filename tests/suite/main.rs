@@ -1,5 +1,5 @@
-//! Tests of several crates together, of the window and of the program. `support` finds real
-//! recordings and simulated surveys.
+//! Tests of several crates together, of the window and of the program. Tests of one crate are in
+//! that crate; what reads broken files is shared with the fuzzer (`tests/fuzz`).
 
 #![allow(
     clippy::expect_used,
@@ -7,37 +7,38 @@
     reason = "their failure is the failure of the test"
 )]
 
+// What holds for the repository: borders between modules, packages, tables in the manual and the
+// README.
 mod architecture;
-mod archive;
-mod base_map;
-mod bathymetry;
-mod bottom;
-mod bottom_3d;
-mod bottom_line;
-mod calibration;
-mod calibration_window;
-mod calm_window;
-mod changed_log;
+mod formats_table;
+mod manual;
+#[cfg(unix)]
+mod packaging;
+mod program;
+
+// The command line: names, columns, units and exit codes of the contract.
 mod cli;
-mod cloud;
-mod conventions_window;
-mod corrected;
-mod crs;
-mod damage;
 mod dataset;
-mod depths;
-mod detection_metrics;
-mod detection_targets;
-mod detector;
-mod exclusion_window;
-mod export;
+mod log_copy;
+mod outputs;
+mod planning;
+mod same_bytes;
+
+// Whole runs: several logs, archives, projects, real recordings.
+mod archive;
+mod changed_log;
+mod many_logs;
+mod many_logs_files;
+mod new_survey;
+mod residuals;
+mod shifted_logs;
+mod survey_run;
+mod targets;
+
+// Bad input: broken files, hostile names, logs that are lost, programs that are killed.
 /// A file that is mapped cannot be cut, replaced or removed on Windows.
 #[cfg(unix)]
 mod failing_log;
-mod first_return;
-mod first_window;
-mod following;
-mod formats;
 #[allow(
     dead_code,
     unreachable_pub,
@@ -45,62 +46,53 @@ mod formats;
 )]
 #[path = "../fuzz/mod.rs"]
 mod fuzz;
-mod garbled;
-mod golden;
-mod history_window;
 mod hostile;
-mod isobaths_window;
+mod killed_project;
+
+// The window as a whole: start, layout, keys, units, undo, printing.
+mod calm_window;
+mod conventions_window;
+mod first_window;
+mod history_window;
 mod keyboard_window;
 mod keys_window;
-mod killed_project;
-mod large_boxes;
-mod log_copy;
-mod logs_window;
-mod manual;
-mod many_logs;
-mod many_logs_files;
-mod map_layers;
-mod map_tools;
-mod missions;
-mod mosaic;
-mod mosaic_gain;
-mod mounting;
-mod navigation;
-mod new_survey;
-mod objects_window;
-mod offsets;
-mod one_list;
-mod outputs;
-#[cfg(unix)]
-mod packaging;
-mod passes_window;
-mod picture_log;
-mod planning;
-mod planning_window;
-mod point_attributes;
-mod point_classes;
 mod printing;
-mod program;
 mod project_window;
 mod real_window;
-mod residuals;
-mod review;
-mod river;
-mod same_bytes;
-mod shifted_logs;
-mod shipped_model;
-mod simulation;
-mod space;
 mod status_bar;
-mod support;
-mod survey_run;
-mod swath;
-mod targets;
-mod trusted_depths;
-mod truth;
 mod units_window;
-mod waterfall;
-mod waterfall_measure;
 mod window;
 mod window_job;
 mod window_layout;
+
+// Views: waterfall, map, 3D, lists.
+mod bottom_3d;
+mod logs_window;
+mod map_layers;
+mod map_tools;
+mod objects_window;
+mod one_list;
+mod passes_window;
+mod space;
+mod waterfall;
+mod waterfall_measure;
+
+// Work of the analyst in the window: bottom, calibration, corrections, exclusions, review.
+mod bottom;
+mod bottom_line;
+mod calibration_window;
+mod corrected;
+mod depths;
+mod exclusion_window;
+mod following;
+mod isobaths_window;
+mod mounting;
+mod planning_window;
+mod point_attributes;
+mod review;
+
+// Helpers.
+mod support;
+#[allow(dead_code, reason = "tests of bathyscope-products use all of it")]
+#[path = "../../src/products/tests/suite/truth.rs"]
+mod truth;

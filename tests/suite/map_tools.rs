@@ -1,11 +1,11 @@
 //! The tools of the map, driven by keys and mouse.
 
-use crate::base_map;
 use crate::printing::name_file;
 use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
 use bathyscope::app::{Action, Command, LogPlace, MapLayer, Measure, View};
 use bathyscope::ui::Alone;
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
+use bathyscope_test_support::base_map;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
@@ -256,7 +256,7 @@ fn the_map_is_swiped_by_mouse_and_by_arrows() {
 #[test]
 fn a_dropped_picture_lies_under_the_map() {
     let mut window = map_window();
-    drop_file(&mut window, base_map::file("utm_rgb.tif"));
+    drop_file(&mut window, base_map("utm_rgb.tif"));
     settle(&mut window);
     let map = app(&window).map.base_map.clone().expect("a base map");
     assert_eq!(map.size, [200, 150]);
@@ -269,7 +269,7 @@ fn a_dropped_picture_lies_under_the_map() {
     layers.set_visible(MapLayer::HillShade, false);
     settle(&mut window);
     window.snapshot("map_base_map");
-    drop_file(&mut window, base_map::file("british.tif"));
+    drop_file(&mut window, base_map("british.tif"));
     assert!(app(&window).notices.last().is_some_and(|notice| notice.is_error));
     assert!(app(&window).map.base_map.is_some(), "the one before stays");
     let close = Command::Do(Action::CloseBaseMap);
@@ -284,7 +284,7 @@ fn a_base_map_is_opened_by_its_command() {
     by_palette(&mut window, "Open base map");
     window
         .get_by_role_and_label(Role::TextInput, "Path of a GeoTIFF")
-        .type_text(&base_map::file("mercator_palette.tif").to_string_lossy());
+        .type_text(&base_map("mercator_palette.tif").to_string_lossy());
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(app(&window).map.base_map.as_ref().map(|map| map.place.crs.epsg()), Some(3857));

@@ -2,8 +2,8 @@
 //! cloud, in files and in colours.
 
 use crate::cli::run;
-use crate::river::processed;
 use crate::support::{demo_log, real_data};
+use crate::truth::processed;
 use crate::window::{app, demo_window, press};
 use bathyscope::app::CloudColour;
 use bathyscope_bottom::cloud::{CloudPoint, PointSource};

@@ -348,8 +348,7 @@ fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
 fn the_base_map_comes_back_or_is_said_to_be_gone() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("aerial.tif");
-    let picture =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/suite/base_map/utm_rgb.tif");
+    let picture = bathyscope_test_support::base_map("utm_rgb.tif");
     std::fs::copy(picture, &path).expect("a copy");
     let mut window = demo_window();
     drop_file(&mut window, path.clone());

@@ -11,6 +11,7 @@ pub mod handmade;
 pub mod klein;
 pub mod nmea;
 mod random;
+pub mod records;
 
 pub use random::{Moments, Random};
 
@@ -31,6 +32,16 @@ pub fn real_data() -> Option<PathBuf> {
     }
     eprintln!("skipped: no real recordings (set BATHYSCOPE_DATA to the folder that holds them)");
     None
+}
+
+/// A base map of `base_map`, which `make.py` there made by GDAL.
+pub fn base_map(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("base_map").join(name)
+}
+
+/// The folder of small networks in the dialects of exporters, which `make.py` there made.
+pub fn detector_models() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("detector_models")
 }
 
 /// The bundled demo survey as a file.

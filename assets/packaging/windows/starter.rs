@@ -1,5 +1,6 @@
-//! `Bathyscope.exe` of the packages for Windows: starts `bin\bathyscope.exe` with its own arguments, and no console window comes with it. It is a
-//! program of its own, for Windows lets a program either have a console or not. `build` beside it compiles it.
+//! `Bathyscope.exe` of the packages for Windows: starts `bin\bathyscope.exe` with its own
+//! arguments, and no console window comes with it. It is a program of its own, for Windows lets a
+//! program either have a console or not. `build` beside it compiles it.
 #![windows_subsystem = "windows"]
 
 use std::ffi::c_void;

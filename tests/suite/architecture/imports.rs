@@ -1,7 +1,7 @@
 //! Which file of the source tree imports which. Tests do not count, and a path counts for the file
 //! that defines the item.
 
-use super::{code, rust_files, source};
+use super::{code, files_of, folder_of};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -30,9 +30,9 @@ fn parent(module: &str) -> &str {
     module.rsplit_once("::").map_or("", |(parent, _)| parent)
 }
 
-/// `src/bottom/cloud/mod.rs` is `bottom::cloud`.
-fn module_of(path: &Path) -> String {
-    let relative = path.strip_prefix(source()).expect("a path below src");
+/// `bottom/cloud/mod.rs` of the crate in `bottom` is `cloud`.
+fn module_of(path: &Path, folder: &Path) -> String {
+    let relative = path.strip_prefix(folder).expect("a path below the crate");
     let name = relative.with_extension("").to_string_lossy().replace('/', "::");
     let name = name.strip_suffix("::mod").unwrap_or(&name);
     name.strip_prefix("lib").filter(|rest| rest.is_empty()).unwrap_or(name).to_owned()
@@ -155,12 +155,12 @@ fn resolve(
     goes_on.then(|| resolve(modules, (&here, rest), true, steps + 1))?
 }
 
-/// Reads all files. What a file takes from the modules that contain it is no import.
-pub(super) fn imports() -> Imports {
+/// Reads all files of a crate. What a file takes from the modules that contain it is no import.
+pub(super) fn imports(name: &str) -> Imports {
     let mut files = BTreeMap::new();
     let mut tests = BTreeSet::new();
-    for path in rust_files(&source()) {
-        let module = module_of(&path);
+    for path in files_of(name) {
+        let module = module_of(&path, &folder_of(name));
         let (code, test_modules) = without_tests(&code(&path));
         tests.extend(test_modules.iter().map(|name| joined(&module, name)));
         files.insert(module, code);

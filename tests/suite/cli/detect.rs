@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 fn model() -> String {
-    format!("{}/tests/suite/detector_models/yolov8.onnx", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/yolov8.onnx", bathyscope_test_support::detector_models().display())
 }
 
 fn rows(path: &Path) -> Vec<Vec<String>> {

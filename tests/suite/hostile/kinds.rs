@@ -309,7 +309,7 @@ fn raster(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
 }
 
 fn model(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/detector_models");
+    let models = bathyscope_test_support::detector_models();
     let mut names: Vec<_> = fs::read_dir(models).expect("models").flatten().collect();
     names.retain(|name| name.path().extension().is_some_and(|suffix| suffix == "onnx"));
     names.sort_by_key(std::fs::DirEntry::file_name);

@@ -5,7 +5,7 @@ use bathyscope_objects::truth::Mistake;
 
 /// A small model of random weights: it finds things everywhere, fast.
 pub(crate) fn model(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/suite/detector_models/{name}.onnx"))
+    bathyscope_test_support::detector_models().join(format!("{name}.onnx"))
 }
 
 #[test]

@@ -42,8 +42,8 @@ pub enum Values {
 }
 
 impl Values {
-    /// Rows.
-    pub(crate) fn len(&self) -> usize {
+    /// Count of rows.
+    pub fn row_count(&self) -> usize {
         match self {
             Self::Double(values) => values.len(),
             Self::Float(values) => values.len(),

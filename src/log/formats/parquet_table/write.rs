@@ -25,7 +25,7 @@ const WRITER: &str = "bathyscope";
 /// must be of one length.
 pub fn write_parquet(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<()> {
     let mut writer = ParquetWriter::new(file, columns, keys)?;
-    let count = columns.first().map_or(0, |column| column.values.len());
+    let count = columns.first().map_or(0, |column| column.values.row_count());
     for start in (0..count).step_by(GROUP_ROWS) {
         writer.push(columns, start..(start + GROUP_ROWS).min(count))?;
     }

@@ -2,13 +2,14 @@
 //! nothing is lost beyond the frames that the damage touched. What can be lost is known from a walk
 //! of its own over the whole log.
 
-use crate::fuzz::records::{FindRecords, sl2_records, sl3_records, son_records, xtf_records};
-use crate::support;
 use bathyscope_log::formats::{self, OpenError};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use bathyscope_test_support::Random;
 use bathyscope_test_support::handmade;
+use bathyscope_test_support::records::{
+    FindRecords, sl2_records, sl3_records, son_records, xtf_records,
+};
 use std::fs::{self, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::ops::Range;
@@ -192,7 +193,7 @@ fn damage_one(name: &str, bytes: Vec<u8>, oracle: FindRecords, seed: u64) -> Pat
 }
 
 fn damage_real(file: &str, oracle: FindRecords, seed: u64) {
-    let Some(data) = support::real_data() else {
+    let Some(data) = bathyscope_test_support::real_data() else {
         return;
     };
     let bytes = fs::read(data.join(file)).expect("a readable recording");
@@ -257,7 +258,7 @@ fn real_xtf() {
 
 #[test]
 fn real_humminbird() {
-    let Some(data) = support::real_data() else {
+    let Some(data) = bathyscope_test_support::real_data() else {
         return;
     };
     let folder = data.join("humminbird-glen-canyon");

@@ -9,10 +9,10 @@ use bathyscope_objects::model::shipped;
 use bathyscope_objects::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
 use bathyscope_simulation::{ObjectPass, Scene, simulate};
 
-const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
-const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
-const DEMO: &[u8] = include_bytes!("../../../assets/demo.sl2");
-const SCENE: &str = include_str!("../../../assets/demo.toml");
+const ONNX: &[u8] = include_bytes!("../../../../../assets/detector/default.onnx");
+const SIDECAR: &str = include_str!("../../../../../assets/detector/default.json");
+const DEMO: &[u8] = include_bytes!("../../../../../assets/demo.sl2");
+const SCENE: &str = include_str!("../../../../../assets/demo.toml");
 
 /// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs
 /// off the range.

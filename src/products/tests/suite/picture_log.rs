@@ -1,12 +1,12 @@
 //! The demo survey, written as a picture and a table as another program would, opens as the log
 //! that it is.
 
-use crate::support::demo_log;
 use bathyscope_bottom::first_return::{Pick, detect};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey, navigate_with};
 use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings, run};
+use bathyscope_test_support::demo_log;
 use image::GrayImage;
 use std::fmt::Write as _;
 use std::path::Path;

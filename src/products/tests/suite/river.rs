@@ -1,22 +1,10 @@
 //! The real river through the whole pipeline: three containers of one recording must give one
 //! cloud.
 
-use crate::support;
+use crate::truth::processed;
 use bathyscope_bottom::cloud::slant_range_m;
-use bathyscope_log::formats;
-use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey};
-use bathyscope_products::pipeline::{self, Products, Settings};
-use std::path::Path;
-
-/// A log with what the default settings make of it.
-pub(super) fn processed(path: &Path) -> (Survey, Products) {
-    let survey = formats::open(path, &Progress::new()).expect("a log that opens");
-    let settings = Settings::default();
-    let products =
-        pipeline::run(&survey, &settings, None, &Progress::new(), |_| ()).expect("not cancelled");
-    (survey, products)
-}
+use bathyscope_products::pipeline::Products;
 
 /// Calibrated range of the first return, per ping; NaN without one.
 fn ranges(survey: &Survey, products: &Products, side: Side) -> Vec<f64> {
@@ -33,7 +21,7 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
 
 #[test]
 fn the_transcoded_logs_give_the_recorded_cloud() {
-    let Some(data) = support::real_data() else {
+    let Some(data) = bathyscope_test_support::real_data() else {
         return;
     };
     let (survey, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
@@ -76,7 +64,7 @@ fn deeper_side_minus_depth(
 
 #[test]
 fn the_line_agrees_with_the_recorded_depth() {
-    let Some(data) = support::real_data() else {
+    let Some(data) = bathyscope_test_support::real_data() else {
         return;
     };
     let (survey, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));

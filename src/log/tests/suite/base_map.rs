@@ -3,23 +3,18 @@
 use bathyscope_log::formats::base_map::{BaseMap, open};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_test_support::base_map;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-
-/// A file of this folder.
-pub(super) fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/base_map").join(name)
-}
 
 fn opened(name: &str) -> BaseMap {
-    open(&file(name), &Progress::new()).expect("a base map")
+    open(&base_map(name), &Progress::new()).expect("a base map")
 }
 
 /// Longitude, latitude and colour of some pixels of each picture.
 type Goldens = HashMap<String, Vec<(f64, f64, [u8; 4])>>;
 
 fn goldens() -> Goldens {
-    let text = std::fs::read_to_string(file("colours.json")).expect("the goldens");
+    let text = std::fs::read_to_string(base_map("colours.json")).expect("the goldens");
     serde_json::from_str(&text).expect("positions and colours")
 }
 
@@ -93,7 +88,7 @@ fn what_cannot_lie_under_a_map_is_refused_in_a_sentence() {
         ("colours.json", "cannot be read"),
         ("absent.tif", "cannot be read"),
     ] {
-        let refused = open(&file(name), &Progress::new()).err();
+        let refused = open(&base_map(name), &Progress::new()).err();
         let text = refused.expect("refused").to_string();
         assert!(text.contains(why) && text.ends_with(name), "{text}");
         assert!(!text.contains('\n') && text.len() < 400, "{text}");
@@ -102,7 +97,7 @@ fn what_cannot_lie_under_a_map_is_refused_in_a_sentence() {
 
 #[test]
 fn a_damaged_picture_is_refused_or_shows_less() {
-    let whole = std::fs::read(file("utm_rgb.tif")).unwrap();
+    let whole = std::fs::read(base_map("utm_rgb.tif")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("damaged.tif");
     let mut read = 0;

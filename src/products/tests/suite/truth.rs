@@ -1,4 +1,4 @@
-//! Results compared with what a simulated survey hides.
+//! Results of simulated surveys compared with what these hide, and results of real logs.
 
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
 use bathyscope_bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};
@@ -6,8 +6,9 @@ use bathyscope_bottom::swath::{LogEchoes, correct};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey};
-use bathyscope_products::pipeline::{Products, log_echoes};
+use bathyscope_products::pipeline::{self, Products, Settings, log_echoes};
 use bathyscope_simulation::{Scene, Simulated, simulate};
+use std::path::Path;
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]
@@ -122,4 +123,13 @@ pub(super) fn map_with(
 /// The kept points.
 pub(super) fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
     products.kept_points()
+}
+
+/// A log with what the default settings make of it.
+pub(crate) fn processed(path: &Path) -> (Survey, Products) {
+    let survey = formats::open(path, &Progress::new()).expect("a log that opens");
+    let settings = Settings::default();
+    let products =
+        pipeline::run(&survey, &settings, None, &Progress::new(), |_| ()).expect("not cancelled");
+    (survey, products)
 }

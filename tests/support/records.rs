@@ -4,11 +4,11 @@
 use std::ops::Range;
 
 /// Where the records of a whole file are.
-pub(crate) type FindRecords = fn(&[u8]) -> Vec<Range<u64>>;
+pub type FindRecords = fn(&[u8]) -> Vec<Range<u64>>;
 
 /// What stands in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FieldKind {
+pub enum FieldKind {
     /// A whole number of so many bytes: a size, a count, an offset, a time.
     Whole(usize),
     /// A float of so many bytes.
@@ -17,7 +17,7 @@ pub(super) enum FieldKind {
 
 impl FieldKind {
     /// Its bytes.
-    pub(super) fn width(self) -> usize {
+    pub fn width(self) -> usize {
         match self {
             FieldKind::Whole(width) | FieldKind::Float(width) => width,
         }
@@ -26,7 +26,7 @@ impl FieldKind {
 
 /// What the sweep knows of a format.
 #[derive(Clone, Copy)]
-pub(super) struct RecordLayout {
+pub struct RecordLayout {
     /// Finds the records.
     pub find: FindRecords,
     /// Fields by their offset in a record.
@@ -121,7 +121,7 @@ const SON_FIELDS: &[(usize, FieldKind)] = &[
 ];
 
 /// What is known of a file, by its first bytes; `None` of other formats.
-pub(super) fn layout_of(bytes: &[u8]) -> Option<RecordLayout> {
+pub fn layout_of(bytes: &[u8]) -> Option<RecordLayout> {
     let (find, fields, big_endian): (FindRecords, _, _) = match bytes {
         [2, 0, _, 0, ..] => (sl2_records, SL2_FIELDS, false),
         [3, 0, _, 0, ..] => (sl3_records, SL3_FIELDS, false),
@@ -148,22 +148,22 @@ fn u16_at(bytes: &[u8], at: usize) -> usize {
 }
 
 /// Frames of SL2.
-pub(crate) fn sl2_records(bytes: &[u8]) -> Vec<Range<u64>> {
+pub fn sl2_records(bytes: &[u8]) -> Vec<Range<u64>> {
     by_size(bytes, 8, |at| u16_at(bytes, at + 28))
 }
 
 /// Frames of SL3.
-pub(crate) fn sl3_records(bytes: &[u8]) -> Vec<Range<u64>> {
+pub fn sl3_records(bytes: &[u8]) -> Vec<Range<u64>> {
     by_size(bytes, 8, |at| u16_at(bytes, at + 8))
 }
 
 /// Packets of XTF.
-pub(crate) fn xtf_records(bytes: &[u8]) -> Vec<Range<u64>> {
+pub fn xtf_records(bytes: &[u8]) -> Vec<Range<u64>> {
     by_size(bytes, 1024, |at| u16_at(bytes, at + 10) | u16_at(bytes, at + 12) << 16)
 }
 
 /// Pings lie from one magic number to the next; the data of these logs does not contain it.
-pub(crate) fn son_records(bytes: &[u8]) -> Vec<Range<u64>> {
+pub fn son_records(bytes: &[u8]) -> Vec<Range<u64>> {
     let magic = [0xC0, 0xDE, 0xAB, 0x21];
     let windows = bytes.windows(magic.len()).enumerate();
     let marked = windows.filter(|(_, window)| *window == magic);

@@ -14,7 +14,7 @@ const SCORE: f32 = 0.35;
 const IOU: f32 = 0.45;
 
 fn models() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/detector_models")
+    bathyscope_test_support::detector_models()
 }
 
 fn load(name: &str) -> Model {

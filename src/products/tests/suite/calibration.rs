@@ -1,8 +1,7 @@
 //! Scales and offsets on surveys whose truth is known, and on the river.
 
-use crate::river::processed;
-use crate::support::real_data;
 use crate::truth::KnownSurvey;
+use crate::truth::processed;
 use bathyscope_bottom::calibration::{
     Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots,
 };
@@ -13,6 +12,7 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Projection, Side, navigate};
 use bathyscope_products::pipeline::{self, Preset, Products, Settings};
 use bathyscope_simulation::{Artefacts, Scene, Terrace};
+use bathyscope_test_support::real_data;
 use std::sync::Arc;
 
 /// A survey whose range does not change.

@@ -1,7 +1,7 @@
 //! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars
 //! across it, relief kept.
 
-use crate::{river, support};
+use crate::truth::processed;
 use bathyscope_bottom::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -170,10 +170,10 @@ fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
 
 #[test]
 fn the_river_shows_no_step_no_bands_and_no_bars_and_keeps_its_boulders() {
-    let Some(data) = support::real_data() else {
+    let Some(data) = bathyscope_test_support::real_data() else {
         return;
     };
-    let (survey, products) = river::processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
+    let (survey, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
     let [recorded, even] =
         [Gain::Recorded, Gain::Empirical].map(|gain| Swaths::of(&survey, &products, gain));
     // Boulders on both sides.

@@ -5,10 +5,8 @@ mod humminbird;
 mod lowrance;
 mod real;
 mod refused;
-mod table;
 mod xtf;
 
-use crate::support;
 use bathyscope_log::formats::{self, OpenError};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{ChannelKind, SampleOrder, Side, SideScanState, Survey, Warning};
@@ -16,7 +14,7 @@ use bathyscope_test_support::handmade::{self, Frame};
 use std::path::{Path, PathBuf};
 
 fn open(file: &str) -> Option<Survey> {
-    let path = support::real_data()?.join(file);
+    let path = bathyscope_test_support::real_data()?.join(file);
     Some(formats::open(&path, &Progress::new()).unwrap_or_else(|error| panic!("{error}")))
 }
 

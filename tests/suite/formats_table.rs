@@ -1,12 +1,14 @@
 //! The table of formats is what README.md, the flow for archives, the commands and the messages
 //! say.
 
-use super::*;
 use crate::cli::run;
-use bathyscope_log::formats::{FORMATS, FileRole, FormatEntry};
+use bathyscope_log::formats::{self, FORMATS, FileRole, FormatEntry};
+use bathyscope_log::support::progress::Progress;
 use serde_json::Value;
+use std::path::Path;
 
-const BEGIN: &str = "<!-- The table of formats: src/formats/table.rs. A test compares them. -->\n";
+const BEGIN: &str =
+    "<!-- The table of formats: src/log/formats/table.rs. A test compares them. -->\n";
 const END: &str = "<!-- The end of the table of formats. -->\n";
 
 /// A file of the project.
@@ -18,13 +20,11 @@ fn text(path: &str) -> String {
 /// A row of the table in README.md.
 fn row(format: &FormatEntry) -> String {
     let opened = format.opened_as(|name| format!("`{name}`"));
-    format!(
-        "| {} | {opened} | {} | {} | {} |\n",
-        format.recorders,
-        format.carried(),
-        format.tried(),
-        format.notes
-    )
+    let tried = match format.tried_on {
+        Some(_) => "real recordings",
+        None => "its specification",
+    };
+    format!("| {} | {opened} | {tried} |\n", format.recorders)
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn the_table_in_the_readme_is_that_of_the_program() {
     let readme = text("README.md");
     let (_, after) = readme.split_once(BEGIN).expect("the first marker");
     let (shown, _) = after.split_once(END).expect("the last marker");
-    let head = "| recorder | open | carries | tried on | notes |\n|---|---|---|---|---|\n";
+    let head = "| recorder | open | tried on |\n|---|---|---|\n";
     let made = FORMATS.iter().map(row);
     let made = head.to_owned() + &made.collect::<String>();
     assert_eq!(shown, made, "write this between the markers:\n{made}");

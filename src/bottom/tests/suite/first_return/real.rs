@@ -1,10 +1,10 @@
 //! First returns on real recordings, against what can be known of them without truth.
 
-use crate::support;
 use bathyscope_bottom::first_return::{FirstReturnSettings, FirstReturns, ImageSettings, detect};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey};
+use bathyscope_test_support as support;
 
 fn tracked(file: &str) -> Option<(Survey, FirstReturns)> {
     let path = support::real_data()?.join(file);

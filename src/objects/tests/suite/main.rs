@@ -1,0 +1,11 @@
+//! The detector beside onnxruntime, and the metrics beside pycocotools.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    reason = "their failure is the failure of the test"
+)]
+
+mod detection_metrics;
+mod detector;
+mod shipped_model;

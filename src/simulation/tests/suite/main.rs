@@ -1,0 +1,9 @@
+//! Simulated surveys beside their truth.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    reason = "their failure is the failure of the test"
+)]
+
+mod simulation;
