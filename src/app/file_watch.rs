@@ -157,7 +157,7 @@ mod tests {
     }
 
     fn wait(app: &mut App, is_there: impl Fn(&App) -> bool) {
-        for _ in 0..400 {
+        for () in bathyscope_test_support::attempts() {
             app.poll();
             if is_there(app) {
                 return;

@@ -88,7 +88,7 @@ fn a_small_window_leaves_half_of_it_to_the_views_and_cuts_nothing_off() {
         press(&mut window, Modifiers::NONE, Key::Tab);
         let whole = window.ctx.content_rect();
         // A view has its name when its picture is there, which comes from a thread of its own.
-        for _ in 0..100 {
+        for () in bathyscope_test_support::attempts() {
             if views(&window).area() >= 0.5 * whole.area() {
                 break;
             }

@@ -6,6 +6,7 @@ use super::window::{Window, app, settle};
 use crate::support::{demo_log, real_data, snapshot_options};
 use bathyscope::app::{App, Command, Jobs};
 use bathyscope::ui::Shell;
+use bathyscope_test_support::PATIENCE;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use std::fs::{self, File};
@@ -16,8 +17,6 @@ use std::time::{Duration, Instant};
 
 /// Pages before the file fails, at most.
 const MOST_PAGES: usize = 6;
-/// How long a window may take to say it.
-const PATIENCE: Duration = Duration::from_secs(20);
 /// How long one is looked at that has nothing to say: two looks at its files.
 const SILENCE: Duration = Duration::from_millis(2500);
 

@@ -67,7 +67,7 @@ fn the_window_opens_on_the_demo_and_draws_it() {
             .expect("the program starts"),
     );
     // A waterfall in copper, depth colours and text: far more colours than an empty window has.
-    let deadline = Instant::now() + Duration::from_secs(120);
+    let deadline = Instant::now() + bathyscope_test_support::PATIENCE;
     let mut seen = 0;
     while Instant::now() < deadline && seen < 500 {
         assert!(window.0.try_wait().expect("a child").is_none(), "the window closed by itself");

@@ -82,7 +82,7 @@ fn settle(window: &mut Harness<'_, Window>) {
     let start = Instant::now();
     window.run_steps(2);
     while !window.state().waterfall.is_settled() {
-        assert!(start.elapsed() < Duration::from_secs(60), "the waterfall never settles");
+        assert!(start.elapsed() < bathyscope_test_support::PATIENCE, "the waterfall never settles");
         std::thread::sleep(Duration::from_millis(2));
         window.run_steps(1);
     }

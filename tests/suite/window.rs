@@ -391,7 +391,7 @@ pub(crate) fn drawn_window(size: [f32; 2]) -> Window {
 
 /// Draws frames until tiles and layers have arrived.
 pub(crate) fn settle(window: &mut Window) {
-    for _ in 0..200 {
+    for () in bathyscope_test_support::attempts() {
         window.step();
         window.render().expect("a picture");
         if window.state().is_settled() {

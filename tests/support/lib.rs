@@ -15,11 +15,23 @@ pub mod records;
 
 pub use random::{Moments, Random};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Time after which a test that waits for a worker fails. It ends an endless wait and bounds no
+/// speed: on a busy machine a worker takes as long as it needs.
+pub const PATIENCE: Duration = Duration::from_secs(900);
+
+/// Returns the attempts of a test that waits for a worker: as many as [`PATIENCE`] has time for.
+pub fn attempts() -> impl Iterator<Item = ()> {
+    let start = Instant::now();
+    std::iter::from_fn(move || (start.elapsed() < PATIENCE).then_some(()))
+}
 
 /// The folder of the repository.
 pub fn repository() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    own.ancestors().nth(2).expect("the folder above tests").to_path_buf()
 }
 
 /// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project. `None`

@@ -13,8 +13,8 @@
 //! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else
 //!    names a format. A format that is written too implements [`log_writer::LogWriter`]; the row
 //!    names its ending.
-//! 4. Write its test in `tests/suite/formats` with a small writer of the format in
-//!    `tests/suite/handmade.rs`: whole, cut, damaged.
+//! 4. Write its test in its folder or in `src/log/tests/suite/formats`, with a small writer of the
+//!    format in `tests/support`: whole, cut, damaged.
 //! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take
 //!    its row out of `unsupported`, if it has one.
 //!

@@ -201,7 +201,7 @@ mod tests {
     fn a_log_is_found_where_it_was_moved_to_and_only_by_its_bytes() {
         let temporary = tempfile::tempdir().expect("a folder");
         let folder = fs::canonicalize(temporary.path()).expect("a folder");
-        let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2");
+        let demo = bathyscope_test_support::demo_log();
         let log = folder.join("pond.sl2");
         fs::copy(&demo, &log).expect("a log");
         let file = LogFile::of(&survey(&log), &Progress::new()).expect("a log");

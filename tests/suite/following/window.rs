@@ -23,8 +23,6 @@ use std::time::{Duration, Instant};
 const SPEED: f64 = 20.0;
 /// Between two pieces that are written, as a recorder's buffer is flushed.
 const FLUSH: Duration = Duration::from_millis(20);
-/// Longest that anything here takes.
-const PATIENCE: Duration = Duration::from_secs(240);
 
 fn threads() -> App {
     App::new(Jobs::Threads(Arc::new(|| ())))
@@ -74,7 +72,11 @@ fn watch(app: &mut App, mut is_done: impl FnMut(&mut App) -> bool) -> f64 {
         if let Some(FollowStatus::Growing { behind, .. }) = app.follow_status() {
             behind_s = behind_s.max(behind.as_secs_f64());
         }
-        assert!(start.elapsed() < PATIENCE, "{now} pings, {:?}", app.notices);
+        assert!(
+            start.elapsed() < bathyscope_test_support::PATIENCE,
+            "{now} pings, {:?}",
+            app.notices
+        );
         std::thread::sleep(Duration::from_millis(3));
     }
     behind_s

@@ -1,4 +1,5 @@
-//! Logs, base maps and coordinate systems as the crate reads them: real recordings, small logs written byte by byte, and damaged ones.
+//! Logs, base maps and coordinate systems as the crate reads them: real recordings, small logs
+//! written byte by byte, and damaged ones.
 
 #![allow(
     clippy::expect_used,

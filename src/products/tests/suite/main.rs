@@ -1,4 +1,5 @@
-//! Whole runs without a window: simulated surveys of known truth through all stages, and the real recordings.
+//! Whole runs without a window: simulated surveys of known truth through all stages, and the real
+//! recordings.
 
 #![allow(
     clippy::expect_used,

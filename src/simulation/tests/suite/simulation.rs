@@ -8,7 +8,6 @@ use bathyscope_simulation::{
     Artefacts, ObjectKind, ObjectSettings, Scene, Simulated, Terrace, TrackSettings, simulate,
 };
 use std::f64::consts::PI;
-use std::path::Path;
 
 fn run(scene: &Scene, seed: u64) -> Simulated {
     simulate(scene, seed, &Progress::new()).expect("nobody cancels")
@@ -68,8 +67,8 @@ fn demo_log_is_what_its_scene_gives() {
     // Exact on every machine: the simulation uses IEEE 754 operations only. The one exception, the
     // rounding of positions to whole metres after the system's `tan` and `ln`, could differ only
     // within 1e-9 m of half a metre.
-    let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2");
-    let bundled = std::fs::read(bundled).expect("the bundled demo survey");
+    let bundled =
+        std::fs::read(bathyscope_test_support::demo_log()).expect("the bundled demo survey");
     assert!(bundled.len() < 4_000_000, "{} bytes", bundled.len());
     let again = run(&Scene::demo(), 1).sl2_bytes();
     assert!(bundled == again, "assets/demo.sl2 is not what assets/demo.toml gives with seed 1");
