@@ -10,14 +10,14 @@ pub(crate) const NO_WINDOW: &str = "this build of Bathyscope has no window and d
 
 /// `bathyscope snapshot`, with whatever it would take.
 #[derive(Debug, clap::Args)]
-pub struct SnapshotArgs {
+pub(crate) struct SnapshotArgs {
     /// This build has no window, and draws no pictures of one
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     _arguments: Vec<OsString>,
 }
 
 /// Says that nothing can be drawn.
-pub fn run(_: SnapshotArgs) -> Result<(), Failure> {
+pub(crate) fn run(_: SnapshotArgs) -> Result<(), Failure> {
     Err(NO_WINDOW.into())
 }
 

@@ -28,7 +28,7 @@ pub(super) fn say_in_a_box(_: &str) {}
 
 /// Says that there is none.
 #[cfg(not(feature = "gui"))]
-pub fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
+pub(crate) fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
     Err(super::snapshot::NO_WINDOW.into())
 }
 
