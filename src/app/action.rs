@@ -253,9 +253,8 @@ impl Action {
         self.keys().into_iter().chain(self.second_key())
     }
 
-    /// Whether a held key goes on doing it: stepping, and walking through the history. Everything
-    /// else is done once per press; a held A would otherwise accept box after box before any of
-    /// them has been looked at.
+    /// Returns `true` where a held key repeats the action: stepping, undo and redo. All others act
+    /// once a press; a held A would otherwise accept box after box before any was looked at.
     pub(crate) fn repeats(self) -> bool {
         matches!(
             self,

@@ -4,8 +4,8 @@ use super::{Action, App};
 use bathyscope_bottom::calibration::ScaleMode;
 
 impl App {
-    /// Whether there is what an action takes away or leaves. All other actions say themselves what
-    /// they lack.
+    /// Returns `false` where an action would remove or leave something that is not there. All other
+    /// actions say themselves what they lack.
     pub(crate) fn has_what_it_takes(&self, action: Action) -> bool {
         match action {
             Action::ShowTogether => self.logs().any(|log| log.apart.is_some()),

@@ -51,8 +51,8 @@ struct Kept {
 pub(super) struct BottomSidecar {
     /// `None` where nothing may be written: the demo.
     path: Option<PathBuf>,
-    /// What lies there cannot be used: it may be somebody's work, and goes under another name
-    /// before anything is written.
+    /// The file that is there cannot be read. It may be somebody's work, and is renamed before
+    /// anything is written.
     refused: bool,
     written: BottomSettings,
 }
@@ -144,8 +144,7 @@ impl App {
         self.set_bottom(bottom);
     }
 
-    /// What was drawn on the open log; of a drawing of another one that the settings may hold,
-    /// nothing.
+    /// Returns the bottom edits of the open log; none where the settings hold those of another log.
     fn bottom_of(&self, survey: &Survey) -> BottomSettings {
         let bottom = &self.log.settings.bottom;
         match bottom.belongs_to(survey) {

@@ -1,5 +1,5 @@
-//! What bare keys change is never silent: it is said, with undo. A slip of the hand, or a text
-//! typed into no field, is seen at once.
+//! Notices of changes that a bare key made, with undo: a slip of the hand, or text that is typed
+//! into no field, is seen at once.
 
 use super::step::{LogStep, UndoStep};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};

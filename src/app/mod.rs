@@ -95,7 +95,7 @@ pub use planning::{PlanRequest, PlannedLines};
 pub use positions::FoundPositions;
 pub(crate) use print::Sheet;
 pub use print::{Paper, PrintOptions};
-pub use print_text::PrintText;
+pub(crate) use print_text::PrintText;
 pub use profile_line::ProfileLine;
 pub use project::is_project;
 pub use reviewing::{

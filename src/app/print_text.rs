@@ -13,7 +13,7 @@ const NAMED: usize = 3;
 
 /// The words around a printed view.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PrintText {
+pub(crate) struct PrintText {
     /// Above the view.
     pub title: String,
     /// Below it, a sentence a line.

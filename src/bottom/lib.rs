@@ -4,7 +4,8 @@
 //! the scale from samples to metres. [`cloud`] places first returns and soundings on the ground,
 //! [`bathymetry`] makes surfaces, isobaths and comparisons of them, [`swath`] depths between the
 //! lines from echo levels, and [`planning`] the lines to survey next. [`waterfall`] and [`picture`]
-//! draw echoes by ping, [`mosaic`] on the ground.
+//! draw echoes by ping, [`mosaic`] on the ground. [`presentation`] has the colours, units and texts
+//! in which all of it is shown, wherever it is shown.
 //!
 //! # Find the first returns
 //!

@@ -2,7 +2,6 @@
 //! subcommand.
 //!
 //! In: arguments of the command line. Out: a window, or files and lines of text, and an exit code.
-//! It uses all other top folders.
 //!
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2
 //! wrong usage.

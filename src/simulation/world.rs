@@ -13,7 +13,7 @@ pub(super) struct World {
     pub weed: Vec<WeedBed>,
 }
 
-/// What is left of the echo of the ground under weed (6 dB lost, both ways).
+/// Share of the echo of the ground that remains under weed (6 dB lost, both ways).
 const WEED_LOSS: f64 = 0.25;
 
 impl World {

@@ -1,7 +1,5 @@
 //! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing
 //! but how it looks.
-//!
-//! It uses all other top folders but `cli` and `simulation`.
 
 mod adapter;
 mod block_on;

@@ -1,4 +1,4 @@
-"""One side of a log as the program draws it for a detector (`src/detection/raster.rs`): square pixels, rows along the track."""
+"""One side of a log as the program draws it for a detector (`src/objects/raster.rs`): square pixels, rows along the track."""
 
 import math
 
@@ -8,7 +8,7 @@ SIDE, PIXEL_M = 416, 0.04
 
 
 def raster(levels: np.ndarray, along_m: np.ndarray, per_sample_m: float, range_m: float) -> np.ndarray:
-    """One side as `detection/raster.rs` draws it: `[rows, columns]` of square pixels, not yet rounded."""
+    """One side as `objects/raster.rs` draws it: `[rows, columns]` of square pixels, not yet rounded."""
     columns = math.ceil(range_m / PIXEL_M)
     edges = np.minimum(np.round(np.arange(columns + 1) * PIXEL_M / per_sample_m).astype(int), levels.shape[1])
     sums = np.concatenate([np.zeros((len(levels), 1)), np.cumsum(levels, 1)], 1)

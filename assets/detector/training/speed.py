@@ -2,7 +2,7 @@
 
     python speed.py [--rounds 3] [--model ../default.onnx]
 
-needs `onnxruntime numpy` and, for Bathyscope's side, cargo: it runs `cargo bench --features bench -- detector`, which searches a
+needs `onnxruntime numpy` and, for Bathyscope's side, cargo: it runs `cargo bench -- detector`, which searches a
 tile on one thread and a simulated survey of 10 000 pings on two. onnxruntime then runs as many bare networks, without drawing,
 levelling, decoding, suppression and merging: the ratios are against Bathyscope. On a busy machine look at the processor time."""
 

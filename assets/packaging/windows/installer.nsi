@@ -53,7 +53,7 @@ VIAddVersionKey LegalCopyright "MIT or Apache-2.0"
   DeleteRegKey /ifempty HKCU "${CLASSES}\.${ENDING}"
 !macroend
 
-; The endings of src/formats/table.rs that only logs have; tests/windows/run compares them.
+; The endings of src/log/formats/table.rs that only logs have; tests/windows/run compares them.
 !macro EachEnding DO
   !insertmacro ${DO} sl2
   !insertmacro ${DO} sl3

@@ -10,8 +10,8 @@ use bathyscope_products::project::MeasurementKind;
 /// Carries out a command.
 pub(super) type Handler = fn(&mut App);
 
-/// What carries out a command; `None` for windows, dialogs, layout and cameras, which belong to the
-/// shell.
+/// Returns the function of a command; `None` for windows, dialogs, layout and cameras, which belong
+/// to the shell.
 pub(super) fn handler(action: Action) -> Option<Handler> {
     let mut all = SURVEY.iter().chain(SHOWN);
     all.find(|(of, _)| *of == action).map(|(_, handler)| *handler)

@@ -2,7 +2,7 @@
 //! measured.
 //!
 //! In: depths with their places. Out: surfaces, and what is read from them: isobaths, comparisons,
-//! offsets between logs. It uses `survey` and `support`.
+//! offsets between logs.
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an
 //! `insertion_order`, sampled by a `triangle_walk`), `inverse_distance` find the depth between

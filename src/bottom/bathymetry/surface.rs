@@ -81,7 +81,7 @@ impl Default for SurfaceSettings {
             max_gap_m: 20.0,
             max_side: 4096,
             down_scan_weight: 1.0,
-            // On ponds 101 to 110 of `cargo bench --features bench -- surface` the map's error
+            // On ponds 101 to 110 of `cargo bench -- surface` the map's error
             // falls up to 1 and stays beyond: RMS 3.8 cm with soundings only, 3.4 at 0.3, 3.2 at 1
             // (gentle), 17.4, 16.5, 16.4 (steep), 6.6, 6.5, 6.3 (rough).
             side_scan_weight: 1.0,

@@ -2,7 +2,6 @@
 //! the whole log.
 //!
 //! In: a survey with its navigation and first returns. Out: flat spots, and a calibration.
-//! It uses `survey` and `support`.
 //!
 //! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one,
 //! `scale` measures pixels per metre on them and reads the header's, `offset` finds the constant

@@ -2,7 +2,7 @@
 //! and the outlier filter.
 //!
 //! In: a survey with its navigation, first returns and calibration. Out: points with classes, and
-//! the depth under the boat at every ping. It uses `sonar`, `survey` and `support`.
+//! the depth under the boat at every ping.
 //!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular`
 //! for the one on a slope and `correction` for what depths count from, `confirmed` says which

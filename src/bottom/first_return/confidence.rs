@@ -6,7 +6,7 @@
 //! each method makes a chance of it. Both were fitted to the picks of simulated ponds (seeds 101 to
 //! 120 of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the
 //! threshold on bytes and words), a third of them as if no depth had been recorded, and are checked
-//! on others: `cargo bench --features bench -- confidence`. Over weed, whose echo comes before that
+//! on others: `cargo bench -- confidence`. Over weed, whose echo comes before that
 //! of the ground, no law can know that from a boulder: what lies above the recorded depth gets the
 //! share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 

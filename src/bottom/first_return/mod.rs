@@ -1,7 +1,6 @@
 //! The first sonar return: where, on each side of each ping, the bottom is first detected.
 //!
 //! In: a survey. Out: a first return for each ping and side, and these with the bottom edits.
-//! It uses `survey` and `support`.
 //!
 //! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the
 //! plain method, `tracker` the one that follows the bottom as a whole line, `confidence` says how

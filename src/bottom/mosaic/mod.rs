@@ -1,7 +1,7 @@
 //! The side-scan mosaic: every echo at its place on the ground, tile by tile.
 //!
 //! In: a survey with its navigation, first returns, calibration and relief. Out: gain tables,
-//! layouts, and tiles of the mosaic. It uses `bottom`, `sonar`, `survey` and `support`.
+//! layouts, and tiles of the mosaic.
 //!
 //! ```text
 //! FirstReturns --altitude--> height over the ground of every ping and side

@@ -2,7 +2,7 @@
 //! track.
 //!
 //! In: a survey with its first returns and calibration. Out: tables of gain and scale for each
-//! ping, and levels. It uses `sonar`, `survey` and `support`.
+//! ping, and levels.
 //!
 //! ```text
 //! FirstReturns + Calibration --PingScales--> altitude and scale of every ping and side

@@ -88,7 +88,7 @@ const STEP_M: f64 = 0.1;
 /// No law goes farther than this, metres.
 const FARTHEST_M: f64 = 500.0;
 /// Where a survey has too few soundings to leave some out: at a sounding, metres, and for each
-/// metre from it. The ponds of `cargo bench --features bench -- surface` have 0.01 to 0.06 a metre.
+/// metre from it. The ponds of `cargo bench -- surface` have 0.01 to 0.06 a metre.
 const USUAL_SIGMA_M: f64 = 0.05;
 const USUAL_RISE: f64 = 0.04;
 /// Nothing is worse known than by a guess of the mean depth: this at least, metres.

@@ -1,7 +1,7 @@
 //! Where to sail next: lines that mend the most of a survey in so many minutes.
 //!
 //! In: what a survey has insonified, and where water is. Out: lines in the order of sailing, with
-//! what they mend. It uses `support`.
+//! what they mend.
 //!
 //! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each
 //! cell of it lacks: depths (by the distance to the nearest sounding, `known::SigmaLaw`), a first

@@ -3,7 +3,6 @@
 //! widget, the GPU or a survey.
 //!
 //! In: plain numbers. Out: colours, texts, ticks and SVG.
-//! It uses nothing outside `support`.
 
 pub mod colours;
 pub mod graticule;

@@ -1,7 +1,7 @@
 //! Depth between the lines: the levels of the side-scan echoes say how the bed slopes.
 //!
 //! In: a surface, and the echo levels of the logs over it. Out: the same surface with depths
-//! between the lines, where levels predict these better. It uses `survey` and `support`.
+//! between the lines, where levels predict these better.
 //!
 //! An echo is stronger where the bed faces the boat and weaker where it turns away. From two sides,
 //! as from neighbouring lines, the effect of a slope changes its sign and that of the bed's own

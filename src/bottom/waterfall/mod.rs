@@ -2,7 +2,6 @@
 //! looked at.
 //!
 //! In: a survey with its first returns. Out: a range axis, picture tiles, and lines over them.
-//! It uses `sonar`, `survey` and `support`.
 //!
 //! A picture is laid out over ping (across the rows of a tile) and slant range (along a row), each
 //! side on its own, near to far. Its range axis has one scale for the whole survey ([`RangeAxis`]),

@@ -1,7 +1,6 @@
 //! Commands about an archive of many logs: `tiles`, `tile`, `coverage`, `adjust`, `archive`.
 //!
 //! In: arguments of these commands. Out: files of the archive, and lines of text.
-//! It uses `products`, `bottom`, `formats` and `support`.
 
 mod adjust;
 mod build;

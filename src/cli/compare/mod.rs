@@ -2,7 +2,6 @@
 //! changed between two depth maps.
 //!
 //! In: arguments of the command. Out: lines of text, and files of the differences.
-//! It uses `products`, `pipeline`, `bottom`, `formats` and `support`.
 
 mod change;
 mod logs;

@@ -1,7 +1,6 @@
 //! `bathyscope evaluate`: proposed boxes against true ones, of label files or of whole logs.
 //!
 //! In: arguments of the command. Out: lines of text, and files of the figures.
-//! It uses `products`, `pipeline`, `detection`, `formats`, `survey` and `support`.
 
 mod html;
 mod json;

@@ -2,8 +2,7 @@
 //! instruments and programs.
 //!
 //! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels,
-//! areas, points and rasters; and the bytes of the formats that are also written. It uses `survey`
-//! and `support`.
+//! areas, points and rasters; and the bytes of the formats that are also written.
 //!
 //! To add a format of recorders' logs:
 //! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from;

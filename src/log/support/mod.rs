@@ -1,7 +1,5 @@
-//! What every other module may use: positions and planes, colours and numbers, progress,
-//! statistics, files and texts.
-//!
-//! In: plain values. Out: plain values. It names no other module of the program.
+//! Positions and planes, times, progress, statistics, files and their faults: plain values that all
+//! crates use, and that know nothing of logs.
 
 pub mod calendar;
 pub mod catch_panic;

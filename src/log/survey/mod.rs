@@ -2,7 +2,7 @@
 //! the file format.
 //!
 //! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its
-//! pings. It uses `support`.
+//! pings.
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says
 //! which recorded depths can be believed, `mounting` says how the recorder is mounted on its boat,

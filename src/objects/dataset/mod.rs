@@ -2,7 +2,6 @@
 //! that tools read.
 //!
 //! In: tiles of a survey, and the objects known in them. Out: pictures, and texts of labels.
-//! It uses `survey`.
 //!
 //! `chip` cuts a tile and decides which boxes it may be asked for, `part` what of an object lies in
 //! a tile; `yolo`, `coco` and `voc` write the labels. The same code serves simulated surveys and

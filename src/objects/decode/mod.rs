@@ -2,7 +2,6 @@
 //! detectors.
 //!
 //! In: the outputs of a network, and their shapes. Out: boxes with classes and scores.
-//! It uses nothing outside `detection`.
 //!
 //! Every decoder takes the numbers as they come, the least score that counts, and gives one box a
 //! candidate, of its surest class. What is not finite is no box: the numbers come from a file that

@@ -1,7 +1,6 @@
 //! Label files as people keep them: folders of YOLO labels, and COCO's JSON.
 //!
 //! In: files of labels. Out: boxes by picture.
-//! It uses `support`.
 //!
 //! `yolo` and `coco` read one of the two, `pairing` brings true and predicted boxes of one picture
 //! together.

@@ -1,7 +1,7 @@
 //! How well predicted boxes agree with true ones.
 //!
 //! In: true and predicted boxes by picture. Out: precision, recall, average precision, confusion
-//! and mistakes. It uses nothing outside `detection`.
+//! and mistakes.
 //!
 //! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score,
 //! `precision` makes curves and average precision of them, `confusion` says what was taken for

@@ -61,7 +61,7 @@ fn elements_of(node: &TypedNode) -> Result<u64, Unusable> {
 }
 
 /// Multiplications that a layer takes.
-pub(super) fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
+fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
     let inputs = model.node_input_facts(node.id).unwrap_or_default();
     let costs = node.op.cost(&inputs).unwrap_or_default();
     let counts = costs

@@ -71,13 +71,13 @@ pub enum Unusable {
     /// The sidecar JSON file.
     #[error("the sidecar JSON file is wrong: {0}")]
     Sidecar(String),
-    /// Refused by the backend, the whole chain of reasons.
+    /// Refused by tract, the whole chain of reasons.
     #[error("it cannot be compiled: {0}")]
     Compile(String),
     /// Failed while running, the whole chain of reasons.
     #[error("it fails on a picture: {0}")]
     Run(String),
-    /// The backend stopped half way.
+    /// tract stopped half way.
     #[error("it is damaged: {0} stopped half way")]
     Damaged(&'static str),
     /// Took too long.

@@ -1,8 +1,9 @@
 //! Which detector the outputs are of: by their shapes, or as the sidecar says.
 
+use super::Unusable;
 use super::metadata::Metadata;
 use super::sidecar::{FamilyName, Sidecar};
-use super::{Output, Unusable};
+use super::tract::Output;
 use crate::Scored;
 use crate::decode::{self, Head, HeadLayout};
 

@@ -6,7 +6,8 @@ use super::input::InputSpec;
 use super::metadata::Metadata;
 use super::screen::{self, Declared};
 use super::sidecar::{Augmentation, Colour, FamilyName, LevelEntry, Resize, Sidecar};
-use super::{Inference, Model, Output, Unusable, tract};
+use super::tract::{self, Network, Output};
+use super::{Model, Unusable};
 use crate::{NAMELESS_CLASS, Nms, class_index};
 use bathyscope_log::support::printable::one_line;
 use bathyscope_log::support::regular_file;
@@ -65,7 +66,7 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
 
 /// What a file was found to be, before its first run.
 struct Opened {
-    network: Arc<dyn Inference>,
+    network: Arc<Network>,
     input: InputSpec,
     metadata: Metadata,
 }
@@ -89,7 +90,7 @@ pub(super) fn from_bytes(
         })?;
 
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
-    let outputs = guarded("its first picture", limits.first_picture, move || first.run(numbers))?;
+    let outputs = guarded("its first picture", limits.first_picture, move || first.run(&numbers))?;
     let (family, name, guessed) = understand(&outputs, &input, &sidecar, &metadata)?;
     prepare_as_trained(&mut input, name, &sidecar)?;
     let names = class_names(&sidecar, &metadata, &family)?;
@@ -112,7 +113,7 @@ impl Source {
             screened(&self.onnx, &self.sidecar, folder)?;
         let shape = input.shape();
         let graph = tract::graph(&proto, &declared, shape, folder)?;
-        Ok(Opened { network: Arc::new(tract::Network::of(graph, &proto, shape)?), input, metadata })
+        Ok(Opened { network: Arc::new(Network::compile(graph, &proto, shape)?), input, metadata })
     }
 }
 
@@ -276,7 +277,7 @@ fn class_names(
 }
 
 fn assemble(
-    backend: Arc<dyn Inference>,
+    network: Arc<Network>,
     family: DetectorFamily,
     input: InputSpec,
     names: Vec<String>,
@@ -293,7 +294,7 @@ fn assemble(
         description.push_str(", with test-time augmentation (mirrored)");
     }
     Model {
-        backend,
+        network,
         family,
         input,
         names: with_nameless,

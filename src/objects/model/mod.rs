@@ -2,18 +2,16 @@
 //! many tiles.
 //!
 //! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file
-//! cannot be used. It uses `support`.
+//! cannot be used.
 //!
 //! `screen` refuses what could harm before anything is computed, `constants` what would grow while
-//! it is compiled, `cost` what would take too much to run. `tract` compiles and runs (behind
-//! `backend`, so that another may come), convolutions of 3 x 3 by `winograd` and maxima by
-//! `max_pool`. `guard` keeps failures and endless work to themselves. `family` infers from the
-//! outputs' shapes how boxes are written; `sidecar` (the JSON file next to the model) and
-//! `metadata` (inside it) state the rest. `input` makes the numbers that the network takes.
-//! `calibration` turns a network's confidence into the share of such boxes that are right.
-//! `shipped` is the model that comes with the program.
+//! it is compiled, `cost` what would take too much to run. `tract` compiles and runs, convolutions
+//! of 3 x 3 by `winograd` and maxima by `max_pool`. `guard` keeps failures and endless work to
+//! themselves. `family` infers from the outputs' shapes how boxes are written; `sidecar` (the JSON
+//! file next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers
+//! that the network takes. `calibration` turns a network's confidence into the share of such boxes
+//! that are right. `shipped` is the model that comes with the program.
 
-mod backend;
 mod calibration;
 mod constants;
 mod cost;
@@ -31,7 +29,6 @@ mod sidecar;
 mod tract;
 mod winograd;
 
-pub use backend::{Inference, Output};
 pub use error::{DetectError, ModelError, Unusable};
 pub use shipped::shipped;
 
@@ -42,6 +39,7 @@ use input::InputSpec;
 use load::Limits;
 use std::path::Path;
 use std::sync::Arc;
+use tract::Network;
 
 /// Looks through a model as [`Model::from_bytes`] does before it compiles it, for the fuzzer.
 ///
@@ -65,7 +63,7 @@ const LEAST_SCORE: f32 = 0.001;
 
 /// A detector that is ready to run, from several threads at once.
 pub struct Model {
-    backend: Arc<dyn Inference>,
+    network: Arc<Network>,
     family: DetectorFamily,
     input: InputSpec,
     /// The network's class names, then that of a box without one unless the network has it.
@@ -207,7 +205,7 @@ impl Model {
     /// What the network proposes in a picture, the surest, in the picture's pixels.
     fn look(&self, picture: &Picture, least: f32) -> Result<Vec<Scored>, Unusable> {
         let fit = self.input.fit(picture);
-        let outputs = self.backend.run(self.input.numbers(picture, &fit))?;
+        let outputs = self.network.run(&self.input.numbers(picture, &fit))?;
         let mut boxes = self.family.decode(&outputs, self.input_size(), least);
         keep_surest(&mut boxes);
         for found in &mut boxes {

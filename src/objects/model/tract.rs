@@ -2,11 +2,11 @@
 //! which look at the same graph before it is compiled or run, and `fast_layers`, which replaces
 //! layers of it.
 
+use super::Unusable;
 use super::constants::check_constants;
 use super::cost::check_cost;
 use super::fast_layers::replace_layers;
 use super::screen::Declared;
-use super::{Inference, Output, Unusable};
 use bathyscope_log::support::catch_panic::catch_panic;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
@@ -16,7 +16,19 @@ use tract_onnx::prelude::*;
 use tract_onnx::tract_core::ops::{cast::Cast, konst::Const};
 use tract_onnx::tract_core::transform::get_transform;
 
-/// A network that tract has compiled.
+/// What a network gives for one picture.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Output {
+    /// Name in the file.
+    pub name: String,
+    /// Sizes, the batch's first.
+    pub shape: Vec<usize>,
+    /// The numbers, the last size's the fastest.
+    pub values: Vec<f32>,
+}
+
+/// A network that tract has compiled, of fixed input size. It is run from several threads at once,
+/// one picture a run: for small networks that is faster than batches and than threads within a run.
 pub(super) struct Network {
     plan: Arc<TypedRunnableModel>,
     names: Vec<String>,
@@ -115,37 +127,33 @@ fn output_names(proto: &ModelProto) -> Vec<String> {
     outputs.map(|output| output.name.clone()).collect()
 }
 
-impl Inference for Network {
-    fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable> {
-        catch_panic(|| self.run_trusting(&input))
-            .ok_or(Unusable::Damaged("a run"))?
-            .map_err(|error| Unusable::Run(format!("{error:#}")))
-    }
-}
-
 impl Network {
-    /// Of a graph and the file that it is from.
+    /// Compiles a graph of the file that it is from.
     ///
     /// # Errors
     /// Why the model cannot be used.
-    pub(super) fn of(
+    pub(super) fn compile(
         graph: TypedModel,
         proto: &ModelProto,
         shape: [usize; 4],
     ) -> Result<Self, Unusable> {
-        Self::new(graph, output_names(proto), shape).map_err(compile_error)
+        let plan = || {
+            let mut graph = graph.into_decluttered()?;
+            replace_layers(&mut graph)?;
+            graph.into_optimized()?.into_runnable()
+        };
+        let plan = plan().map_err(compile_error)?;
+        Ok(Self { plan, names: output_names(proto), shape })
     }
 
-    /// Of a graph, the names of its outputs and the shape of its input.
-    pub(super) fn new(
-        graph: TypedModel,
-        names: Vec<String>,
-        shape: [usize; 4],
-    ) -> TractResult<Self> {
-        let mut graph = graph.into_decluttered()?;
-        replace_layers(&mut graph)?;
-        let plan = graph.into_optimized()?.into_runnable()?;
-        Ok(Self { plan, names, shape })
+    /// Runs one picture through; `input` holds as many numbers as the input has.
+    ///
+    /// # Errors
+    /// Why the model cannot be used.
+    pub(super) fn run(&self, input: &[f32]) -> Result<Vec<Output>, Unusable> {
+        catch_panic(|| self.run_trusting(input))
+            .ok_or(Unusable::Damaged("a run"))?
+            .map_err(|error| Unusable::Run(format!("{error:#}")))
     }
 
     fn run_trusting(&self, input: &[f32]) -> TractResult<Vec<Output>> {

@@ -1,8 +1,8 @@
 //! The objects of a survey: one list of what the boxes of all logs show.
 //!
 //! In: boxes with their places and what was decided about them, and the numbers that objects had
-//! before. Out: the objects that they are sightings of. It uses `survey` and `support`; the window,
-//! products, report and plan use it.
+//! before. Out: the objects that they are sightings of. The window, products, report and plan
+//! have it from here.
 //!
 //! `review` says which boxes count, `joint` makes one object of what several logs saw, `numbers`
 //! keeps their numbers, `summary` is what the boxes of an object say of it, `list` puts these

@@ -2,7 +2,7 @@
 //! file of its own.
 //!
 //! In: boxes that a model proposes, and edits. Out: boxes with decisions, the order in which to
-//! look at them, and the rows of a file. It uses `survey` and `support`.
+//! look at them, and the rows of a file.
 //!
 //! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are
 //! there, `queue` the order in which boxes are looked at, `searched` which pings a model has been

@@ -1,7 +1,7 @@
 //! Where a box's object lies in the world, and how large it is.
 //!
 //! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of
-//! objects. It uses `sonar`, `survey` and `support`.
+//! objects.
 //!
 //! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges),
 //! `seen` makes distances and a height of them, `shadow` a height of a shadow that the analyst

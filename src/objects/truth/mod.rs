@@ -1,7 +1,7 @@
 //! What is known to lie in a survey, and how a review's boxes compare with it.
 //!
 //! In: a file of known objects, and the boxes of a review. Out: which boxes are right, and the
-//! mistakes. It uses `survey`.
+//! mistakes.
 //!
 //! `file` reads it: the table of objects that `bathyscope simulate` writes, or a review of the same
 //! log by somebody who knew. `raster_truth` puts it into the survey's raster and leaves out what

@@ -2,7 +2,6 @@
 //! which is kept up to date.
 //!
 //! In: results of logs, and the files of an archive. Out: rows, offsets, maps and mosaics by tile.
-//! It uses `pipeline`, `imagery`, `bottom`, `formats`, `survey` and `support`.
 //!
 //! ```text
 //! log --add--> points, pings (Parquet) and mosaic (GeoTIFF) by tile --adjust--> height offsets --tile--> depth map and mosaic of a tile --index--> one map

@@ -2,7 +2,6 @@
 //! written aside, then renamed.
 //!
 //! In: results. Out: one file for each.
-//! It uses `detection`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
 //! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes`
 //! names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the

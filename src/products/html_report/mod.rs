@@ -2,7 +2,6 @@
 //! and warnings in it.
 //!
 //! In: results of the logs, and their report. Out: the text of one HTML file.
-//! It uses `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
 //!
 //! ```text
 //! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure

@@ -2,7 +2,6 @@
 //! side, each zoom twice as fine as the one before.
 //!
 //! In: a depth map, or the parts of one. Out: the pictures of the tiles of each zoom.
-//! It uses `bottom` and `support`.
 //!
 //! ```text
 //! depths of a run or an archive --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths

@@ -1,7 +1,6 @@
 //! What is written of a survey: one run, the same from the window and the command line.
 //!
 //! In: the results of a survey, and what is ordered. Out: the files of a run, with their manifest.
-//! It uses `pipeline`, `detection`, `imagery`, `bottom`, `formats`, `survey` and `support`.
 //!
 //! `registry` has a row for each file; `write` makes all files of a run from `results`, those of
 //! several `groups` at once, `run_folder` puts them in place together, `overwrite` keeps them from

@@ -1,7 +1,7 @@
 //! Runs the stages in order, keeps what is still valid, and knows what is stale.
 //!
 //! In: surveys and settings. Out: the results of every stage for each log, and what all logs give
-//! together. It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! together.
 //!
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several
 //! logs has for itself, `stage` the stages and which of them a change of settings makes stale,
@@ -47,10 +47,11 @@ pub use agreement::{Agreement, AgreementError, MissionLog, Reference, ResidualTa
 pub use background::{Background, Same};
 pub use clip_area::clip_area;
 pub(crate) use depth::CloudPlane;
+pub(crate) use depth::NamedComparison;
 pub(crate) use depth::comparisons;
 pub use depth::{
-    CommonUncertainty, Contours, Crosslines, GeometryChoice, NamedComparison, choices, crosslines,
-    depth_points, joint_depth_points, joint_depth_surface, log_echoes,
+    CommonUncertainty, Contours, Crosslines, GeometryChoice, choices, crosslines, depth_points,
+    joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
     Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,

@@ -2,7 +2,7 @@
 //! lasts.
 //!
 //! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of
-//! undo. It uses `products`, `pipeline`, `detection`, `sonar`, `formats`, `survey` and `support`.
+//! undo.
 //!
 //! `log` is one log, `log_list` their order, `history` what undo goes back to, and `past` keeps
 //! that on disk. `rows` turns a project into lines and back, `row` is one line, `text` the file of

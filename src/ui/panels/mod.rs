@@ -1,7 +1,4 @@
 //! What stands around the views: one file a panel. Each reads the state and pushes commands.
-//!
-//! It uses `app`, `project`, `products`, `pipeline`, `detection`, `bottom`, `sonar`, `survey` and
-//! `support`.
 
 pub(super) mod axes;
 mod calibration;

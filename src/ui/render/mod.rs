@@ -1,7 +1,5 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
 //!
-//! It uses nothing outside `ui`.
-//!
 //! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall`
 //! draws tiles and `flat` areas of one colour and whole pictures into a pass of the window;
 //! `pipeline` has what all of them are made of, `upload` fills buffers, `camera` orbits, `lod`

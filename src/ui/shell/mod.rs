@@ -1,8 +1,7 @@
 //! The window as a whole: menu, panels and tiles of views, and what ties them to the state.
 //!
 //! In: the state, keys, dropped files and the commands of panels and views. Out: the window, and a
-//! changed state. It uses `app`, `products`, `pipeline`, `detection`, `imagery`, `formats` and
-//! `support`.
+//! changed state.
 
 mod commands;
 mod drop;

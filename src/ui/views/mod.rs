@@ -1,8 +1,7 @@
 //! The views of a survey: waterfall, map, cloud, profile, and the table of objects. One file a
 //! view.
 //!
-//! In: the state. Out: a picture with marks for each view, and commands. It uses `app`, `project`,
-//! `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! In: the state. Out: a picture with marks for each view, and commands.
 
 pub(super) mod chip;
 mod cloud;

@@ -2,7 +2,7 @@
 //! of it.
 //!
 //! In: points with elevations, and a reference. Out: their differences with statistics, and the
-//! share within each order of IHO S-44. It uses `support`.
+//! share within each order of IHO S-44.
 //!
 //! `matching` finds the reference of each measured point, `orders` holds the limits of IHO S-44,
 //! `tables` sorts differences by what they may hang on. Everywhere a difference is measured minus

@@ -2,7 +2,7 @@
 //! cross or overlap.
 //!
 //! In: depths of several logs where these cross or overlap. Out: a height for each log, with its
-//! standard error. It uses `support`.
+//! standard error.
 //!
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all
 //! depths of its log by the same height. Where two logs measured the same place their depths differ

@@ -1,7 +1,7 @@
 //! Lines of equal depth, the areas between them, and what lies below a level.
 //!
 //! In: a surface and the depths of the lines. Out: isobaths, depth areas, and area and volume below
-//! a level. It uses `survey` and `support`.
+//! a level.
 //!
 //! `march` cuts the squares between the centres of cells, `lines` joins the cuts to isobaths,
 //! `areas` to polygons, `levels` chooses the depths, `shoalest` keeps lines from understating a

@@ -1,7 +1,7 @@
 //! What the depths of a surface are worth: how far soundings that are left out are predicted wrong.
 //!
 //! In: depths with their places, and their surface. Out: a standard deviation for each cell, and by
-//! the distance to the nearest sounding. It uses `support`.
+//! the distance to the nearest sounding.
 //!
 //! They are left out in squares of two sizes, those of a few cells for the noise of the depths
 //! themselves and those as large as the gaps between lines for the ground in between. `by_distance`

@@ -2,7 +2,7 @@
 //! over time.
 //!
 //! In: recorded depths and slant ranges, and what the settings say of the water. Out: depths below
-//! the chosen level. It uses `survey` and `support`.
+//! the chosen level.
 //!
 //! It stands where points are made, because a sound speed scales slant ranges before any geometry,
 //! and so that soundings and side-scan points, and all that is drawn or written of them, are

@@ -1,7 +1,6 @@
 //! Radius outlier removal with the exact rule of Open3D's `PointCloud::remove_radius_outlier`.
 //!
 //! In: places, a radius and a number of neighbours. Out: which places are kept.
-//! It uses `support`.
 //!
 //! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than
 //! the radius. The points are sorted into cells one radius wide, so that all that matters to a cell

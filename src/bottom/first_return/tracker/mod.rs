@@ -2,7 +2,7 @@
 //! evidence of a step from water to bottom and jumps least.
 //!
 //! In: a survey, with the scale of its picture. Out: a sample and a confidence for each ping on
-//! both sides. It uses `survey` and `support`.
+//! both sides.
 //!
 //! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score`
 //! measures the step at every sample, `depth` compares the recorded depth with it, `viterbi` finds

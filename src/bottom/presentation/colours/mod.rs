@@ -1,7 +1,6 @@
 //! Tables of colours: of depths, of echoes, of differences, and of what else a raster holds.
 //!
 //! In: a value and the ends of its scale. Out: a colour.
-//! It uses nothing outside `support`.
 
 mod depth;
 mod difference;

@@ -2,7 +2,6 @@
 //! the UTM zone, with their names.
 //!
 //! In: bounds of a map, and the form of coordinates. Out: lines with names.
-//! It uses nothing outside `support`.
 
 mod degrees;
 

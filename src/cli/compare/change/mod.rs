@@ -1,7 +1,7 @@
 //! `bathyscope compare NEW OLD --change DIR`: how the bottom changed between two depth maps.
 //!
 //! In: two depth maps: folders of `process`, archives or GeoTIFFs. Out: files of the difference,
-//! and lines of text. It uses `products`, `bottom`, `formats` and `support`.
+//! and lines of text.
 
 mod maps;
 mod record;

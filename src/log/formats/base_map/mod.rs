@@ -1,7 +1,6 @@
 //! A picture of the analyst's own under the map: a GeoTIFF, read block by block as it is looked at.
 //!
 //! In: a GeoTIFF, and the part of it that is looked at. Out: the colours of that part.
-//! It uses `support`.
 //!
 //! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder
 //! does not know), `masks` which of them are seen, `blocks` keeps those that were read last. Files

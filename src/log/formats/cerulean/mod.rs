@@ -2,7 +2,6 @@
 //! Robotics carry them.
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! A file is a row of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes of
 //! the payload, u16 packet id, u8 device that sent it, u8 device that it is for, the payload, u16

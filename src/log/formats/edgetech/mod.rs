@@ -1,7 +1,6 @@
 //! EdgeTech JSF: what the side-scan sonars of EdgeTech and their program Discover record.
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! A file is a row of messages, all numbers little-endian. A message has a header of 16 bytes: u16
 //! marker 0x1601, u8 version of the protocol, u8 session, u16 type, u8 command, u8 subsystem, u8

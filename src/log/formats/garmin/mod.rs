@@ -1,7 +1,6 @@
 //! Garmin RSD, what the chartplotters of the ECHOMAP, STRIKER and GPSMAP series record.
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! Read from the specification: no real recording was at hand. The facts are those of public
 //! readers of the format, which were made with real recordings: `garmin_class.py` of PINGVerter

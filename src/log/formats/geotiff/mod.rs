@@ -2,7 +2,6 @@
 //! Cloud-Optimized GeoTIFF. Written tile by tile, so that memory does not grow with the area.
 //!
 //! In: cells with a place on the earth, or a file. Out: a file, or the cells of one.
-//! It uses `support`.
 //!
 //! TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with an EPSG
 //! system and pixels that are areas; OGC 21-026 for the order: all directories at the front, the

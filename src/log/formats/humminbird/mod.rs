@@ -1,7 +1,6 @@
 //! Humminbird DAT and SON: 700 to 1100 series, Helix, Solix.
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 
 pub mod dat;
 mod decode;

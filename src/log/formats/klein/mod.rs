@@ -1,7 +1,6 @@
 //! Klein SDF: what SonarPro and the vehicles that carry Klein's side-scan sonars record.
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! A file is a row of pages, all numbers little-endian: a marker FF FF FF FF, then the page
 //! (`page`): u32 bytes that the page has without the marker, u32 version, and a header of 256

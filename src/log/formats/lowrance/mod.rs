@@ -2,7 +2,6 @@
 //! and a track (`slg`).
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 
 mod decode;
 pub mod frame;

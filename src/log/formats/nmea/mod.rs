@@ -2,7 +2,6 @@
 //! write into their own logs.
 //!
 //! In: the bytes of a text log, or one sentence. Out: a collected log, or what the sentence says.
-//! It uses `survey` and `support`.
 //!
 //! A log is lines of text. A sentence begins with `$`, a talker of two letters and a type of three;
 //! fields with commas between them follow, then `*` and two hexadecimal digits, the exclusive or of

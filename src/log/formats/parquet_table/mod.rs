@@ -2,7 +2,6 @@
 //! every time and read back by name.
 //!
 //! In: columns, or a file. Out: a file, or its columns.
-//! It uses `support`.
 //!
 //! Apache Parquet, <https://parquet.apache.org/docs/file-format>; geometries as GeoParquet 1.1 lays
 //! them out: well-known binary, with what they are in the file's key `geo`. `write` and `read` use

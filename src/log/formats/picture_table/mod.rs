@@ -3,7 +3,6 @@
 //! that of a recording.
 //!
 //! In: the bytes of a picture and of a table. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! The picture. A row is a ping, the first at the top. Columns lie across the track: port on the
 //! left, its outermost sample at the left edge, starboard on the right. Both sides are as wide; the

@@ -2,7 +2,6 @@
 //! GeoJSON.
 //!
 //! In: a file of points, or points. Out: places with elevations, or a file.
-//! It uses `support`.
 //!
 //! A filtered file keeps all that the input said about a point when it is written in the input's
 //! own format; between formats only the coordinates go over.

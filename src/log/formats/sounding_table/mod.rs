@@ -1,7 +1,6 @@
 //! Tables of soundings as surveys: what programs and apps of fish-finders export as CSV.
 //!
 //! In: the bytes of a table. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! A row is a depth, with the place and time where they are known. Commas, semicolons or tabs stand
 //! between the columns (`points::columns`), and the first line names them (`layout`): longitude and

@@ -1,7 +1,6 @@
 //! XTF, the exchange format of the survey world.
 //!
 //! In: the bytes of a recording. Out: a collected log.
-//! It uses `survey` and `support`.
 //!
 //! A file header of 1024 bytes or a multiple of that lists the channels; a row of packets follows,
 //! which `raw` describes. A packet of type 0 is a ping: its header, then for each channel a header

@@ -1,7 +1,7 @@
 //! WGS84 to metres and back, and units.
 //!
 //! In: positions in degrees or metres. Out: the same in another system, lengths, areas and
-//! directions. It uses nothing outside `support`.
+//! directions.
 //!
 //! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that
 //! recorders and the paper use, `utm` the metres that survey programs expect in a file,

@@ -2,7 +2,7 @@
 //! echo and shadow lie over what all passes recorded of the object.
 //!
 //! In: the levels that passes recorded about an object. Out: a solid with its pose, and how much of
-//! the picture it explains. It uses `survey` and `support`.
+//! the picture it explains.
 //!
 //! A shape is a hypothesis: what it says of the far side was never insonified. Where no kind
 //! explains most of what the picture shows, there is none, and the reason is said.

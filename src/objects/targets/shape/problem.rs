@@ -10,7 +10,7 @@ pub(super) const SPECKLE_LN: f64 = 1.283;
 /// Beyond what is usual of a kind a logarithm of size counts against it as so many standard
 /// deviations.
 const BEYOND_USUAL: f64 = 0.03;
-/// Most that a boat lists ([`Solid::list`]): its keel lies beside it then.
+/// Largest list of a boat ([`Solid::list`]), at which its keel is beside it.
 const MOST_LIST: f64 = 0.4;
 /// Strength over the bottom in ln power, expected and its standard deviation: 6 dB each. Darkness
 /// to begin with: 13 dB.

@@ -2,7 +2,6 @@
 //! and the style in which QGIS draws it.
 //!
 //! In: layers of features. Out: a GeoPackage.
-//! It uses `support`.
 
 mod geometry;
 mod spatial_index;

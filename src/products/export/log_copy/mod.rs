@@ -2,7 +2,6 @@
 //! its records as CSV and Parquet, its track as GPX.
 //!
 //! In: a log with its navigation. Out: a file.
-//! It uses `formats`, `sonar`, `survey` and `support`.
 
 mod part;
 mod traces;

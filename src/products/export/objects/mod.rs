@@ -2,7 +2,6 @@
 //! what maps and plotters read.
 //!
 //! In: boxes with their places and decisions. Out: tables and files for maps.
-//! It uses `detection`, `survey` and `support`.
 
 mod csv_table;
 mod describe;

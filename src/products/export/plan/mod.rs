@@ -1,7 +1,6 @@
 //! Lines to sail, for plotters, maps and autopilots.
 //!
 //! In: planned lines. Out: a file for a plotter, a map or an autopilot.
-//! It uses `bottom` and `support`.
 //!
 //! `gpx` and `kml` have lines and way, `qgroundcontrol` and `mission_planner` the way as a mission.
 

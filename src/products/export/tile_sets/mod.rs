@@ -2,7 +2,6 @@
 //! the web, and a page that shows these.
 //!
 //! In: the tiles of a map. Out: MBTiles, PMTiles and an HTML page.
-//! It uses `bottom` and `support`.
 
 mod mbtiles;
 mod page;

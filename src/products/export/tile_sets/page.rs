@@ -19,7 +19,7 @@ const STYLE: &str = include_str!("../../../../assets/map_page/style.css");
 const SCRIPT: &str = include_str!("../../../../assets/map_page/script.js");
 
 /// Archives that are smaller together lie in the page itself, bytes: it is then one file to send,
-/// and opens from a disk, where browsers let no page read what lies beside it.
+/// and opens from a disk, where browsers let no page read other files.
 const MOST_INSIDE: u64 = 8 << 20;
 /// Steps of the colours of the legend.
 const STEPS: usize = 20;

@@ -1,7 +1,6 @@
 //! The boat's track for plotters and maps.
 //!
 //! In: a survey with its navigation. Out: pieces of the track, as GeoJSON and GPX.
-//! It uses `survey` and `support`.
 
 mod geojson;
 mod gpx;

@@ -1,7 +1,6 @@
 //! Lines and areas for map programs: shapefiles, and KML in its zipped form.
 //!
 //! In: lines and areas. Out: shapefiles and KMZ.
-//! It uses `bottom` and `support`.
 
 mod kmz;
 mod shapefile;

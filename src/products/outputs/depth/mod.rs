@@ -3,7 +3,6 @@
 //! tiles of the web.
 //!
 //! In: the depth map of a run, with its isobaths. Out: files of these.
-//! It uses `pipeline`, `bottom`, `formats`, `survey` and `support`.
 
 pub(super) mod body;
 pub(super) mod cells;

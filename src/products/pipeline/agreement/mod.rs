@@ -1,7 +1,7 @@
 //! How the points of a survey, of one log or of several, agree with a reference, one by one.
 //!
 //! In: the results of logs, and a reference. Out: a difference for each point that has a reference,
-//! with statistics. It uses `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! with statistics.
 //!
 //! `reference` is what it can be compared with: a file of points or another mission. `tables` sorts
 //! the differences by what they may hang on, `by_source` tells the sources of points apart.

@@ -2,7 +2,6 @@
 //! crossline analysis. All in the system that `crs` names.
 //!
 //! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
-//! It uses `bottom`, `sonar`, `survey` and `support`.
 
 mod choices;
 mod contours;
@@ -19,7 +18,7 @@ pub use contours::Contours;
 pub use crosslines::{Crosslines, crosslines};
 pub(crate) use plane::CloudPlane;
 pub use points::depth_points;
-pub use residuals::NamedComparison;
+pub(crate) use residuals::NamedComparison;
 pub(crate) use residuals::comparisons;
 pub use surface::{joint_depth_points, joint_depth_surface};
 pub use swath::log_echoes;

@@ -14,7 +14,7 @@ const RADIUS_M: f64 = 1.0;
 
 /// How the depths of one source agree with those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NamedComparison {
+pub(crate) struct NamedComparison {
     /// What was measured.
     pub source: &'static str,
     /// What it is compared with.

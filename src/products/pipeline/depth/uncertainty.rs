@@ -20,8 +20,8 @@ const EDGE_SAMPLES: f64 = 0.25;
 /// The parts of a depth's uncertainty that are common to a survey, one standard deviation each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CommonUncertainty {
-    /// Side-scan against soundings: what is left of the constant between first-return ranges and
-    /// recorded depths, metres, and how uncertain what was taken off is.
+    /// Standard deviation of the constant between first-return ranges and recorded depths, and what
+    /// remains of it after its correction, metres.
     pub range_offset_m: f64,
     /// Sound speed, as a share of the depth; 0 where none is given, and depths are as the recorder
     /// computed them.

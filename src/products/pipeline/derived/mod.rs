@@ -1,7 +1,7 @@
 //! Results over all logs of a survey that are made on demand.
 //!
 //! In: the results of logs, and settings. Out: the depth map, isobaths, the bottom in 3D, mosaic
-//! and pictures, each made once. It uses `imagery`, `bottom`, `sonar`, `survey` and `support`.
+//! and pictures, each made once.
 //!
 //! ```text
 //! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths

@@ -1,7 +1,6 @@
 //! Results over all logs of a survey.
 //!
 //! In: the results of several logs. Out: their differences, height offsets and one report.
-//! It uses `bottom`, `survey` and `support`.
 //!
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the
 //! frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their

@@ -1,7 +1,6 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 //!
 //! In: keys with values, as text. Out: checked settings, and the words that explain them.
-//! It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
 //! `rows` is the table of them: key, range, unit, words. `table` says what a row is and checks by
 //! it, `help` makes the help and the manual's page, `keys` lays files and assignments over

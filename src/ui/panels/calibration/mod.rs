@@ -2,7 +2,6 @@
 //! one that is proposed.
 //!
 //! In: the state. Out: controls and texts, and commands.
-//! It uses `app`, `pipeline`, `sonar`, `survey` and `support`.
 
 mod candidates;
 mod plot;

@@ -2,7 +2,6 @@
 //! and what they hang on.
 //!
 //! In: the state. Out: tables and histograms, and commands.
-//! It uses `app`, `pipeline`, `bottom` and `support`.
 
 mod figures;
 mod plots;

@@ -3,7 +3,6 @@
 //! how the boxes stand to it.
 //!
 //! In: the state. Out: controls and pictures of boxes, and commands.
-//! It uses `app`, `pipeline`, `detection` and `support`.
 
 mod classes;
 mod judged;

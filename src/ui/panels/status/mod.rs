@@ -1,7 +1,6 @@
 //! The bottom line: what is under the pointer, and what the program is doing.
 //!
 //! In: the state. Out: a line of text, and commands.
-//! It uses `app`, `pipeline`, `survey` and `support`.
 
 mod cells;
 

@@ -1,7 +1,6 @@
 //! The time line: depth and speed over the whole log, where the views are, and where to go.
 //!
 //! In: the state. Out: curves over time, and commands.
-//! It uses `app`, `pipeline`, `bottom`, `survey` and `support`.
 
 mod columns;
 mod drawing;

@@ -1,7 +1,6 @@
 //! The cloud view: soundings and first returns in 3D.
 //!
 //! In: the state. Out: a picture in 3D with axes, legend and marks, and commands.
-//! It uses `app`, `pipeline`, `detection`, `bottom`, `sonar`, `survey` and `support`.
 
 mod axes;
 mod bottom;

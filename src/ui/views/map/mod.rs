@@ -1,7 +1,6 @@
 //! The map view: the survey from above, in layers.
 //!
-//! In: the state. Out: a map with its layers, and commands. It uses `app`, `project`, `pipeline`,
-//! `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//! In: the state. Out: a map with its layers, and commands.
 
 mod base_map;
 mod depth_tiles;

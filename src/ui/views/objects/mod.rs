@@ -2,7 +2,6 @@
 //! and walked through by keys.
 //!
 //! In: the state. Out: rows with pictures, and commands.
-//! It uses `app`, `pipeline`, `detection` and `support`.
 //!
 //! `columns` says what stands in a row and how wide, `header` sorts, `filter` looks for rows, `row`
 //! draws one, `thumbnails` makes the pictures of the rows in sight.

@@ -2,7 +2,6 @@
 //! paper's figures: raw and normalised intensity, threshold, dead zone and picks.
 //!
 //! In: the state. Out: a plot of one ping, and commands.
-//! It uses `app`, `pipeline`, `bottom`, `sonar`, `survey` and `support`.
 
 mod curve;
 mod marks;

@@ -2,7 +2,6 @@
 //! return over it.
 //!
 //! In: the state. Out: the picture with lines, boxes and marks, and commands.
-//! It uses `app`, `project`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
 
 mod accessibility;
 mod bottom;

@@ -3,7 +3,6 @@
 //! shows, from a disk or over the network. Any reader of LAZ reads it as LAZ.
 //!
 //! In: points in the layout of LAS. Out: a COPC file.
-//! It uses nothing outside `formats`.
 //!
 //! `copc-rs` draws the points of a node by chance, so that no two files are the same, and brings
 //! other versions of `las` and `laz`.

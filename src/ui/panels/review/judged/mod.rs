@@ -2,7 +2,6 @@
 //! slider runs along, the list of mistakes, and what was taken for what.
 //!
 //! In: the state. Out: a curve, lists and a table, and commands.
-//! It uses `app`, `detection` and `support`.
 
 mod curve;
 mod matrix;

@@ -1,7 +1,6 @@
 //! Isobaths: lines of equal depth with their depths written along them.
 //!
 //! In: the isobaths of the survey. Out: lines and numbers on the map.
-//! It uses `app`, `pipeline`, `bottom` and `support`.
 
 mod labels;
 pub(super) mod layer;

@@ -1,7 +1,6 @@
 //! Measuring on the map: the tool in hand, what it draws, and the depths along the line.
 //!
 //! In: the state, and what the pointer does. Out: lines and a plot, and commands.
-//! It uses `app`, `project`, `bottom` and `support`.
 //!
 //! `figure` paints what is drawn, `profile` is the plot below the map with its `frame`.
 

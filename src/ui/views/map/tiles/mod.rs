@@ -2,7 +2,6 @@
 //! as the screen shows it.
 //!
 //! In: what a tile shows, and the part of the map in view. Out: tiles on the screen.
-//! It uses `app`, `imagery` and `support`.
 //!
 //! The work grows with what is on the screen, the memory is bounded, and until a tile is there a
 //! coarser one stands in for it, or what it looked like before its settings were changed.

@@ -1,7 +1,6 @@
 //! Boxes over the picture: their outlines, and the pointer on them.
 //!
 //! In: the boxes of a review, and what the pointer does. Out: outlines and labels, and commands.
-//! It uses `app`, `detection` and `survey`.
 
 mod grab;
 mod hit;
