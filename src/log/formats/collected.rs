@@ -62,6 +62,8 @@ pub(super) struct Collected {
     pub(super) bytes: Vec<Bytes>,
     /// Unix seconds of the log's time zero.
     pub(super) start_unix_s: Option<f64>,
+    /// Whether the records have times; else they are assumed.
+    pub(super) has_times: bool,
     /// What each channel holds so far, under its number.
     pub(super) channels: Vec<(u16, Channel)>,
     /// Side-scan pings whose two sides came together.
@@ -98,6 +100,7 @@ impl Collected {
             source,
             bytes,
             start_unix_s: None,
+            has_times: true,
             channels: Vec::new(),
             composite: Vec::new(),
             port: Vec::new(),

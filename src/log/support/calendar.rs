@@ -55,6 +55,52 @@ pub(crate) fn unix_from_text(text: &str) -> Option<f64> {
     number.or_else(|| unix_from_iso(text))
 }
 
+/// The order of the numbers in a date that is written with slashes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum DateOrder {
+    /// None is known: no date was seen.
+    #[default]
+    Unknown,
+    /// 26/08/2021.
+    DayFirst,
+    /// 08/26/2021.
+    MonthFirst,
+}
+
+impl DateOrder {
+    /// The order that some dates are in: a number above 12 is a day. Where none is, the month comes
+    /// first, as programs that write slashes have it.
+    pub(crate) fn of<'a>(dates: impl IntoIterator<Item = &'a str>) -> Self {
+        let mut order = Self::Unknown;
+        for date in dates {
+            let mut parts = date.trim().split('/');
+            let part = |text: Option<&str>| text.and_then(|text| text.parse::<u32>().ok());
+            let (first, second) = (part(parts.next()), part(parts.next()));
+            match first.zip(second) {
+                Some((13.., _)) => return Self::DayFirst,
+                Some(_) => order = Self::MonthFirst,
+                None => {}
+            }
+        }
+        order
+    }
+}
+
+/// Unix seconds of `08/26/2021 09:39:00`, in the order that is given, or of `26.08.2021 09:39`,
+/// UTC; `None` for anything else.
+pub(crate) fn unix_from_date(text: &str, order: DateOrder) -> Option<f64> {
+    let date = match order {
+        DateOrder::DayFirst => "%d/%m/%Y",
+        DateOrder::MonthFirst | DateOrder::Unknown => "%m/%d/%Y",
+    };
+    let times = ["%H:%M:%S%.f", "%H:%M", "%I:%M:%S %p", "%I:%M %p"];
+    let forms = [date, "%d.%m.%Y"].into_iter().flat_map(|date| times.map(|time| (date, time)));
+    let read =
+        |(date, time)| NaiveDateTime::parse_from_str(text.trim(), &format!("{date} {time}")).ok();
+    let moment = forms.into_iter().find_map(read)?.and_utc();
+    Some(moment.timestamp() as f64 + f64::from(moment.timestamp_subsec_nanos()) * 1e-9)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +130,23 @@ mod tests {
         ] {
             assert_eq!(unix_from_iso(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn dates_with_slashes_are_in_the_order_that_a_day_above_twelve_shows() {
+        assert_eq!(DateOrder::of(["08/07/2021", "08/26/2021"]), DateOrder::MonthFirst);
+        assert_eq!(DateOrder::of(["08/07/2021", "26/08/2021"]), DateOrder::DayFirst);
+        assert_eq!(DateOrder::of(["2021-08-26", ""]), DateOrder::Unknown);
+        // `date -u -d 2021-08-26T09:39Z +%s`
+        for (text, order) in [
+            ("08/26/2021 09:39:00", DateOrder::MonthFirst),
+            ("8/26/2021 9:39:00 AM", DateOrder::MonthFirst),
+            ("26/08/2021 09:39", DateOrder::DayFirst),
+            ("26.08.2021 09:39:00.0", DateOrder::Unknown),
+        ] {
+            assert_eq!(unix_from_date(text, order), Some(1_629_970_740.0), "{text}");
+        }
+        assert_eq!(unix_from_date("26/08/2021 09:39", DateOrder::MonthFirst), None);
     }
 
     #[test]

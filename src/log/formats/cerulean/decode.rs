@@ -46,6 +46,8 @@ pub(super) struct Reader<'a> {
     start_unix_s: Option<f64>,
     halves: [Vec<(HalfPing, [f32; 2])>; 2],
     others: BTreeMap<u16, usize>,
+    /// Pings whose channel number stands for the other side.
+    contradicted: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -71,6 +73,7 @@ impl<'a> Reader<'a> {
             start_unix_s: None,
             halves: Default::default(),
             others: BTreeMap::new(),
+            contradicted: 0,
         }
     }
 
@@ -149,6 +152,12 @@ impl<'a> Reader<'a> {
         });
         log.port = port;
         log.starboard = starboard;
+        if self.contradicted > 0 {
+            log.report.log(format!(
+                "the channel number of {} pings stands for the other side than that which their transducer's heading tells; the heading is believed: exchange the sides (mounting.swap_sides) if the picture is mirrored",
+                self.contradicted
+            ));
+        }
         let others: usize = self.others.values().sum();
         if others > 0 {
             log.report.log(format!("{others} packets that are no pings were skipped"));
@@ -188,6 +197,7 @@ impl<'a> Reader<'a> {
 
     fn keep(&mut self, log: &mut Collected, profile: &Profile, at: usize, time_s: f64) {
         let side = profile.side();
+        self.contradicted += usize::from(profile.channel_side().is_some_and(|other| other != side));
         let number = side as u16;
         let [near_m, far_m] = profile.range_m;
         if !log.knows(number) {

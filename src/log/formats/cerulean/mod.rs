@@ -11,13 +11,15 @@
 //! a NMEA sentence, 150 a MAVLink message in JSON, of which `GLOBAL_POSITION_INT` has a position.
 //! The depth is in none of them.
 //!
-//! The channel number of a profile is 0 for port and 1 for starboard; where it is neither, the sign
-//! of the transducer's heading tells: negative is port. The milliseconds of both transducers are
-//! taken as counted from the same moment, as BlueBoat-SideScanSonar takes them; a warning says
-//! where they cannot be. Packets of one may come in a row before those of the other, so that each
-//! channel is in the order of time and the file is not. NMEA and MAVLink have clocks of their own;
-//! they are put beside the profiles that they lie between (`navigation`). The time when recording
-//! began is that of the first profile after it, to about a second.
+//! The sign of the transducer's heading tells the side: negative is port. Where it is 0, the
+//! channel number of a profile tells, 0 for port and 1 for starboard; boats with one transducer, or
+//! with two on computers of their own, give all the number 0, so that a heading that contradicts it
+//! is believed, and a warning says so. The milliseconds of both transducers are taken as counted
+//! from the same moment, as BlueBoat-SideScanSonar takes them; a warning says where they cannot be.
+//! Packets of one may come in a row before those of the other, so that each channel is in the order
+//! of time and the file is not. NMEA and MAVLink have clocks of their own; they are put beside the
+//! profiles that they lie between (`navigation`). The time when recording began is that of the
+//! first profile after it, to about a second.
 //!
 //! Sources: the Ping protocol's definitions (`omniscan450.json`, `common.json` of
 //! bluerobotics/ping-protocol), Cerulean's description of its packets and of the Omniscan 450's

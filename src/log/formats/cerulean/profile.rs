@@ -75,13 +75,22 @@ impl Profile {
         Self::of(&Packet::at(bytes, start)?)
     }
 
-    /// The side that it looks to.
+    /// The side that its transducer looks to by its heading; that of its channel where there is no
+    /// heading.
     pub(super) fn side(&self) -> Side {
+        match (self.transducer_deg, self.channel_side()) {
+            (deg, _) if deg > 0.0 => Side::Starboard,
+            (deg, _) if deg < 0.0 => Side::Port,
+            (_, side) => side.unwrap_or(Side::Port),
+        }
+    }
+
+    /// The side that its channel number stands for; `None` for another number.
+    pub(super) fn channel_side(&self) -> Option<Side> {
         match self.channel {
-            0 => Side::Port,
-            1 => Side::Starboard,
-            _ if self.transducer_deg > 0.0 => Side::Starboard,
-            _ => Side::Port,
+            0 => Some(Side::Port),
+            1 => Some(Side::Starboard),
+            _ => None,
         }
     }
 

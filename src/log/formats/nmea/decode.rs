@@ -55,8 +55,8 @@ struct Epoch {
 pub(super) struct Reader<'a> {
     tally: &'a Tally,
     depths_of: Address,
-    positions_of: Option<Address>,
-    times_of: Option<Address>,
+    positions_of: Vec<Address>,
+    times_of: Vec<Address>,
     needs_sum: bool,
     clock: Clock<Epoch>,
     open: Option<Epoch>,
@@ -118,14 +118,14 @@ impl<'a> Reader<'a> {
             return;
         }
         self.last_s = told.unix_s.or(self.last_s);
-        if Some(address) == self.times_of
+        if self.times_of.contains(&address)
             && let Some(utc_s) = told.utc_s
         {
             self.close(log);
+            let is_taken = self.positions_of.contains(&address);
             let days = self.last_s.map_or(0.0, |last_s| ((last_s - utc_s) / DAY_S).round());
             let told_s = utc_s + days * DAY_S;
             self.last_s = Some(told_s);
-            let is_taken = Some(address) == self.positions_of;
             self.open = Some(Epoch {
                 at: found.at,
                 told_s,
@@ -258,6 +258,7 @@ impl<'a> Reader<'a> {
         }
         let first_s = depths.first().and_then(|depth| depth.stamp_s);
         log.start_unix_s = first_s.filter(|first_s| *first_s > DAY_S);
+        log.has_times = last_s.is_some();
         log.report.log(match last_s {
             Some(_) => "no sentence tells the time: the times of the depths are those that stand before them",
             None => "no sentence tells the time: the depths are taken to be one second apart",
@@ -286,6 +287,9 @@ impl<'a> Reader<'a> {
             log.start_unix_s = self.zero_s;
         }
         self.tally.remark(&log.report);
+        if self.depths_of.ends_with(b"DBS") {
+            log.report.log("the depths (DBS) count from the water's surface and not from the transducer: leave draft_m at 0");
+        }
         if self.offset_m != 0.0 {
             let offset_m = self.offset_m.abs();
             log.report.log(match self.offset_m > 0.0 {

@@ -13,8 +13,9 @@
 //! the water line is above it, negative how far the keel is below it) and DBT (below the transducer
 //! in feet, metres, fathoms); positions of GGA, GNS, RMC and GLL; course and speed of RMC and VTG;
 //! headings of HDT and THS (true), HDG and HDM (magnetic, with deviation and variation of HDG and
-//! variation of RMC); the date of RMC and ZDA. DBS and DBK are passed over: they count from the
-//! surface and the keel, and do not say where the transducer is.
+//! variation of RMC); the date of RMC and ZDA. DBS counts from the water's surface and is taken
+//! where there is neither DPT nor DBT. DBK counts from the keel, which no sentence places, and is
+//! passed over.
 //!
 //! A depth has no time of its own (`decode`). Where the logger wrote a time before each sentence,
 //! it tells how long after the last position a depth came; else depths between two positions are
@@ -87,7 +88,7 @@ fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Su
         return Err(OpenError::Unsupported {
             path: opened.path,
             what: format!(
-                "this NMEA log holds no depth in its {} bytes, only {}; have the echo sounder's sentences DPT or DBT recorded too",
+                "this NMEA log holds no depth in its {} bytes, only {}; have the echo sounder's sentences DPT, DBT or DBS recorded too",
                 bytes.len(),
                 tally.summary()
             ),

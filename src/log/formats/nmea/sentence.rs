@@ -2,7 +2,8 @@
 //!
 //! Fields as the public descriptions of NMEA 0183 have them: GGA, GNS, RMC and GLL give degrees and
 //! minutes as `ddmm.mmmm`, RMC and VTG knots and the course over ground, HDT and THS the true
-//! heading, HDM and HDG that of the compass, DPT and DBT the depth below the transducer.
+//! heading, HDM and HDG that of the compass, DPT and DBT the depth below the transducer, DBS that
+//! below the water's surface.
 
 use crate::support::calendar::unix_from_iso;
 use crate::support::geo::{LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
@@ -29,7 +30,7 @@ pub(in crate::formats) struct Sentence {
     pub(in crate::formats) variation_rad: f32,
     /// Speed over ground, metres a second.
     pub(in crate::formats) speed_mps: f32,
-    /// Depth below the transducer, metres.
+    /// Depth below the transducer, of DBS below the water's surface, metres.
     pub(in crate::formats) depth_m: f32,
     /// From the transducer up to the water line, metres; negative from the transducer down to the
     /// keel.
@@ -126,7 +127,7 @@ impl<'a> Framed<'a> {
                 offset_m: self.number(2).map_or(f32::NAN, |metres| metres as f32),
                 ..EMPTY
             },
-            "DBT" => Sentence {
+            "DBT" | "DBS" => Sentence {
                 depth_m: self.depth_m().map_or(f32::NAN, |metres| metres as f32),
                 ..EMPTY
             },
@@ -178,11 +179,17 @@ impl<'a> Framed<'a> {
         }
     }
 
-    /// DBT: in metres where they are given, else in feet or fathoms.
+    /// DBT and DBS: in feet, metres and fathoms. Taken is the one with the smallest last digit, for
+    /// many sounders write all three with one decimal, which is 3 cm in feet and 10 cm in metres.
     fn depth_m(&self) -> Option<f64> {
-        let feet = || Some(self.number(1)? * METRES_PER_FOOT);
-        let fathoms = || Some(self.number(5)? * METRES_PER_FATHOM);
-        self.number(3).or_else(feet).or_else(fathoms)
+        let units = [(3, 1.0), (1, METRES_PER_FOOT), (5, METRES_PER_FATHOM)];
+        let written = units.into_iter().filter_map(|(index, unit_m)| {
+            let decimals =
+                self.text(index).split_once('.').map_or(0, |(_, decimals)| decimals.len());
+            let last_digit_m = unit_m * 0.1_f64.powi(decimals.min(9) as i32);
+            Some((last_digit_m, self.number(index)? * unit_m))
+        });
+        written.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, depth_m)| depth_m)
     }
 
     fn text(&self, index: usize) -> &'a str {

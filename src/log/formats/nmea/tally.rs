@@ -8,9 +8,10 @@ use std::collections::BTreeMap;
 /// Talker and type of a sentence, `GPRMC`.
 pub(super) type Address = [u8; 5];
 
-/// So many times as many other depths have to be there before those of DPT are not taken: the
-/// second field of DPT says what they count from.
-const DPT_COUNTS: usize = 4;
+/// So many times as many depths of DBT have to be there before those of DPT are not taken: the
+/// second field of DPT says what they count from. As many of DBS before those of DBT are not: below
+/// the transducer is where the first returns count from.
+const COUNTS_MORE: usize = 4;
 
 /// Counts of the sentences of one address.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,6 +19,8 @@ struct Counts {
     depths: usize,
     /// Positions with a time.
     positions: usize,
+    /// Those whose time no sentence before them told.
+    new_times: usize,
     times: usize,
 }
 
@@ -27,6 +30,8 @@ pub(super) struct Tally {
     sources: BTreeMap<Address, Counts>,
     with_sum: usize,
     without_sum: usize,
+    /// Time of the last position, seconds since midnight.
+    last_utc_s: Option<f64>,
     /// The first time that tells the date, Unix seconds.
     pub(super) first_unix_s: Option<f64>,
     /// The first magnetic variation, radians; positive to the east.
@@ -51,7 +56,11 @@ impl Tally {
         let counts = self.sources.entry(address).or_default();
         counts.depths += usize::from(told.depth_m > 0.0);
         counts.times += usize::from(told.utc_s.is_some());
-        counts.positions += usize::from(told.utc_s.is_some() && told.position.is_some());
+        if told.position.is_some() && told.utc_s.is_some() {
+            counts.positions += 1;
+            counts.new_times += usize::from(told.utc_s != self.last_utc_s);
+            self.last_utc_s = told.utc_s;
+        }
         self.first_unix_s = self.first_unix_s.or(told.unix_s);
         let variation_rad = Some(told.variation_rad).filter(|variation| !variation.is_nan());
         self.variation_rad = self.variation_rad.or(variation_rad);
@@ -65,22 +74,40 @@ impl Tally {
 
     /// Whose depths are taken; `None` where there are none.
     pub(super) fn depths_of(&self) -> Option<Address> {
-        self.most(|address, counts| match address.ends_with(b"DPT") {
-            true => DPT_COUNTS * counts.depths,
-            false => counts.depths,
+        self.most(|address, counts| match &address[2..] {
+            b"DPT" => COUNTS_MORE * COUNTS_MORE * counts.depths,
+            b"DBT" => COUNTS_MORE * counts.depths,
+            _ => counts.depths,
         })
     }
 
-    /// Whose positions are taken; of several as many those that have course and speed beside them.
-    pub(super) fn positions_of(&self) -> Option<Address> {
-        self.most(|address, counts| {
+    /// Whose positions are taken: of the address that has most of them, of several as many that
+    /// which has course and speed beside them, comes first; then those of other sentences of that
+    /// talker where they take turns, so that hardly a time is told twice.
+    pub(super) fn positions_of(&self) -> Vec<Address> {
+        let first = self.most(|address, counts| {
             2 * counts.positions + usize::from(counts.positions > 0 && address.ends_with(b"RMC"))
-        })
+        });
+        let takes_turns = |address: &Address| {
+            self.sources.get(address).is_some_and(|counts| {
+                counts.new_times > 0 && 10 * counts.new_times >= 9 * counts.positions
+            })
+        };
+        let others = self.sources.keys().copied().filter(|address| {
+            first.is_some_and(|first| *address != first && address[..2] == first[..2])
+                && first.as_ref().is_some_and(takes_turns)
+                && takes_turns(address)
+        });
+        first.into_iter().chain(others).collect()
     }
 
     /// Whose times are taken: those of the positions, where there are any.
-    pub(super) fn times_of(&self) -> Option<Address> {
-        self.positions_of().or_else(|| self.most(|_, counts| counts.times))
+    pub(super) fn times_of(&self) -> Vec<Address> {
+        let positions_of = self.positions_of();
+        match positions_of.is_empty() {
+            true => self.most(|_, counts| counts.times).into_iter().collect(),
+            false => positions_of,
+        }
     }
 
     /// The address with most of something; `None` where all have none.
@@ -94,28 +121,30 @@ impl Tally {
     pub(super) fn remark(&self, report: &WarningReport) {
         let depths = |counts: &Counts| counts.depths;
         let positions = |counts: &Counts| counts.positions;
-        self.remark_on("depths", self.depths_of(), depths, report);
-        self.remark_on("positions", self.positions_of(), positions, report);
+        let depths_of: Vec<Address> = self.depths_of().into_iter().collect();
+        self.remark_on("depths", &depths_of, depths, report);
+        self.remark_on("positions", &self.positions_of(), positions, report);
     }
 
-    /// Says it of what is counted by `count`, of which those of one address are taken.
+    /// Says it of what is counted by `count`, of which those of some addresses are taken.
     fn remark_on(
         &self,
         what: &str,
-        taken: Option<Address>,
+        taken: &[Address],
         count: impl Fn(&Counts) -> usize,
         report: &WarningReport,
     ) {
-        let Some(taken) = taken else {
+        let Some(first) = taken.first() else {
             return;
         };
-        let others = self.sources.iter().filter(|(at, counts)| **at != taken && count(counts) > 0);
+        let others =
+            self.sources.iter().filter(|(at, counts)| !taken.contains(at) && count(counts) > 0);
         let others = others.map(|(at, counts)| format!("{} of {}", count(counts), name(at)));
         let others = others.collect::<Vec<_>>().join(", ");
         if !others.is_empty() {
             report.log(format!(
                 "the {what} of {} are read; others that tell the same are not: {others}",
-                name(&taken)
+                name(first)
             ));
         }
     }

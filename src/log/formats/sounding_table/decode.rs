@@ -6,7 +6,7 @@ use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, is_range};
 use crate::formats::points::columns::{fields, number};
 use crate::formats::report::WarningKind;
-use crate::support::calendar::unix_from_text;
+use crate::support::calendar::{DateOrder, unix_from_date, unix_from_iso, unix_from_text};
 use crate::support::geo::{LonLat, distance_m};
 use crate::survey::{ChannelKind, Fix, ProjectedTrack};
 
@@ -75,6 +75,8 @@ pub(in crate::formats) struct Reader {
     zero_s: Option<f64>,
     /// First place in metres.
     origin_m: Option<[f64; 2]>,
+    /// Rows whose place is written as 0, 0.
+    without_place: usize,
 }
 
 impl Reader {
@@ -92,6 +94,7 @@ impl Reader {
             has_times: None,
             zero_s: None,
             origin_m: None,
+            without_place: 0,
         }
     }
 
@@ -179,9 +182,13 @@ impl Reader {
     /// The time of a row, Unix seconds or seconds of the recording.
     fn told_s(&self, row: &[&str]) -> Option<f64> {
         let text = *row.get(self.layout.time?)?;
-        let with_date = || unix_from_text(&format!("{} {text}", row.get(self.layout.date?)?));
+        let with_date = || {
+            let text = format!("{} {text}", row.get(self.layout.date?)?);
+            unix_from_iso(&text).or_else(|| unix_from_date(&text, self.layout.date_order))
+        };
         let told_s = unix_from_text(text).or_else(|| number(text, self.layout.separator));
         let told_s = told_s.or_else(with_date);
+        let told_s = told_s.or_else(|| unix_from_date(text, self.layout.date_order));
         let told_s = told_s.map(|told_s| if told_s > UNIX_MS { told_s / 1e3 } else { told_s });
         told_s.filter(|told_s| told_s.abs() < LATEST_UNIX_S)
     }
@@ -189,6 +196,7 @@ impl Reader {
     /// The place of a row. Programs write 0, 0 where there is none.
     fn position(&mut self, (x, y): (f64, f64)) -> Option<LonLat> {
         if (x, y) == (0.0, 0.0) {
+            self.without_place += 1;
             return None;
         }
         match self.layout.place? {
@@ -274,6 +282,7 @@ impl Reader {
         self.keep_together(log, None);
         log.report.set_back(self.clock.set_back_s());
         log.projected = self.origin_m.map(ProjectedTrack::new);
+        log.has_times = has_times;
         log.start_unix_s = self.zero_s.filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);
         if !has_times {
             let apart = match self.layout.has_pings() {
@@ -289,6 +298,18 @@ impl Reader {
             log.report.log(
                 "several rows have the same time; they are taken as evenly spread up to the next",
             );
+        }
+        if self.without_place > 0 {
+            log.report.log(format!(
+                "{} of {} rows have no position (0, 0): their depths are placed between the rows around them, where those are close",
+                self.without_place, self.rows
+            ));
+        }
+        if self.layout.is_assumed {
+            log.report.log("no line names the columns; they are taken as latitude, longitude and depth in metres: write names into the first line where they are others");
+        }
+        if has_times && self.layout.date_order == DateOrder::MonthFirst {
+            log.report.log("dates are taken as month/day/year");
         }
         if !self.layout.names_unit {
             log.report.log("the column of the depths names no unit; they are taken as metres, and are feet where it is named depth_ft");

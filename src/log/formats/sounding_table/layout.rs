@@ -2,12 +2,17 @@
 
 use crate::formats::points::columns::{fields, is_header, number, separator_of};
 use crate::formats::track_file::{HEADING, LAT, LON, TIME};
+use crate::support::calendar::DateOrder;
 use crate::support::geo::METRES_PER_FOOT;
 
 /// Names of columns in lower case, without unit; the first that is there is taken.
 const EAST: &[&str] = &["easting", "east", "utm_x", "x"];
 const NORTH: &[&str] = &["northing", "north", "utm_y", "y"];
-const DEPTH: &[&str] = &["depth", "water_depth", "waterdepth", "sonar_depth", "bottom_depth"];
+const DEPTH: &[&str] =
+    &["depth", "water_depth", "waterdepth", "sonar_depth", "bottom_depth", "depth_in"];
+/// Names of heights of the bottom, which are depths where they count from the water and are
+/// negative.
+const BOTTOM: &[&str] = &["elevationbottom", "elevation_bottom", "bottom_elevation"];
 const COURSE: &[&str] = &["cog", "course"];
 /// Of tables beside a picture: slant range of the outermost and of the innermost sample of a side,
 /// and the row of the picture.
@@ -31,6 +36,10 @@ const UNITS: &[(&str, f64)] = &[
 ];
 /// Unix milliseconds of 2001 and 2100.
 const UNIX_MS: std::ops::Range<f64> = 1e12..4_102_444_800e3;
+/// Degrees have so many decimals at least: four are 11 m.
+const DECIMALS_OF_A_PLACE: usize = 4;
+/// No survey is larger, degrees.
+const SURVEY_DEG: f64 = 2.0;
 /// Rows without names that have to be as Deeper writes them.
 const FEWEST_ROWS: usize = 3;
 
@@ -89,6 +98,10 @@ pub(in crate::formats) struct Layout {
     pub(super) heading: Option<usize>,
     /// The course over ground, degrees.
     pub(super) course: Option<usize>,
+    /// The order of dates with slashes.
+    pub(super) date_order: DateOrder,
+    /// Whether the columns are taken for what they are though no line names them.
+    pub(super) is_assumed: bool,
     is_deeper: bool,
 }
 
@@ -100,7 +113,9 @@ impl Layout {
         separator?;
         let header = fields(first, separator);
         if !is_header(&header, separator) {
-            return Self::of_deeper(lines, separator).map(Recognised::Table);
+            let deeper = Self::of_deeper(lines, separator);
+            let layout = deeper.or_else(|| Self::of_places(lines, separator));
+            return layout.map(Recognised::Table);
         }
         let is_there = |name: &&str| header.iter().any(|field| field == name);
         if OWN.iter().all(is_there) {
@@ -116,7 +131,8 @@ impl Layout {
         let range = find(RANGE).map(lengths);
         let pings =
             range.map(|range| PingColumns { range, near: find(NEAR).map(lengths), row: find(ROW) });
-        let depth = find(DEPTH);
+        let height = find(BOTTOM);
+        let depth = find(DEPTH).or(height);
         let depth_unit_m = depth.and_then(|depth| names[depth].1);
         let degrees = find(LON).or(find(&["long"])).zip(find(LAT));
         let metres = find(EAST).zip(find(NORTH));
@@ -133,37 +149,82 @@ impl Layout {
             date: find(&["date"]),
             heading: find(HEADING).or(find(&["yaw"])),
             course: find(COURSE),
+            date_order: DateOrder::Unknown,
+            is_assumed: false,
             is_deeper: false,
         };
+        let is_height = depth.is_some() && depth == height;
         let layout = layout.fitting(&lines[1..]);
+        let layout = layout.filter(|layout| !is_height || layout.unit_m < 0.0);
         let layout = layout.filter(|layout| layout.has_pings() || layout.has_soundings());
         layout.map(Recognised::Table)
     }
 
-    /// Rows of latitude, longitude, depth, Unix milliseconds and perhaps temperature.
+    /// Rows of latitude, longitude, depth, and Unix milliseconds before or after the temperature.
     fn of_deeper(lines: &[String], separator: Option<char>) -> Option<Self> {
-        let is_row = |line: &String| {
+        let time_of = |line: &String| {
             let numbers = fields(line, separator).into_iter();
             let numbers: Vec<f64> = numbers.map_while(|field| number(field, separator)).collect();
-            let [lat, lon, depth, time, ..] = numbers[..] else {
-                return false;
+            let [lat, lon, depth, ref rest @ ..] = numbers[..] else {
+                return None;
             };
             let is_place = lat.abs() <= 90.0 && lon.abs() <= 180.0;
-            numbers.len() <= 5 && is_place && (0.0..1e4).contains(&depth) && UNIX_MS.contains(&time)
+            let is_row = numbers.len() <= 5 && is_place && (0.0..1e4).contains(&depth);
+            let time = rest.iter().position(|number| UNIX_MS.contains(number))?;
+            is_row.then_some(3 + time)
         };
-        (lines.len() >= FEWEST_ROWS && lines.iter().all(is_row)).then_some(Self {
+        let time = time_of(lines.first()?)?;
+        let is_table = lines.len() >= FEWEST_ROWS;
+        (is_table && lines.iter().all(|line| time_of(line) == Some(time))).then_some(Self {
+            time: Some(time),
+            is_deeper: true,
+            ..Self::unnamed(separator)
+        })
+    }
+
+    /// Rows of latitude, longitude and depth and nothing else.
+    fn of_places(lines: &[String], separator: Option<char>) -> Option<Self> {
+        let row = |line: &String| {
+            let texts = fields(line, separator);
+            let [lat, lon, depth] = texts[..] else {
+                return None;
+            };
+            let is_precise = |text: &str| {
+                let decimals = text.split_once(['.', ',']);
+                decimals.is_some_and(|(_, decimals)| decimals.len() >= DECIMALS_OF_A_PLACE)
+            };
+            let [lat_deg, lon_deg, depth] =
+                [number(lat, separator)?, number(lon, separator)?, number(depth, separator)?];
+            let is_place = lat_deg.abs() <= 90.0 && lon_deg.abs() <= 180.0;
+            let is_row =
+                is_precise(lat) && is_precise(lon) && is_place && (0.0..1e4).contains(&depth);
+            is_row.then_some([lat_deg, lon_deg])
+        };
+        let rows: Option<Vec<[f64; 2]>> = lines.iter().map(row).collect();
+        let rows = rows.filter(|rows| rows.len() >= FEWEST_ROWS)?;
+        let is_near = |[lat, lon]: &[f64; 2]| {
+            (lat - rows[0][0]).abs() < SURVEY_DEG && (lon - rows[0][1]).abs() < SURVEY_DEG
+        };
+        rows.iter().all(is_near).then_some(Self { is_assumed: true, ..Self::unnamed(separator) })
+    }
+
+    /// Columns without names: latitude, longitude and depth in metres.
+    fn unnamed(separator: Option<char>) -> Self {
+        Self {
             separator,
             place: Some(PlaceColumns::Degrees(1, 0)),
             depth: Some(2),
             pings: None,
             unit_m: 1.0,
             names_unit: true,
-            time: Some(3),
+            time: None,
             date: None,
             heading: None,
             course: None,
-            is_deeper: true,
-        })
+            date_order: DateOrder::Unknown,
+            is_assumed: false,
+            is_deeper: false,
+        }
     }
 
     /// The same, with what the first rows tell; `None` where none of them is a sounding, nor may be
@@ -184,6 +245,9 @@ impl Layout {
         if 2 * upwards > count {
             self.unit_m = -self.unit_m;
         }
+        let dates = self.date.or(self.time);
+        let dates = rows.iter().filter_map(|row| row.get(dates?).copied());
+        self.date_order = DateOrder::of(dates);
         if let Some(PlaceColumns::Metres(x, y)) = self.place {
             let is_degrees = |row: &Vec<&str>| {
                 let place = value(row, x).zip(value(row, y));
@@ -213,7 +277,7 @@ impl Layout {
 
     /// Whether the first line names the columns.
     pub(super) fn has_header(&self) -> bool {
-        !self.is_deeper
+        !self.is_deeper && !self.is_assumed
     }
 
     /// The recorder, where the layout tells it.

@@ -9,9 +9,10 @@
 //! (`Latitude,Longitude,Depth`), of tables that SonarWiz and others write, and of the project's own
 //! tracks.
 //!
-//! Without names one table is known: `Bathymetry.csv` of Deeper's sonars, latitude, longitude,
-//! depth in metres, Unix milliseconds and perhaps the temperature; latitude and longitude are 0 in
-//! rows between two positions of the phone.
+//! Without names two tables are known. One is `Bathymetry.csv` of Deeper's sonars: latitude,
+//! longitude, depth in metres, Unix milliseconds and perhaps the temperature, in either order;
+//! latitude and longitude are 0 in rows between two positions of the phone. The other has three
+//! columns, of which two can only be degrees: latitude, longitude and depth in metres.
 //!
 //! Where a picture has the name of a table whose rows are pings, `picture_table` reads both.
 //!
