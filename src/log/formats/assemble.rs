@@ -4,10 +4,10 @@ use super::collected::{Collected, CollectedPair, HalfPing};
 use super::depths;
 use super::join::join_halves;
 use super::reading::Reading;
-use super::stray::drop_stray;
+use super::report::WarningReport;
 use crate::survey::{
-    Channel, ChannelKind, Echogram, Fix, Side, SidePair, SidePing, SideScanState, Survey, Track,
-    give_depths,
+    Channel, ChannelKind, Echogram, Fix, Side, SidePair, SidePing, SideScanState, Sounding, Survey,
+    Track, drop_false_fixes, give_depths, without_place,
 };
 use std::sync::Arc;
 
@@ -26,12 +26,13 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let mut side_scan = join_sides(&mut log, known);
     let echograms = echograms(&mut log);
     let chosen = known.and_then(|known| known.sounding_channel);
-    let (sounding_channel, soundings) = depths::choose(std::mem::take(&mut log.depths), chosen);
+    let fixes = clean_track(&mut log);
+    let depths = std::mem::take(&mut log.depths);
+    let (sounding_channel, soundings) = depths::choose(depths, chosen, &fixes);
     depths::warn_of_lost_bottom(&soundings, &log.report);
     give_depths(&mut side_scan, &soundings);
     let mut swath = std::mem::take(&mut log.swath);
     swath.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    let fixes = clean_track(&mut log);
     let side_scan_state = judge(&side_scan, &mut log);
     if soundings.is_empty() && swath.is_empty() {
         log.report.log("the log holds no depth; heights can only come from the side-scan itself");
@@ -42,6 +43,8 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     if fixes.is_empty() {
         log.report.log("the log holds no position; nothing in it can be placed on a map");
     }
+    let track = Track { projected: log.projected.take(), ..Track::new(fixes) };
+    warn_of_lost_fixes(&track, &soundings, &side_scan, &log.report);
     let mut channels: Vec<Channel> = log.channels.into_iter().map(|(_, channel)| channel).collect();
     channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
     let mut survey = Survey {
@@ -58,7 +61,7 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
         soundings: Arc::new(soundings),
         sounding_channel,
         swath: Arc::new(swath),
-        track: Track { projected: log.projected, ..Track::new(fixes) },
+        track,
         warnings: Vec::new(),
         bytes: log.bytes,
     };
@@ -150,14 +153,36 @@ fn echograms(log: &mut Collected) -> Vec<Echogram> {
     echograms
 }
 
-/// Fixes in time order, without those that a damaged header threw far away.
+/// Fixes in time order, without those where the boat cannot have been.
 fn clean_track(log: &mut Collected) -> Vec<Fix> {
     let mut fixes = std::mem::take(&mut log.fixes);
-    if let Some(sentence) = drop_stray(&mut fixes) {
+    fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    for sentence in drop_false_fixes(&mut fixes, log.has_times) {
         log.report.log(sentence);
     }
-    fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     fixes
+}
+
+/// Says how much has no place because no fix was recorded then.
+fn warn_of_lost_fixes(
+    track: &Track,
+    soundings: &[Sounding],
+    side_scan: &[SidePing],
+    report: &WarningReport,
+) {
+    let soundings = without_place(track, soundings.iter().map(|one| one.time_s));
+    let pings = without_place(track, side_scan.iter().map(|ping| ping.time_s));
+    let parts = [(soundings, "soundings"), (pings, "side-scan pings")];
+    let parts = parts.into_iter().filter_map(|(lost, of)| Some((lost?, of)));
+    let said = parts.map(|((count, [first_s, last_s]), of)| {
+        format!("{count} {of} (between {first_s:.0} s and {last_s:.0} s)")
+    });
+    let said = said.collect::<Vec<_>>().join(" and ");
+    if !said.is_empty() {
+        report.log(format!(
+            "{said} have no position, for no fix was recorded around them: they are on no map"
+        ));
+    }
 }
 
 /// Whether the side-scan is worth drawing, with a sentence where it is not.

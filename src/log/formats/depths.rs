@@ -1,7 +1,7 @@
 //! Which of the recorded depths are the soundings, and which of them each side-scan ping has.
 
 use super::report::WarningReport;
-use crate::survey::{ChannelKind, Sounding, mark_bottom_lock};
+use crate::survey::{ChannelKind, Fix, Sounding, mark_bottom_lock};
 
 /// The depths of one channel, in time order: the traditional sonar's, unless another knows four
 /// times as many; of the tail of a log those of the channel that was chosen for the log. All
@@ -9,6 +9,7 @@ use crate::survey::{ChannelKind, Sounding, mark_bottom_lock};
 pub(super) fn choose(
     mut depths: Vec<(ChannelKind, Vec<Sounding>)>,
     chosen: Option<ChannelKind>,
+    fixes: &[Fix],
 ) -> (Option<ChannelKind>, Vec<Sounding>) {
     if let Some(chosen) = chosen {
         depths.retain(|(kind, _)| *kind == chosen);
@@ -25,7 +26,7 @@ pub(super) fn choose(
     let (kind, mut soundings) =
         best.map_or((None, Vec::new()), |(kind, depths)| (Some(kind), depths));
     soundings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    mark_bottom_lock(&mut soundings);
+    mark_bottom_lock(&mut soundings, fixes);
     (kind, soundings)
 }
 

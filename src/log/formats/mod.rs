@@ -22,14 +22,14 @@
 //! and give it meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged
 //! times and `report` to say what was wrong. `reading` says which part of a log is read: the tail
 //! of one that is being written is read as a log of its own. `assemble` turns what was read into
-//! the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions
-//! that cannot be. `file_source` brings the bytes, `log_folders` finds the folders of a card that
-//! hold logs, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences
-//! in other logs, `growing_log` copies one that is being written as it comes, `unsupported`
-//! recognises formats that are not read, `table` lists those that are. `track_file` reads the track
-//! of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water,
-//! `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say
-//! of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
+//! the survey: `join` pairs the sides, `depths` chooses the soundings. `file_source` brings the
+//! bytes, `log_folders` finds the folders of a card that hold logs, `messages` walks over logs of
+//! messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one
+//! that is being written as it comes, `unsupported` recognises formats that are not read, `table`
+//! lists those that are. `track_file` reads the track of another receiver, `gauge_file` the height
+//! of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with,
+//! `points` and `geotiff` what other programs say of depths; both also lay out what is written so,
+//! as `parquet_table` does tables of columns.
 
 mod area_file;
 mod assemble;
@@ -62,7 +62,6 @@ mod reference;
 mod report;
 mod scalar;
 mod sounding_table;
-mod stray;
 mod table;
 mod track_file;
 mod unsupported;

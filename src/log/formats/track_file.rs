@@ -1,12 +1,11 @@
 //! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
 
 use super::gpx::{GpxError, gpx_points};
-use super::stray::drop_stray;
 use crate::support::calendar::unix_from_text;
 use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
-use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
+use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track, drop_false_fixes};
 use std::io;
 use std::path::Path;
 use std::str::Utf8Error;
@@ -81,7 +80,7 @@ impl TrackFile {
             speed_mps: f32::NAN,
         };
         let mut fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
-        let stray = drop_stray(&mut fixes);
+        let stray = drop_false_fixes(&mut fixes, true);
         // Two places far apart, and the one between them is near none.
         let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else {
             return Err(fail(TrackFault::TooShort));
@@ -96,7 +95,7 @@ impl TrackFile {
             return Err(fail(TrackFault::Elsewhere(span_s)));
         }
         let place = None;
-        let stray = stray.map(|what| format!("Of the external track {what}."));
+        let stray = stray.into_iter().map(|what| format!("Of the external track {what}."));
         let warnings = stray.map(|text| crate::survey::Warning { place, text });
         survey.warnings.extend(warnings);
         if outside > 0 {

@@ -6,6 +6,7 @@
 
 use super::Track;
 use super::local_fit::{LocalFit, TimedPosition};
+use crate::support::statistics::quantile;
 use std::ops::Range;
 
 /// Fixes farther apart than this are not joined by a fit, seconds (or three fix intervals, where
@@ -32,7 +33,15 @@ const MISFIT: f64 = 0.5;
 /// motion.
 const MOVED: f64 = 2.6;
 /// Fix intervals that receivers are known to use, seconds, longest first.
-const KNOWN_INTERVALS_S: [f64; 6] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
+const KNOWN_INTERVALS_S: [f64; 9] = [30.0, 15.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
+/// A position does not change more often than its receiver gives fixes, but for the beat of records
+/// against fixes: nearly all changes are at least this share of an interval apart.
+const LEAST_CHANGE: f64 = 0.8;
+/// Records closer together than this share of a fix interval repeat fixes.
+const REPEATS: f64 = 0.9;
+/// Between fixes farther apart than this, seconds (or six fix intervals, where those are longer),
+/// nobody knows where the boat was.
+const LONGEST_BRIDGE_S: f64 = 10.0;
 
 /// Where the boat is at a time, and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +71,7 @@ pub(super) struct FittedTrack {
     segments: Vec<Range<usize>>,
     half_window_s: f64,
     reach_s: f64,
+    bridge_s: f64,
     /// Smallest step between two recorded positions, metres: what the recorder's rounding lets
     /// through.
     resolution_m: f64,
@@ -72,18 +82,21 @@ impl FittedTrack {
     pub(super) fn new(track: &Track, window_s: f64) -> Self {
         let stays = stays(track);
         let interval_s = fix_interval_s(&stays);
-        let places = places(&stays, interval_s);
+        let repeats = record_interval_s(track) < REPEATS * interval_s;
+        let places = places(&stays, if repeats { interval_s } else { 0.0 });
         Self {
             segments: segments(&places, MAX_GAP_S.max(3.0 * interval_s)),
             places,
             half_window_s: window_s.max(4.0 * interval_s) / 2.0,
             reach_s: REACH_S + interval_s,
+            bridge_s: LONGEST_BRIDGE_S.max(6.0 * interval_s),
             resolution_m: resolution_m(&stays),
         }
     }
 
-    /// Position and velocity at a time. In gaps of the fixes the position is interpolated and there
-    /// is no velocity.
+    /// Position and velocity at a time. In short gaps of the fixes the position is interpolated and
+    /// there is no velocity; in long ones, before the first fix and after the last there is
+    /// neither.
     pub(super) fn at(&self, time_s: f64) -> Motion {
         match self.fit(time_s) {
             Some((fit, half_window_s)) => {
@@ -96,7 +109,20 @@ impl FittedTrack {
                     moving: speed >= REST_SPEED_MPS && travelled_m >= MOVED * self.resolution_m,
                 }
             }
-            None => self.between(time_s),
+            None if self.is_known(time_s) => self.between(time_s),
+            None => Motion::UNKNOWN,
+        }
+    }
+
+    /// Whether anything is known of the place at a time.
+    fn is_known(&self, time_s: f64) -> bool {
+        let next = self.places.partition_point(|place| place.time_s < time_s);
+        let sides = [next.checked_sub(1), Some(next)];
+        let sides = sides.map(|side| side.and_then(|index| self.places.get(index)));
+        let is_near = |place: &TimedPosition| (place.time_s - time_s).abs() <= self.reach_s;
+        match sides {
+            [Some(before), Some(after)] if after.time_s - before.time_s <= self.bridge_s => true,
+            sides => sides.into_iter().flatten().any(is_near),
         }
     }
 
@@ -136,7 +162,7 @@ impl FittedTrack {
         &places[start..end]
     }
 
-    /// Straight between the places around a time, held before the first and after the last.
+    /// Straight between the places around a time, held for a moment beyond the first and the last.
     fn between(&self, time_s: f64) -> Motion {
         let next = self.places.partition_point(|place| place.time_s < time_s);
         let Some(after) = self.places.get(next).or(self.places.last()) else {
@@ -201,36 +227,48 @@ fn drop_stale_repeats(stays: &mut [Stay]) {
 /// The time between changes does not show it: at 2 m/s and 10 fixes a second a position rounded to
 /// a metre changes only every third or fourth fix.
 fn fix_interval_s(stays: &[Stay]) -> f64 {
+    if stays.len() < 8 {
+        return 0.0;
+    }
+    let sampled = &stays[1..stays.len().min(400)];
+    let mut between: Vec<f64> =
+        sampled.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
+    between.sort_unstable_by(f64::total_cmp);
+    let change_s = quantile(&between, 0.1);
     let beat = |interval_s: f64| {
-        let sampled = &stays[1..stays.len().min(400)];
         let (sin, cos) = sampled.iter().fold((0.0, 0.0), |(sin, cos), stay| {
             let (s, c) = (std::f64::consts::TAU * stay.first_s / interval_s).sin_cos();
             (sin + s, cos + c)
         });
         f64::hypot(sin, cos) / sampled.len() as f64
     };
-    if stays.len() < 8 {
-        return 0.0;
-    }
-    let known = KNOWN_INTERVALS_S.into_iter().find(|&interval_s| beat(interval_s) > 0.8);
-    known.unwrap_or_else(|| {
-        let mut between: Vec<f64> =
-            stays.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
-        between.sort_unstable_by(f64::total_cmp);
-        between[between.len() / 20].clamp(0.0, 0.1)
-    })
+    let keeps_beat =
+        |interval_s: &f64| change_s >= LEAST_CHANGE * interval_s && beat(*interval_s) > 0.8;
+    let known = KNOWN_INTERVALS_S.into_iter().find(keeps_beat);
+    known.unwrap_or_else(|| between[between.len() / 20].clamp(0.0, 0.1))
+}
+
+/// Seconds between two records that carry a position.
+fn record_interval_s(track: &Track) -> f64 {
+    let fixes = &track.fixes[..track.fixes.len().min(400)];
+    let mut between: Vec<f64> =
+        fixes.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    between.sort_unstable_by(f64::total_cmp);
+    if between.is_empty() { f64::INFINITY } else { quantile(&between, 0.5) }
 }
 
 /// Each stay becomes a measurement at its middle: there the rounding error is as likely ahead as
-/// behind. The recorder shows the latest fix, which is half a fix interval old on average.
-fn places(stays: &[Stay], interval_s: f64) -> Vec<TimedPosition> {
+/// behind. A recorder that repeats the latest fix in each of its records shows it when it is half a
+/// fix interval old on average: `repeats_s` is that interval. A fix that comes once has a time of
+/// its own: `repeats_s` is 0.
+fn places(stays: &[Stay], repeats_s: f64) -> Vec<TimedPosition> {
     let mut places = Vec::with_capacity(stays.len());
     for stay in stays {
         let length_s = stay.last_s - stay.first_s;
         let parts = (length_s / LONG_STAY_S).ceil().clamp(1.0, MOST_PARTS);
         for part in 0..parts as usize {
             places.push(TimedPosition {
-                time_s: stay.first_s + (part as f64 + 0.5) / parts * length_s - interval_s / 2.0,
+                time_s: stay.first_s + (part as f64 + 0.5) / parts * length_s - repeats_s / 2.0,
                 east_m: stay.east_m,
                 north_m: stay.north_m,
                 weight: (length_s / parts).max(0.02),
@@ -253,6 +291,23 @@ fn segments(places: &[TimedPosition], max_gap_s: f64) -> Vec<Range<usize>> {
         }
     }
     segments
+}
+
+/// The first and the last of some times, in order, that have no place on a track, and their number:
+/// no fix was recorded around them. `None` where all have one, and where the track has no fix.
+pub(crate) fn without_place(
+    track: &Track,
+    times: impl Iterator<Item = f64>,
+) -> Option<(usize, [f64; 2])> {
+    if track.fixes.is_empty() {
+        return None;
+    }
+    let fitted = FittedTrack::new(track, 0.0);
+    let lost = times.filter(|time_s| !fitted.is_known(*time_s));
+    lost.fold(None, |found, time_s| {
+        let (count, [first_s, _]) = found.unwrap_or((0, [time_s; 2]));
+        Some((count + 1, [first_s, time_s]))
+    })
 }
 
 /// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the

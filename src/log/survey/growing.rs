@@ -1,7 +1,7 @@
 //! A log that is still being written: where its tail begins, the log with what was added to it, and
 //! a stretch of it as a log of its own.
 
-use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
+use super::observations::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
 use super::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
     SideScanState, SideSpan, Sounding, Survey, SwathPing, give_depths,
@@ -154,11 +154,14 @@ impl Survey {
         tail.shift(later_s);
         tail.scale_like(self);
         let join = Join(seam.time_s);
+        let [kept, added] = join.of(&self.track.fixes, &tail.track.fixes, |fix| fix.time_s);
+        let new = &tail.track.fixes[added..];
+        let fixes = versions.fixes.next(&self.track.fixes, kept, new);
         let mut from_s = seam.time_s;
         let [kept, added] = join.of(&self.soundings, &tail.soundings, |one| one.time_s);
         let new = &tail.soundings[added..];
         let soundings = (versions.soundings).next_changed(&self.soundings, kept, new, |all| {
-            let marked = mark_bottom_lock_from(all, kept);
+            let marked = mark_bottom_lock_from(all, &fixes, kept);
             from_s = all.get(marked).map_or(from_s, |one| from_s.min(one.time_s));
             marked
         });
@@ -171,9 +174,6 @@ impl Survey {
         });
         let [kept, added] = join.of(&self.swath, &tail.swath, |ping| ping.time_s);
         let swath = (versions.swath).next(&self.swath, kept, &tail.swath[added..]);
-        let [kept, added] = join.of(&self.track.fixes, &tail.track.fixes, |fix| fix.time_s);
-        let new = &tail.track.fixes[added..];
-        let fixes = versions.fixes.next(&self.track.fixes, kept, new);
         let of_channels = &mut versions.echograms;
         let echograms = joined_echograms(&self.echograms, &tail.echograms, &join, of_channels);
         let before = |place: &Option<(usize, u64)>| match place {

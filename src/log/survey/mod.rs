@@ -4,18 +4,17 @@
 //! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its
 //! pings.
 //!
-//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says
-//! which recorded depths can be believed, `mounting` says how the recorder is mounted on its boat,
-//! `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart,
-//! `turn_rate` how fast it turns, `pairs` holds the side-scan of several frequencies, `exclusions`
-//! which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what
-//! becomes of a log that is still being written, `echogram` holds the channels that look down,
-//! `swath` the depths across the track, `part` cuts a log. [`navigate`] places every ping on the
-//! ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `observations` says
+//! which positions and recorded depths can be believed, `mounting` says how the recorder is mounted
+//! on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie
+//! apart, `turn_rate` how fast it turns, `pairs` holds the side-scan of several frequencies,
+//! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track,
+//! `growing` what becomes of a log that is still being written, `echogram` holds the channels that
+//! look down, `swath` the depths across the track, `part` cuts a log. [`navigate`] places every
+//! ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod apart;
 mod area;
-mod bottom_lock;
 mod echogram;
 mod exclusions;
 mod fitted_track;
@@ -27,6 +26,7 @@ mod mounting;
 mod names;
 mod navigation;
 mod nearest;
+mod observations;
 mod pairs;
 mod part;
 mod position_shift;
@@ -39,13 +39,12 @@ mod turn_rate;
 
 pub use apart::{Apart, apart};
 pub use area::WaterArea;
-pub(crate) use bottom_lock::give_depths;
-pub use bottom_lock::mark_bottom_lock;
 pub use echogram::{Echogram, EchogramPing};
 pub use exclusions::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
 };
 pub use fitted_track::position_resolution_m;
+pub(crate) use fitted_track::without_place;
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use growing::{Seam, StretchStart, SurveyVersions};
 pub use identity::Identity;
@@ -56,6 +55,8 @@ pub use navigation::{
     navigate_with,
 };
 pub use nearest::nearest_in_time;
+pub use observations::mark_bottom_lock;
+pub(crate) use observations::{drop_false_fixes, give_depths};
 pub use pairs::SidePair;
 pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};

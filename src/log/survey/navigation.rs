@@ -376,6 +376,9 @@ impl Navigator<'_> {
         }
         let motion = self.fitted.at(time_s);
         let recorded = self.recorded_at(time_s);
+        if motion.east_m.is_nan() {
+            return (PingNav::UNKNOWN, false);
+        }
         let [east_m, north_m] = match self.source {
             HeadingSource::Steps => match recorded {
                 Some(index) => self.projection.place(self.track, self.track.fixes[index].position),

@@ -18,7 +18,6 @@ mod mercator;
 mod utm;
 mod wgs84;
 
-pub use super::outline::boxes_meet;
 pub use coordinates::CoordinateFormat;
 pub use crs::{Crs, CrsChoice, CrsError, SourceCrs};
 pub use geodesic::{area_m2, compass_deg, course_rad, distance_m};
@@ -55,11 +54,48 @@ impl LonLat {
 }
 
 /// West, south, east and north of some positions, degrees; without any, a box that meets no other.
+/// The positions lie within half of the earth: across the antimeridian the east is above 180.
 pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
-    outline::bounds(positions.map(|at| [at.lon_deg, at.lat_deg]))
+    let mut first_deg = None;
+    let places = positions.map(|at| {
+        let first_deg = *first_deg.get_or_insert(at.lon_deg);
+        let turns = ((first_deg - at.lon_deg) / 360.0).round();
+        [at.lon_deg + 360.0 * if turns.is_nan() { 0.0 } else { turns }, at.lat_deg]
+    });
+    let [west, south, east, north] = outline::bounds(places);
+    match west < -180.0 {
+        true => [west + 360.0, south, east + 360.0, north],
+        false => [west, south, east, north],
+    }
+}
+
+/// Whether two boxes of [`bounds_deg`] share a place.
+pub fn boxes_meet(one: [f64; 4], [west, south, east, north]: [f64; 4]) -> bool {
+    let turned = |turn: f64| [west + turn, south, east + turn, north];
+    [0.0, 360.0, -360.0].into_iter().any(|turn| outline::boxes_meet(one, turned(turn)))
 }
 
 /// Metres in an international foot.
 pub const METRES_PER_FOOT: f64 = 0.3048;
 /// Metres a second in a knot.
 pub const MPS_PER_KNOT: f64 = 1852.0 / 3600.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_across_the_antimeridian_is_as_wide_as_its_places_lie_apart() {
+        let at = |lons: &[f64]| lons.iter().map(|lon| LonLat::new(*lon, -17.5)).collect::<Vec<_>>();
+        let of = |lons: &[f64]| bounds_deg(at(lons).into_iter());
+        assert_eq!(of(&[8.5, 8.25]), [8.25, -17.5, 8.5, -17.5]);
+        for lons in [[179.5, -179.5], [-179.5, 179.5]] {
+            assert_eq!(of(&lons), [179.5, -17.5, 180.5, -17.5]);
+        }
+        let across = of(&[179.5, -179.5]);
+        assert!(boxes_meet(across, of(&[-179.75, -179.25])));
+        assert!(boxes_meet(of(&[-179.75, -179.25]), across));
+        assert!(!boxes_meet(across, of(&[-179.25, -179.0])));
+        assert!(!boxes_meet(across, bounds_deg(std::iter::empty())));
+    }
+}

@@ -208,7 +208,9 @@ fn of_two_pairs_at_once_one_is_shown_and_of_two_in_turn_both() {
     assert!(kinds(&at_once).contains(&("15".to_owned(), ChannelKind::Other(15), 60)));
     let in_turn = read(file(&with_second_pair(60, 60 * STEP_MS)));
     assert_eq!(in_turn.side_scan.len(), 120);
-    assert_eq!(in_turn.warnings, []);
+    // The boat of the second pair begins where that of the first began.
+    assert_eq!(in_turn.warnings.len(), 1, "{:?}", in_turn.warnings);
+    assert!(says(&in_turn, "the positions jump once farther than the boat can go"));
     // Switched over after a moment: the pair with nearly all of the pings is shown.
     let mut switched = with_second_pair(300, 4);
     switched.retain(|ping| ping.channel > Some(10) || ping.time_ms < 3_500);

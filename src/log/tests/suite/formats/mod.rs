@@ -1,6 +1,7 @@
 //! Logs are read as they are: the real ones to the counts of their README, small handmade ones for
 //! every trap of the formats.
 
+mod cases;
 mod humminbird;
 mod lowrance;
 mod real;

@@ -1,0 +1,309 @@
+//! Positions that cannot be: farther from those before and after than the boat can have come.
+
+use crate::support::geo::{LonLat, metres_per_degree};
+use crate::support::statistics::{quantile, upper_median};
+use crate::survey::Fix;
+
+/// A position this far from the track's median position is damage, degrees (some 200 km): it would
+/// count among the speeds of the boat.
+const STRAY_DEG: f64 = 2.0;
+/// Speeds are taken over so many seconds at least: over shorter times they are those of the noise
+/// of positions, and of their rounding.
+const SPEED_OVER_S: f64 = 4.0;
+/// Share of the track's speeds that are the boat's even where some positions are false.
+const BOATS_SHARE: f64 = 0.9;
+/// A boat is this many times as fast as the speed that it stays below for nine tenths of the
+/// track, and this much faster, metres a second.
+const FASTER: (f64, f64) = (2.0, 2.0);
+/// Distance that noise and rounding of two positions explain, metres: single receivers without
+/// corrections scatter by a few metres.
+const NOISE_M: f64 = 8.0;
+/// Fewer fixes than this witness nothing of each other.
+const FEWEST: usize = 8;
+/// Where more than this share of the fixes would be left out, it is not known which are false.
+const MOST_FALSE: f64 = 0.2;
+/// Positions that stay away for longer than this, seconds, are no fault of the receiver's: the
+/// clock or the log has a gap there, and both sides of it are kept.
+const LONGEST_S: f64 = 60.0;
+
+/// Positions that follow each other without an impossible step.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Indices of the first and the last fix.
+    first: usize,
+    last: usize,
+    is_false: bool,
+}
+
+impl Piece {
+    fn len(&self) -> usize {
+        self.last + 1 - self.first
+    }
+}
+
+/// Leaves out the fixes that cannot be, which are in time order, and returns sentences that say
+/// which, without a capital and a stop. Where their times are assumed (`has_times` is false) they
+/// tell no speed, and only positions hundreds of kilometres away are left out.
+pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<String> {
+    let mut sentences = Vec::new();
+    sentences.extend(drop_stray(fixes));
+    if fixes.len() < FEWEST || !has_times {
+        return sentences;
+    }
+    let metres = MetresApart::near(fixes[0].position);
+    let fastest_mps = fastest_mps(fixes, &metres);
+    let mut pieces = pieces(fixes, &metres, fastest_mps);
+    mark_false(&mut pieces, fixes, &metres, fastest_mps);
+    let count: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
+    if count == 0 {
+        return sentences;
+    }
+    if count as f64 > MOST_FALSE * fixes.len() as f64 {
+        let jumps = match pieces.len() - 1 {
+            1 => "once".to_owned(),
+            jumps => format!("{jumps} times"),
+        };
+        sentences.push(format!(
+            "the positions jump {jumps} farther than the boat can go (at most {fastest_mps:.0} m/s), and it is not known which of them are false: all are kept"
+        ));
+        return sentences;
+    }
+    sentences.extend(sentence(&pieces, fixes, &metres, fastest_mps));
+    let is_false = |index: usize| {
+        let piece = pieces.partition_point(|piece| piece.last < index);
+        pieces.get(piece).is_some_and(|piece| piece.is_false)
+    };
+    let mut index = 0;
+    fixes.retain(|_| {
+        index += 1;
+        !is_false(index - 1)
+    });
+    sentences
+}
+
+/// Distances between positions that lie near each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MetresApart {
+    per_degree: [f64; 2],
+}
+
+impl MetresApart {
+    pub(super) fn near(position: LonLat) -> Self {
+        Self { per_degree: metres_per_degree(position) }
+    }
+
+    pub(super) fn of(&self, a: LonLat, b: LonLat) -> f64 {
+        let east_m = east_of_deg(a.lon_deg, b.lon_deg) * self.per_degree[0];
+        east_m.hypot((b.lat_deg - a.lat_deg) * self.per_degree[1])
+    }
+}
+
+/// Degrees from one meridian east to another: across the antimeridian 179.9 and -179.9 are
+/// neighbours.
+fn east_of_deg(from_deg: f64, to_deg: f64) -> f64 {
+    let east_deg = to_deg - from_deg;
+    east_deg - 360.0 * (east_deg / 360.0).round()
+}
+
+/// Leaves out the fixes that a damaged record threw far away.
+fn drop_stray(fixes: &mut Vec<Fix>) -> Option<String> {
+    let median = |pick: fn(&Fix) -> f64| {
+        let mut values: Vec<f64> = fixes.iter().map(pick).collect();
+        upper_median(&mut values, f64::total_cmp)
+    };
+    let lon_deg = median(|fix| fix.position.lon_deg)?;
+    let lat_deg = median(|fix| fix.position.lat_deg)?;
+    let before = fixes.len();
+    let mut first_s = f64::NAN;
+    fixes.retain(|fix| {
+        let east_deg = east_of_deg(lon_deg, fix.position.lon_deg);
+        let near = (fix.position.lat_deg - lat_deg).abs() < STRAY_DEG
+            && east_deg.abs() * lat_deg.to_radians().cos() < STRAY_DEG;
+        if !near {
+            first_s = first_s.min(fix.time_s);
+        }
+        near
+    });
+    let dropped = before - fixes.len();
+    (dropped > 0).then(|| match dropped {
+        1 => format!(
+            "the position at {first_s:.1} s lies hundreds of kilometres from all others and was dropped"
+        ),
+        _ => format!(
+            "{dropped} positions, the first at {first_s:.1} s, lie hundreds of kilometres from all others and were dropped"
+        ),
+    })
+}
+
+/// The speed that the boat does not exceed, metres a second, by the track and by the speeds that
+/// the receiver recorded.
+fn fastest_mps(fixes: &[Fix], metres: &MetresApart) -> f64 {
+    let mut speeds: Vec<f64> = Vec::new();
+    let mut from = 0;
+    for (index, fix) in fixes.iter().enumerate() {
+        let took_s = fix.time_s - fixes[from].time_s;
+        if took_s < SPEED_OVER_S {
+            continue;
+        }
+        speeds.push(metres.of(fixes[from].position, fix.position) / took_s);
+        from = index;
+    }
+    speeds.sort_unstable_by(f64::total_cmp);
+    let mut recorded: Vec<f64> = fixes.iter().map(|fix| f64::from(fix.speed_mps)).collect();
+    recorded.retain(|speed| speed.is_finite());
+    recorded.sort_unstable_by(f64::total_cmp);
+    let usual = [&speeds, &recorded]
+        .into_iter()
+        .filter(|some| !some.is_empty())
+        .map(|some| quantile(some, BOATS_SHARE))
+        .fold(0.0, f64::max);
+    FASTER.0 * usual + FASTER.1
+}
+
+/// Whether the boat can have gone from one fix to the other.
+fn can_follow(from: &Fix, to: &Fix, metres: &MetresApart, fastest_mps: f64) -> bool {
+    let far_m = metres.of(from.position, to.position);
+    far_m <= NOISE_M + fastest_mps * (to.time_s - from.time_s).max(0.0)
+}
+
+fn pieces(fixes: &[Fix], metres: &MetresApart, fastest_mps: f64) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let mut first = 0;
+    for index in 1..=fixes.len() {
+        let ends = fixes
+            .get(index)
+            .is_none_or(|next| !can_follow(&fixes[index - 1], next, metres, fastest_mps));
+        if ends {
+            pieces.push(Piece { first, last: index - 1, is_false: false });
+            first = index;
+        }
+    }
+    pieces
+}
+
+/// Marks the short pieces that cannot follow what is kept, outward from the longest piece.
+fn mark_false(pieces: &mut [Piece], fixes: &[Fix], metres: &MetresApart, fastest_mps: f64) {
+    let length_s = |piece: &Piece| fixes[piece.last].time_s - fixes[piece.first].time_s;
+    let longest = (0..pieces.len()).max_by(|&a, &b| {
+        let [a, b] = [&pieces[a], &pieces[b]];
+        length_s(a).total_cmp(&length_s(b)).then(a.len().cmp(&b.len()))
+    });
+    let Some(longest) = longest else {
+        return;
+    };
+    let mut kept = longest;
+    let later = (longest + 1..pieces.len()).map(|index| (index, true));
+    let earlier = (0..longest).rev().map(|index| (index, false));
+    for (index, is_later) in later.chain(earlier) {
+        if index + 1 == longest {
+            kept = longest;
+        }
+        let (before, after) = if is_later { (kept, index) } else { (index, kept) };
+        let [from, to] = [&fixes[pieces[before].last], &fixes[pieces[after].first]];
+        let follows = can_follow(from, to, metres, fastest_mps);
+        match follows || length_s(&pieces[index]) > LONGEST_S {
+            true => kept = index,
+            false => pieces[index].is_false = true,
+        }
+    }
+}
+
+/// The sentence about the fixes that are left out, if there are any.
+fn sentence(
+    pieces: &[Piece],
+    fixes: &[Fix],
+    metres: &MetresApart,
+    fastest_mps: f64,
+) -> Option<String> {
+    let dropped: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
+    let index = pieces.iter().position(|piece| piece.is_false)?;
+    let first = &fixes[pieces[index].first];
+    let beside = |index: usize| pieces.get(index).filter(|piece| !piece.is_false);
+    let before = beside(index.wrapping_sub(1)).map(|piece| &fixes[piece.last]);
+    let after = pieces[index..].iter().find(|piece| !piece.is_false);
+    let other = before.or(after.map(|piece| &fixes[piece.first]))?;
+    let far_m = metres.of(first.position, other.position);
+    let apart_s = (first.time_s - other.time_s).abs();
+    let which = match dropped {
+        1 => format!("the position at {:.1} s", first.time_s),
+        _ => format!("{dropped} positions, the first at {:.1} s,", first.time_s),
+    };
+    let (verb, were) = if dropped == 1 { ("lies", "was") } else { ("lie", "were") };
+    Some(format!(
+        "{which} {verb} {far_m:.0} m from another {apart_s:.1} s away, farther than the boat can go (this one at most {fastest_mps:.0} m/s), and {were} left out"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fixes at these times and metres east and north of a place.
+    fn fixes(places: impl IntoIterator<Item = (f64, [f64; 2])>) -> Vec<Fix> {
+        let at = LonLat::new(8.5, 47.5);
+        let [lon_m, lat_m] = metres_per_degree(at);
+        let place = |[x, y]: [f64; 2]| LonLat::new(at.lon_deg + x / lon_m, at.lat_deg + y / lat_m);
+        places.into_iter().map(|(time_s, xy)| Fix::at(time_s, place(xy))).collect()
+    }
+
+    #[test]
+    fn far_positions_go_and_those_across_the_antimeridian_stay() {
+        let at = |places: &[[f64; 2]]| -> Vec<Fix> {
+            let fix = |(index, &[lon, lat]): (usize, &[f64; 2])| {
+                Fix::at(1e5 * index as f64, LonLat::new(lon, lat))
+            };
+            places.iter().enumerate().map(fix).collect()
+        };
+        let mut some = at(&[[10.0, 50.0], [10.0, 50.1], [-120.0, -40.0], [10.1, 50.0]]);
+        let sentences = drop_false_fixes(&mut some, true);
+        assert!(sentences[0].starts_with("the position at 200000.0 s"), "{sentences:?}");
+        assert_eq!(some.len(), 3);
+        let mut pacific = at(&[[179.9, -18.0], [-179.9, -18.0], [179.95, -18.0], [-179.95, -18.0]]);
+        assert!(drop_false_fixes(&mut pacific, true).is_empty());
+        assert_eq!(pacific.len(), 4);
+        assert!(drop_false_fixes(&mut Vec::new(), true).is_empty());
+    }
+
+    #[test]
+    fn a_jump_away_and_back_is_left_out_at_any_rate_of_fixes() {
+        for step_s in [0.1, 1.0, 5.0] {
+            let path = |index: usize| match index {
+                50..53 => [143.0, 2.0 * step_s * index as f64],
+                _ => [0.0, 2.0 * step_s * index as f64],
+            };
+            let mut some = fixes((0..120).map(|index| (step_s * index as f64, path(index))));
+            let sentences = drop_false_fixes(&mut some, true);
+            assert_eq!(some.len(), 117, "{step_s} s: {sentences:?}");
+            assert!(sentences[0].starts_with("3 positions, the first at"), "{sentences:?}");
+        }
+    }
+
+    #[test]
+    fn false_positions_at_either_end_are_left_out() {
+        for far in [0..3, 117..120] {
+            let path = |index: usize| [if far.contains(&index) { 5e3 } else { 0.0 }, index as f64];
+            let mut some = fixes((0..120).map(|index| (index as f64, path(index))));
+            assert_eq!(drop_false_fixes(&mut some, true).len(), 1);
+            assert_eq!(some.len(), 117);
+        }
+    }
+
+    #[test]
+    fn turns_noise_stops_and_a_log_that_goes_on_elsewhere_stay() {
+        // A boat that speeds up to 12 m/s for a tenth of the time, with noise of 2 m.
+        let mut north_m = 0.0;
+        let mut path = Vec::new();
+        for index in 0..400 {
+            north_m += if (200..250).contains(&index) { 12.0 } else { 1.5 };
+            let noise_m = [2.0, -1.0, 0.5, -2.0, 1.0][index % 5];
+            path.push((index as f64, [noise_m, north_m]));
+        }
+        let mut some = fixes(path.clone());
+        assert!(drop_false_fixes(&mut some, true).is_empty());
+        // The recorder was switched off, carried 2 km and switched on again.
+        let elsewhere = path.iter().map(|&(time_s, [x, y])| (time_s + 401.0, [x + 2e3, y]));
+        let mut both = fixes(path.iter().copied().chain(elsewhere));
+        drop_false_fixes(&mut both, true);
+        assert_eq!(both.len(), 800);
+    }
+}

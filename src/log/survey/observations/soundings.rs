@@ -1,0 +1,298 @@
+//! Where the recorder's own depth can be believed.
+//!
+//! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the
+//! last quarter of the log jumps between one and four times the depth within a second. Nothing may
+//! lean on such depths, but they stay visible.
+
+use super::fixes::MetresApart;
+use crate::support::statistics::upper_median;
+use crate::survey::{Fix, SidePing, Sounding, nearest_in_time};
+
+/// A step between soundings is a jump beyond this many metres and this share of the depth.
+const JUMP_M: f32 = 0.5;
+const JUMP_SHARE: f32 = 0.15;
+/// It is one only where the bed would rise by more than this many metres in each that the boat
+/// went: slow recorders pass a steep bank in a few soundings.
+const STEEPEST: f64 = 1.0;
+/// Soundings further apart in time are not compared, seconds.
+const NEIGHBOURS_S: f64 = 10.0;
+/// Jumps that follow each other within this time, or within so many soundings of a slow recorder,
+/// are one loss of the bottom.
+const TOGETHER_S: f64 = 3.0;
+const TOGETHER: usize = 8;
+/// So many jumps together, up and down, are a loss; fewer are boulders, piers and ledges, which
+/// come in twos.
+const JUMPS: usize = 4;
+/// Soundings to both sides of one that a glitch is judged against.
+const REACH: usize = 4;
+
+/// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time,
+/// seconds.
+pub(crate) const NEAREST_SOUNDING_S: f64 = 5.0;
+/// How far back the lock is looked at anew where soundings are added: unless the bottom is lost for
+/// longer, it is quiet somewhere there.
+const LONGEST_LOSS: usize = 4096;
+
+/// Gives every ping the depth of the sounding nearest in time. Both are in time order.
+pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
+    for ping in pings {
+        let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
+            .map(|index| &soundings[index])
+            .filter(|sounding| (sounding.time_s - ping.time_s).abs() <= NEAREST_SOUNDING_S);
+        ping.depth_m = nearest.map_or(f32::NAN, |sounding| sounding.depth_m);
+        ping.depth_locked = nearest.is_some_and(|sounding| sounding.locked);
+    }
+}
+
+/// As [`mark_bottom_lock`], where all before `from` was marked already and what follows is new.
+/// Returns the first sounding that was marked anew.
+pub(crate) fn mark_bottom_lock_from(
+    soundings: &mut [Sounding],
+    fixes: &[Fix],
+    from: usize,
+) -> usize {
+    let from = from.min(soundings.len());
+    let mut quiet = from;
+    // Back to where no jump belongs to one that comes after: to the last jump that is followed by a
+    // pause.
+    for index in (from.saturating_sub(LONGEST_LOSS)..from).rev() {
+        let after_s = soundings.get(quiet).unwrap_or(&soundings[index]).time_s;
+        let is_long_ago = after_s - soundings[index].time_s > 2.0 * TOGETHER_S;
+        if is_long_ago && quiet - index > 2 * TOGETHER {
+            break;
+        }
+        if index > 0 && jump(soundings, fixes, index).is_some() {
+            quiet = index;
+        }
+    }
+    let first = quiet.saturating_sub(REACH + 1);
+    let start = first.saturating_sub(2 * REACH + 1);
+    let mut tail = soundings[start..].to_vec();
+    mark_bottom_lock(&mut tail, fixes);
+    // The first ones of the tail lack their neighbours.
+    soundings[first..].copy_from_slice(&tail[first - start..]);
+    first
+}
+
+/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the
+/// end of a log that ends in one, and on single glitches. `fixes` tell how far the boat went from
+/// one sounding to the next; both are in time order.
+pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
+    for sounding in &mut *soundings {
+        sounding.locked = true;
+    }
+    let glitches: Vec<usize> =
+        (0..soundings.len()).filter(|&index| is_glitch(soundings, fixes, index)).collect();
+    let jumps: Vec<Jump> =
+        (1..soundings.len()).filter_map(|index| jump(soundings, fixes, index)).collect();
+    let together = |a: usize, b: usize| {
+        b - a <= TOGETHER || soundings[b].time_s - soundings[a].time_s < TOGETHER_S
+    };
+    let end = soundings.len().saturating_sub(1);
+    let until = |last: usize| if together(last, end) { end } else { last };
+    let is_loss = |jumps: &&[Jump]| {
+        let deeper = jumps.iter().filter(|jump| jump.is_deeper).count();
+        jumps.len() >= JUMPS && (1..jumps.len()).contains(&deeper)
+    };
+    let losses: Vec<_> = jumps
+        .chunk_by(|a, b| together(a.index, b.index))
+        .filter(is_loss)
+        .map(|loss| loss[0].index..=until(loss[loss.len() - 1].index))
+        .collect();
+    let lost = losses.into_iter().flatten();
+    for index in lost.chain(glitches) {
+        soundings[index].locked = false;
+    }
+}
+
+/// A step that no bed makes.
+#[derive(Clone, Copy, Debug)]
+struct Jump {
+    /// The sounding after it.
+    index: usize,
+    is_deeper: bool,
+}
+
+fn differ(a: &Sounding, b: &Sounding) -> bool {
+    (a.depth_m - b.depth_m).abs() > JUMP_M.max(JUMP_SHARE * a.depth_m.min(b.depth_m))
+}
+
+/// The jump to a sounding from the one before it, if there is one.
+fn jump(soundings: &[Sounding], fixes: &[Fix], index: usize) -> Option<Jump> {
+    let (before, here) = (&soundings[index - 1], &soundings[index]);
+    let is_jump = here.time_s - before.time_s < NEIGHBOURS_S
+        && differ(before, here)
+        && is_steep(before, here, travelled_m(fixes, before.time_s, here.time_s));
+    is_jump.then_some(Jump { index, is_deeper: here.depth_m > before.depth_m })
+}
+
+fn is_steep(a: &Sounding, b: &Sounding, travelled_m: f64) -> bool {
+    f64::from((a.depth_m - b.depth_m).abs()) > STEEPEST * travelled_m
+}
+
+/// Whether a sounding departs from the median of those around it, which were taken soon before or
+/// after, by more than a bed does. At the top of a ridge half of its neighbours are farther away
+/// than half of [`REACH`].
+fn is_glitch(soundings: &[Sounding], fixes: &[Fix], index: usize) -> bool {
+    let around = index.saturating_sub(REACH)..(index + REACH + 1).min(soundings.len());
+    if around.len() <= REACH {
+        return false;
+    }
+    let mut near: Vec<Sounding> = soundings[around].to_vec();
+    let here = &soundings[index];
+    let median = upper_median(&mut near, |a, b| a.depth_m.total_cmp(&b.depth_m));
+    median.is_some_and(|median| {
+        let is_near = (median.time_s - here.time_s).abs() < NEIGHBOURS_S;
+        is_near && differ(&median, here) && {
+            let from = &soundings[index.saturating_sub(REACH / 2)];
+            let to = &soundings[(index + REACH / 2).min(soundings.len() - 1)];
+            let behind_m = travelled_m(fixes, from.time_s, here.time_s);
+            let ahead_m = travelled_m(fixes, here.time_s, to.time_s);
+            is_steep(&median, here, behind_m.max(ahead_m))
+        }
+    })
+}
+
+/// Metres that the boat went between two times; 0 where no fixes tell. Positions are rounded and
+/// repeated, so that the speed is taken over some seconds more.
+fn travelled_m(fixes: &[Fix], from_s: f64, to_s: f64) -> f64 {
+    const MARGIN_S: f64 = 2.0;
+    let at = |time_s: f64| fixes.partition_point(|fix| fix.time_s < time_s);
+    let Some(last) = fixes.len().checked_sub(1) else {
+        return 0.0;
+    };
+    let first = at(from_s - MARGIN_S).saturating_sub(1);
+    let [from, to] = [&fixes[first], &fixes[at(to_s + MARGIN_S).min(last)]];
+    let took_s = to.time_s - from.time_s;
+    match took_s > 0.0 {
+        true => {
+            MetresApart::near(from.position).of(from.position, to.position) / took_s
+                * (to_s - from_s)
+        }
+        false => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::geo::LonLat;
+
+    fn locked(depths: impl Iterator<Item = f32>) -> Vec<bool> {
+        let mut soundings: Vec<Sounding> = depths
+            .enumerate()
+            .map(|(index, depth_m)| Sounding { time_s: 0.1 * index as f64, depth_m, locked: false })
+            .collect();
+        mark_bottom_lock(&mut soundings, &[]);
+        soundings.iter().map(|sounding| sounding.locked).collect()
+    }
+
+    fn all_locked<'a>(locked: impl IntoIterator<Item = &'a bool>) -> bool {
+        locked.into_iter().all(|locked| *locked)
+    }
+
+    /// Depths about a bed of 1.5 m while the recorder has lost it.
+    fn wandering(lost: std::ops::Range<usize>) -> impl Fn(usize) -> f32 {
+        move |i| match lost.contains(&i) {
+            true => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
+            false => 1.5,
+        }
+    }
+
+    #[test]
+    fn slopes_noise_and_ledges_keep_the_lock() {
+        let slope = locked((0..300).map(|i| 2.0 + 0.02 * i as f32));
+        let noise = locked((0..300).map(|i| 2.0 + 0.1 * (i % 3) as f32));
+        assert!(all_locked(&slope) && all_locked(&noise));
+        // A block on the bed, a metre high and two seconds long.
+        let block = |i| if (100..120).contains(&i) { 2.0 } else { 3.0 };
+        assert!(all_locked(&locked((0..300).map(block))));
+    }
+
+    #[test]
+    fn a_wandering_lock_is_lost_from_its_first_to_its_last_jump() {
+        let locked = locked((0..300).map(wandering(100..200)));
+        assert!(all_locked(locked[..90].iter().chain(&locked[210..])));
+        assert!(locked[110..190].iter().all(|locked| !*locked));
+    }
+
+    #[test]
+    fn a_log_that_ends_without_the_bottom_does_not_find_it_in_its_last_second() {
+        let locked = locked((0..160).map(wandering(100..160)));
+        assert!(locked[110..].iter().all(|locked| !*locked));
+    }
+
+    #[test]
+    fn soundings_that_are_added_are_marked_as_if_they_had_been_there() {
+        let depth = |i: usize| match i {
+            100..180 => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
+            250 => 9.0,
+            _ => 2.0,
+        };
+        let sounding = |index: usize| Sounding {
+            time_s: 0.1 * index as f64,
+            depth_m: depth(index),
+            locked: false,
+        };
+        let mut whole: Vec<Sounding> = (0..300).map(sounding).collect();
+        mark_bottom_lock(&mut whole, &[]);
+        for shorter in (1..300).step_by(3) {
+            let mut grown = whole[..shorter].to_vec();
+            mark_bottom_lock(&mut grown, &[]);
+            grown.extend((shorter..300).map(sounding));
+            mark_bottom_lock_from(&mut grown, &[], shorter);
+            assert_eq!(grown, whole, "grown from {shorter} soundings");
+        }
+    }
+
+    #[test]
+    fn one_wild_depth_is_a_glitch() {
+        let locked = locked((0..50).map(|i| if i == 20 { 9.0 } else { 2.0 }));
+        let wild: Vec<usize> = (0..50).filter(|&i| !locked[i]).collect();
+        assert_eq!(wild, [20]);
+    }
+
+    /// Soundings, and fixes at 2 m/s to the north, one each at every step.
+    fn sailed(step_s: f64, depths: impl Iterator<Item = f32>) -> (Vec<Sounding>, Vec<Fix>) {
+        let time_s = |index: usize| step_s * index as f64;
+        let soundings: Vec<Sounding> = depths
+            .enumerate()
+            .map(|(index, depth_m)| Sounding { time_s: time_s(index), depth_m, locked: false })
+            .collect();
+        let north_deg = |time_s: f64| 47.5 + 2.0 * time_s / 111_180.0;
+        let fix = |index| Fix::at(time_s(index), LonLat::new(8.5, north_deg(time_s(index))));
+        let fixes = (0..soundings.len()).map(fix).collect();
+        (soundings, fixes)
+    }
+
+    #[test]
+    fn a_loss_is_the_same_at_any_rate_and_a_steep_bank_is_none() {
+        for step_s in [0.05, 0.2, 1.0] {
+            let depth_m = |index: usize| match index {
+                100..200 if index % 10 < 5 => 1.8,
+                _ => 20.0,
+            };
+            let (mut soundings, fixes) = sailed(step_s, (0..300).map(depth_m));
+            mark_bottom_lock(&mut soundings, &fixes);
+            let marked: Vec<usize> = (0..300).filter(|&index| !soundings[index].locked).collect();
+            assert_eq!(marked, (100..196).collect::<Vec<_>>(), "{step_s} s");
+            // Up and down banks of 40 degrees.
+            let bank = |index: usize| {
+                let along_m = 2.0 * step_s * index as f64;
+                2.0 + 0.84 * (along_m % 20.0 - 10.0).abs() as f32
+            };
+            let (mut soundings, fixes) = sailed(step_s, (0..300).map(bank));
+            mark_bottom_lock(&mut soundings, &fixes);
+            assert!(soundings.iter().all(|sounding| sounding.locked), "{step_s} s");
+        }
+    }
+
+    #[test]
+    fn single_spikes_of_a_slow_recorder_are_glitches() {
+        let depth_m = |index: usize| if index % 5 == 3 { 7.5 } else { 20.0 };
+        let (mut soundings, fixes) = sailed(1.0, (0..100).map(depth_m));
+        mark_bottom_lock(&mut soundings, &fixes);
+        let counts = soundings.iter().filter(|sounding| sounding.locked);
+        assert!(counts.clone().count() == 0 || counts.clone().all(|one| one.depth_m == 20.0));
+    }
+}
