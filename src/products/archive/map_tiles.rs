@@ -18,7 +18,7 @@ use crate::map_tiles::{
     ZoomRange,
 };
 use crate::pipeline::Fingerprint;
-use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use bathyscope_bottom::bathymetry::{Grid, Light, Surface, hill_shade};
 use bathyscope_bottom::presentation::ticks::round_up;
 use bathyscope_log::support::geo::{LonLat, UtmZone, boxes_meet};
@@ -322,11 +322,10 @@ impl PyramidSource for ArchiveTiles {
     }
 
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
-        let bounds = tile.pixel_bounds(self.scales.zooms.finest);
         let mut lines = Vec::new();
         for one in self.under(tile) {
             let content = self.contents.of(one)?;
-            lines.extend(content.lines.iter().flat_map(|line| clipped(line, bounds)));
+            lines.extend(tile.isobaths(content.lines.iter(), &self.scales.zooms));
         }
         Ok(lines)
     }

@@ -5,7 +5,7 @@ use super::folders::LONGEST_RECORD;
 use super::record::Archive;
 use super::tile::TileId;
 use super::tile_files::{DEPTH, ISOBATHS, folder_of};
-use crate::map_tiles::web_pixel;
+use crate::map_tiles::web_line;
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
 use bathyscope_bottom::bathymetry::{Grid, Surface};
 use bathyscope_log::formats::geotiff::read_values;
@@ -113,9 +113,11 @@ fn lines(path: &Path, zoom: u8) -> io::Result<Vec<Isobath>> {
     let lines: Lines = serde_json::from_str(&text)?;
     let lines = lines.features.into_iter().map(|line| Isobath {
         depth_m: line.properties.depth_m,
-        points: (line.geometry.coordinates.into_iter())
-            .map(|[lon_deg, lat_deg]| web_pixel(LonLat { lon_deg, lat_deg }, zoom))
-            .collect(),
+        points: web_line(
+            (line.geometry.coordinates.into_iter())
+                .map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }),
+            zoom,
+        ),
     });
     Ok(lines.collect())
 }

@@ -27,5 +27,7 @@ pub(crate) use pixel_places::PixelPlaces;
 pub(crate) use pixels::Pixel;
 pub use pixels::Pixels;
 pub use pyramid::{KnownTile, MapPart, MapScales, PyramidSource, TileStyle, pyramid};
-pub(crate) use web_tile::{TILE_PIXELS, web_pixel};
+#[cfg(test)]
+pub(crate) use web_tile::web_pixel;
+pub(crate) use web_tile::{TILE_PIXELS, web_line};
 pub use web_tile::{WebTile, ZoomRange};

@@ -1,5 +1,6 @@
 //! Which square of the earth a tile shows.
 
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, clipped};
 use bathyscope_log::support::geo::{LonLat, web_mercator, web_mercator_inverse};
 
 /// Pixels along a side of a tile.
@@ -30,6 +31,21 @@ pub(crate) fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
     let [x, y] = web_mercator(at);
     let per_metre = pixels_across(zoom) / (2.0 * HALF_M);
     [(x + HALF_M) * per_metre, (HALF_M - y) * per_metre]
+}
+
+/// A line of places in pixels of a zoom. It goes on beyond the map's edge where it crosses the
+/// antimeridian.
+pub(crate) fn web_line(places: impl Iterator<Item = LonLat>, zoom: u8) -> Vec<[f64; 2]> {
+    let across = pixels_across(zoom);
+    let mut before = None;
+    let point = |at: LonLat| {
+        let [x, y] = web_pixel(at, zoom);
+        let turns = before.map_or(0.0, |before: f64| ((before - x) / across).round());
+        let x = x + turns * across;
+        before = Some(x);
+        [x, y]
+    };
+    places.map(point).collect()
 }
 
 fn pixels_across(zoom: u8) -> f64 {
@@ -65,6 +81,27 @@ impl WebTile {
     pub(crate) fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
         let ([west, north], side) = self.corner_at(zoom);
         [west, north, west + side, north + side]
+    }
+
+    /// The parts of isobaths on it, which are given in pixels of the finest zoom ([`web_line`]).
+    pub(crate) fn isobaths<'a>(
+        &self,
+        lines: impl Iterator<Item = &'a Isobath>,
+        zooms: &ZoomRange,
+    ) -> Vec<Isobath> {
+        let [west, north, east, south] = self.pixel_bounds(zooms.finest);
+        let across = pixels_across(zooms.finest);
+        let turns: &[f64] = if zooms.crosses_antimeridian() { &[0.0, 1.0, -1.0] } else { &[0.0] };
+        let on_tile = |line: &'a Isobath| {
+            turns.iter().flat_map(move |turn| {
+                let by = turn * across;
+                let mut parts = clipped(line, [west + by, north, east + by, south]);
+                let points = parts.iter_mut().flat_map(|part| &mut part.points);
+                points.for_each(|[x, _]| *x -= by);
+                parts
+            })
+        };
+        lines.flat_map(on_tile).collect()
     }
 
     /// The middle of a pixel, whole numbers being corners of the tile's pixels.
@@ -113,7 +150,8 @@ pub struct ZoomRange {
     pub coarsest: u8,
     /// The finest.
     pub finest: u8,
-    /// West, south, east and north, degrees.
+    /// West, south, east and north, degrees; the east is above 180 where the map crosses the
+    /// antimeridian.
     pub bounds_deg: [f64; 4],
 }
 
@@ -133,14 +171,27 @@ impl ZoomRange {
         Self { coarsest: finest.saturating_sub(zooms), finest, bounds_deg }
     }
 
+    fn crosses_antimeridian(&self) -> bool {
+        self.bounds_deg[2] > 180.0
+    }
+
     /// The tiles of a zoom over the map.
     pub fn tiles(&self, zoom: u8) -> Vec<WebTile> {
         let [west, south, east, north] = self.bounds_deg;
-        let [first, last] = [[west, north], [east, south]].map(|[lon_deg, lat_deg]| {
+        let tile = |lon_deg, lat_deg| {
             WebTile::at_pixel(web_pixel(LonLat { lon_deg, lat_deg }, zoom), zoom)
-        });
+        };
+        let (first, last) = (tile(west, north), tile(east, south));
+        let columns: Vec<u32> = match self.crosses_antimeridian() {
+            // At coarse zooms both sides may be the same tile.
+            true => {
+                let beyond = tile(east - 360.0, south).x;
+                (0..=beyond).chain(first.x.max(beyond + 1)..=last.x).collect()
+            }
+            false => (first.x..=last.x).collect(),
+        };
         let rows = first.y..=last.y;
-        rows.flat_map(|y| (first.x..=last.x).map(move |x| WebTile { zoom, x, y })).collect()
+        rows.flat_map(|y| columns.iter().map(move |&x| WebTile { zoom, x, y })).collect()
     }
 }
 
@@ -195,5 +246,33 @@ mod tests {
         assert!(tiles[0] <= 4 && tiles[tiles.len() - 1] > 30, "{tiles:?}");
         let tiny = ZoomRange::of_map([0.0, 0.0, 1e-7, 1e-7], 0.1);
         assert_eq!(tiny.coarsest, tiny.finest);
+    }
+
+    #[test]
+    fn a_map_across_the_antimeridian_has_tiles_on_both_sides_of_it_and_no_others() {
+        let zooms = ZoomRange::of_map([179.999, -17.501, 180.001, -17.499], 0.25);
+        assert!(zooms.coarsest > 10, "{zooms:?}");
+        for zoom in zooms.coarsest..=zooms.finest {
+            let tiles = zooms.tiles(zoom);
+            let last = (1_u32 << zoom) - 1;
+            assert!(
+                tiles.iter().any(|tile| tile.x == 0) && tiles.iter().any(|tile| tile.x == last)
+            );
+            assert!(tiles.len() < 2000, "{zoom}: {}", tiles.len());
+            let meets = |tile: &WebTile| boxes_meet(tile.bounds_deg(), zooms.bounds_deg);
+            assert!(tiles.iter().all(meets));
+        }
+        assert_eq!(zooms.tiles(0), [WebTile { zoom: 0, x: 0, y: 0 }]);
+        // An isobath from side to side is drawn on both.
+        let places = [179.9995, -179.9995].map(|lon| LonLat::new(lon, -17.5));
+        let points = web_line(places.into_iter(), zooms.finest);
+        let line = Isobath { depth_m: 2.0, points };
+        let drawn = |x: u32| {
+            let y = WebTile::at_pixel(line.points[0], zooms.finest).y;
+            let tile = WebTile { zoom: zooms.finest, x, y };
+            tile.isobaths(std::iter::once(&line), &zooms).len()
+        };
+        let last = (1_u32 << zooms.finest) - 1;
+        assert_eq!([drawn(0), drawn(last), drawn(last / 2)], [1, 1, 0]);
     }
 }

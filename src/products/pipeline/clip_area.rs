@@ -1,7 +1,8 @@
 //! The area that isobaths end at, brought from degrees into the plane of a map.
 
 use bathyscope_bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths};
-use bathyscope_log::support::geo::{LonLat, bounds_deg};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::outline::bounds;
 use bathyscope_log::support::outline::{between, edges};
 
 /// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre
@@ -55,7 +56,7 @@ pub fn clip_area(
 /// A ring within a box (Sutherland and Hodgman 1974): what lies beyond runs along the edges of the
 /// box. Beyond the date line it lies where its middle is nearest to a longitude.
 fn within(ring: &[LonLat], middle_deg: f64, around: [f64; 4]) -> Vec<[f64; 2]> {
-    let [west, _, east, _] = bounds_deg(ring.iter().copied());
+    let [west, _, east, _] = bounds(ring.iter().map(|at| [at.lon_deg, at.lat_deg]));
     let turns = ((middle_deg - 0.5 * (west + east)) / 360.0).round();
     let near = |at: &LonLat| [at.lon_deg + 360.0 * turns, at.lat_deg];
     let mut ring: Vec<[f64; 2]> = ring.iter().map(near).collect();

@@ -3,11 +3,11 @@
 use super::applied;
 use crate::export::tile_sets::{TileSet, TileStore};
 use crate::map_tiles::{
-    LitSurface, MapScales, PixelPlaces, Pixels, PyramidSource, WebTile, ZoomRange, web_pixel,
+    LitSurface, MapScales, PixelPlaces, Pixels, PyramidSource, WebTile, ZoomRange, web_line,
 };
 use crate::outputs::OutputError;
 use crate::pipeline::{DepthMap, Isobaths, Products};
-use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
+use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use bathyscope_log::support::geo::{MapPlane, boxes_meet};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
@@ -73,9 +73,7 @@ impl<'a> RunTiles<'a> {
         let map = &depth_map.map;
         let zooms = ZoomRange::of_map(depth_map.bounds_deg(), depth_map.surface.grid.cell_m);
         let in_pixels = |line: &Isobath| Isobath {
-            points: (line.points.iter())
-                .map(|place| web_pixel(map.to_lon_lat(*place), zooms.finest))
-                .collect(),
+            points: web_line(line.points.iter().map(|place| map.to_lon_lat(*place)), zooms.finest),
             ..*line
         };
         Self {
@@ -107,7 +105,6 @@ impl PyramidSource for RunTiles<'_> {
     }
 
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
-        let bounds = tile.pixel_bounds(self.scales.zooms.finest);
-        Ok(self.lines.iter().flat_map(|line| clipped(line, bounds)).collect())
+        Ok(tile.isobaths(self.lines.iter(), &self.scales.zooms))
     }
 }
