@@ -299,7 +299,8 @@ impl OpenLog {
     fn take_products(&mut self, products: Products, jobs: &Jobs) -> Option<String> {
         self.preview = None;
         let said = self.calibrating.said_of_change(&products);
-        if let Some(survey) = self.survey.clone() {
+        if let Some(survey) = self.survey.as_ref().map(|survey| products.judged(survey)) {
+            self.survey = Some(survey.clone());
             self.reviewing.follow(&survey, &products.navigation);
             self.count_figures(survey, products.clone(), jobs);
         }

@@ -4,14 +4,16 @@
 //!
 //! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the
 //! plain method, `tracker` the one that follows the bottom as a whole line, `confidence` says how
-//! sure a pick is, `above_bottom` which lie above the recorded depth, `manual_picks` holds what the
-//! analyst drew instead, `accepted` what was accepted as it was found, `bottom_line` which bottom
-//! the picture is laid out by.
+//! sure a pick is, `above_bottom` which lie above the recorded depth, `false_soundings` which
+//! recorded depths both sides contradict, `manual_picks` holds what the analyst drew instead,
+//! `accepted` what was accepted as it was found, `bottom_line` which bottom the picture is laid out
+//! by.
 
 mod above_bottom;
 mod accepted;
 mod bottom_line;
 mod confidence;
+mod false_soundings;
 mod int32_image;
 mod manual_picks;
 mod normalise;
@@ -21,6 +23,7 @@ mod tracker;
 pub use bottom_line::{BottomLine, at_recorded_depth};
 pub use confidence::Evidence;
 pub(crate) use confidence::ground_confidence;
+pub use false_soundings::{FalseSoundings, SounderFault};
 pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
@@ -30,6 +33,7 @@ use bathyscope_log::survey::{Exclusions, Side, Survey};
 use confidence::MethodPick;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -152,9 +156,17 @@ pub struct FirstReturns {
     pub warnings: Vec<String>,
     /// Stretches of manual picks: first and last ping, and the side.
     pub drawn: Vec<(Side, [usize; 2])>,
+    /// Soundings that both sides contradict, in order.
+    pub false_soundings: Arc<Vec<FalseSoundings>>,
 }
 
 impl FirstReturns {
+    /// The survey whose soundings that both sides contradict are marked as those of a lost bottom:
+    /// what later stages are run over.
+    pub fn judged<'a>(&self, survey: &'a Survey) -> Cow<'a, Survey> {
+        false_soundings::judged(survey, &self.false_soundings)
+    }
+
     /// Whether a ping's pick, or that it has none, is a bottom edit.
     pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
         let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
@@ -226,16 +238,18 @@ pub fn detect_with(
     if !survey.has_side_scan() {
         return Ok(none(survey));
     }
-    match settings.method {
+    let mut returns = match settings.method {
         Method::Threshold => {
             let index = ThresholdIndex::by(survey, image, normalisation.clone(), progress)?;
-            Ok(index.detect(survey, settings.threshold, settings.above_bottom_margin_m))
+            index.detect(survey, settings.threshold, settings.above_bottom_margin_m)
         }
         Method::Tracker => {
             let pings = 0..survey.side_scan.len();
-            track_range(survey, normalisation, settings, pings, progress)
+            track_range(survey, normalisation, settings, pings, progress)?
         }
-    }
+    };
+    false_soundings::judge(survey, &mut returns);
+    Ok(returns)
 }
 
 fn none(survey: &Survey) -> FirstReturns {
@@ -318,6 +332,7 @@ pub fn track_range(
         method: Method::Tracker,
     }
     .picks();
+    false_soundings::doubt_beyond(survey, around.start, &mut sides);
     for picks in &mut sides {
         picks.truncate(pings.end - around.start);
         picks.drain(..pings.start - around.start);
@@ -327,6 +342,6 @@ pub fn track_range(
         port,
         starboard,
         warnings: normalisation.warning().into_iter().collect(),
-        drawn: Vec::new(),
+        ..FirstReturns::default()
     })
 }

@@ -5,6 +5,7 @@
 //! and any level is a search among them.
 
 use super::confidence::{Gathering, MethodPick};
+use super::false_soundings::doubt_beyond;
 use super::normalise::{BLOCK, dead_samples};
 use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, int32_image};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -100,7 +101,7 @@ impl ThresholdIndex {
         above_bottom_margin_m: f64,
     ) -> FirstReturns {
         let Settled { found, depths_m } = self.found(threshold);
-        let [port, starboard] = Gathering {
+        let mut sides = Gathering {
             survey,
             first: 0,
             found: &found,
@@ -110,11 +111,13 @@ impl ThresholdIndex {
             method: Method::Threshold,
         }
         .picks();
+        doubt_beyond(survey, 0, &mut sides);
+        let [port, starboard] = sides;
         FirstReturns {
             port: Arc::new(port),
             starboard: Arc::new(starboard),
             warnings: self.normalisation.warning().into_iter().collect(),
-            drawn: Vec::new(),
+            ..FirstReturns::default()
         }
     }
 }

@@ -133,8 +133,8 @@ fn processed(
     let previous = previous.map(|log| &log.products);
     let products = pipeline::run(survey, settings, previous, progress, |stage| {
         status.step(stage.name());
-    });
-    Ok(ProcessedLog { survey: survey.clone(), products: products? })
+    })?;
+    Ok(ProcessedLog { survey: products.judged(survey), products })
 }
 
 /// The logs with what their crossings tell of their positions; what that is goes to `corrections`.

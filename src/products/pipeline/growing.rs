@@ -14,13 +14,14 @@ use bathyscope_bottom::cloud::{
     self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointRecord, PointScales,
     PointSource, RecordIndex, Reduction,
 };
-use bathyscope_bottom::first_return::{self, FirstReturns, Normalisation, Pick};
+use bathyscope_bottom::first_return::{self, FalseSoundings, FirstReturns, Normalisation, Pick};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::wider;
 use bathyscope_log::support::versions::Versions;
 use bathyscope_log::survey::{
     Exclusions, Navigation, PingNav, Side, StretchStart, Survey, navigate_with,
 };
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -101,6 +102,7 @@ pub fn extend(
     let part = Part { first, context, first_start: survey.stretch_start(first), context_start };
     let navigation = navigate_with(&stretch, settings.position_settings(), progress)?;
     let found = found(&stretch, &part, before, settings, growing, progress)?;
+    let stretch = part.judged(stretch, &found);
     let mut returns = found.clone();
     settings.bottom.apply(survey, &mut returns);
     let versions = &mut growing.versions;
@@ -179,8 +181,9 @@ fn found(
     Ok(FirstReturns {
         port: (versions.port).next(&known.port, part.first, &new.port[from..]),
         starboard: (versions.starboard).next(&known.starboard, part.first, &new.starboard[from..]),
-        warnings: new.warnings,
+        warnings: new.warnings.clone(),
         drawn: Vec::new(),
+        false_soundings: Arc::new(part.join_false_soundings(known, &new)),
     })
 }
 
@@ -205,6 +208,46 @@ fn counted_of(
 }
 
 impl Part {
+    /// The stretch from the context on, without the soundings that first returns contradict.
+    fn judged(&self, stretch: Survey, found: &FirstReturns) -> Survey {
+        let from = self.context_start.sounding;
+        let here = found.false_soundings.iter().filter(|one| one.soundings.end > from);
+        let here = here.map(|one| FalseSoundings {
+            soundings: one.soundings.start.saturating_sub(from)..one.soundings.end - from,
+            fault: one.fault,
+        });
+        let here =
+            FirstReturns { false_soundings: Arc::new(here.collect()), ..FirstReturns::default() };
+        match here.judged(&stretch) {
+            Cow::Owned(judged) => judged,
+            Cow::Borrowed(_) => stretch,
+        }
+    }
+
+    /// The false soundings of before that lie before the part, and the new ones of it.
+    fn join_false_soundings(
+        &self,
+        known: &FirstReturns,
+        new: &FirstReturns,
+    ) -> Vec<FalseSoundings> {
+        let (part, from) = (self.first_start.sounding, self.context_start.sounding);
+        let before = known.false_soundings.iter().filter(|one| one.soundings.start < part).cloned();
+        let mut all: Vec<FalseSoundings> = before.collect();
+        for one in new.false_soundings.iter() {
+            let soundings = one.soundings.start + from..one.soundings.end + from;
+            if soundings.end <= part {
+                continue;
+            }
+            match all.last_mut() {
+                Some(last) if last.soundings.end > soundings.start => {
+                    last.soundings.end = last.soundings.end.max(soundings.end);
+                }
+                _ => all.push(FalseSoundings { soundings, fault: one.fault }),
+            }
+        }
+        all
+    }
+
     fn join_navigation(
         &self,
         before: &Navigation,

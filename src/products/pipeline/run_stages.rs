@@ -38,6 +38,8 @@ pub fn run(
     let navigation = run.navigation()?;
     let exclusions = run.exclusions(&navigation);
     let found = run.found()?;
+    let judged = found.judged(survey);
+    let mut run = run.over(&judged);
     let returns = run.returns(&found);
     let counted = counted(&returns, &exclusions);
     let (flat_spots, calibration) =
@@ -89,6 +91,15 @@ struct PointResults {
 }
 
 impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
+    /// The same over a survey whose soundings were judged.
+    fn over<'b>(self, survey: &'b Survey) -> Run<'b, OnStage>
+    where
+        'a: 'b,
+    {
+        let Self { settings, previous, stale, progress, on_stage, .. } = self;
+        Run { survey, settings, previous, stale, progress, on_stage }
+    }
+
     /// The results of before, where that of this stage is still valid.
     fn reusable(&self, stage: Stage) -> Option<&'a Products> {
         self.previous.filter(|old| match stage {

@@ -1,0 +1,371 @@
+//! Soundings that the first returns of both sides contradict.
+//!
+//! A first return is no farther away than the bottom below the boat, and over weed, boulders and
+//! fish nearer: that it is nearer says nothing against a sounding. Two faults of recorders leave
+//! marks that nothing in the water leaves. The second echo, from the bottom to the surface and back
+//! again, is twice as far: the depth leaps to double while neither side moves. A lost bottom is
+//! written as the last depth for as long as it is lost: it stays the same to the last digit while
+//! both sides move.
+
+use super::{FirstReturns, Pick};
+use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::survey::{Side, Sounding, Survey, nearest_in_time};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Pings to both sides that the first returns are taken over.
+const REACH: usize = 10;
+/// Of these so many need a first return.
+const LEAST: usize = 5;
+/// The sides of one bottom are as far within this share: on a bank of 33 degrees they differ by a
+/// sixth.
+const SIDES_AGREE: f64 = 0.25;
+/// The second echo is as many times as far as the first return: twice, and more on a bank, where
+/// that comes from up the slope.
+const SECOND_ECHO: Range<f64> = 1.75..2.6;
+/// The depth at both ends of a stretch leaps to as many times what it was.
+const LEAP: Range<f64> = 1.75..2.25;
+/// The first returns stay within this share over such a leap.
+const STAYS: f64 = 0.25;
+/// Soundings to both sides of an end that are compared: on a steep bank only the next ones are
+/// still at one depth.
+const BESIDE: [usize; 2] = [3, 1];
+/// Fewer soundings make no stretch.
+const SHORTEST: usize = 5;
+/// A stretch goes on over so many soundings that do not show the fault.
+const LONGEST_PAUSE: usize = 8;
+/// A depth is held for at least so many soundings, and for so many times as long as the log's
+/// coarse steps make it stay the same over a level bottom.
+const HELD: usize = 12;
+const HELD_TIMES: usize = 3;
+/// The first returns move by so much meanwhile, metres and share of the depth.
+const MOVES: (f64, f64) = (0.1, 0.015);
+
+/// A first return this many times as far as the depth, and so many metres farther, is not of the
+/// bottom below: the scale of ranges, the draft of the sounder and beams that end beside the nadir
+/// make less of a difference.
+const BEYOND: (f64, f64) = (1.15, 0.2);
+/// With so much confidence it is believed all the same, and the depth may be wrong.
+const CERTAIN: f32 = 0.6;
+
+/// The fault of a sounder that explains a stretch of false depths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SounderFault {
+    /// It took the echo that went to the bottom twice.
+    SecondEcho,
+    /// It wrote the last depth again.
+    Held,
+}
+
+/// A stretch of soundings that do not count.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FalseSoundings {
+    /// Indices in [`Survey::soundings`].
+    pub soundings: Range<usize>,
+    /// The fault.
+    pub fault: SounderFault,
+}
+
+impl FalseSoundings {
+    /// A sentence about them.
+    fn summary(&self, survey: &Survey) -> String {
+        let time_s = |index: usize| survey.soundings.get(index).map_or(f64::NAN, |one| one.time_s);
+        let [from_s, to_s] = [self.soundings.start, self.soundings.end - 1].map(time_s);
+        let which =
+            format!("{} soundings between {from_s:.0} s and {to_s:.0} s", self.soundings.len());
+        match self.fault {
+            SounderFault::SecondEcho => format!(
+                "{which} are twice as deep as the first returns of both sides: the recorder took the second echo of the bottom; they do not count"
+            ),
+            SounderFault::Held => format!(
+                "{which} stay the same while the first returns of both sides move: the recorder had lost the bottom and wrote its last depth; they do not count"
+            ),
+        }
+    }
+}
+
+/// Sets [`FirstReturns::false_soundings`], with a warning for each stretch. Where a second echo is
+/// the depth, first returns lie above it and are the bottom all the same.
+pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
+    let found = find(&survey.soundings, &Witnesses::new(survey, returns));
+    if found.is_empty() {
+        return;
+    }
+    returns.warnings.extend(found.iter().map(|one| one.summary(survey)));
+    for ping in pings_of(survey, &found) {
+        for side in Side::BOTH {
+            if let Some(pick) = returns.side_mut(side).get_mut(ping) {
+                pick.accept();
+            }
+        }
+    }
+    returns.false_soundings = Arc::new(found);
+}
+
+/// Takes the confidence from first returns farther away than the bottom below the boat, unless the
+/// other side is as far or they are certain. `sides` are port and starboard from the ping `first`
+/// on.
+pub(super) fn doubt_beyond(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
+    for index in 0..sides[0].len() {
+        let depth_m = f64::from(survey.locked_depth_m(first + index));
+        let ranges_m = Side::BOTH
+            .map(|side| pick_range_m(survey, first + index, side, &sides[side as usize][index]));
+        for side in Side::BOTH {
+            let (own_m, other_m) = (ranges_m[side as usize], ranges_m[side.other() as usize]);
+            let is_as_far = (own_m - other_m).abs() < SIDES_AGREE * own_m;
+            let pick = &mut sides[side as usize][index];
+            if own_m > BEYOND.0 * depth_m + BEYOND.1 && !is_as_far && pick.confidence < CERTAIN {
+                pick.confidence = 0.0;
+            }
+        }
+    }
+}
+
+/// The pings whose depth is of false soundings.
+fn pings_of(survey: &Survey, false_soundings: &[FalseSoundings]) -> Vec<usize> {
+    let is_false =
+        |sounding: usize| false_soundings.iter().any(|one| one.soundings.contains(&sounding));
+    let pings = 0..survey.side_scan.len();
+    pings.filter(|&ping| sounding_of(survey, ping).is_some_and(is_false)).collect()
+}
+
+/// Slant range of a first return by the recorder's scale, metres; NaN without one.
+fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
+    let pick = returns.side(side).get(ping);
+    pick.map_or(f64::NAN, |pick| pick_range_m(survey, ping, side, pick))
+}
+
+fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
+    let span = survey.span(ping, side).filter(|_| pick.is_some());
+    span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
+}
+
+/// The survey with the soundings that do not count marked as those of a lost bottom.
+pub(super) fn judged<'a>(
+    survey: &'a Survey,
+    false_soundings: &[FalseSoundings],
+) -> Cow<'a, Survey> {
+    let is_marked = |one: &FalseSoundings| {
+        let soundings = survey.soundings.get(one.soundings.clone()).unwrap_or_default();
+        soundings.iter().all(|sounding| !sounding.locked)
+    };
+    if false_soundings.iter().all(is_marked) {
+        return Cow::Borrowed(survey);
+    }
+    let mut judged = survey.clone();
+    let soundings = Arc::make_mut(&mut judged.soundings);
+    for sounding in false_soundings.iter().flat_map(|one| one.soundings.clone()) {
+        if let Some(sounding) = soundings.get_mut(sounding) {
+            sounding.locked = false;
+        }
+    }
+    let lost = pings_of(survey, false_soundings);
+    let pings = Arc::make_mut(&mut judged.side_scan);
+    for ping in lost {
+        pings[ping].depth_locked = false;
+    }
+    Cow::Owned(judged)
+}
+
+/// The sounding that a ping has its depth from.
+fn sounding_of(survey: &Survey, ping: usize) -> Option<usize> {
+    nearest_in_time(&survey.soundings, survey.side_scan[ping].time_s, |one| one.time_s)
+}
+
+/// How far the first returns of each side are around the soundings, metres, one entry a sounding;
+/// NaN where there are too few.
+struct Witnesses {
+    sides_m: [Vec<f64>; 2],
+}
+
+impl Witnesses {
+    fn new(survey: &Survey, returns: &FirstReturns) -> Self {
+        let pings = survey.side_scan.len();
+        let around = |sounding: &Sounding, side: Side| {
+            let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |one| one.time_s);
+            let near =
+                ping.map_or(0..0, |ping| ping.saturating_sub(REACH)..(ping + REACH + 1).min(pings));
+            let near = near.map(|ping| range_m(survey, returns, ping, side));
+            let mut near: Vec<f64> = near.filter(|range_m| range_m.is_finite()).collect();
+            if near.len() < LEAST { f64::NAN } else { median(&mut near) }
+        };
+        let of_side = |side| survey.soundings.par_iter().map(|one| around(one, side)).collect();
+        Self { sides_m: Side::BOTH.map(of_side) }
+    }
+
+    /// How far the bottom below the boat is at a sounding: as the deeper side has it, and where the
+    /// sides do not agree as the nearer one. A false depth draws the search away from the boat, so
+    /// that a side may follow it.
+    fn below_m(&self, sounding: usize) -> f64 {
+        let [port_m, starboard_m] = [0, 1].map(|side| self.sides_m[side][sounding]);
+        let deeper_m = port_m.max(starboard_m);
+        match (port_m - starboard_m).abs() <= SIDES_AGREE * deeper_m {
+            true => deeper_m,
+            false => port_m.min(starboard_m),
+        }
+    }
+
+    /// Whether every side that tells moves by more than this over some soundings, and one tells.
+    fn move_over(&self, soundings: &Range<usize>, more_than_m: f64) -> bool {
+        let moves = |side: &Vec<f64>| {
+            let ranges = side[soundings.clone()].iter().copied();
+            let mut ranges: Vec<f64> = ranges.filter(|range_m| range_m.is_finite()).collect();
+            ranges.sort_unstable_by(f64::total_cmp);
+            let tells = 2 * ranges.len() > soundings.len();
+            tells.then(|| quantile(&ranges, 0.95) - quantile(&ranges, 0.05) > more_than_m)
+        };
+        let sides = self.sides_m.iter().filter_map(moves);
+        sides.reduce(|one, other| one && other) == Some(true)
+    }
+}
+
+/// The stretches of false soundings, in order.
+fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
+    let mut found = second_echoes(soundings, witnesses);
+    let is_known = |held: &Range<usize>, found: &[FalseSoundings]| {
+        found.iter().any(|one| one.soundings.start < held.end && held.start < one.soundings.end)
+    };
+    for held in held_depths(soundings, witnesses) {
+        if !is_known(&held, &found) {
+            found.push(FalseSoundings { soundings: held, fault: SounderFault::Held });
+        }
+    }
+    found.sort_by_key(|one| one.soundings.start);
+    found
+}
+
+fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
+    let ranges_m: Vec<f64> =
+        (0..soundings.len()).map(|sounding| witnesses.below_m(sounding)).collect();
+    let depth_m = |index: usize| f64::from(soundings[index].depth_m);
+    let is_double = |index: usize| SECOND_ECHO.contains(&(depth_m(index) / ranges_m[index]));
+    let mut found = Vec::new();
+    for stretch in stretches((0..soundings.len()).filter(|&index| is_double(index))) {
+        let leaps_at = |inside: Range<usize>, outside: Range<usize>| {
+            let middle = |of: &dyn Fn(usize) -> f64, at: Range<usize>| {
+                let mut values: Vec<f64> = at.map(of).filter(|value| value.is_finite()).collect();
+                if values.is_empty() { f64::NAN } else { median(&mut values) }
+            };
+            let ratio = middle(&depth_m, inside.clone()) / middle(&depth_m, outside.clone());
+            let ranges = |at| middle(&|index: usize| ranges_m[index], at);
+            let (here_m, there_m) = (ranges(inside), ranges(outside));
+            LEAP.contains(&ratio) && (here_m - there_m).abs() <= STAYS * here_m.max(there_m)
+        };
+        let (start, end, last) = (stretch.start, stretch.end, soundings.len());
+        let at_start = BESIDE.into_iter().any(|beside| {
+            leaps_at(start..(start + beside).min(end), start.saturating_sub(beside)..start)
+        });
+        let at_end = BESIDE.into_iter().any(|beside| {
+            let inside = end.saturating_sub(beside).max(start)..end;
+            leaps_at(inside, end..(end + beside).min(last))
+        });
+        let (begins_log, ends_log) = (start < SHORTEST, end + SHORTEST > last);
+        let is_bounded = match (at_start, at_end) {
+            (true, true) => true,
+            (true, false) => ends_log,
+            (false, true) => begins_log,
+            (false, false) => false,
+        };
+        if is_bounded {
+            found.push(FalseSoundings { soundings: stretch, fault: SounderFault::SecondEcho });
+        }
+    }
+    found
+}
+
+/// Stretches of indices that follow each other with short pauses.
+fn stretches(indices: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for index in indices {
+        match stretches.last_mut() {
+            Some(last) if index - last.end <= LONGEST_PAUSE => last.end = index + 1,
+            _ => stretches.push(index..index + 1),
+        }
+    }
+    stretches.retain(|stretch| stretch.len() >= SHORTEST);
+    stretches
+}
+
+/// Stretches over which the depth stays the same to the last digit while the first returns move.
+fn held_depths(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for run in soundings.chunk_by(|a, b| a.depth_m == b.depth_m) {
+        runs.push(start..start + run.len());
+        start += run.len();
+    }
+    let mut lengths: Vec<f64> = runs.iter().map(|run| run.len() as f64).collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    let usual = quantile(&lengths, 0.95);
+    let longest = HELD.max((HELD_TIMES as f64 * if usual.is_nan() { 0.0 } else { usual }) as usize);
+    let moves = |run: &Range<usize>| {
+        let depth_m = f64::from(soundings[run.start].depth_m);
+        witnesses.move_over(run, MOVES.0.max(MOVES.1 * depth_m))
+    };
+    // The first one is true.
+    let without_first = |run: Range<usize>| run.start + 1..run.end;
+    runs.into_iter().filter(|run| run.len() > longest && moves(run)).map(without_first).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn soundings(depths_m: impl Iterator<Item = f64>) -> Vec<Sounding> {
+        let one = |(index, depth_m): (usize, f64)| Sounding {
+            time_s: 0.125 * index as f64,
+            depth_m: depth_m as f32,
+            locked: true,
+        };
+        depths_m.enumerate().map(one).collect()
+    }
+
+    /// A bed that slopes, seen by both sides, with noise of the sounder.
+    fn bed_m(index: usize) -> f64 {
+        5.0 + 0.01 * index as f64
+    }
+
+    fn seen(ranges_m: impl Iterator<Item = f64>) -> Witnesses {
+        let side_m: Vec<f64> = ranges_m.collect();
+        Witnesses { sides_m: [side_m.clone(), side_m] }
+    }
+
+    fn noise_m(index: usize) -> f64 {
+        0.01 * (index * 7 % 5) as f64
+    }
+
+    #[test]
+    fn a_second_echo_is_found_from_end_to_end_and_weed_is_none() {
+        let ranges_m = seen((0..400).map(bed_m));
+        let doubled = 100..160;
+        let depth_m = |index: usize| {
+            noise_m(index) + bed_m(index) * if doubled.contains(&index) { 2.0 } else { 1.0 }
+        };
+        let found = find(&soundings((0..400).map(depth_m)), &ranges_m);
+        let expected =
+            FalseSoundings { soundings: doubled.clone(), fault: SounderFault::SecondEcho };
+        assert_eq!(found, [expected]);
+        // Weed as high as half the water: the sides leap, the depth does not.
+        let weedy = |index: usize| bed_m(index) * if doubled.contains(&index) { 0.5 } else { 1.0 };
+        let ranges_m = seen((0..400).map(weedy));
+        assert!(find(&soundings((0..400).map(|i| bed_m(i) + noise_m(i))), &ranges_m).is_empty());
+    }
+
+    #[test]
+    fn a_held_depth_is_found_and_coarse_steps_on_a_level_bed_are_none() {
+        let ranges_m = seen((0..400).map(bed_m));
+        let held = 200..280;
+        let depth_m = |index: usize| match held.contains(&index) {
+            true => bed_m(held.start),
+            false => bed_m(index) + noise_m(index),
+        };
+        let found = find(&soundings((0..400).map(depth_m)), &ranges_m);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!((found[0].soundings.clone(), found[0].fault), (201..280, SounderFault::Held));
+        // Steps of half a metre, and a bed that moves within one of them under weed.
+        let coarse = (0..400).map(|index| 0.5 * (bed_m(index) / 0.5).round());
+        assert!(find(&soundings(coarse), &ranges_m).is_empty());
+    }
+}
