@@ -102,7 +102,7 @@ impl App {
         if survey.side_scan.is_empty() {
             return;
         }
-        let log = ProcessedLog { survey: survey.clone(), products: products.clone() };
+        let log = ProcessedLog::new(survey.clone(), products.clone());
         let (results, id) = (self.pipeline.deriving.results.clone(), self.log.id);
         let ask = &mut self.pipeline.deriving.picture;
         let whole = self.log.whole.clone();

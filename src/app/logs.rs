@@ -105,7 +105,7 @@ impl App {
                 id: log.id,
                 name: log.name(),
                 colour: log.colour,
-                log: ProcessedLog { survey: log.survey.clone()?, products: log.products.clone()? },
+                log: ProcessedLog::new(log.survey.clone()?, log.products.clone()?),
             })
         };
         self.visible_logs().filter_map(shown).collect()

@@ -216,8 +216,7 @@ impl App {
         let boxes = self.selected_object().map(|object| object.boxes.clone());
         let placed = boxes.into_iter().flatten().filter_map(|id| {
             let log = self.open_log(id.log)?;
-            let processed =
-                ProcessedLog { survey: log.survey.clone()?, products: log.products.clone()? };
+            let processed = ProcessedLog::new(log.survey.clone()?, log.products.clone()?);
             Some((id, processed, log.reviewing.placed(id.id)?.clone()))
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();

@@ -130,10 +130,14 @@ impl OpenLog {
     /// The recording and its results as a whole: while it is followed, those of the last run over
     /// all of it.
     pub(crate) fn settled(&self) -> Option<ProcessedLog> {
-        let now = || {
-            Some(ProcessedLog { survey: self.survey.clone()?, products: self.products.clone()? })
-        };
+        let now = || Some(ProcessedLog::new(self.survey.clone()?, self.products.clone()?));
         self.whole.clone().or_else(now)
+    }
+
+    /// The recording with its soundings as the results judge them.
+    pub fn judged(&self) -> Option<&Arc<Survey>> {
+        let judged = self.products.as_ref().and_then(|products| products.judged.as_ref());
+        judged.or(self.survey.as_ref())
     }
 
     /// Its name for people, which no other open log has; empty in an empty window.

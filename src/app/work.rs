@@ -7,7 +7,7 @@ use super::{Action, App, Jobs, LogId, LogOrigin, OpenLog, Task, TaskOutcome};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::Survey;
 use bathyscope_products::export::is_same_file;
-use bathyscope_products::pipeline::Products;
+use bathyscope_products::pipeline::{ProcessedLog, Products};
 use bathyscope_products::project::LogFile;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -299,8 +299,7 @@ impl OpenLog {
     fn take_products(&mut self, products: Products, jobs: &Jobs) -> Option<String> {
         self.preview = None;
         let said = self.calibrating.said_of_change(&products);
-        if let Some(survey) = self.survey.as_ref().map(|survey| products.judged(survey)) {
-            self.survey = Some(survey.clone());
+        if let Some(survey) = self.survey.clone() {
             self.reviewing.follow(&survey, &products.navigation);
             self.count_figures(survey, products.clone(), jobs);
         }
@@ -310,6 +309,7 @@ impl OpenLog {
 
     /// Has counted what is in the panels of some results.
     pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products, jobs: &Jobs) {
+        let ProcessedLog { survey, products } = ProcessedLog::new(survey, products);
         self.counting =
             Some(Task::start(jobs, move |progress| Figures::of(&survey, &products, progress).ok()));
     }

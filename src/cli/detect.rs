@@ -134,7 +134,7 @@ fn search_survey(
     let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
     let products = logs.process(&survey, &status, &progress)?;
-    let log = ProcessedLog { survey: Arc::new(survey), products };
+    let log = ProcessedLog::new(Arc::new(survey), products);
     status.step("detecting");
     let (found, replaced) = outputs::write_detected(&log, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;

@@ -93,8 +93,7 @@ pub(super) struct BottomBelow {
 /// The bottom under the boat at a ping: by the sounding where the recorder had the bottom, else by
 /// the first returns of both sides. `None` without either.
 pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
-    let survey = app.log.survey.as_ref()?;
-    let recorded = survey.side_scan.get(ping)?;
+    let recorded = app.log.judged()?.side_scan.get(ping)?;
     let reduction = reduction(app);
     let sounded_m = reduction.altitude_m(f64::from(recorded.locked_depth_m()));
     let (altitude_m, by) = match sounded_m > 0.0 {
@@ -224,9 +223,8 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
 /// sounding says, or else the first return of the side. `None` where neither is known.
 pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
-    let survey = app.log.survey.as_ref()?;
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);
-    let recorded_m = f64::from(survey.side_scan.get(mark.ping)?.locked_depth_m());
+    let recorded_m = f64::from(app.log.judged()?.side_scan.get(mark.ping)?.locked_depth_m());
     let sounded_m = reduction(app).altitude_m(recorded_m);
     let altitude_m = match sounded_m > 0.0 {
         true => sounded_m,

@@ -56,7 +56,7 @@ pub(super) struct FollowedLog {
 impl FollowedLog {
     /// The recording and its results.
     pub(super) fn settled(&self) -> ProcessedLog {
-        ProcessedLog { survey: self.survey.clone(), products: self.products.clone() }
+        ProcessedLog::new(self.survey.clone(), self.products.clone())
     }
 
     /// Carries the log's own settings over to a longer one.

@@ -11,13 +11,12 @@ use super::{FirstReturns, Pick};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Side, Sounding, Survey, nearest_in_time};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Pings to both sides that the first returns are taken over.
 const REACH: usize = 10;
-/// Of these so many need a first return.
+/// Fewest of these pings that need a first return.
 const LEAST: usize = 5;
 /// The sides of one bottom are as far within this share: on a bank of 33 degrees they differ by a
 /// sixth.
@@ -142,17 +141,15 @@ fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
     span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
 }
 
-/// The survey with the soundings that do not count marked as those of a lost bottom.
-pub(super) fn judged<'a>(
-    survey: &'a Survey,
-    false_soundings: &[FalseSoundings],
-) -> Cow<'a, Survey> {
+/// The survey with the soundings that do not count marked as those of a lost bottom; `None` where
+/// all are marked already.
+pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Option<Survey> {
     let is_marked = |one: &FalseSoundings| {
         let soundings = survey.soundings.get(one.soundings.clone()).unwrap_or_default();
         soundings.iter().all(|sounding| !sounding.locked)
     };
     if false_soundings.iter().all(is_marked) {
-        return Cow::Borrowed(survey);
+        return None;
     }
     let mut judged = survey.clone();
     let soundings = Arc::make_mut(&mut judged.soundings);
@@ -166,7 +163,7 @@ pub(super) fn judged<'a>(
     for ping in lost {
         pings[ping].depth_locked = false;
     }
-    Cow::Owned(judged)
+    Some(judged)
 }
 
 /// The sounding that a ping has its depth from.
@@ -174,29 +171,34 @@ fn sounding_of(survey: &Survey, ping: usize) -> Option<usize> {
     nearest_in_time(&survey.soundings, survey.side_scan[ping].time_s, |one| one.time_s)
 }
 
-/// How far the first returns of each side are around the soundings, metres, one entry a sounding;
-/// NaN where there are too few.
+/// Slant ranges of the first returns of each side around the soundings, metres, one entry a
+/// sounding; NaN where there are too few.
 struct Witnesses {
     sides_m: [Vec<f64>; 2],
 }
 
 impl Witnesses {
     fn new(survey: &Survey, returns: &FirstReturns) -> Self {
-        let pings = survey.side_scan.len();
-        let around = |sounding: &Sounding, side: Side| {
-            let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |one| one.time_s);
-            let near =
-                ping.map_or(0..0, |ping| ping.saturating_sub(REACH)..(ping + REACH + 1).min(pings));
-            let near = near.map(|ping| range_m(survey, returns, ping, side));
-            let mut near: Vec<f64> = near.filter(|range_m| range_m.is_finite()).collect();
-            if near.len() < LEAST { f64::NAN } else { median(&mut near) }
+        let of_side = |side: Side| {
+            let pings = 0..survey.side_scan.len();
+            let ranges_m: Vec<f64> =
+                pings.map(|ping| range_m(survey, returns, ping, side)).collect();
+            let around = |sounding: &Sounding| {
+                let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |one| one.time_s)?;
+                let near =
+                    &ranges_m[ping.saturating_sub(REACH)..(ping + REACH + 1).min(ranges_m.len())];
+                let near = near.iter().copied().filter(|range_m| range_m.is_finite());
+                let mut near: Vec<f64> = near.collect();
+                (near.len() >= LEAST).then(|| median(&mut near))
+            };
+            let soundings = survey.soundings.par_iter();
+            soundings.map(|one| around(one).unwrap_or(f64::NAN)).collect()
         };
-        let of_side = |side| survey.soundings.par_iter().map(|one| around(one, side)).collect();
         Self { sides_m: Side::BOTH.map(of_side) }
     }
 
-    /// How far the bottom below the boat is at a sounding: as the deeper side has it, and where the
-    /// sides do not agree as the nearer one. A false depth draws the search away from the boat, so
+    /// Slant range of the bottom below the boat at a sounding, metres: that of the deeper side, and
+    /// of the nearer one where the sides do not agree. A false depth draws the search away from the boat, so
     /// that a side may follow it.
     fn below_m(&self, sounding: usize) -> f64 {
         let [port_m, starboard_m] = [0, 1].map(|side| self.sides_m[side][sounding]);
@@ -207,7 +209,8 @@ impl Witnesses {
         }
     }
 
-    /// Whether every side that tells moves by more than this over some soundings, and one tells.
+    /// True where every side with enough first returns moves by more than this over some soundings,
+    /// and one side has enough.
     fn move_over(&self, soundings: &Range<usize>, more_than_m: f64) -> bool {
         let moves = |side: &Vec<f64>| {
             let ranges = side[soundings.clone()].iter().copied();

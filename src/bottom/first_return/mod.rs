@@ -33,7 +33,6 @@ use bathyscope_log::survey::{Exclusions, Side, Survey};
 use confidence::MethodPick;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -161,9 +160,9 @@ pub struct FirstReturns {
 }
 
 impl FirstReturns {
-    /// The survey whose soundings that both sides contradict are marked as those of a lost bottom:
-    /// what later stages are run over.
-    pub fn judged<'a>(&self, survey: &'a Survey) -> Cow<'a, Survey> {
+    /// The survey with the soundings that both sides contradict marked as those of a lost bottom,
+    /// which later stages are run over; `None` where there are none.
+    pub fn judged(&self, survey: &Survey) -> Option<Survey> {
         false_soundings::judged(survey, &self.false_soundings)
     }
 

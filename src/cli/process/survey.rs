@@ -134,7 +134,7 @@ fn processed(
     let products = pipeline::run(survey, settings, previous, progress, |stage| {
         status.step(stage.name());
     })?;
-    Ok(ProcessedLog { survey: products.judged(survey), products })
+    Ok(ProcessedLog::new(survey.clone(), products))
 }
 
 /// The logs with what their crossings tell of their positions; what that is goes to `corrections`.

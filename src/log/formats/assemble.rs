@@ -6,8 +6,8 @@ use super::join::join_halves;
 use super::reading::Reading;
 use super::report::WarningReport;
 use crate::survey::{
-    Channel, ChannelKind, Echogram, Fix, Side, SidePair, SidePing, SideScanState, Sounding, Survey,
-    Track, drop_false_fixes, give_depths, without_place,
+    Channel, ChannelKind, Echogram, Fix, KnownTimes, Side, SidePair, SidePing, SideScanState,
+    Sounding, Survey, Track, drop_false_fixes, give_depths,
 };
 use std::sync::Arc;
 
@@ -170,8 +170,9 @@ fn warn_of_lost_fixes(
     side_scan: &[SidePing],
     report: &WarningReport,
 ) {
-    let soundings = without_place(track, soundings.iter().map(|one| one.time_s));
-    let pings = without_place(track, side_scan.iter().map(|ping| ping.time_s));
+    let known = KnownTimes::of(track);
+    let soundings = known.unknown(soundings.iter().map(|one| one.time_s));
+    let pings = known.unknown(side_scan.iter().map(|ping| ping.time_s));
     let parts = [(soundings, "soundings"), (pings, "side-scan pings")];
     let parts = parts.into_iter().filter_map(|(lost, of)| Some((lost?, of)));
     let said = parts.map(|((count, [first_s, last_s]), of)| {

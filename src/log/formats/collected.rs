@@ -62,7 +62,7 @@ pub(super) struct Collected {
     pub(super) bytes: Vec<Bytes>,
     /// Unix seconds of the log's time zero.
     pub(super) start_unix_s: Option<f64>,
-    /// Whether the records have times; else they are assumed.
+    /// True where the records have times; else they are assumed.
     pub(super) has_times: bool,
     /// What each channel holds so far, under its number.
     pub(super) channels: Vec<(u16, Channel)>,

@@ -61,6 +61,9 @@ pub(crate) enum DateOrder {
     /// None is known: no date was seen.
     #[default]
     Unknown,
+    /// 08/07/2021: no number tells which is the day. The month is taken to come first, as programs
+    /// that write slashes have it.
+    Ambiguous,
     /// 26/08/2021.
     DayFirst,
     /// 08/26/2021.
@@ -68,8 +71,7 @@ pub(crate) enum DateOrder {
 }
 
 impl DateOrder {
-    /// The order that some dates are in: a number above 12 is a day. Where none is, the month comes
-    /// first, as programs that write slashes have it.
+    /// The order that some dates are in: a number above 12 is a day.
     pub(crate) fn of<'a>(dates: impl IntoIterator<Item = &'a str>) -> Self {
         let mut order = Self::Unknown;
         for date in dates {
@@ -78,7 +80,8 @@ impl DateOrder {
             let (first, second) = (part(parts.next()), part(parts.next()));
             match first.zip(second) {
                 Some((13.., _)) => return Self::DayFirst,
-                Some(_) => order = Self::MonthFirst,
+                Some((_, 13..)) => return Self::MonthFirst,
+                Some(_) => order = Self::Ambiguous,
                 None => {}
             }
         }
@@ -91,7 +94,7 @@ impl DateOrder {
 pub(crate) fn unix_from_date(text: &str, order: DateOrder) -> Option<f64> {
     let date = match order {
         DateOrder::DayFirst => "%d/%m/%Y",
-        DateOrder::MonthFirst | DateOrder::Unknown => "%m/%d/%Y",
+        DateOrder::MonthFirst | DateOrder::Ambiguous | DateOrder::Unknown => "%m/%d/%Y",
     };
     let times = ["%H:%M:%S%.f", "%H:%M", "%I:%M:%S %p", "%I:%M %p"];
     let forms = [date, "%d.%m.%Y"].into_iter().flat_map(|date| times.map(|time| (date, time)));
@@ -136,6 +139,7 @@ mod tests {
     fn dates_with_slashes_are_in_the_order_that_a_day_above_twelve_shows() {
         assert_eq!(DateOrder::of(["08/07/2021", "08/26/2021"]), DateOrder::MonthFirst);
         assert_eq!(DateOrder::of(["08/07/2021", "26/08/2021"]), DateOrder::DayFirst);
+        assert_eq!(DateOrder::of(["08/07/2021", "08/09/2021"]), DateOrder::Ambiguous);
         assert_eq!(DateOrder::of(["2021-08-26", ""]), DateOrder::Unknown);
         // `date -u -d 2021-08-26T09:39Z +%s`
         for (text, order) in [

@@ -114,7 +114,7 @@ impl FittedTrack {
         }
     }
 
-    /// Whether anything is known of the place at a time.
+    /// True where the place at a time is known.
     fn is_known(&self, time_s: f64) -> bool {
         let next = self.places.partition_point(|place| place.time_s < time_s);
         let sides = [next.checked_sub(1), Some(next)];
@@ -293,21 +293,26 @@ fn segments(places: &[TimedPosition], max_gap_s: f64) -> Vec<Range<usize>> {
     segments
 }
 
-/// The first and the last of some times, in order, that have no place on a track, and their number:
-/// no fix was recorded around them. `None` where all have one, and where the track has no fix.
-pub(crate) fn without_place(
-    track: &Track,
-    times: impl Iterator<Item = f64>,
-) -> Option<(usize, [f64; 2])> {
-    if track.fixes.is_empty() {
-        return None;
+/// Tells which times have a place on a track.
+#[derive(Debug)]
+pub(crate) struct KnownTimes(Option<FittedTrack>);
+
+impl KnownTimes {
+    /// Those of a track. Of one without a fix nothing is said: all times count as known.
+    pub(crate) fn of(track: &Track) -> Self {
+        Self((!track.fixes.is_empty()).then(|| FittedTrack::new(track, 0.0)))
     }
-    let fitted = FittedTrack::new(track, 0.0);
-    let lost = times.filter(|time_s| !fitted.is_known(*time_s));
-    lost.fold(None, |found, time_s| {
-        let (count, [first_s, _]) = found.unwrap_or((0, [time_s; 2]));
-        Some((count + 1, [first_s, time_s]))
-    })
+
+    /// The number of some times, which are in order, around which no fix was recorded, and the
+    /// first and the last of them; `None` where there are none.
+    pub(crate) fn unknown(&self, times: impl Iterator<Item = f64>) -> Option<(usize, [f64; 2])> {
+        let fitted = self.0.as_ref()?;
+        let lost = times.filter(|time_s| !fitted.is_known(*time_s));
+        lost.fold(None, |found, time_s| {
+            let (count, [first_s, _]) = found.unwrap_or((0, [time_s; 2]));
+            Some((count + 1, [first_s, time_s]))
+        })
+    }
 }
 
 /// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the

@@ -43,8 +43,8 @@ pub use echogram::{Echogram, EchogramPing};
 pub use exclusions::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
 };
+pub(crate) use fitted_track::KnownTimes;
 pub use fitted_track::position_resolution_m;
-pub(crate) use fitted_track::without_place;
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use growing::{Seam, StretchStart, SurveyVersions};
 pub use identity::Identity;

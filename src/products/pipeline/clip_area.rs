@@ -2,8 +2,7 @@
 
 use bathyscope_bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths};
 use bathyscope_log::support::geo::LonLat;
-use bathyscope_log::support::outline::bounds;
-use bathyscope_log::support::outline::{between, edges};
+use bathyscope_log::support::outline::{between, bounds, edges};
 
 /// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre
 /// where they are straight in the plane.

@@ -21,7 +21,6 @@ use bathyscope_log::support::versions::Versions;
 use bathyscope_log::survey::{
     Exclusions, Navigation, PingNav, Side, StretchStart, Survey, navigate_with,
 };
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -143,6 +142,7 @@ pub fn extend(
         exclusions: Arc::new(exclusions),
         flat_spots: before.flat_spots.clone(),
         found: Arc::new(found),
+        judged: None,
         returns,
         bottom_line,
         calibration: before.calibration.clone(),
@@ -178,12 +178,13 @@ fn found(
     )?;
     let from = part.first - part.context;
     let (known, versions) = (&before.found, &mut growing.versions);
+    let false_soundings = Arc::new(part.join_false_soundings(known, &new));
     Ok(FirstReturns {
         port: (versions.port).next(&known.port, part.first, &new.port[from..]),
         starboard: (versions.starboard).next(&known.starboard, part.first, &new.starboard[from..]),
-        warnings: new.warnings.clone(),
+        warnings: new.warnings,
         drawn: Vec::new(),
-        false_soundings: Arc::new(part.join_false_soundings(known, &new)),
+        false_soundings,
     })
 }
 
@@ -218,10 +219,7 @@ impl Part {
         });
         let here =
             FirstReturns { false_soundings: Arc::new(here.collect()), ..FirstReturns::default() };
-        match here.judged(&stretch) {
-            Cow::Owned(judged) => judged,
-            Cow::Borrowed(_) => stretch,
-        }
+        here.judged(&stretch).unwrap_or(stretch)
     }
 
     /// The false soundings of before that lie before the part, and the new ones of it.

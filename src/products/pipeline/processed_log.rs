@@ -15,6 +15,12 @@ pub struct ProcessedLog {
 }
 
 impl ProcessedLog {
+    /// A log with its results. The survey is the judged one where they have one
+    /// ([`Products::judged`]).
+    pub fn new(survey: Arc<Survey>, products: Products) -> Self {
+        Self { survey: products.judged.clone().unwrap_or(survey), products }
+    }
+
     /// As the passes of the boat are counted by it.
     pub fn pass_log(&self) -> PassLog<'_> {
         (&self.survey, &self.products.navigation)

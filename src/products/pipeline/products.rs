@@ -9,7 +9,6 @@ use bathyscope_bottom::cloud::{
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Exclusions, Navigation, Relief, Survey};
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// What the pipeline made of a survey with some settings. Cheap to clone: every part is shared.
@@ -25,6 +24,9 @@ pub struct Products {
     pub flat_spots: Arc<Vec<FlatSpot>>,
     /// First returns as they were found.
     pub found: Arc<FirstReturns>,
+    /// The survey with the soundings that first returns contradict marked as those of a lost bottom;
+    /// `None` where they contradict none, and in the provisional results of a log that grows.
+    pub judged: Option<Arc<Survey>>,
     /// First returns with the bottom edits.
     pub returns: Arc<FirstReturns>,
     /// The bottom that the picture is laid out by: these first returns, or the recorded depths with
@@ -52,15 +54,6 @@ pub struct Products {
 }
 
 impl Products {
-    /// The survey with what these results show of its soundings: those that first returns
-    /// contradict are marked as those of a lost bottom.
-    pub fn judged(&self, survey: &Arc<Survey>) -> Arc<Survey> {
-        match self.found.judged(survey) {
-            Cow::Owned(judged) => Arc::new(judged),
-            Cow::Borrowed(_) => survey.clone(),
-        }
-    }
-
     /// What samples and recorded depths are in metres by these results: for every read-out.
     pub fn reduction(&self) -> Reduction<'_> {
         Reduction::new(&self.calibration, &self.correction)

@@ -38,8 +38,8 @@ pub fn run(
     let navigation = run.navigation()?;
     let exclusions = run.exclusions(&navigation);
     let found = run.found()?;
-    let judged = found.judged(survey);
-    let mut run = run.over(&judged);
+    let judged = run.judged(&found);
+    let mut run = run.over(judged.as_deref().unwrap_or(survey));
     let returns = run.returns(&found);
     let counted = counted(&returns, &exclusions);
     let (flat_spots, calibration) =
@@ -56,6 +56,7 @@ pub fn run(
         exclusions,
         flat_spots,
         found,
+        judged,
         returns,
         bottom_line,
         calibration,
@@ -146,6 +147,14 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         let (image, how) = (&self.settings.image, &self.settings.first_return);
         let found = first_return::detect(self.survey, image, how, self.progress)?;
         Ok(Arc::new(found))
+    }
+
+    /// The survey without the soundings that first returns contradict, if there are any.
+    fn judged(&self, found: &Arc<FirstReturns>) -> Option<Arc<Survey>> {
+        match self.previous.filter(|old| Arc::ptr_eq(&old.found, found)) {
+            Some(old) => old.judged.clone(),
+            None => found.judged(self.survey).map(Arc::new),
+        }
     }
 
     /// The first returns with the bottom edits.

@@ -19,7 +19,7 @@ struct Counts {
     depths: usize,
     /// Positions with a time.
     positions: usize,
-    /// Those whose time no sentence before them told.
+    /// Positions with a time that no sentence before them told.
     new_times: usize,
     times: usize,
 }

@@ -308,8 +308,8 @@ impl Reader {
         if self.layout.is_assumed {
             log.report.log("no line names the columns; they are taken as latitude, longitude and depth in metres: write names into the first line where they are others");
         }
-        if has_times && self.layout.date_order == DateOrder::MonthFirst {
-            log.report.log("dates are taken as month/day/year");
+        if has_times && self.layout.date_order == DateOrder::Ambiguous {
+            log.report.log("dates are taken as month/day/year, for no number above 12 tells the day from the month: write them as 2021-08-26 where that is wrong");
         }
         if !self.layout.names_unit {
             log.report.log("the column of the depths names no unit; they are taken as metres, and are feet where it is named depth_ft");

@@ -8,8 +8,7 @@ use crate::support::geo::METRES_PER_FOOT;
 /// Names of columns in lower case, without unit; the first that is there is taken.
 const EAST: &[&str] = &["easting", "east", "utm_x", "x"];
 const NORTH: &[&str] = &["northing", "north", "utm_y", "y"];
-const DEPTH: &[&str] =
-    &["depth", "water_depth", "waterdepth", "sonar_depth", "bottom_depth", "depth_in"];
+const DEPTH: &[&str] = &["depth", "water_depth", "waterdepth", "sonar_depth", "bottom_depth"];
 /// Names of heights of the bottom, which are depths where they count from the water and are
 /// negative.
 const BOTTOM: &[&str] = &["elevationbottom", "elevation_bottom", "bottom_elevation"];
@@ -302,7 +301,8 @@ fn name_and_unit(field: &str) -> (String, Option<f64>) {
     if let Some((before, unit)) = name.rsplit_once('_')
         && let Some(unit_m) = unit_m(unit)
     {
-        return (before.to_owned(), Some(unit_m));
+        // `depth_in_feet`, but not `depth_in`, which may be inches.
+        return (before.strip_suffix("_in").unwrap_or(before).to_owned(), Some(unit_m));
     }
     (name, None)
 }

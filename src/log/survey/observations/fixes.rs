@@ -1,6 +1,6 @@
 //! Positions that cannot be: farther from those before and after than the boat can have come.
 
-use crate::support::geo::{LonLat, metres_per_degree};
+use crate::support::geo::distance_m;
 use crate::support::statistics::{quantile, upper_median};
 use crate::survey::Fix;
 
@@ -50,10 +50,9 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
     if fixes.len() < FEWEST || !has_times {
         return sentences;
     }
-    let metres = MetresApart::near(fixes[0].position);
-    let fastest_mps = fastest_mps(fixes, &metres);
-    let mut pieces = pieces(fixes, &metres, fastest_mps);
-    mark_false(&mut pieces, fixes, &metres, fastest_mps);
+    let fastest_mps = fastest_mps(fixes);
+    let mut pieces = pieces(fixes, fastest_mps);
+    mark_false(&mut pieces, fixes, fastest_mps);
     let count: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
     if count == 0 {
         return sentences;
@@ -68,7 +67,7 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
         ));
         return sentences;
     }
-    sentences.extend(sentence(&pieces, fixes, &metres, fastest_mps));
+    sentences.extend(sentence(&pieces, fixes, fastest_mps));
     let is_false = |index: usize| {
         let piece = pieces.partition_point(|piece| piece.last < index);
         pieces.get(piece).is_some_and(|piece| piece.is_false)
@@ -79,23 +78,6 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
         !is_false(index - 1)
     });
     sentences
-}
-
-/// Distances between positions that lie near each other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MetresApart {
-    per_degree: [f64; 2],
-}
-
-impl MetresApart {
-    pub(super) fn near(position: LonLat) -> Self {
-        Self { per_degree: metres_per_degree(position) }
-    }
-
-    pub(super) fn of(&self, a: LonLat, b: LonLat) -> f64 {
-        let east_m = east_of_deg(a.lon_deg, b.lon_deg) * self.per_degree[0];
-        east_m.hypot((b.lat_deg - a.lat_deg) * self.per_degree[1])
-    }
 }
 
 /// Degrees from one meridian east to another: across the antimeridian 179.9 and -179.9 are
@@ -137,7 +119,7 @@ fn drop_stray(fixes: &mut Vec<Fix>) -> Option<String> {
 
 /// The speed that the boat does not exceed, metres a second, by the track and by the speeds that
 /// the receiver recorded.
-fn fastest_mps(fixes: &[Fix], metres: &MetresApart) -> f64 {
+fn fastest_mps(fixes: &[Fix]) -> f64 {
     let mut speeds: Vec<f64> = Vec::new();
     let mut from = 0;
     for (index, fix) in fixes.iter().enumerate() {
@@ -145,7 +127,7 @@ fn fastest_mps(fixes: &[Fix], metres: &MetresApart) -> f64 {
         if took_s < SPEED_OVER_S {
             continue;
         }
-        speeds.push(metres.of(fixes[from].position, fix.position) / took_s);
+        speeds.push(distance_m(fixes[from].position, fix.position) / took_s);
         from = index;
     }
     speeds.sort_unstable_by(f64::total_cmp);
@@ -160,19 +142,18 @@ fn fastest_mps(fixes: &[Fix], metres: &MetresApart) -> f64 {
     FASTER.0 * usual + FASTER.1
 }
 
-/// Whether the boat can have gone from one fix to the other.
-fn can_follow(from: &Fix, to: &Fix, metres: &MetresApart, fastest_mps: f64) -> bool {
-    let far_m = metres.of(from.position, to.position);
+/// True where the boat can have gone from one fix to the other.
+fn can_follow(from: &Fix, to: &Fix, fastest_mps: f64) -> bool {
+    let far_m = distance_m(from.position, to.position);
     far_m <= NOISE_M + fastest_mps * (to.time_s - from.time_s).max(0.0)
 }
 
-fn pieces(fixes: &[Fix], metres: &MetresApart, fastest_mps: f64) -> Vec<Piece> {
+fn pieces(fixes: &[Fix], fastest_mps: f64) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let mut first = 0;
     for index in 1..=fixes.len() {
-        let ends = fixes
-            .get(index)
-            .is_none_or(|next| !can_follow(&fixes[index - 1], next, metres, fastest_mps));
+        let ends =
+            fixes.get(index).is_none_or(|next| !can_follow(&fixes[index - 1], next, fastest_mps));
         if ends {
             pieces.push(Piece { first, last: index - 1, is_false: false });
             first = index;
@@ -182,7 +163,7 @@ fn pieces(fixes: &[Fix], metres: &MetresApart, fastest_mps: f64) -> Vec<Piece> {
 }
 
 /// Marks the short pieces that cannot follow what is kept, outward from the longest piece.
-fn mark_false(pieces: &mut [Piece], fixes: &[Fix], metres: &MetresApart, fastest_mps: f64) {
+fn mark_false(pieces: &mut [Piece], fixes: &[Fix], fastest_mps: f64) {
     let length_s = |piece: &Piece| fixes[piece.last].time_s - fixes[piece.first].time_s;
     let longest = (0..pieces.len()).max_by(|&a, &b| {
         let [a, b] = [&pieces[a], &pieces[b]];
@@ -191,17 +172,21 @@ fn mark_false(pieces: &mut [Piece], fixes: &[Fix], metres: &MetresApart, fastest
     let Some(longest) = longest else {
         return;
     };
+    let follows = |before: &Piece, after: &Piece| {
+        can_follow(&fixes[before.last], &fixes[after.first], fastest_mps)
+    };
     let mut kept = longest;
-    let later = (longest + 1..pieces.len()).map(|index| (index, true));
-    let earlier = (0..longest).rev().map(|index| (index, false));
-    for (index, is_later) in later.chain(earlier) {
-        if index + 1 == longest {
-            kept = longest;
+    for index in longest + 1..pieces.len() {
+        let piece = pieces[index];
+        match follows(&pieces[kept], &piece) || length_s(&piece) > LONGEST_S {
+            true => kept = index,
+            false => pieces[index].is_false = true,
         }
-        let (before, after) = if is_later { (kept, index) } else { (index, kept) };
-        let [from, to] = [&fixes[pieces[before].last], &fixes[pieces[after].first]];
-        let follows = can_follow(from, to, metres, fastest_mps);
-        match follows || length_s(&pieces[index]) > LONGEST_S {
+    }
+    kept = longest;
+    for index in (0..longest).rev() {
+        let piece = pieces[index];
+        match follows(&piece, &pieces[kept]) || length_s(&piece) > LONGEST_S {
             true => kept = index,
             false => pieces[index].is_false = true,
         }
@@ -209,12 +194,7 @@ fn mark_false(pieces: &mut [Piece], fixes: &[Fix], metres: &MetresApart, fastest
 }
 
 /// The sentence about the fixes that are left out, if there are any.
-fn sentence(
-    pieces: &[Piece],
-    fixes: &[Fix],
-    metres: &MetresApart,
-    fastest_mps: f64,
-) -> Option<String> {
+fn sentence(pieces: &[Piece], fixes: &[Fix], fastest_mps: f64) -> Option<String> {
     let dropped: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
     let index = pieces.iter().position(|piece| piece.is_false)?;
     let first = &fixes[pieces[index].first];
@@ -222,7 +202,7 @@ fn sentence(
     let before = beside(index.wrapping_sub(1)).map(|piece| &fixes[piece.last]);
     let after = pieces[index..].iter().find(|piece| !piece.is_false);
     let other = before.or(after.map(|piece| &fixes[piece.first]))?;
-    let far_m = metres.of(first.position, other.position);
+    let far_m = distance_m(first.position, other.position);
     let apart_s = (first.time_s - other.time_s).abs();
     let which = match dropped {
         1 => format!("the position at {:.1} s", first.time_s),
@@ -237,6 +217,7 @@ fn sentence(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::support::geo::{LonLat, metres_per_degree};
 
     /// Fixes at these times and metres east and north of a place.
     fn fixes(places: impl IntoIterator<Item = (f64, [f64; 2])>) -> Vec<Fix> {

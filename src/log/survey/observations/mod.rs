@@ -1,9 +1,10 @@
 //! Judges what instruments recorded before anything is made of it.
 //!
 //! A recording has several witnesses of each thing: a position has those before and after it and
-//! the speed of the boat. What contradicts them by more than their errors is false; it is left out,
-//! and a sentence says when, how many and why. Rules are in the log's own intervals and speeds,
-//! never in seconds of one recorder.
+//! the speed of the boat, a sounding has its neighbours along the track. What contradicts them by
+//! more than their errors is false; it does not count, and a sentence says when, how many and why.
+//! Rules are in metres of track and in the log's own intervals and speeds, so that they hold for a
+//! recorder of any rate; times in seconds only bound how long a memory or a gap may last.
 
 mod fixes;
 mod soundings;

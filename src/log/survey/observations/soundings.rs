@@ -4,7 +4,7 @@
 //! last quarter of the log jumps between one and four times the depth within a second. Nothing may
 //! lean on such depths, but they stay visible.
 
-use super::fixes::MetresApart;
+use crate::support::geo::distance_m;
 use crate::support::statistics::upper_median;
 use crate::survey::{Fix, SidePing, Sounding, nearest_in_time};
 
@@ -61,7 +61,7 @@ pub(crate) fn mark_bottom_lock_from(
         if is_long_ago && quiet - index > 2 * TOGETHER {
             break;
         }
-        if index > 0 && jump(soundings, fixes, index).is_some() {
+        if index > 0 && jump(soundings, fixes, index - 1, index).is_some() {
             quiet = index;
         }
     }
@@ -83,8 +83,12 @@ pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
     }
     let glitches: Vec<usize> =
         (0..soundings.len()).filter(|&index| is_glitch(soundings, fixes, index)).collect();
+    let others: Vec<usize> = {
+        let is_spike = spikes(soundings, &glitches);
+        (0..soundings.len()).filter(|&index| !is_spike[index]).collect()
+    };
     let jumps: Vec<Jump> =
-        (1..soundings.len()).filter_map(|index| jump(soundings, fixes, index)).collect();
+        others.windows(2).filter_map(|pair| jump(soundings, fixes, pair[0], pair[1])).collect();
     let together = |a: usize, b: usize| {
         b - a <= TOGETHER || soundings[b].time_s - soundings[a].time_s < TOGETHER_S
     };
@@ -105,6 +109,21 @@ pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
     }
 }
 
+/// For each sounding whether it is a glitch alone, between two that agree: a fault of its own, so
+/// that the steps to it and back are no signs of a loss.
+fn spikes(soundings: &[Sounding], glitches: &[usize]) -> Vec<bool> {
+    let mut is_spike = vec![false; soundings.len()];
+    for (rank, &index) in glitches.iter().enumerate() {
+        let is_beside = |other: Option<&usize>| other.is_some_and(|&at| at.abs_diff(index) == 1);
+        let is_alone = !is_beside(rank.checked_sub(1).and_then(|rank| glitches.get(rank)))
+            && !is_beside(glitches.get(rank + 1));
+        let beside = index.checked_sub(1).map(|before| &soundings[before]);
+        let agree = beside.zip(soundings.get(index + 1)).is_some_and(|(a, b)| !differ(a, b));
+        is_spike[index] = is_alone && agree;
+    }
+    is_spike
+}
+
 /// A step that no bed makes.
 #[derive(Clone, Copy, Debug)]
 struct Jump {
@@ -117,9 +136,9 @@ fn differ(a: &Sounding, b: &Sounding) -> bool {
     (a.depth_m - b.depth_m).abs() > JUMP_M.max(JUMP_SHARE * a.depth_m.min(b.depth_m))
 }
 
-/// The jump to a sounding from the one before it, if there is one.
-fn jump(soundings: &[Sounding], fixes: &[Fix], index: usize) -> Option<Jump> {
-    let (before, here) = (&soundings[index - 1], &soundings[index]);
+/// The jump to a sounding from an earlier one, if there is one.
+fn jump(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize) -> Option<Jump> {
+    let (before, here) = (&soundings[earlier], &soundings[index]);
     let is_jump = here.time_s - before.time_s < NEIGHBOURS_S
         && differ(before, here)
         && is_steep(before, here, travelled_m(fixes, before.time_s, here.time_s));
@@ -165,10 +184,7 @@ fn travelled_m(fixes: &[Fix], from_s: f64, to_s: f64) -> f64 {
     let [from, to] = [&fixes[first], &fixes[at(to_s + MARGIN_S).min(last)]];
     let took_s = to.time_s - from.time_s;
     match took_s > 0.0 {
-        true => {
-            MetresApart::near(from.position).of(from.position, to.position) / took_s
-                * (to_s - from_s)
-        }
+        true => distance_m(from.position, to.position) / took_s * (to_s - from_s),
         false => 0.0,
     }
 }
@@ -292,7 +308,8 @@ mod tests {
         let depth_m = |index: usize| if index % 5 == 3 { 7.5 } else { 20.0 };
         let (mut soundings, fixes) = sailed(1.0, (0..100).map(depth_m));
         mark_bottom_lock(&mut soundings, &fixes);
-        let counts = soundings.iter().filter(|sounding| sounding.locked);
-        assert!(counts.clone().count() == 0 || counts.clone().all(|one| one.depth_m == 20.0));
+        for (index, sounding) in soundings.iter().enumerate() {
+            assert_eq!(sounding.locked, sounding.depth_m == 20.0, "sounding {index}");
+        }
     }
 }

@@ -62,7 +62,7 @@ impl TimeLine {
 
     fn refresh(&mut self, context: &ViewContext<'_>) {
         let app = context.app;
-        let Some(survey) = &app.log.survey else {
+        let Some(survey) = app.log.judged() else {
             *self = Self::default();
             return;
         };

@@ -125,7 +125,8 @@ fn draw_lines(
     if options.waterfall.depth_line {
         let pen = lines::WaterfallPen::new(theme::DEPTH_LINE_COLOUR, 1.0);
         let reduction = place::reduction(shown.app);
-        lines::depth(painter, lens, shown.survey, drawing, reduction, pen);
+        let judged = shown.app.log.judged().map_or(shown.survey, |survey| &**survey);
+        lines::depth(painter, lens, judged, drawing, reduction, pen);
     }
     let returns = shown.app.bottom_line();
     let Some(returns) = returns.filter(|_| options.waterfall.first_return) else {

@@ -4,7 +4,7 @@ use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
 use crate::app::{AboveStretch, App, Command, ExclusionEdit, LogPlace, Tool};
 use crate::ui::{ViewContext, exclusion_text, place, text, theme};
-use bathyscope_log::survey::{Side, SidePing, Survey};
+use bathyscope_log::survey::{Side, Survey};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
 /// The mark at a place; `None` before the first and after the last ping.
@@ -228,10 +228,11 @@ fn anchor(right: bool, below: bool) -> Align2 {
 }
 
 /// Why a line is dashed at a ping.
-fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
+fn doubts(app: &App, number: usize, side: Side) -> String {
     let shown = &app.view.options.waterfall;
     let mut lines = String::new();
-    if shown.depth_line && ping.depth_m.is_finite() && !ping.depth_locked {
+    let judged = app.log.judged().and_then(|survey| survey.side_scan.get(number));
+    if shown.depth_line && judged.is_some_and(|ping| ping.depth_m > 0.0 && !ping.depth_locked) {
         lines += "\ndepth dashed: the recorder had lost the bottom";
     }
     let pick = app.bottom_line().and_then(|returns| returns.side(side).get(number));
@@ -269,7 +270,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<Stri
         lines += &format!("\nsample {sample}, echo {echo}");
     }
     lines += &format!("\ndepth {}", place::depth(app, mark.ping));
-    lines += &doubts(app, ping, mark.ping, side);
+    lines += &doubts(app, mark.ping, side);
     if let Some(why) = exclusion_text::at(app, app.log.id, mark.ping) {
         lines += &format!("\n{why}");
     }
