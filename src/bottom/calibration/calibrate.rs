@@ -2,6 +2,7 @@
 
 use super::objections::VERY_WIDE;
 use super::offset::{RangeOffset, TOLERANCE_M, blocks};
+use super::overlap::overlap_rad;
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::{
@@ -99,8 +100,10 @@ pub fn calibrate(
         offset_m,
         measured_offset,
         offset_note,
+        overlap_rad: 0.0,
         warnings,
     };
+    made.overlap_rad = overlap_rad(survey, returns, &made);
     made.warnings.extend(remaining(&made));
     Ok(made)
 }

@@ -5,7 +5,7 @@
 //!
 //! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one,
 //! `scale` measures pixels per metre on them and reads the header's, `offset` finds the constant
-//! between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
+//! between ranges and recorded depths, `overlap` how far beams look past the nadir, `robust` fits the line over the log, and `calibrate` lays
 //! them side by side and chooses.
 
 mod agreement;
@@ -13,6 +13,7 @@ mod calibrate;
 mod flat_spots;
 mod objections;
 mod offset;
+mod overlap;
 mod profile;
 mod robust;
 mod scale;
@@ -240,6 +241,9 @@ pub struct Calibration {
     pub measured_offset: Option<RangeOffset>,
     /// Why no offset is taken off where one was asked for, in a few words for a panel.
     pub offset_note: Option<&'static str>,
+    /// How far the beam of each side looks past the nadir, to the other side, as slopes show it,
+    /// radians; 0 where they show nothing, as on a level bed.
+    pub overlap_rad: f64,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
 }

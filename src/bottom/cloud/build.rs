@@ -3,7 +3,7 @@
 use super::confirmed::confirmed;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
 use super::pick_traits::{PickTrait, PickTraits};
-use super::specular::{Pair, cross_slopes_rad, specular_point};
+use super::specular::{Pair, beam_angles_rad, specular_point};
 use super::swath::swath_points;
 use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
@@ -74,15 +74,15 @@ pub fn place(
     };
     let soundings = Arc::new(sounding_points(survey, navigation, &is_reliable, correction));
     progress.advance(1);
-    let cross_slopes = match settings.geometry {
-        Geometry::Slope => cross_slopes(survey, &ranges),
+    let angles_rad = match settings.geometry {
+        Geometry::Slope => angles_rad(survey, &ranges, reduction, calibration.overlap_rad),
         _ => Vec::new(),
     };
     progress.advance(1);
     progress.check()?;
     let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
-        let bottom_point = |ping: usize, range_m: f64| match cross_slopes.get(ping) {
-            Some(slopes_rad) => specular_point(range_m, slopes_rad[side as usize]),
+        let bottom_point = |ping: usize, range_m: f64| match angles_rad.get(ping) {
+            Some(angles_rad) => specular_point(range_m, angles_rad[side as usize]),
             None => fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
         };
         let z_m =
@@ -126,16 +126,29 @@ fn ranges_m(
         .collect()
 }
 
-/// The slope at every ping. Above-bottom returns count: on a steep slope the bottom itself lies
-/// above the recorded depth, and an above-bottom return on one side moves only the points of that
-/// side.
-fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
+/// Angles of the first returns of both sides from straight below at every ping. Above-bottom
+/// returns count: on a steep slope the bottom itself lies above the recorded depth, and an
+/// above-bottom return on one side moves only the points of that side.
+fn angles_rad(
+    survey: &Survey,
+    [port, starboard]: &[Vec<f64>; 2],
+    reduction: Reduction<'_>,
+    overlap_rad: f64,
+) -> Vec<[f64; 2]> {
     let sides = port.iter().zip(starboard);
     let pairs: Vec<Pair> = sides
         .zip(survey.side_scan.iter())
-        .map(|((&port_m, &starboard_m), ping)| Pair { time_s: ping.time_s, port_m, starboard_m })
+        .map(|((&port_m, &starboard_m), ping)| Pair {
+            time_s: ping.time_s,
+            port_m,
+            starboard_m,
+            altitude_m: reduction.altitude_m(f64::from(ping.locked_depth_m())),
+        })
         .collect();
-    (0..pairs.len()).into_par_iter().map(|ping| cross_slopes_rad(&pairs, ping)).collect()
+    (0..pairs.len())
+        .into_par_iter()
+        .map(|ping| beam_angles_rad(&pairs, ping, overlap_rad))
+        .collect()
 }
 
 fn sounding_points(

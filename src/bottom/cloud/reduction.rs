@@ -122,6 +122,7 @@ mod tests {
             offset_m: -0.05,
             measured_offset: None,
             offset_note: None,
+            overlap_rad: 0.0,
             warnings: Vec::new(),
         };
         let settings = DepthSettings {

@@ -1,13 +1,17 @@
 //! The specular point: on a slope the first return comes from the upper side, where the bottom is
 //! square to the beam.
 //!
-//! Over a plane that falls off to starboard by the angle beta, the nearest bottom to starboard is
-//! straight below, `r = d`, and to port it lies up the slope: `r = d cos(beta)`, at depth `r
-//! cos(beta)` and `r sin(beta)` out. So the two sides of the same pings give the slope without the
-//! recorded depth and its noise. Near level ground beta hangs on millimetres (1 % of range is 8
-//! degrees), so the difference of the sides is a median along the track, less its own spread: what
-//! speckle and stones could have made counts as level. Among dead bands, windows, smoothers and the
-//! recorded depth as reference, this measured best on simulated gentle, steep and rough beds alike.
+//! Over a plane that falls off to starboard by the angle `beta`, the nearest bottom to port lies up
+//! the slope: `r = d cos(beta)`, at depth `r cos(beta)` and `r sin(beta)` out. To starboard it lies
+//! at the edge of the beam, which looks past the nadir by the overlap `p` (`Calibration::overlap_rad`): `r =
+//! d cos(beta) / cos(beta - p)`, at depth `r cos(p)` and `r sin(p)` over to port. So the two sides
+//! of the same pings give the slope, `cos(beta - p) = r_port / r_starboard`, without the recorded
+//! depth and its noise. Near level ground beta hangs on millimetres (1 % of range is 8 degrees), so
+//! the difference of the sides is a median along the track, less its own spread: what speckle and
+//! stones could have made counts as level. Among dead bands, windows, smoothers and the recorded
+//! depth as reference, this measured best on simulated gentle, steep and rough beds alike.
+//!
+//! Where only one side has first returns, the recorded depth stands for `d`.
 
 use super::geometry::BottomPoint;
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};
@@ -21,54 +25,92 @@ const MAX_AWAY_S: f64 = 2.0;
 /// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its
 /// bottom point far out.
 const MAX_SLOPE_DEG: f64 = 35.0;
+/// Share by which a range and a recorded depth differ on level ground, by their calibration.
+const CALIBRATED: f64 = 0.01;
 
-/// Slant ranges of both sides of a ping, metres; NaN without a pick.
+/// Slant ranges of both sides of a ping, and the depth below the transducer by the recorder, metres;
+/// NaN without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pair {
     pub(super) time_s: f64,
     pub(super) port_m: f64,
     pub(super) starboard_m: f64,
+    pub(super) altitude_m: f64,
 }
 
-/// How steeply the bottom rises to port and to starboard at a ping, radians, from the pings around
-/// it: one of the two is 0, and both where there are too few.
-pub(super) fn cross_slopes_rad(pairs: &[Pair], ping: usize) -> [f64; 2] {
-    let around = &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)];
-    let (mut differences, mut deeper) = ([0.0; 2 * REACH + 1], [0.0; 2 * REACH + 1]);
-    let mut count = 0;
-    for pair in around {
-        let difference = pair.starboard_m - pair.port_m;
-        if difference.is_finite() && (pair.time_s - pairs[ping].time_s).abs() <= MAX_AWAY_S {
-            differences[count] = difference;
-            deeper[count] = pair.starboard_m.max(pair.port_m);
-            count += 1;
+/// Values of the pings around one, in the buffer that medians are taken in.
+struct Around<'a> {
+    pairs: &'a [Pair],
+    time_s: f64,
+    values: [f64; 2 * REACH + 1],
+}
+
+impl<'a> Around<'a> {
+    fn new(pairs: &'a [Pair], ping: usize) -> Self {
+        Self {
+            pairs: &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)],
+            time_s: pairs[ping].time_s,
+            values: [0.0; 2 * REACH + 1],
         }
     }
-    if count < MIN_PAIRS {
-        return [0.0; 2];
-    }
-    let (differences, deeper) = (&mut differences[..count], &mut deeper[..count]);
-    let difference_m = middle(differences);
-    for difference in differences.iter_mut() {
-        *difference = (*difference - difference_m).abs();
-    }
-    let certain_m = (difference_m.abs() - SIGMA_PER_MAD * middle(differences)).max(0.0);
-    let cosine = 1.0 - certain_m / middle(deeper);
-    let slope_rad = cosine.max(MAX_SLOPE_DEG.to_radians().cos()).acos();
-    match difference_m > 0.0 {
-        true => [slope_rad, 0.0],
-        false => [0.0, slope_rad],
+
+    /// Median of what is measured at the pings, and how far it exceeds its own spread: 0 where the
+    /// spread may have made it. `None` where too few pings have it.
+    fn middle(&mut self, measured: impl Fn(&Pair) -> f64) -> Option<(f64, f64)> {
+        let mut count = 0;
+        for pair in self.pairs {
+            let value = measured(pair);
+            if value.is_finite() && (pair.time_s - self.time_s).abs() <= MAX_AWAY_S {
+                self.values[count] = value;
+                count += 1;
+            }
+        }
+        if count < MIN_PAIRS {
+            return None;
+        }
+        let values = &mut self.values[..count];
+        let middle = upper_median(values, f64::total_cmp)?;
+        for value in values.iter_mut() {
+            *value = (*value - middle).abs();
+        }
+        let spread = SIGMA_PER_MAD * upper_median(values, f64::total_cmp)?;
+        Some((middle, (middle.abs() - spread).max(0.0)))
     }
 }
 
-/// The bottom point of a first return at slant range `range_m` on a side to which the bottom rises
-/// by `slope_rad`.
-pub(super) fn specular_point(range_m: f64, slope_rad: f64) -> BottomPoint {
-    BottomPoint { depth_m: range_m * slope_rad.cos(), across_m: range_m * slope_rad.sin() }
+/// Angles of the first returns to port and to starboard at a ping from straight below, outwards,
+/// radians, from the pings around it: the slope on the side to which the bottom rises, and less
+/// than 0 on the other side, whose beam looks past the nadir by `overlap_rad`. Both are 0 on level
+/// ground and where there are too few pings.
+pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
+    let mut around = Around::new(pairs, ping);
+    let steepest = MAX_SLOPE_DEG.to_radians();
+    if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
+        let both_m = |pair: &Pair| pair.starboard_m.max(pair.port_m + 0.0 * pair.starboard_m);
+        let deeper_m = around.middle(both_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
+        if !(certain_m > 0.0) {
+            return [0.0; 2];
+        }
+        let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();
+        let slope_rad = (over_rad + overlap_rad).min(steepest);
+        return match difference_m > 0.0 {
+            true => [slope_rad, -overlap_rad],
+            false => [-overlap_rad, slope_rad],
+        };
+    }
+    let ranges_m = [|pair: &Pair| pair.port_m, |pair: &Pair| pair.starboard_m];
+    ranges_m.map(|range_m| {
+        let nearer = around.middle(|pair| 1.0 - range_m(pair) / pair.altitude_m);
+        let nearer = nearer.filter(|(nearer, _)| *nearer > 0.0);
+        let certain = nearer.map_or(0.0, |(_, certain)| (certain - CALIBRATED).max(0.0));
+        (1.0 - certain).max(steepest.cos()).acos()
+    })
 }
 
-fn middle(values: &mut [f64]) -> f64 {
-    upper_median(values, f64::total_cmp).unwrap_or(f64::NAN)
+/// The bottom point of a first return at slant range `range_m` and an angle from straight below,
+/// outwards.
+pub(super) fn specular_point(range_m: f64, angle_rad: f64) -> BottomPoint {
+    BottomPoint { depth_m: range_m * angle_rad.cos(), across_m: range_m * angle_rad.sin() }
 }
 
 #[cfg(test)]
@@ -76,33 +118,61 @@ mod tests {
     use super::*;
 
     /// Both sides over a plane 3 m deep that falls off to starboard, with picks that are off by up
-    /// to 4 mm.
-    fn plane(slope_deg: f64) -> Vec<Pair> {
+    /// to 4 mm; `overlap_deg` is how far the beams look past the nadir.
+    fn plane(slope_deg: f64, overlap_deg: f64) -> Vec<Pair> {
         let noise = |ping: usize| 0.004 * [0.0, 1.0, -1.0, 0.5, -0.5][ping % 5];
+        let [slope_rad, overlap_rad] = [slope_deg, overlap_deg].map(f64::to_radians);
+        let past_rad = overlap_rad.min(slope_rad);
         (0..60)
             .map(|ping| Pair {
                 time_s: ping as f64 * 0.05,
-                port_m: 3.0 * slope_deg.to_radians().cos() + noise(ping),
-                starboard_m: 3.0,
+                port_m: 3.0 * slope_rad.cos() + noise(ping),
+                starboard_m: 3.0 * slope_rad.cos() / (slope_rad - past_rad).cos(),
+                altitude_m: 3.0,
             })
             .collect()
     }
 
+    /// How far a bottom point to port lies below the plane of [`plane`], metres.
+    fn below_plane_m(point: BottomPoint, slope_deg: f64) -> f64 {
+        point.depth_m - (3.0 - point.across_m * slope_deg.to_radians().tan())
+    }
+
     #[test]
     fn planes_come_back_and_level_ground_stays_level() {
-        for slope_deg in [8.0, 12.0, 20.0] {
-            let slopes_rad = cross_slopes_rad(&plane(slope_deg), 30);
-            assert!(
-                (slopes_rad[0].to_degrees() - slope_deg).abs() < 0.8,
-                "{slope_deg}: {slopes_rad:?}"
-            );
-            assert_eq!(slopes_rad[1], 0.0);
-            // The point lies on the plane.
-            let point = specular_point(3.0 * slope_deg.to_radians().cos(), slopes_rad[0]);
-            let bed_m = 3.0 - point.across_m * slope_deg.to_radians().tan();
-            assert!((point.depth_m - bed_m).abs() < 0.002, "{point:?} {bed_m}");
+        for (slope_deg, overlap_deg) in
+            [(8.0, 0.0), (12.0, 0.0), (20.0, 0.0), (15.0, 3.0), (33.0, 3.0)]
+        {
+            let pairs = plane(slope_deg, overlap_deg);
+            let overlap_rad = f64::to_radians(overlap_deg);
+            let [port_rad, starboard_rad] = beam_angles_rad(&pairs, 30, overlap_rad);
+            assert!((port_rad.to_degrees() - slope_deg).abs() < 0.8, "{slope_deg}: {port_rad}");
+            assert_eq!(starboard_rad, -overlap_rad);
+            // Both points lie on the plane; starboard's own side is the other one.
+            let port = specular_point(pairs[30].port_m, port_rad);
+            let starboard = specular_point(pairs[30].starboard_m, starboard_rad);
+            let starboard = BottomPoint { across_m: -starboard.across_m, ..starboard };
+            for point in [port, starboard] {
+                let off_m = below_plane_m(point, slope_deg);
+                assert!(off_m.abs() < 0.01, "{slope_deg}, {overlap_deg}: {point:?} {off_m}");
+            }
         }
-        assert_eq!(cross_slopes_rad(&plane(0.0), 30), [0.0; 2]);
-        assert_eq!(cross_slopes_rad(&plane(12.0)[..5], 2), [0.0; 2]);
+        assert_eq!(beam_angles_rad(&plane(0.0, 3.0), 30, 0.05), [0.0; 2]);
+        assert_eq!(beam_angles_rad(&plane(12.0, 0.0)[..5], 2, 0.0), [0.0; 2]);
+    }
+
+    #[test]
+    fn a_side_alone_has_its_slope_from_the_recorded_depth() {
+        let mut pairs = plane(33.0, 3.0);
+        for pair in &mut pairs {
+            pair.starboard_m = f64::NAN;
+        }
+        let [port_rad, starboard_rad] = beam_angles_rad(&pairs, 30, 0.05);
+        assert!((port_rad.to_degrees() - 32.0).abs() < 1.5, "{port_rad}");
+        assert_eq!(starboard_rad, 0.0);
+        for pair in &mut pairs {
+            pair.altitude_m = f64::NAN;
+        }
+        assert_eq!(beam_angles_rad(&pairs, 30, 0.05), [0.0; 2]);
     }
 }

@@ -7,7 +7,7 @@
 //! written as the last depth for as long as it is lost: it stays the same to the last digit while
 //! both sides move.
 
-use super::{FirstReturns, Pick};
+use super::{FirstReturns, Pick, farthest_m};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Side, Sounding, Survey, nearest_in_time};
 use rayon::prelude::*;
@@ -42,12 +42,10 @@ const HELD_TIMES: usize = 3;
 /// The first returns move by so much meanwhile, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
 
-/// A first return this many times as far as the depth, and so many metres farther, is not of the
-/// bottom below: the scale of ranges, the draft of the sounder and beams that end beside the nadir
-/// make less of a difference.
-const BEYOND: (f64, f64) = (1.15, 0.2);
-/// With so much confidence it is believed all the same, and the depth may be wrong.
+/// With so much confidence it is believed all the same, and the depth may be wrong, unless the
+/// other side bears the depth out: it lies within these shares of it, as on a bank.
 const CERTAIN: f32 = 0.6;
+const BEARS_OUT: Range<f64> = 0.75..1.0;
 
 /// The fault of a sounder that explains a stretch of false depths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,9 +101,10 @@ pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
     returns.false_soundings = Arc::new(found);
 }
 
-/// Takes the confidence from first returns farther away than the bottom below the boat, unless the
-/// other side is as far or they are certain. `sides` are port and starboard from the ping `first`
-/// on.
+/// Takes the confidence from first returns farther away than the bottom below the boat. They keep
+/// it where the other side is beyond the depth too, for the depth may be wrong or the beams end
+/// beside the nadir, and where they are certain and the other side does not bear the depth out.
+/// `sides` are port and starboard from the ping `first` on.
 pub(super) fn doubt_beyond(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
     for index in 0..sides[0].len() {
         let depth_m = f64::from(survey.locked_depth_m(first + index));
@@ -113,9 +112,11 @@ pub(super) fn doubt_beyond(survey: &Survey, first: usize, sides: &mut [Vec<Pick>
             .map(|side| pick_range_m(survey, first + index, side, &sides[side as usize][index]));
         for side in Side::BOTH {
             let (own_m, other_m) = (ranges_m[side as usize], ranges_m[side.other() as usize]);
-            let is_as_far = (own_m - other_m).abs() < SIDES_AGREE * own_m;
             let pick = &mut sides[side as usize][index];
-            if own_m > BEYOND.0 * depth_m + BEYOND.1 && !is_as_far && pick.confidence < CERTAIN {
+            let is_beyond = own_m > farthest_m(depth_m);
+            let is_certain =
+                pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
+            if is_beyond && !(other_m > depth_m) && !is_certain {
                 pick.confidence = 0.0;
             }
         }

@@ -251,6 +251,13 @@ pub fn detect_with(
     Ok(returns)
 }
 
+/// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
+/// scales of ranges and depths, their rounding and their noise make no more of a difference.
+fn farthest_m(depth_m: f64) -> f64 {
+    const BEYOND: (f64, f64) = (1.04, 0.12);
+    (BEYOND.0 * depth_m).max(depth_m + BEYOND.1)
+}
+
 fn none(survey: &Survey) -> FirstReturns {
     let none = Arc::new(vec![Pick::NONE; survey.side_scan.len()]);
     FirstReturns { port: none.clone(), starboard: none, ..FirstReturns::default() }

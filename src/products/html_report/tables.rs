@@ -190,7 +190,12 @@ fn scale(scale: &CalibrationReport) -> String {
         (_, _, Some(header)) => format!("as the log states it, {header}"),
         _ => "as the log states it".to_owned(),
     };
-    format!("Slant ranges are scaled {text}.{}", offset(scale))
+    let overlap = scale.overlap_deg.map_or(String::new(), |overlap_deg| {
+        format!(
+            " The beam of each side looks {overlap_deg:.1}\u{b0} past the nadir, as first returns over slopes show."
+        )
+    });
+    format!("Slant ranges are scaled {text}.{}{overlap}", offset(scale))
 }
 
 /// What is taken off the ranges, or why nothing is.

@@ -165,6 +165,9 @@ pub struct CalibrationReport {
     pub offset_uncertainty_m: Option<f64>,
     /// Why none is taken off.
     pub offset_note: Option<&'static str>,
+    /// How far the beams look past the nadir, degrees; absent where no slope shows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overlap_deg: Option<f64>,
     /// Robust standard deviation about that line.
     pub fit_spread_m: Option<f64>,
 }
@@ -186,7 +189,10 @@ impl CalibrationReport {
             0.0 => String::new(),
             offset_m => format!(", range offset {:+.2} m", -offset_m),
         };
-        Some(format!("scale: {first}{offset}{second}"))
+        let overlap = self.overlap_deg.map_or(String::new(), |overlap_deg| {
+            format!(", beams look {overlap_deg:.1} degrees past the nadir")
+        });
+        Some(format!("scale: {first}{offset}{overlap}{second}"))
     }
 
     pub(super) fn new(calibration: &Calibration) -> Self {
@@ -198,6 +204,7 @@ impl CalibrationReport {
             offset_m,
             measured_offset,
             offset_note,
+            overlap_rad,
             ..
         } = calibration;
         let ppd = calibration.ppd();
@@ -217,6 +224,7 @@ impl CalibrationReport {
             offset_measured_m: measured_offset.map(|measured| measured.offset_m),
             offset_uncertainty_m: measured_offset.map(|measured| measured.uncertainty_m),
             offset_note: *offset_note,
+            overlap_deg: (*overlap_rad > 0.0).then(|| overlap_rad.to_degrees()),
             k: fit.map(|fit| fit.k),
             b_m: fit.map(|fit| fit.b_m),
             fit_spread_m: fit.map(|fit| fit.spread_m),

@@ -1,9 +1,14 @@
 //! What the recorded depth says about where the line can lie.
 
+use super::super::farthest_m;
 use super::TUNING;
 use super::runs::TrackerChunk;
 use super::score::Scores;
 use bathyscope_log::survey::Survey;
+use std::ops::Range;
+
+/// A stretch goes on over so many rows that do not lie beyond the depth.
+const PAUSE: usize = 8;
 
 /// The recorded depth along a chunk, in cells of its picture.
 pub(super) struct Depths {
@@ -11,6 +16,8 @@ pub(super) struct Depths {
     cells: Vec<f64>,
     /// Cells before the picture begins: it may start at a range beyond 0.
     near: f64,
+    /// Length of a cell, metres.
+    cell_m: f64,
 }
 
 impl Depths {
@@ -20,7 +27,7 @@ impl Depths {
             let depth_m = f64::from(survey.locked_depth_m(ping as usize));
             if depth_m > 0.0 { depth_m / cell_m } else { f64::NAN }
         });
-        Self { cells: depths.collect(), near: chunk.near_m / cell_m }
+        Self { cells: depths.collect(), near: chunk.near_m / cell_m, cell_m }
     }
 
     /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth,
@@ -33,29 +40,43 @@ impl Depths {
         }
     }
 
-    /// Lowers what lies beyond the recorded depth, if any of the line does: the bottom below the
-    /// boat returns at that range, so nothing farther can be the first return. Under a boulder's or
-    /// a wreck's echo the line would else run on along the ground. Returns whether anything was
-    /// lowered.
-    ///
-    /// The depth must have earned it: it is believed where it bounds the line on nearly all pings
-    /// of the chunk.
-    pub(super) fn forbid_beyond(&self, line: &[usize], scores: &mut Scores) -> bool {
+    /// The stretches in which the line lies beyond the recorded depth: the bottom below the boat
+    /// returns at that range, so nothing farther can be the first return. Under a boulder's or a
+    /// wreck's echo the line runs on along the ground, and beside a wall it may leap there.
+    pub(super) fn beyond(&self, line: &[usize]) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        let is_beyond = |&(row, depth): &(usize, f64)| line[row] > self.limit(depth);
+        for (row, _) in self.known().filter(is_beyond) {
+            match stretches.last_mut() {
+                Some(last) if row - last.end <= PAUSE => last.end = row + 1,
+                _ => stretches.push(row..row + 1),
+            }
+        }
+        stretches
+    }
+
+    /// Lowers what lies beyond the recorded depth in some rows; a `share` of -1 takes it back.
+    pub(super) fn forbid_beyond(&self, rows: &Range<usize>, share: f32, scores: &mut Scores) {
+        for (row, depth) in self.known().filter(|(row, _)| rows.contains(row)) {
+            scores.lower(row, self.limit(depth).., share * TUNING.farther_cost);
+        }
+    }
+
+    /// True where the depth bounds the line on nearly all pings of the chunk, and so has earned to
+    /// be believed everywhere.
+    pub(super) fn bounds(&self, line: &[usize]) -> bool {
         let nearest = |depth: f64| self.cell(TUNING.depth_window.0 * depth);
-        let limit = |depth: f64| self.cell(TUNING.farthest_share * depth);
-        let (mut known, mut agreeing, mut beyond) = (0, 0, 0);
+        let (mut known, mut agreeing) = (0, 0);
         for (row, depth) in self.known() {
             known += 1;
-            agreeing += usize::from((nearest(depth)..=limit(depth)).contains(&line[row]));
-            beyond += usize::from(line[row] > limit(depth));
+            agreeing += usize::from((nearest(depth)..=self.limit(depth)).contains(&line[row]));
         }
-        if beyond == 0 || (agreeing as f64) < TUNING.depth_trust * f64::from(known) {
-            return false;
-        }
-        for (row, depth) in self.known() {
-            scores.lower(row, limit(depth).., TUNING.farther_cost);
-        }
-        true
+        agreeing as f64 >= TUNING.depth_trust * f64::from(known)
+    }
+
+    /// The farthest cell at which the bottom below the boat returns.
+    fn limit(&self, depth: f64) -> usize {
+        self.cell(farthest_m(depth * self.cell_m) / self.cell_m)
     }
 
     fn known(&self) -> impl Iterator<Item = (usize, f64)> {

@@ -2,6 +2,7 @@
 
 use super::grid::TrackerGrid;
 use super::score::Scores;
+use std::ops::Range;
 
 /// A line whose mean score along these rows to both sides is lower is no bottom.
 const LEAST_EVIDENCE: f32 = 0.8;
@@ -22,6 +23,12 @@ pub(super) fn evidence(scores: &TrackerGrid, line: &[usize]) -> Vec<Option<f32>>
             (own[row] > Scores::CLOSED && evidence >= LEAST_EVIDENCE).then_some(evidence)
         })
         .collect()
+}
+
+/// The mean score of the line over some rows.
+pub(super) fn mean_score(scores: &TrackerGrid, line: &[usize], rows: &Range<usize>) -> f32 {
+    let own: Vec<f32> = rows.clone().map(|row| scores.row(row)[line[row]]).collect();
+    mean(&own)
 }
 
 fn mean(values: &[f32]) -> f32 {

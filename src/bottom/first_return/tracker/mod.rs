@@ -61,13 +61,14 @@ struct Tuning {
     depth_cost: f32,
     /// Window around the recorded depth, as shares of it.
     depth_window: (f64, f64),
-    /// Farthest that a first return lies, as a share of a depth to be believed: both are rounded
-    /// and noisy.
-    farthest_share: f64,
     /// Share of the pings whose line must lie before that for the depth to be believed.
     depth_trust: f64,
     /// Score that lying farther costs then: more than any step gathers.
     farther_cost: f32,
+    /// Mean score of a line before the recorded depth from which it is the bottom, whatever lies
+    /// beyond: beside walls, and over ground beside boulders, it is 2.2 to 3.5 where the bottom is
+    /// there, and below 1.2 where it is not (a slope, a depth that is late).
+    within_evidence: f32,
 }
 
 const TUNING: Tuning = Tuning {
@@ -82,9 +83,9 @@ const TUNING: Tuning = Tuning {
     leap_cost: 7.0,
     depth_cost: 1.2,
     depth_window: (0.65, 1.12),
-    farthest_share: 1.08,
     depth_trust: 0.9,
     farther_cost: 8.0,
+    within_evidence: 1.7,
 };
 
 /// What is found on both sides (port, starboard) of `pings`.
@@ -130,6 +131,36 @@ struct Workspace {
 }
 
 impl Workspace {
+    /// The best line, which stays before the recorded depth where the echo shows a bottom there
+    /// too.
+    fn line_within(&mut self, depths: &depth::Depths, motion: &viterbi::MotionCost) -> Vec<usize> {
+        let line = self.paths.line(self.scores.grid(), motion);
+        let beyond = depths.beyond(&line);
+        if beyond.is_empty() {
+            return line;
+        }
+        if depths.bounds(&line) {
+            depths.forbid_beyond(&(0..line.len()), 1.0, &mut self.scores);
+            return self.paths.line(self.scores.grid(), motion);
+        }
+        for rows in &beyond {
+            depths.forbid_beyond(rows, 1.0, &mut self.scores);
+        }
+        let within = self.paths.line(self.scores.grid(), motion);
+        let mut is_restored = false;
+        for rows in &beyond {
+            let evidence = line::mean_score(self.scores.grid(), &within, rows);
+            if evidence < TUNING.within_evidence {
+                depths.forbid_beyond(rows, -1.0, &mut self.scores);
+                is_restored = true;
+            }
+        }
+        match is_restored {
+            true => self.paths.line(self.scores.grid(), motion),
+            false => within,
+        }
+    }
+
     fn track(
         &mut self,
         survey: &Survey,
@@ -145,10 +176,7 @@ impl Workspace {
         let depths = depth::Depths::of(survey, chunk, cell_m);
         depths.weigh(&mut self.scores);
         let motion = viterbi::MotionCost::at(cell_m);
-        let mut line = self.paths.line(self.scores.grid(), &motion);
-        if depths.forbid_beyond(&line, &mut self.scores) {
-            line = self.paths.line(self.scores.grid(), &motion);
-        }
+        let line = self.line_within(&depths, &motion);
         let evidence = line::evidence(self.scores.grid(), &line);
         let apart = (line::RIVAL_M / cell_m).ceil() as usize;
         let margins = self.paths.margins(&line, apart);

@@ -87,6 +87,11 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
     fact(ui, "From recorder", hint, value);
     let hint = "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.";
     fact(ui, "From stretch", hint, scale(calibration.ppd().as_ref()));
+    if calibration.overlap_rad > 0.0 {
+        let hint = "How far the beam of each side looks past the point below the boat, to the other side, as first returns over slopes show it. On a slope the first return of the lower side comes from there.";
+        let value = format!("{:.1}° past the nadir", calibration.overlap_rad.to_degrees());
+        fact(ui, "Beam overlap", hint, value);
+    }
     if let Some(fit) = calibration.fit {
         let offset = units.signed(fit.b_m, 2);
         let spread = units.spread(fit.spread_m, 2);

@@ -280,6 +280,7 @@ mod tests {
             offset_m: -0.4,
             measured_offset: None,
             offset_note: None,
+            overlap_rad: 0.0,
             warnings: Vec::new(),
         };
         let correction = Correction::default();

@@ -1,0 +1,180 @@
+//! How far the beams of a side-scan look past the nadir, to the other side.
+//!
+//! Drawings let the beam of a side end straight below the boat; those of recorders do not. It shows
+//! where the bottom slopes across the track: on the side to which it falls the first return comes
+//! from the edge of the beam, over on the rising side, and is nearer than the depth below the boat.
+//! With the ranges `n` of the rising and `f` of the falling side, the depth `d`, and `cos(a) = n /
+//! f`, a plane gives `f / d = cos(p) - sin(p) tan(a)` for beams that look past by `p`
+//! (as in `cloud::specular`). On level ground `f / d` shows how ranges and depths are calibrated to
+//! each other.
+
+use super::Calibration;
+use crate::first_return::FirstReturns;
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, quantile, weighted_median};
+use bathyscope_log::survey::{Side, Survey};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Pings of a block that is compared, and fewest of them with all three distances.
+const BLOCK: usize = 20;
+const LEAST: usize = 12;
+/// Pings of a block lie within this time, seconds.
+const LONGEST_S: f64 = 4.0;
+/// Slopes that count as level, that tell of the overlap, and the fewest blocks of each; tangents of
+/// the angle. On steeper ones the echo from the edge of the beam is weak, and comes late.
+const LEVEL: Range<f64> = 0.0..0.04;
+const TELLING: Range<f64> = 0.05..0.45;
+const LEAST_BLOCKS: usize = 8;
+/// Beams look no farther past the nadir than this, degrees: what seems more is of something else,
+/// boulders that both sides see, or depths that are wrong.
+const MOST_DEG: f64 = 12.0;
+/// An overlap less than so many of its standard errors, or than what blocks scatter by, is not
+/// known.
+const SIGMAS: f64 = 4.0;
+
+/// A block of pings: the tangent of the slope beyond the overlap, and the range of the falling side
+/// as a share of the depth.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    tangent: f64,
+    share: f64,
+}
+
+impl Block {
+    /// Of some pings; `None` where too few of them have all distances, or they are far apart.
+    fn of(pings: &[PingRanges]) -> Option<Self> {
+        let [first, last] = [pings.first()?, pings.last()?];
+        let is_whole = |ping: &&PingRanges| {
+            ping.sides_m.iter().chain([&ping.depth_m]).all(|distance_m| *distance_m > 0.0)
+        };
+        let all: Vec<&PingRanges> = pings.iter().filter(is_whole).collect();
+        if all.len() < LEAST || last.time_s - first.time_s > LONGEST_S {
+            return None;
+        }
+        let middle = |of: &dyn Fn(&PingRanges) -> f64| {
+            let mut values: Vec<f64> = all.iter().map(|ping| of(ping)).collect();
+            median(&mut values)
+        };
+        let [port_m, starboard_m] = [0, 1].map(|side| middle(&|ping| ping.sides_m[side]));
+        let (near_m, far_m) = (port_m.min(starboard_m), port_m.max(starboard_m));
+        let tangent = (near_m / far_m).acos().tan();
+        Some(Self { tangent, share: far_m / middle(&|ping| ping.depth_m) })
+    }
+
+    /// The overlap that gives such a share, radians: `cos(p) - p tan(a)` to the second order.
+    fn overlap_rad(&self, level: f64) -> f64 {
+        let nearer = 1.0 - self.share / level;
+        match nearer > 0.0 {
+            true => (self.tangent * self.tangent + 2.0 * nearer).sqrt() - self.tangent,
+            false => nearer / self.tangent,
+        }
+    }
+}
+
+/// Distances of a ping by the calibration in force, metres; NaN without one.
+#[derive(Clone, Copy, Debug)]
+struct PingRanges {
+    time_s: f64,
+    /// Slant ranges of the first returns, port and starboard.
+    sides_m: [f64; 2],
+    /// The recorded depth.
+    depth_m: f64,
+}
+
+/// The overlap that a log shows, radians; 0 where it shows none.
+pub(super) fn overlap_rad(
+    survey: &Survey,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+) -> f64 {
+    let range_m = |ping: usize, side: Side| {
+        let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
+        let found = pick.zip(survey.span(ping, side));
+        found.map_or(f64::NAN, |(pick, span)| calibration.range_m(span, f64::from(pick.sample)))
+    };
+    let starts: Vec<usize> = (0..survey.side_scan.len()).step_by(BLOCK).collect();
+    let block_from = |start: usize| {
+        let pings = start..(start + BLOCK).min(survey.side_scan.len());
+        let pings = pings.map(|ping| PingRanges {
+            time_s: survey.side_scan[ping].time_s,
+            sides_m: Side::BOTH.map(|side| range_m(ping, side)),
+            depth_m: f64::from(survey.locked_depth_m(ping)),
+        });
+        Block::of(&pings.collect::<Vec<_>>())
+    };
+    overlap_of(&starts.into_par_iter().filter_map(block_from).collect::<Vec<_>>())
+}
+
+/// The overlap that some blocks show, radians; 0 where they show none.
+fn overlap_of(blocks: &[Block]) -> f64 {
+    let of = |slopes: Range<f64>| -> Vec<Block> {
+        blocks.iter().filter(|block| slopes.contains(&block.tangent)).copied().collect()
+    };
+    let (level, telling) = (of(LEVEL), of(TELLING));
+    if level.len().min(telling.len()) < LEAST_BLOCKS {
+        return 0.0;
+    }
+    let mut shares: Vec<f64> = level.iter().map(|block| block.share).collect();
+    shares.sort_unstable_by(f64::total_cmp);
+    // Ground that slopes by less than the overlap looks level and is nearer.
+    let level = quantile(&shares, 0.75);
+    let weigh = |block: &Block| (block.overlap_rad(level), block.tangent * block.tangent);
+    let mut overlaps: Vec<(f64, f64)> = telling.iter().map(weigh).collect();
+    let overlap_rad = weighted_median(&mut overlaps);
+    for (overlap, _) in &mut overlaps {
+        *overlap = (*overlap - overlap_rad).abs();
+    }
+    let spread_rad = SIGMA_PER_MAD * weighted_median(&mut overlaps);
+    let error_rad = spread_rad / (overlaps.len() as f64).sqrt();
+    let is_known = overlap_rad > SIGMAS * error_rad && overlap_rad > spread_rad;
+    match is_known && overlap_rad <= MOST_DEG.to_radians() {
+        true => overlap_rad,
+        false => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pings over planes of slopes from level to 30 degrees, with ranges 1 % too long and noise.
+    fn banks(overlap_deg: f64) -> Vec<PingRanges> {
+        let overlap_rad = overlap_deg.to_radians();
+        let ping = |ping: u32| {
+            let slope_rad = f64::from(ping / 20 % 31).to_radians();
+            let noise = 1.0 + 0.004 * [0.0, 1.0, -1.0, 0.5, -0.5, 0.2, -0.2][ping as usize % 7];
+            let past_rad = overlap_rad.min(slope_rad);
+            let near_m = 6.06 * slope_rad.cos() * noise;
+            let far_m = 6.06 * slope_rad.cos() / (slope_rad - past_rad).cos() / noise;
+            let is_port = ping / 300 % 2 == 0;
+            PingRanges {
+                time_s: 0.1 * f64::from(ping),
+                sides_m: if is_port { [near_m, far_m] } else { [far_m, near_m] },
+                depth_m: 6.0,
+            }
+        };
+        (0..2000).map(ping).collect()
+    }
+
+    fn found_deg(pings: &[PingRanges]) -> f64 {
+        let blocks: Vec<Block> = pings.chunks(BLOCK).filter_map(Block::of).collect();
+        overlap_of(&blocks).to_degrees()
+    }
+
+    #[test]
+    fn the_overlap_comes_back_from_banks_whatever_the_calibration() {
+        for overlap_deg in [2.0, 5.0, 9.0] {
+            let found_deg = found_deg(&banks(overlap_deg));
+            assert!((found_deg - overlap_deg).abs() < 0.8, "{overlap_deg}: {found_deg}");
+        }
+        assert!(found_deg(&banks(0.0)) < 0.3);
+    }
+
+    #[test]
+    fn level_ground_and_too_few_pings_show_none() {
+        let level = |ping: PingRanges| PingRanges { sides_m: [6.0; 2], ..ping };
+        let pings: Vec<PingRanges> = banks(5.0).into_iter().map(level).collect();
+        assert_eq!(found_deg(&pings), 0.0);
+        assert_eq!(found_deg(&banks(5.0)[..100]), 0.0);
+    }
+}
