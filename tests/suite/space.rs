@@ -161,6 +161,7 @@ fn products(
             moving: 0,
         }),
         found: Arc::default(),
+        judged: None,
         returns: Arc::default(),
         bottom_line: Arc::default(),
         calibration: Arc::new(Calibration {
@@ -172,6 +173,7 @@ fn products(
             offset_m: 0.0,
             measured_offset: None,
             offset_note: None,
+            overlap_rad: 0.0,
             warnings: Vec::new(),
         }),
         flat_spots: Arc::new(spots),
