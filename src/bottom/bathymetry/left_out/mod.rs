@@ -3,8 +3,11 @@
 //! In: depths with their places, and their surface. Out: a standard deviation for each cell, and by
 //! the distance to the nearest sounding.
 //!
-//! They are left out in squares of two sizes, those of a few cells for the noise of the depths
-//! themselves and those as large as the gaps between lines for the ground in between. `by_distance`
+//! They are left out in squares of a few cells for the noise of the depths themselves, and for the
+//! ground between lines in strips along these, as wide as the gaps between them: whole lines are
+//! predicted from their neighbours, as the ground between them is. On a bank along a line its own
+//! soundings would predict each other well. Where soundings lie along no lines, squares as large as
+//! the gaps take the place of the strips. `by_distance`
 //! says how the error grows with the distance to the nearest sounding, `roughness` where it is
 //! larger or smaller than that.
 
@@ -30,6 +33,9 @@ const MOST_NODES: usize = 30_000;
 const DISTANCE_SHARE: f64 = 0.9;
 /// Side of the small squares, cells.
 const SMALL_CELLS: f64 = 2.0;
+/// Soundings lie along lines where the directions to their neighbours agree by this share of their
+/// number.
+const LEAST_ALIGNED: f64 = 0.25;
 /// Most cells whose distances say how large the large squares are.
 const MOST_CELLS_TRIED: usize = 10_000;
 
@@ -142,8 +148,10 @@ impl StatedError {
             step == 1 || column_and_row(node, squares.large_m)[0].rem_euclid(step as i64) == 0
         });
         let near = misses(dense.copied().collect(), squares.small_m, between, progress)?;
-        let thin = nodes.iter().step_by(step).copied().collect();
-        let far = misses(thin, squares.large_m, between, progress)?;
+        let thin: Vec<Node> = nodes.iter().step_by(step).copied().collect();
+        let all_places: Vec<[f64; 2]> = thin.iter().map(Node::place).collect();
+        let far =
+            misses_of_parts(thin, &lines_cut(&all_places, squares.large_m), between, progress)?;
         if near.len() < LEAST_MISSES || far.len() < LEAST_MISSES {
             return Ok(None);
         }
@@ -188,12 +196,61 @@ fn misses(
     between: Between,
     progress: &Progress,
 ) -> Result<Vec<LeftOutMiss>, Cancelled> {
+    misses_of_parts(nodes, &squares_cut(square_m), between, progress)
+}
+
+/// The number of the square or strip that a node lies in: of four numbers in a row one is left out
+/// at a time.
+type FoldOf = Box<dyn Fn(&Node) -> i64 + Sync>;
+
+fn squares_cut(square_m: f64) -> FoldOf {
+    Box::new(move |node| {
+        let [column, row] = column_and_row(node, square_m);
+        column + 2 * row
+    })
+}
+
+/// Strips along the lines that most soundings lie on, or squares where they lie on none.
+fn lines_cut(places: &[[f64; 2]], width_m: f64) -> FoldOf {
+    let Some([x, y]) = direction(places) else {
+        return squares_cut(width_m);
+    };
+    Box::new(move |node| {
+        let [east_m, north_m] = node.place();
+        ((east_m * y - north_m * x) / width_m).floor() as i64
+    })
+}
+
+/// Unit vector along the lines that most places lie on; `None` where they lie on none.
+fn direction(places: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let others: Vec<[f64; 2]> = places.iter().skip(1).step_by(2).copied().collect();
+    let near = Nearest::of(&others)?;
+    let tried = places.iter().step_by(2);
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for place in tried.step_by((places.len() / MOST_CELLS_TRIED).max(1)) {
+        let (index, away_m) = near.at(*place);
+        if !(away_m > 0.0) {
+            continue;
+        }
+        let [x, y] = [0, 1].map(|axis| (others[index][axis] - place[axis]) / away_m);
+        sum = [sum[0] + x * x - y * y, sum[1] + 2.0 * x * y];
+        count += 1.0;
+    }
+    let angle_rad = 0.5 * sum[1].atan2(sum[0]);
+    let is_along = sum[0].hypot(sum[1]) > LEAST_ALIGNED * count;
+    (is_along && count > 0.0).then(|| [angle_rad.cos(), angle_rad.sin()])
+}
+
+/// What triangles miss of the soundings of a quarter of all squares or strips at a time.
+fn misses_of_parts(
+    nodes: Vec<Node>,
+    fold_of: &FoldOf,
+    between: Between,
+    progress: &Progress,
+) -> Result<Vec<LeftOutMiss>, Cancelled> {
     let of_fold = |fold: usize| {
         progress.check()?;
-        let is_out = |node: &&Node| {
-            let [column, row] = column_and_row(node, square_m);
-            (column + 2 * row).rem_euclid(FOLDS as i64) as usize == fold
-        };
+        let is_out = |node: &&Node| fold_of(node).rem_euclid(FOLDS as i64) as usize == fold;
         let (out, used): (Vec<Node>, Vec<Node>) = nodes.iter().partition(is_out);
         Ok(predicted(&out, used, between))
     };

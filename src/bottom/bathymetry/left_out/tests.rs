@@ -67,6 +67,41 @@ fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
 }
 
 #[test]
+fn a_bank_along_the_lines_is_worth_as_little_as_its_bends_show() {
+    let bed = |_: f64, north_m: f64| 3.0 + 0.01 * (north_m - 12.0).powi(2);
+    let made = made(lines(0.02, bed));
+    let between = |place: &[f64; 2]| (2.5..5.5).contains(&place[1].rem_euclid(8.0));
+    let cells = cells(&made, bed);
+    let here: Vec<(f64, f64)> = cells
+        .iter()
+        .filter(|(place, ..)| between(place))
+        .map(|(_, error_m, sigma_m)| (*error_m, *sigma_m))
+        .collect();
+    let rms_m =
+        (here.iter().map(|(error_m, _)| error_m * error_m).sum::<f64>() / here.len() as f64).sqrt();
+    let within = here.iter().filter(|(error_m, sigma_m)| error_m.abs() < 2.0 * sigma_m).count();
+    assert!(rms_m > 0.1, "{rms_m}");
+    assert!(within as f64 > 0.9 * here.len() as f64, "{within} of {}", here.len());
+}
+
+#[test]
+fn lines_are_found_in_any_direction_and_scattered_soundings_lie_along_none() {
+    for degrees in [0.0, 20.0, 90.0, 135.0_f64] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let places: Vec<[f64; 2]> = lines(0.0, |_, _| 3.0)
+            .iter()
+            .map(|at| [at.east_m * cos - at.north_m * sin, at.east_m * sin + at.north_m * cos])
+            .collect();
+        let [x, y] = direction(&places).expect("a direction");
+        assert!((x * sin - y * cos).abs() < 0.02, "{degrees}: {x} {y}");
+    }
+    let mut random = random();
+    let scattered: Vec<[f64; 2]> =
+        (0..2000).map(|_| [100.0 * random(), 100.0 * random()]).collect();
+    assert_eq!(direction(&scattered), None);
+}
+
+#[test]
 fn rough_ground_is_worth_less_than_level_ground() {
     let bed = |east_m: f64, north_m: f64| {
         let rough = f64::from(u8::from(east_m > 40.0));
