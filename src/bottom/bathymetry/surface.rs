@@ -63,7 +63,7 @@ pub struct SurfaceSettings {
     /// Whether all side-scan points above the recorded depth count: their depth may be that of weed
     /// or fish.
     pub above_bottom: bool,
-    /// They count where most first returns of both sides lie above the recorded depth for longer
+    /// They count where most first returns of their side lie above the recorded depth for longer
     /// than this along the track, metres: a field of boulders, no clump of weed, fish or object.
     pub longest_above_bottom_m: f64,
     /// Whether depths between the lines come from the levels of the echoes.

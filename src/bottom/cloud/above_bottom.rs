@@ -10,8 +10,8 @@ use crate::first_return::FirstReturns;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Navigation, PingNav, Side, Survey};
 
-/// Way to both sides of a ping over which most first returns must lie above the recorded depth for
-/// the ping to belong to a stretch of them, metres.
+/// Way to both sides of a ping over which most first returns of a side must lie above the recorded
+/// depth for the ping to belong to a stretch of them, metres.
 const AROUND_M: f64 = 5.0;
 /// Way to both sides over which it is judged how closely the recorded depth follows the first
 /// returns, metres: weed and objects fill less than half of it, else it is a long stretch.
@@ -61,21 +61,22 @@ pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, sid
     f64::from(survey.locked_depth_m(ping)) - range_m
 }
 
-/// For every ping, the length of the stretch that it belongs to, metres; 0 outside of any.
+/// For every ping, the length of the stretch of a side that it belongs to, metres; 0 outside of any.
+/// A bank and the edge of a scarp lie on one side.
 pub(super) fn stretches_m(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,
+    side: Side,
 ) -> Vec<f32> {
     let way_m = way_m(&navigation.pings);
     // First returns that can be judged, and those of them that lie above: sums up to each ping.
     let (mut judged, mut above) = (vec![0_u32], vec![0_u32]);
     for (ping, recorded) in survey.side_scan.iter().enumerate() {
-        let picks = Side::BOTH.map(|side| returns.side(side).get(ping));
-        let picks = picks.into_iter().flatten().filter(|pick| pick.is_some());
+        let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
         let has_depth = recorded.locked_depth_m() > 0.0;
-        judged.push(judged[ping] + picks.clone().filter(|_| has_depth).count() as u32);
-        above.push(above[ping] + picks.filter(|pick| pick.above_bottom).count() as u32);
+        judged.push(judged[ping] + u32::from(pick.is_some() && has_depth));
+        above.push(above[ping] + u32::from(pick.is_some_and(|pick| pick.above_bottom)));
     }
     let pings = way_m.len().min(survey.side_scan.len());
     let belongs = |ping: usize| {

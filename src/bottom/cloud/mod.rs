@@ -164,8 +164,8 @@ pub struct CloudPoint {
     /// 0.2 m of slant range beyond it; 0 for other points, of which none is known. Samples of two
     /// bytes are scaled to one, as everywhere.
     pub level: u8,
-    /// How far along the track most first returns of both sides lie above the recorded depth as
-    /// this one does, metres; 0 where it does not.
+    /// How far along the track most first returns of its side lie above the recorded depth as this
+    /// one does, metres; 0 where it does not, and where it is too high to be ground.
     pub above_bottom_m: f32,
     /// The confidence of the first return ([`crate::first_return::Pick::confidence`]); NaN for
     /// other points.

@@ -6,12 +6,17 @@ use crate::first_return::{FirstReturns, Pick, ground_confidence};
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use rayon::prelude::*;
 
+/// Boulders, banks and scarps rise above the recorded depth by no more than this share of it: what
+/// does, however long it goes on, is clutter of the surface or a layer that scatters.
+const HIGHEST: f64 = 0.4;
+
 /// What a first return is, wherever it is placed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PickTrait {
     /// Whether it is something above the bottom.
     pub(super) above_bottom: bool,
-    /// The length of the stretch of such returns, metres; 0 of the bottom.
+    /// The length of the stretch of such returns, metres; 0 of the bottom, and of what is too high to
+    /// be ground.
     pub(super) above_bottom_m: f32,
     /// Of what it is.
     pub(super) confidence: f32,
@@ -29,16 +34,17 @@ pub struct PickTraits {
 impl PickTraits {
     /// Of a survey's first returns.
     pub fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
-        let above_bottom_m = stretches_m(survey, navigation, returns);
+        let lengths_m = Side::BOTH.map(|side| stretches_m(survey, navigation, returns, side));
         let usual_m = usual_departures_m(survey, navigation, returns);
         let of_pick = |side: Side, ping: usize, pick: &Pick| {
             // Without a recorded depth nothing is flagged.
-            let above_bottom =
-                pick.above_bottom && height_m(survey, returns, ping, side) > usual_m[ping];
+            let high_m = height_m(survey, returns, ping, side);
+            let is_ground = high_m <= HIGHEST * f64::from(survey.locked_depth_m(ping));
+            let above_bottom = pick.above_bottom && (high_m > usual_m[ping] || !is_ground);
             PickTrait {
                 above_bottom,
-                above_bottom_m: match above_bottom {
-                    true => above_bottom_m[ping],
+                above_bottom_m: match above_bottom && is_ground {
+                    true => lengths_m[side as usize][ping],
                     false => 0.0,
                 },
                 // What does not stand out is ground.
