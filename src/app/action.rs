@@ -210,6 +210,7 @@ actions! {
     ApplyHeights, "Apply heights", None, "Subtracts the offsets from the depths of the logs (height_offset_m).";
     ComparePositions, "Compare positions", None, "Finds from crossings over slopes how far the positions of each log are off, and how late they are.";
     ApplyPositions, "Apply positions", None, "Applies shifts (position_shift) and latencies (mounting.latency_s) that exceed twice their standard error.";
+    ApplySoundingLag, "Apply the sounding lag", None, "Takes soundings as much earlier as the first returns show them to be late (mounting.sounding_lag_s).";
     Calibrate, "Calibrate on a stretch", Some("C"), "Drag along the waterfall or the track, or click a numbered stretch, to propose a stretch for the scale; nothing changes yet.";
     UseScale, "Use this scale", None, "Scales the slant ranges of this log by the proposed stretch; its depths change.";
     KeepRecordedRange, "Keep the recorded range", None, "Uses the range that the recorder wrote, and drops the proposed stretch.";

@@ -17,6 +17,7 @@ impl App {
             Action::SwapSides | Action::UseMounting | Action::ExportLog | Action::ExportPings => {
                 self.log.survey.is_some()
             }
+            Action::ApplySoundingLag => self.log.sounding_lag().is_some(),
             Action::ForgetMounting => self.usual_mounting().is_some(),
             Action::CloseReference => self.map.comparing.reference.is_some(),
             Action::ForgetTruth => self.log.reviewing.judging.source().is_some(),

@@ -2,6 +2,7 @@
 
 use super::error::AppError;
 use super::{App, LogId, OpenLog};
+use bathyscope_bottom::calibration::SoundingLag;
 use bathyscope_log::survey::MountingSettings;
 use bathyscope_products::pipeline::Settings;
 use std::collections::BTreeMap;
@@ -46,6 +47,17 @@ impl App {
         let mut settings = Settings::clone(&self.log.settings);
         settings.mounting.swap_sides = !settings.mounting.swap_sides;
         self.change(settings, "sides of the recorder", false);
+    }
+
+    /// Takes the soundings of the shown log as much earlier as its first returns show them to be
+    /// late.
+    pub(super) fn apply_sounding_lag(&mut self) {
+        let Some((lag, in_force_s)) = self.log.sounding_lag() else {
+            return self.notify("first returns show no lag of the soundings".to_owned(), true);
+        };
+        let mut settings = Settings::clone(&self.log.settings);
+        settings.mounting.sounding_lag_s = in_force_s + lag.told_s();
+        self.change(settings, "lag of the soundings", false);
     }
 
     /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is
@@ -130,6 +142,13 @@ impl App {
 }
 
 impl OpenLog {
+    /// The lag of the soundings that first returns show, and what was in force when they did,
+    /// seconds.
+    pub fn sounding_lag(&self) -> Option<(SoundingLag, f64)> {
+        let products = self.products.as_ref()?;
+        Some((products.calibration.sounding_lag?, products.settings.mounting.sounding_lag_s))
+    }
+
     /// What it tells of its recorder; empty in an empty window.
     fn recorder(&self) -> String {
         let survey = self.survey.as_ref();

@@ -6,6 +6,7 @@ use super::process::How;
 use super::survey_logs::OpenedLog;
 use super::{Failure, output, quiet_driver, snapshot, window};
 use crate::app::LogOrigin;
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::Settings;
@@ -56,7 +57,8 @@ fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Fail
         model: Some(&detect::load(None)?),
         requested: &Product::ALL,
         reference: None,
-        adjust: None,
+        adjust: false,
+        wanted: Wanted::default(),
     };
     let log = OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None };
     how.process_into(&[log], &folder)?;

@@ -38,8 +38,9 @@ pub(super) struct ProcessArgs {
     /// Move each log, too, by the shift of its positions that crossings over slopes show
     #[arg(long, requires = "adjust")]
     positions: bool,
-    /// Correct, too, how late positions are, as crossings over slopes show it
-    #[arg(long, requires = "adjust")]
+    /// Correct how late positions are, as crossings over slopes show it, and how late soundings
+    /// are, as first returns show it
+    #[arg(long)]
     latency: bool,
     /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time,
     /// lon and lat, or GPX; `track.offset_s` is added to its times; the same as the setting
@@ -82,7 +83,8 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
         model: model.as_ref(),
         requested: &products,
         reference: args.reference.as_deref(),
-        adjust: args.adjust.then_some(Wanted { shifts: args.positions, latencies: args.latency }),
+        adjust: args.adjust,
+        wanted: Wanted { shifts: args.positions, latencies: args.latency },
     };
     if args.each && inputs.len() > 1 {
         return each(&inputs, &how, &args);

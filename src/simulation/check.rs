@@ -118,6 +118,7 @@ impl Scene {
             heading_offset_deg: -180.0..=180.0,
             clock_offset_s: -864_000.0..=864_000.0,
             latency_s: -10.0..=10.0,
+            sounding_lag_s: 0.0..=10.0,
         });
         Ok(())
     }

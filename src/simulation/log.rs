@@ -81,7 +81,9 @@ impl SimulationRun<'_> {
     fn recorded_depth_m(&self, ping: u64) -> f64 {
         let noise = Random::new(self.seed, RandomPurpose::Sounding, ping).normal();
         let artefacts = &self.scene.artefacts;
-        let measured_m = self.true_depth_m(ping) + artefacts.depth_noise_m * noise;
+        let late = self.scene.mounting.sounding_lag_s * self.scene.track.ping_rate_hz;
+        let measured = ping.saturating_sub(late.round() as u64);
+        let measured_m = self.true_depth_m(measured) + artefacts.depth_noise_m * noise;
         (artefacts.depth_scale * measured_m + artefacts.depth_offset_m).max(0.0)
     }
 }

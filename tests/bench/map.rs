@@ -168,6 +168,8 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
             offset_m: 0.0,
             measured_offset: None,
             offset_note: None,
+            overlap_rad: 0.0,
+            sounding_lag: None,
             warnings: Vec::new(),
         }),
         correction: Arc::new(correction),

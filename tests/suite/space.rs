@@ -139,6 +139,7 @@ fn products(
         slope: 0.004,
         scatter_m: 0.012,
         picks: [38, 40],
+        tilt: 0.0,
         ppd: None,
         factor: None,
     };
@@ -174,6 +175,7 @@ fn products(
             measured_offset: None,
             offset_note: None,
             overlap_rad: 0.0,
+            sounding_lag: None,
             warnings: Vec::new(),
         }),
         flat_spots: Arc::new(spots),
@@ -183,6 +185,7 @@ fn products(
         depths: Arc::new(depths),
         depth_range_m,
         scales: Default::default(),
+        latency: None,
     }
 }
 

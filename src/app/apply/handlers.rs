@@ -46,6 +46,7 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::FlipAlong, App::toggle_flip),
     (Action::StarboardFirst, App::toggle_starboard_first),
     (Action::SwapSides, App::swap_sides),
+    (Action::ApplySoundingLag, App::apply_sounding_lag),
     (Action::UseMounting, App::use_mounting),
     (Action::ForgetMounting, App::forget_mounting),
     (Action::Boxes, App::toggle_boxes),

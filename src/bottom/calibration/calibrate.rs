@@ -5,6 +5,7 @@ use super::offset::{RangeOffset, TOLERANCE_M, blocks};
 use super::overlap::overlap_rad;
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
+use super::sounding_lag::SoundingLag;
 use super::{
     Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, PpdReach, ScaleMode,
     flat_spots,
@@ -14,6 +15,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Navigation, RangeSource, Survey};
 
+/// A change of depths by less than this is not worth a warning, metres.
+const LEAST_SAID_M: f64 = 0.02;
 /// The note of an offset that is not taken off for what the log shows.
 const REFUSED: &str = "refused";
 /// Picks that a fit over the log needs, at least.
@@ -101,9 +104,12 @@ pub fn calibrate(
         measured_offset,
         offset_note,
         overlap_rad: 0.0,
+        sounding_lag: None,
         warnings,
     };
     made.overlap_rad = overlap_rad(survey, returns, &made);
+    made.sounding_lag = SoundingLag::of(survey, returns, &made);
+    made.warnings.extend(made.sounding_lag.map(|lag| lag.warning()));
     made.warnings.extend(remaining(&made));
     Ok(made)
 }
@@ -136,12 +142,14 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
 /// that ranges have over depths: an offset of a few centimetres moves the flat spot's scale, and is
 /// none of the header's. Over a log whose range was changed there are no other picks to compare.
 /// Silent where a depth would change by less than it scatters by, but never because it scatters by
-/// much.
+/// much, and where it would change by less than anyone would act on. A stretch that slopes across
+/// the track says nothing of a scale.
 fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     let (spread, factor) = (spot.spread()?, spot.factor?);
     let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
     let sigma_m = spot.depth_m * spread;
-    (change_m.abs() > sigma_m.min(spot.depth_m * VERY_WIDE)).then(|| {
+    let least_m = sigma_m.min(spot.depth_m * VERY_WIDE).max(LEAST_SAID_M);
+    (change_m.abs() > least_m && !spot.is_tilted()).then(|| {
         format!(
             "At the flat stretch, {:.2} m deep, recorded ranges give depths {:.1} cm {} than the soundings; single depths scatter by {:.1} cm. Compare the residuals with either scale.",
             spot.depth_m,

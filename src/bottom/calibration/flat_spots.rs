@@ -131,6 +131,10 @@ fn of_stretch(
     let greatest_m = depths_m.iter().copied().reduce(f64::max);
     let spot_picks = inside(picks, &pings);
     let ppd = pixels_per_metre(spot_picks, pings.len());
+    let [port, starboard] = Side::BOTH.map(|side| {
+        let of_side = spot_picks.iter().filter(|pick| pick.side == side);
+        median(&mut of_side.map(|pick| pick.range_m / pick.depth_m).collect::<Vec<_>>())
+    });
     FlatSpot {
         length_m: profile.way_m(&pings),
         depth_m: median(&mut depths_m),
@@ -141,6 +145,7 @@ fn of_stretch(
         picks: Side::BOTH.map(|side| spot_picks.iter().filter(|pick| pick.side == side).count()),
         factor: ppd.and_then(|_| header_factor(spot_picks)),
         ppd,
+        tilt: (port - starboard).abs(),
         pings,
     }
 }

@@ -5,7 +5,8 @@
 //!
 //! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one,
 //! `scale` measures pixels per metre on them and reads the header's, `offset` finds the constant
-//! between ranges and recorded depths, `overlap` how far beams look past the nadir, `robust` fits the line over the log, and `calibrate` lays
+//! between ranges and recorded depths, `overlap` how far beams look past the nadir, `sounding_lag` how late
+//! soundings are, `robust` fits the line over the log, and `calibrate` lays
 //! them side by side and chooses.
 
 mod agreement;
@@ -17,11 +18,13 @@ mod overlap;
 mod profile;
 mod robust;
 mod scale;
+mod sounding_lag;
 
 pub use calibrate::calibrate;
 pub use flat_spots::{flat_spots, stretch, stretch_around};
 pub use offset::RangeOffset;
 pub use scale::{RangeAtDepth, header_scale, ranges_at_depths};
+pub use sounding_lag::SoundingLag;
 
 #[cfg(doc)]
 use bathyscope_log::survey::RangeSource;
@@ -155,12 +158,19 @@ pub struct FlatSpot {
     pub scatter_m: f64,
     /// First returns that may calibrate, port and starboard: not flagged, not at the search limit.
     pub picks: [usize; 2],
+    /// How much farther the bottom is on one side than on the other, as a share of the depth: it
+    /// slopes across the track. NaN where a side has no such first return.
+    pub tilt: f64,
     /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
     pub ppd: Option<Scale>,
     /// Recorded depth over the header's slant range, median over the same picks: what a metre of
     /// the header measures.
     pub factor: Option<f64>,
 }
+
+/// Sides differ by less than this share of the depth over level ground. Beams that look some degrees
+/// past the nadir differ by no more on a slope twice as steep.
+const TILTED: f64 = 0.004;
 
 impl FlatSpot {
     /// Its pings as a setting has them.
@@ -187,6 +197,11 @@ impl FlatSpot {
             100.0 * self.relief_m,
             100.0 * self.slope.abs(),
         )
+    }
+
+    /// True where the bottom slopes across the track, so that both sides are nearer than it is deep.
+    pub(crate) fn is_tilted(&self) -> bool {
+        self.tilt > TILTED
     }
 
     /// Standard deviation of the scale of single pings as a share of it; `None` without a scale.
@@ -244,6 +259,8 @@ pub struct Calibration {
     /// How far the beam of each side looks past the nadir, to the other side, as slopes show it,
     /// radians; 0 where they show nothing, as on a level bed.
     pub overlap_rad: f64,
+    /// How late soundings are, as slopes along the track show it; `None` where they show no lag.
+    pub sounding_lag: Option<SoundingLag>,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
 }

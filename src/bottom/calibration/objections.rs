@@ -51,6 +51,12 @@ impl FlatSpot {
                 100.0 * self.slope.abs()
             ));
         }
+        if self.is_tilted() {
+            found.push(format!(
+                "The bottom slopes across the track: one side is {:.1} % farther than the other.",
+                100.0 * self.tilt
+            ));
+        }
         if self.relief_m > UNEVEN * self.depth_m {
             found.push(format!("The recorded depth varies by {:.0} cm.", 100.0 * self.relief_m));
         }
@@ -107,6 +113,7 @@ mod tests {
             slope: 0.004,
             scatter_m: 0.01,
             picks: [98, 99],
+            tilt: 0.001,
             ppd: Some(Scale { px_per_m: 50.0, spread_px_per_m: 0.4, picks: 197 }),
             factor: Some(1.003),
         }
@@ -123,6 +130,7 @@ mod tests {
         assert_eq!(of(|_| ()), "");
         assert!(of(|spot| spot.length_m = 3.2).contains("short: 3.2 m"));
         assert!(of(|spot| spot.slope = -0.06).contains("slopes by 6.0 %"));
+        assert!(of(|spot| spot.tilt = 0.02).contains("2.0 % farther"));
         assert!(of(|spot| spot.relief_m = 0.5).contains("varies by 50 cm"));
         assert!(of(|spot| spot.lost = 40).contains("lost the bottom at 40 of 100"));
         let lost = of(|spot| {

@@ -123,6 +123,7 @@ mod tests {
             measured_offset: None,
             offset_note: None,
             overlap_rad: 0.0,
+            sounding_lag: None,
             warnings: Vec::new(),
         };
         let settings = DepthSettings {

@@ -42,6 +42,9 @@ const HELD_TIMES: usize = 3;
 /// The first returns move by so much meanwhile, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
 
+/// A first return has to lie beyond the depth by so much to be doubted, metres: depths may be rounded
+/// to 0.1 m.
+const LEAST_BEYOND_M: f64 = 0.2;
 /// With so much confidence it is believed all the same, and the depth may be wrong, unless the
 /// other side bears the depth out: it lies within these shares of it, as on a bank.
 const CERTAIN: f32 = 0.6;
@@ -113,7 +116,7 @@ pub(super) fn doubt_beyond(survey: &Survey, first: usize, sides: &mut [Vec<Pick>
         for side in Side::BOTH {
             let (own_m, other_m) = (ranges_m[side as usize], ranges_m[side.other() as usize]);
             let pick = &mut sides[side as usize][index];
-            let is_beyond = own_m > farthest_m(depth_m);
+            let is_beyond = own_m > farthest_m(depth_m).max(depth_m + LEAST_BEYOND_M);
             let is_certain =
                 pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
             if is_beyond && !(other_m > depth_m) && !is_certain {

@@ -254,8 +254,9 @@ pub fn detect_with(
 /// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
 /// scales of ranges and depths, their rounding and their noise make no more of a difference.
 fn farthest_m(depth_m: f64) -> f64 {
-    const BEYOND: (f64, f64) = (1.04, 0.12);
-    (BEYOND.0 * depth_m).max(depth_m + BEYOND.1)
+    const SHALLOW: f64 = 1.08;
+    const DEEP: (f64, f64) = (1.03, 0.2);
+    (SHALLOW * depth_m).min(DEEP.0 * depth_m + DEEP.1)
 }
 
 fn none(survey: &Survey) -> FirstReturns {

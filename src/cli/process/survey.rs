@@ -7,7 +7,7 @@ use bathyscope_bottom::bathymetry::compare::Matching;
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, LogOffset};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::Survey;
+use bathyscope_log::survey::{MountingSettings, Survey};
 use bathyscope_objects::Model;
 use bathyscope_products::outputs::{self, Order, Product};
 use bathyscope_products::pipeline::joint::{
@@ -27,8 +27,10 @@ pub(crate) struct How<'a> {
     pub requested: &'a [Product],
     /// What they are compared with besides.
     pub reference: Option<&'a OsStr>,
-    /// Whether the height offsets of several logs are applied, and what else of their positions.
-    pub adjust: Option<Wanted>,
+    /// Whether the height offsets of several logs are applied.
+    pub adjust: bool,
+    /// What else of their positions and times is corrected.
+    pub wanted: Wanted,
 }
 
 impl How<'_> {
@@ -49,20 +51,22 @@ impl How<'_> {
         let run = outputs::begin(folder, surveys, reference.as_deref())?;
         let mut logs = all_processed(opened, &status, &progress)?;
         let mut corrections = Vec::new();
-        if let Some(wanted) = self.adjust {
-            if let [log] = logs.as_slice() {
-                corrections = RequestedCorrection::of_one_log(&log.survey.name(), wanted);
-            }
-            // A shift of one log alone shows nowhere.
-            let wanted = Wanted { shifts: wanted.shifts && logs.len() > 1, ..wanted };
-            if wanted.is_anything() {
-                status.step("positions");
-                logs = placed(&logs, wanted, &mut corrections, &status, &progress)?;
-            }
-            if logs.len() > 1 {
-                status.step("height offsets");
-                logs = adjusted(&logs, &status, &progress)?;
-            }
+        if let ([log], true) = (logs.as_slice(), self.adjust) {
+            corrections = RequestedCorrection::of_one_log(&log.survey.name(), self.wanted);
+        }
+        if self.wanted.latencies {
+            status.step("sounding lag");
+            logs = timed(opened, &logs, &mut corrections, &status, &progress)?;
+        }
+        // A shift of one log alone shows nowhere.
+        let wanted = Wanted { shifts: self.wanted.shifts && logs.len() > 1, ..self.wanted };
+        if wanted.is_anything() {
+            status.step("positions");
+            logs = placed(&logs, wanted, &mut corrections, &status, &progress)?;
+        }
+        if self.adjust && logs.len() > 1 {
+            status.step("height offsets");
+            logs = adjusted(&logs, &status, &progress)?;
         }
         let review = survey_review(opened);
         let max_gap_m = first.settings.surface.max_gap_m;
@@ -135,6 +139,30 @@ fn processed(
         status.step(stage.name());
     })?;
     Ok(ProcessedLog::new(survey.clone(), products))
+}
+
+/// The logs with their soundings as early as first returns show them to be; what that is goes to
+/// `corrections`.
+fn timed(
+    opened: &[OpenedLog],
+    logs: &[ProcessedLog],
+    corrections: &mut Vec<RequestedCorrection>,
+    status: &StatusLine,
+    progress: &Progress,
+) -> Result<Vec<ProcessedLog>, Cancelled> {
+    let names = outputs::log_names(logs);
+    let with = |((opened, log), name): ((&OpenedLog, &ProcessedLog), &String)| {
+        let Some(lag) = log.products.calibration.sounding_lag else {
+            return Ok(log.clone());
+        };
+        corrections.push(RequestedCorrection::of_sounding_lag(name, &lag));
+        let mut settings = Settings::clone(&log.products.settings);
+        let more = MountingSettings { sounding_lag_s: lag.told_s(), ..MountingSettings::default() };
+        settings.mounting.sounding_lag_s += more.sounding_lag_s;
+        let survey = Arc::new(Survey::clone(&opened.survey).mounted(&more));
+        processed(&survey, &settings, None, status, progress)
+    };
+    opened.iter().zip(logs).zip(&names).map(with).collect()
 }
 
 /// The logs with what their crossings tell of their positions; what that is goes to `corrections`.

@@ -1,6 +1,7 @@
 //! How a recorder is mounted on its boat: where the transducer hangs under the antenna, which cable
 //! is port, how compass and clock are off.
 
+use super::observations::give_depths;
 use super::{Channel, ChannelKind, SidePing, Survey};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -23,6 +24,8 @@ pub struct MountingSettings {
     pub clock_offset_s: f64,
     /// How much later the recorded positions are than the echoes recorded with them, seconds.
     pub latency_s: f64,
+    /// How much later the recorded depths are than the echoes recorded with them, seconds.
+    pub sounding_lag_s: f64,
 }
 
 impl MountingSettings {
@@ -60,6 +63,12 @@ impl MountingSettings {
                 self.latency_s.abs(),
                 if self.latency_s > 0.0 { "later" } else { "before" },
                 if self.latency_s > 0.0 { "later" } else { "earlier" },
+            ));
+        }
+        if self.sounding_lag_s != 0.0 {
+            said.push(format!(
+                "Soundings count {} s before they are recorded: the recorder is so late.",
+                self.sounding_lag_s
             ));
         }
         if self.heading_offset_deg != 0.0 {
@@ -104,8 +113,8 @@ pub(super) fn ways_in_words(
 }
 
 impl Survey {
-    /// The log that was read, with its sides and its clock as it is mounted. Lever arm and heading
-    /// act where pings are placed ([`super::navigate`]).
+    /// The log that was read, with its sides, its clock and the times of its soundings as it is
+    /// mounted. Lever arm and heading act where pings are placed ([`super::navigate`]).
     #[must_use]
     pub fn mounted(mut self, mounting: &MountingSettings) -> Self {
         if mounting.swap_sides {
@@ -117,6 +126,13 @@ impl Survey {
         }
         self.start_unix_s = self.start_unix_s.map(|start_s| start_s + mounting.clock_offset_s);
         self.clock_offset_s += mounting.clock_offset_s;
+        if mounting.sounding_lag_s != 0.0 {
+            for sounding in Arc::make_mut(&mut self.soundings).iter_mut() {
+                sounding.time_s -= mounting.sounding_lag_s;
+            }
+            let pings: &mut Vec<SidePing> = Arc::make_mut(&mut self.side_scan);
+            give_depths(pings, &self.soundings);
+        }
         self
     }
 }

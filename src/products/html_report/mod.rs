@@ -30,7 +30,7 @@ mod targets;
 pub(crate) use document::document;
 
 use crate::export::ObjectRow;
-use crate::pipeline::joint::LogLatency;
+use crate::pipeline::LogLatency;
 use crate::pipeline::{
     DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
 };

@@ -143,6 +143,7 @@ pub fn extend(
         flat_spots: before.flat_spots.clone(),
         found: Arc::new(found),
         judged: None,
+        latency: before.latency,
         returns,
         bottom_line,
         calibration: before.calibration.clone(),

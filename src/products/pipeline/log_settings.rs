@@ -17,7 +17,7 @@ use toml::{Table, Value};
 pub type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that say nothing about another log, so that they cannot be shared.
-const NEVER_SHARED: [&str; 14] = [
+const NEVER_SHARED: [&str; 15] = [
     "calibration.pings",
     "excluded.log",
     "excluded.stretches",
@@ -27,6 +27,7 @@ const NEVER_SHARED: [&str; 14] = [
     "mounting.heading_offset_deg",
     "mounting.latency_s",
     "mounting.right_m",
+    "mounting.sounding_lag_s",
     "mounting.swap_sides",
     "position_shift.east_m",
     "position_shift.north_m",

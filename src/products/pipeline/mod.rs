@@ -24,6 +24,7 @@ mod engine;
 mod fingerprint;
 mod growing;
 pub mod joint;
+mod log_latency;
 mod log_report;
 mod log_settings;
 mod mosaic;
@@ -62,6 +63,7 @@ pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, InputError, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
+pub use log_latency::LogLatency;
 pub use log_report::CalibrationReport;
 pub use log_settings::{
     LogSettings, SettingValues, deserialize_values, is_of_one_log, setting_values, with_values,

@@ -1,6 +1,7 @@
 //! The results of the stages, each tagged with the settings that made it.
 
 use super::Settings;
+use super::log_latency::LogLatency;
 use bathyscope_bottom::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
 use bathyscope_bottom::cloud::{
     self, CloudPoint, CloudSettings, Correction, PickTraits, PingDepth, PointClass, PointCloud,
@@ -51,12 +52,34 @@ pub struct Products {
     pub depth_range_m: Option<[f32; 2]>,
     /// Ends of the colour scales of echo level and slant range.
     pub scales: PointScales,
+    /// How late positions are, as the track's crossings with itself show it; `None` where they do
+    /// not.
+    pub latency: Option<LogLatency>,
 }
+
+/// Share of a lag of soundings that crossings may show besides: an average is no delay.
+const LAG_LEFT: f64 = 0.15;
 
 impl Products {
     /// What samples and recorded depths are in metres by these results: for every read-out.
     pub fn reduction(&self) -> Reduction<'_> {
         Reduction::new(&self.calibration, &self.correction)
+    }
+
+    /// The sentence about positions that are late, or early, where crossings contradict the latency
+    /// in force. A lag of the soundings looks like positions that are early: what is known of it is
+    /// no latency.
+    pub(super) fn latency_warning(&self) -> Option<String> {
+        let found = self.latency?;
+        let lag = self.calibration.sounding_lag;
+        let latency = LogLatency {
+            latency_s: found.latency_s + lag.map_or(0.0, |lag| lag.lag_s),
+            standard_error_s: found
+                .standard_error_s
+                .hypot(lag.map_or(0.0, |lag| LAG_LEFT * lag.lag_s)),
+            ..found
+        };
+        latency.contradicts().then(|| latency.warning())
     }
 
     /// The first returns that count: those of excluded pings do not.

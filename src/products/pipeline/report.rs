@@ -245,6 +245,7 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
         .chain(products.calibration.warnings.iter().cloned())
         .chain(products.correction.refused().map(ToString::to_string))
         .chain(products.exclusions.warnings.iter().cloned())
+        .chain(products.latency_warning())
         .collect()
 }
 

@@ -1,9 +1,11 @@
 //! A run over a survey: the stages in order, each with what it is made of and what it makes.
 
-use super::Settings;
+use super::joint::latencies;
+use super::log_latency::LogLatency;
 use super::products::{Products, counted, judged};
 use super::relief::relief;
 use super::stage::Stage;
+use super::{ProcessedLog, Settings};
 use bathyscope_bottom::bathymetry;
 use bathyscope_bottom::calibration::{self, Calibration, FlatSpot};
 use bathyscope_bottom::cloud::{
@@ -50,7 +52,8 @@ pub fn run(
     let cloud = run.cloud(&navigation, &exclusions, &counted, &calibration, &correction)?;
     let point_results = run.point_results(&cloud, &exclusions, &correction, &reduction)?;
     let relief = run.relief(&navigation, &cloud, &point_results.classes)?;
-    Ok(Products {
+    let known = run.reusable(Stage::Outliers).map(|old| old.latency);
+    let mut products = Products {
         settings: Arc::new(settings.clone()),
         navigation,
         exclusions,
@@ -67,7 +70,23 @@ pub fn run(
         relief,
         depth_range_m: point_results.depth_range_m,
         scales: point_results.scales,
-    })
+        latency: None,
+    };
+    products.latency = match known {
+        Some(latency) => latency,
+        None => latency_of(survey, &products, progress)?,
+    };
+    Ok(products)
+}
+
+/// How late the positions of a log are, by itself.
+fn latency_of(
+    survey: &Survey,
+    products: &Products,
+    progress: &Progress,
+) -> Result<Option<LogLatency>, Cancelled> {
+    let log = ProcessedLog::new(Arc::new(survey.clone()), products.clone());
+    Ok(latencies(&[log], progress)?.pop().flatten())
 }
 
 /// What all stages of a run share.
@@ -313,6 +332,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
 fn finds_the_same(old: &Settings, new: &Settings) -> bool {
     old.image == new.image
         && old.mounting.swap_sides == new.mounting.swap_sides
+        && old.mounting.sounding_lag_s == new.mounting.sounding_lag_s
         && old.source.frequency_khz == new.source.frequency_khz
         && old.first_return.finds_the_same(&new.first_return)
 }

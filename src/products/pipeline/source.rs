@@ -25,6 +25,7 @@ pub struct SourceKey {
     pub track: TrackSettings,
     swap_sides: bool,
     clock_offset_s: f64,
+    sounding_lag_s: f64,
     source: SourceSettings,
 }
 
@@ -37,13 +38,14 @@ impl SourceKey {
             track: track.unwrap_or_default(),
             swap_sides: settings.mounting.swap_sides,
             clock_offset_s: settings.mounting.clock_offset_s,
+            sounding_lag_s: settings.mounting.sounding_lag_s,
             source: settings.source.clone(),
         }
     }
 }
 
 /// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, the
-/// system of positions in metres, and which frequency is shown. Lever arm and heading offset act
+/// times of its soundings, the system of positions in metres, and which frequency is shown. Lever arm and heading offset act
 /// where pings are placed.
 ///
 /// # Errors

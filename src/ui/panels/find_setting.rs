@@ -103,6 +103,7 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
             &rows::HEADING_OFFSET,
             &rows::CLOCK_OFFSET,
             &rows::LATENCY,
+            &rows::SOUNDING_LAG,
             &rows::SOURCE_CRS,
         ],
     ),

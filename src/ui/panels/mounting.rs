@@ -19,6 +19,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         parts::settings_of(ui, context, "Mounting");
         effect(ui, context, &survey);
+        sounding_lag(ui, context);
         usual(ui, context);
         if survey.track.projected.is_some() {
             system(ui, context, &survey);
@@ -46,6 +47,19 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         let text = "The log has no clock times, so a clock offset has no effect.";
         warning(ui, context, text);
     }
+}
+
+/// The lag of the soundings that first returns show, with the button that applies it.
+fn sounding_lag(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let Some((lag, _)) = context.app.log.sounding_lag() else {
+        return;
+    };
+    let text = format!(
+        "Soundings are late by {:.2} ± {:.2} s, as first returns over slopes show.",
+        lag.lag_s, lag.standard_error_s
+    );
+    warning(ui, context, &text);
+    context.named_button(ui.small_button("Apply the lag"), Action::ApplySoundingLag);
 }
 
 /// Whether the mounting is the default of the recorder, and what can be done about it.

@@ -32,7 +32,8 @@ const MAP_FILES: &[Action] = &[
 const EXTERNAL: &[Action] =
     &[Action::OpenWaterLevels, Action::RemoveWaterLevels, Action::OpenTrack, Action::RemoveTrack];
 /// How the recorder of the shown log is mounted.
-const MOUNTING: &[Action] = &[Action::SwapSides, Action::UseMounting, Action::ForgetMounting];
+const MOUNTING: &[Action] =
+    &[Action::SwapSides, Action::ApplySoundingLag, Action::UseMounting, Action::ForgetMounting];
 const LAYOUTS: &[Action] = &[
     Action::LayoutSurvey,
     Action::LayoutReview,

@@ -6,7 +6,7 @@ use crate::cli::run;
 use crate::many_logs::{rms, true_box};
 use crate::truth::KnownSurvey;
 use bathyscope_log::formats::TrackFile;
-use bathyscope_log::survey::{HeadingSource, Identity, Side, Survey};
+use bathyscope_log::survey::{HeadingSource, Identity, MountingSettings, Side, Survey};
 use bathyscope_objects::review::{Edit, Review};
 use bathyscope_products::pipeline::{ObjectLocator, Products};
 use bathyscope_simulation::{BedSettings, Mound, Scene};
@@ -311,4 +311,32 @@ fn late_positions_are_put_right_and_crossings_show_how_late_they_are() {
     assert!((free[0] - 0.8).abs() < 0.25 && free[1] < 0.2 && free[2] == 0.0, "{free:?}");
     assert!((held[0] - 0.8).abs() < 0.25 && held[2] == 0.8, "{held:?}");
     assert!(advised && !advised_again);
+}
+
+#[test]
+fn soundings_that_are_late_are_found_by_first_returns_and_taken_earlier() {
+    let mut scene = late();
+    scene.mounting = MountingSettings { sounding_lag_s: 1.2, ..MountingSettings::default() };
+    let known = KnownSurvey::new(&scene, 3);
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    std::fs::write(folder.join("late.sl2"), known.truth.sl2_bytes()).expect("a log");
+    let report = |name: &str, more: &[&str]| -> serde_json::Value {
+        let process = ["process", "late.sl2", "-o", name, "--no-objects", "--products", "report"];
+        run(folder, &[&process[..], more].concat());
+        let text = std::fs::read_to_string(folder.join(name).join("report.json"));
+        serde_json::from_str(&text.expect("a report")).expect("JSON")
+    };
+    let words = |report: &serde_json::Value| report["warnings"].to_string();
+    let as_recorded = report("recorded", &[]);
+    assert!(words(&as_recorded).contains("mounting.sounding_lag_s"), "{}", as_recorded["warnings"]);
+    assert!(!words(&as_recorded).contains("mounting.latency_s"), "{}", as_recorded["warnings"]);
+    let corrected = report("corrected", &["--latency"]);
+    let found = &corrected["corrections"][0];
+    let lag_s = found["sounding_lag_s"].as_f64().expect("a lag");
+    println!("lag of soundings: {lag_s:.2} s for 1.2");
+    assert!((lag_s - 1.2).abs() < 0.1, "{found}");
+    assert!(!words(&corrected).contains("mounting."), "{}", corrected["warnings"]);
+    let in_force = &corrected["settings"]["mounting"]["sounding_lag_s"];
+    assert!((in_force.as_f64().expect("a setting") - lag_s).abs() < 0.006, "{in_force}");
 }

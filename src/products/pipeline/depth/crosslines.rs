@@ -1,7 +1,7 @@
 //! Crossline analysis: depths where tracks cross themselves and each other.
 
-use crate::pipeline::ProcessedLog;
-use crate::pipeline::joint::{LogLatency, latencies, track_depths};
+use crate::pipeline::joint::{latencies, track_depths};
+use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::crosslines::{
     Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings,
 };
@@ -83,7 +83,10 @@ pub fn crosslines(
             angle_deg: one.angle_deg,
         })
     };
-    let of_logs = latencies(logs, progress)?;
+    let of_logs = match logs {
+        [log] => vec![log.products.latency],
+        _ => latencies(logs, progress)?,
+    };
     let residuals = |of: &dyn Fn(&&Crossing) -> bool| {
         let chosen = found.iter().filter(of);
         Residuals::of(&mut chosen.map(Crossing::difference_m).collect::<Vec<f64>>())

@@ -3,6 +3,7 @@
 
 use super::LogPositions;
 use bathyscope_bottom::bathymetry::position_offsets::{Shift, Wanted};
+use bathyscope_bottom::calibration::SoundingLag;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
@@ -41,6 +42,14 @@ pub enum FoundCorrection {
         /// Its standard error, seconds.
         standard_error_s: f64,
     },
+    /// How late soundings are.
+    #[serde(rename = "mounting.sounding_lag_s")]
+    SoundingLag {
+        /// Seconds.
+        sounding_lag_s: f64,
+        /// Its standard error, seconds.
+        standard_error_s: f64,
+    },
     /// Nothing of the correction that a setting holds.
     #[serde(untagged)]
     Nothing {
@@ -68,6 +77,18 @@ impl RequestedCorrection {
             || found.map_or_else(|| nothing("mounting.latency_s"), |found| of_latency(log, found));
         let shift = wanted.shifts.then(shift);
         shift.into_iter().chain(wanted.latencies.then(latency)).collect()
+    }
+
+    /// What was done about soundings that are late.
+    pub fn of_sounding_lag(log: &str, lag: &SoundingLag) -> Self {
+        Self {
+            log: log.to_owned(),
+            found: FoundCorrection::SoundingLag {
+                sounding_lag_s: lag.lag_s,
+                standard_error_s: lag.standard_error_s,
+            },
+            refused: None,
+        }
     }
 
     /// What a single log cannot show.
@@ -128,6 +149,10 @@ impl Display for RequestedCorrection {
             FoundCorrection::Latency { latency_s, standard_error_s } => write!(
                 f,
                 "mounting.latency_s of {latency_s:+.2} s, standard error {standard_error_s:.2} s"
+            ),
+            FoundCorrection::SoundingLag { sounding_lag_s, standard_error_s } => write!(
+                f,
+                "mounting.sounding_lag_s of {sounding_lag_s:+.2} s, standard error {standard_error_s:.2} s"
             ),
             FoundCorrection::Nothing { setting } => write!(f, "{setting}"),
         }?;

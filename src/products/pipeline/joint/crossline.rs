@@ -1,6 +1,6 @@
 //! What crossing tracks say about the depths of one log and of several.
 
-use crate::pipeline::ProcessedLog;
+use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use bathyscope_bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
 use bathyscope_bottom::bathymetry::position_offsets::{
@@ -169,36 +169,9 @@ pub fn position_offsets(
     Ok(found.map(|found| logs.iter().zip(found).map(of_log).collect()))
 }
 
-/// How late the positions of a log are, as its crossings show it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LogLatency {
-    /// What `mounting.latency_s` should be, seconds.
-    pub latency_s: f64,
-    /// Its standard error, seconds.
-    pub standard_error_s: f64,
-    /// What is in force, seconds.
-    pub in_force_s: f64,
-}
-
 /// A latency is told from a standard error of this on, seconds: a larger one says no more than is
 /// assumed of any recorder.
 const TOLD_S: f64 = 0.5;
-/// What is in force is contradicted from so many seconds and standard errors on.
-const CONTRADICTED_S: f64 = 0.15;
-const CONTRADICTED_SIGMAS: f64 = 3.0;
-
-impl LogLatency {
-    /// Whether the crossings contradict what is in force.
-    pub(crate) fn contradicts(&self) -> bool {
-        let off_s = (self.latency_s - self.in_force_s).abs();
-        off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
-    }
-
-    /// `0.62 s, standard error 0.08 s`.
-    pub fn in_words(&self) -> String {
-        format!("{:.2} s, standard error {:.2} s", self.latency_s, self.standard_error_s)
-    }
-}
 
 /// The latency of each log from the crossings of all tracks with themselves and each other; `None`
 /// of a log whose crossings say nothing.

@@ -19,7 +19,7 @@ pub(crate) use comparison::compare_logs;
 pub use corrections::RequestedCorrection;
 pub(crate) use crossline::track_depths;
 pub use crossline::{
-    CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
+    CrosslineAnalysis, LogPositions, crossline_analysis, height_offsets, latencies,
     position_offsets,
 };
 pub use logs_report::{LogReport, LogsReport};

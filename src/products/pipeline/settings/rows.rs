@@ -208,6 +208,10 @@ rows! {
     LATENCY: "mounting.latency_s", "Latency", "latency of positions",
         "Delay of recorded positions behind the echoes. Compare positions finds it at crossings over a slope.",
         number!(mounting.latency_s, "s", [-10.0, 10.0], 0.01, 2, Drag);
+    // No sounder averages longer.
+    SOUNDING_LAG: "mounting.sounding_lag_s", "Sounding lag", "lag of the soundings",
+        "Delay of recorded depths behind the echoes, of a sounder that averages. First returns show it where the bottom slopes along the track.",
+        number!(mounting.sounding_lag_s, "s", [0.0, 10.0], 0.01, 2, Drag);
     // Receivers without corrections are off by metres; more is another place.
     SHIFT_EAST: "position_shift.east_m", "Shift east", "shift of positions to the east",
         "Added to every position of the log, to the east. Compare positions finds it at crossings with other logs.",
@@ -373,7 +377,7 @@ rows! {
             "true", "used", "All of them are used.";
         ]);
     LONGEST_ABOVE_BOTTOM: "surface.longest_above_bottom_m", "Long stretch", "longest above-bottom stretch",
-        "Side-scan points above the recorded depth are used where most first returns of both sides lie above it for longer than this.",
+        "Side-scan points above the recorded depth are used where most first returns of their side lie above it for longer than this.",
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
     SWATH: "surface.swath", "Echo levels", "depths from echo levels",
         "Whether depths between the lines come from echo levels: a bed that faces the boat is brighter. They are inferred, not measured.",

@@ -281,6 +281,7 @@ mod tests {
             measured_offset: None,
             offset_note: None,
             overlap_rad: 0.0,
+            sounding_lag: None,
             warnings: Vec::new(),
         };
         let correction = Correction::default();

@@ -1,0 +1,284 @@
+//! How late soundings are against the first returns recorded with them.
+//!
+//! A sounder that averages its depths over seconds, or shows them late, writes those of a place
+//! that the boat has passed; the side-scan of the same ping does not. Over level ground nothing
+//! shows it. Where the bottom falls by `v` metres a second along the track, a sounding `d` that is
+//! late by `t` and the range `r` of the first returns, which lie abeam and so at one depth along the
+//! track, differ by `d - r = -v t`.
+
+use super::Calibration;
+use crate::first_return::FirstReturns;
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, spread_about, weighted_median};
+use bathyscope_log::survey::{Side, Survey};
+
+/// Time to both sides of a ping over which ranges rise or fall evenly, seconds, and fewest pings of
+/// it to each side: a slow recorder has a ping a second.
+const REACH_S: f64 = 1.0;
+const LEAST_REACH: usize = 3;
+/// Share of these pings that must have a range and a depth.
+const LEAST_SHARE: f64 = 0.7;
+/// Both sides are as far within this share of the range, or the bottom slopes across the track.
+const SIDES_AGREE: f64 = 0.1;
+/// Ranges scatter about their line by no more than this share of a second's change, and metres.
+const EVEN: (f64, f64) = (0.2, 0.03);
+/// The bottom rises or falls by at least so much, and is level below so much, metres a second.
+const SLOPING_MPS: f64 = 0.1;
+const LEVEL_MPS: f64 = 0.05;
+/// Fewest windows over slopes, and share of them that must go down, and up: of one kind alone a lag
+/// looks like a draft.
+const LEAST_WINDOWS: usize = 24;
+const LEAST_OF_EACH: f64 = 0.1;
+/// Every ping is in so many windows.
+const SHARED: f64 = 4.0;
+/// A lag is told where it is longer than this, seconds, than so many of its standard errors, and
+/// than so many times what single windows scatter by.
+const LEAST_LAG_S: f64 = 0.25;
+const SIGMAS: f64 = 6.0;
+const TIMES_SPREAD: f64 = 2.0;
+/// No sounder is later, seconds.
+const LONGEST_LAG_S: f64 = 10.0;
+/// Averages follow a slope with a delay, so that a first lag is too short: it is taken out, and what
+/// is left is found again, until it is less than this, seconds.
+const SETTLED_S: f64 = 0.01;
+const ROUNDS: usize = 8;
+
+/// How late soundings are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoundingLag {
+    /// Seconds after the first returns recorded with them.
+    pub lag_s: f64,
+    /// Its standard error, seconds.
+    pub standard_error_s: f64,
+}
+
+impl SoundingLag {
+    /// The lag that the slopes along a track show; `None` where they show none.
+    pub(super) fn of(
+        survey: &Survey,
+        returns: &FirstReturns,
+        calibration: &Calibration,
+    ) -> Option<Self> {
+        let ranges_m: Vec<f64> = (0..survey.side_scan.len())
+            .map(|ping| range_m(survey, returns, calibration, ping))
+            .collect();
+        let windows = windows(survey, &ranges_m);
+        let mut found = Self { lag_s: 0.0, standard_error_s: f64::NAN };
+        for _ in 0..ROUNDS {
+            let more = more_s(survey, &windows, found.lag_s)?;
+            found = Self { lag_s: found.lag_s + more.lag_s, ..more };
+            if more.lag_s.abs() < SETTLED_S {
+                break;
+            }
+        }
+        let is_told = found.lag_s > LEAST_LAG_S && found.lag_s < LONGEST_LAG_S;
+        (is_told && found.lag_s > SIGMAS * found.standard_error_s).then_some(found)
+    }
+
+    /// The lag in hundredths of a second: more is not known.
+    pub fn told_s(&self) -> f64 {
+        (100.0 * self.lag_s).round() / 100.0
+    }
+
+    /// The sentence about it.
+    pub(super) fn warning(&self) -> String {
+        format!(
+            "Where the bottom rises or falls along the track, soundings are those of {:.2} s before (standard error {:.2} s), as the first returns of both sides show: the recorder averages its depths, or is late. Add {:.2} s to mounting.sounding_lag_s, or process with --latency.",
+            self.lag_s,
+            self.standard_error_s,
+            self.told_s()
+        )
+    }
+}
+
+/// Range of the first returns of a ping where both sides are as far, metres; else NaN.
+fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, ping: usize) -> f64 {
+    let [port_m, starboard_m] = Side::BOTH.map(|side| {
+        let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
+        let found = pick.zip(survey.span(ping, side));
+        found.map_or(f64::NAN, |(pick, span)| calibration.range_m(span, f64::from(pick.sample)))
+    });
+    let farther_m = port_m.max(starboard_m);
+    match (port_m - starboard_m).abs() <= SIDES_AGREE * farther_m {
+        true => farther_m,
+        false => f64::NAN,
+    }
+}
+
+/// Pings over which the bottom rises or falls evenly.
+struct Window {
+    /// Times and ranges, seconds and metres.
+    ranges: Vec<[f64; 2]>,
+    /// What ranges grow by, metres a second.
+    growth_mps: f64,
+}
+
+fn windows(survey: &Survey, ranges_m: &[f64]) -> Vec<Window> {
+    let pings = &survey.side_scan;
+    let mut intervals_s: Vec<f64> =
+        pings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let interval_s = median(&mut intervals_s);
+    if !(interval_s > 0.0) {
+        return Vec::new();
+    }
+    let reach = ((REACH_S / interval_s).round() as usize).max(LEAST_REACH);
+    let width = 2 * reach + 1;
+    let longest_s = 1.5 * width as f64 * interval_s;
+    let starts = (0..pings.len().saturating_sub(width)).step_by((reach / 2).max(1));
+    let window = |start: usize| {
+        let inside = start..start + width;
+        let took_s = pings[inside.end - 1].time_s - pings[start].time_s;
+        let ranges: Vec<[f64; 2]> = inside
+            .map(|ping| [pings[ping].time_s, ranges_m[ping]])
+            .filter(|[_, range_m]| range_m.is_finite())
+            .collect();
+        let is_whole = ranges.len() as f64 >= LEAST_SHARE * width as f64 && took_s <= longest_s;
+        is_whole.then(|| Window::of(ranges)).flatten()
+    };
+    starts.filter_map(window).collect()
+}
+
+impl Window {
+    /// Of some ranges; `None` where they do not lie on a line.
+    fn of(ranges: Vec<[f64; 2]>) -> Option<Self> {
+        let count = ranges.len() as f64;
+        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).sum::<f64>() / count;
+        let (time_s, range_m) = (mean(&|one| one[0]), mean(&|one| one[1]));
+        let growth_mps = mean(&|one| (one[0] - time_s) * (one[1] - range_m))
+            / mean(&|one| (one[0] - time_s).powi(2));
+        let left_m = |one: &[f64; 2]| one[1] - range_m - growth_mps * (one[0] - time_s);
+        let scatter_m = mean(&|one| left_m(one).powi(2)).sqrt();
+        let is_even = scatter_m <= EVEN.0 * growth_mps.abs() + EVEN.1;
+        is_even.then_some(Self { ranges, growth_mps })
+    }
+
+    /// Median of soundings less ranges, where soundings are taken `lag_s` later; `None` where too
+    /// few are known.
+    fn difference_m(&self, survey: &Survey, lag_s: f64) -> Option<f64> {
+        let difference = |&[time_s, range_m]: &[f64; 2]| {
+            sounding_m(survey, time_s + lag_s).map(|depth_m| depth_m - range_m)
+        };
+        let mut differences: Vec<f64> = self.ranges.iter().filter_map(difference).collect();
+        let is_enough = differences.len() as f64 >= LEAST_SHARE * self.ranges.len() as f64;
+        is_enough.then(|| median(&mut differences))
+    }
+}
+
+/// The depth by the soundings around a time, straight between them; `None` where one of them does
+/// not count or there is none.
+fn sounding_m(survey: &Survey, time_s: f64) -> Option<f64> {
+    let soundings = &survey.soundings;
+    let next = soundings.partition_point(|sounding| sounding.time_s < time_s);
+    let (before, after) = (soundings.get(next.checked_sub(1)?)?, soundings.get(next)?);
+    let span_s = after.time_s - before.time_s;
+    if !(before.locked && after.locked) || span_s > 2.0 * REACH_S {
+        return None;
+    }
+    let share = if span_s > 0.0 { (time_s - before.time_s) / span_s } else { 0.0 };
+    let (before_m, after_m) = (f64::from(before.depth_m), f64::from(after.depth_m));
+    Some(before_m + share * (after_m - before_m))
+}
+
+/// How much later soundings are than `lag_s`; `None` where too little slopes or windows do not agree.
+fn more_s(survey: &Survey, windows: &[Window], lag_s: f64) -> Option<SoundingLag> {
+    let compared: Vec<(f64, f64)> = windows
+        .iter()
+        .filter_map(|window| Some((window.growth_mps, window.difference_m(survey, lag_s)?)))
+        .collect();
+    let level = compared.iter().filter(|(growth_mps, _)| growth_mps.abs() < LEVEL_MPS);
+    let mut level: Vec<f64> = level.map(|(_, difference_m)| *difference_m).collect();
+    let level_m = if level.is_empty() { 0.0 } else { median(&mut level) };
+    let sloping = || compared.iter().filter(|(growth_mps, _)| growth_mps.abs() > SLOPING_MPS);
+    let count = sloping().count();
+    let falling = sloping().filter(|(growth_mps, _)| *growth_mps > 0.0).count();
+    let least = LEAST_OF_EACH * count as f64;
+    if count < LEAST_WINDOWS || (falling.min(count - falling) as f64) < least {
+        return None;
+    }
+    let lag = |&(growth_mps, difference_m): &(f64, f64)| {
+        ((level_m - difference_m) / growth_mps, growth_mps * growth_mps)
+    };
+    let mut lags: Vec<(f64, f64)> = sloping().map(lag).collect();
+    let more_s = weighted_median(&mut lags);
+    let mut all_s: Vec<f64> = lags.iter().map(|(lag_s, _)| *lag_s).collect();
+    for (lag_s, _) in &mut lags {
+        *lag_s = (*lag_s - more_s).abs();
+    }
+    let spread_s =
+        (SIGMA_PER_MAD * weighted_median(&mut lags)).min(spread_about(&mut all_s, more_s));
+    let is_alike = TIMES_SPREAD * spread_s < (lag_s + more_s).abs().max(LEAST_LAG_S);
+    let standard_error_s = spread_s / (count as f64 / SHARED).sqrt();
+    is_alike.then_some(SoundingLag { lag_s: more_s, standard_error_s })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::{PpdReach, ScaleMode};
+    use crate::first_return::Pick;
+    use bathyscope_log::survey::{SidePing, SideSpan, Sounding};
+    use std::sync::Arc;
+
+    /// A bed of hills, passed at 2 m/s, metres.
+    fn bed_m(time_s: f64) -> f64 {
+        6.0 + 2.0 * (0.12 * time_s).sin()
+    }
+
+    /// A log whose soundings are those of `lag_s` before, with the first returns of the bed.
+    fn found(lag_s: f64, interval_s: f64, bed_m: impl Fn(f64) -> f64) -> Option<SoundingLag> {
+        let count = (400.0 / interval_s) as usize;
+        let span = SideSpan::of_bytes(2000, [0.0, 20.0]);
+        let time_s = |ping: usize| interval_s * ping as f64;
+        let noise_m = |ping: usize| 0.01 * [0.0, 1.0, -1.0, 0.5, -0.5][ping % 5];
+        let pings = (0..count).map(|ping| SidePing {
+            port: Some(span),
+            starboard: Some(span),
+            ..SidePing::with_depth(time_s(ping), 6.0)
+        });
+        let sounding = |ping: usize| Sounding {
+            time_s: time_s(ping),
+            depth_m: (bed_m(time_s(ping) - lag_s) + noise_m(ping)) as f32,
+            locked: true,
+        };
+        let survey = Survey {
+            soundings: Arc::new((0..count).map(sounding).collect()),
+            ..Survey::of_pings(pings)
+        };
+        let pick = |ping: usize| Pick {
+            sample: span.sample_at(bed_m(time_s(ping))) as f32,
+            confidence: 1.0,
+            above_bottom: false,
+        };
+        let picks: Arc<Vec<Pick>> = Arc::new((0..count).map(pick).collect());
+        let returns =
+            FirstReturns { port: picks.clone(), starboard: picks, ..FirstReturns::default() };
+        let calibration = Calibration {
+            mode: ScaleMode::Header,
+            reach: PpdReach::Factor,
+            flat_spot: None,
+            header: None,
+            fit: None,
+            offset_m: 0.0,
+            measured_offset: None,
+            offset_note: None,
+            overlap_rad: 0.0,
+            sounding_lag: None,
+            warnings: Vec::new(),
+        };
+        SoundingLag::of(&survey, &returns, &calibration)
+    }
+
+    #[test]
+    fn a_lag_is_found_at_any_rate_and_none_where_there_is_none() {
+        for interval_s in [0.1, 0.5, 1.0] {
+            let lag = found(1.3, interval_s, bed_m).expect("a lag");
+            assert!((lag.lag_s - 1.3).abs() < 0.05, "{interval_s} s: {lag:?}");
+            assert_eq!(found(0.0, interval_s, bed_m), None, "{interval_s} s");
+        }
+    }
+
+    #[test]
+    fn level_ground_shows_no_lag_and_a_bottom_that_only_falls_may_be_a_draft() {
+        assert_eq!(found(1.3, 0.1, |_| 5.0), None);
+        assert_eq!(found(1.3, 0.1, |time_s| 2.0 + 0.04 * time_s.max(0.0) * 5.0), None);
+    }
+}
