@@ -28,6 +28,27 @@ impl SigmaByDistance {
         Self { steps }
     }
 
+    /// The larger of two at every distance that one of them was measured at.
+    pub(super) fn larger(&self, other: &Self) -> Self {
+        let both = [self, other];
+        let mut distances_m: Vec<f64> = both
+            .iter()
+            .flat_map(|one| one.steps.iter().map(|[distance_m, _]| *distance_m))
+            .collect();
+        distances_m.sort_by(f64::total_cmp);
+        distances_m.dedup();
+        // Neither grows beyond what it was measured at.
+        let measured = |one: &Self, distance_m: f64| {
+            let last_m = one.steps.last().map_or(0.0, |[last_m, _]| *last_m);
+            one.at(distance_m.min(last_m))
+        };
+        let at = |distance_m: f64| {
+            let sigmas = both.map(|one| measured(one, distance_m));
+            [distance_m, sigmas[0].max(sigmas[1])]
+        };
+        Self { steps: distances_m.into_iter().map(at).collect() }
+    }
+
     /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on
     /// as between the last two.
     pub fn at(&self, away_m: f64) -> f64 {

@@ -4,10 +4,9 @@
 //! the distance to the nearest sounding.
 //!
 //! They are left out in squares of a few cells for the noise of the depths themselves, and for the
-//! ground between lines in strips along these, as wide as the gaps between them: whole lines are
-//! predicted from their neighbours, as the ground between them is. On a bank along a line its own
-//! soundings would predict each other well. Where soundings lie along no lines, squares as large as
-//! the gaps take the place of the strips. `by_distance`
+//! ground between lines in squares as large as the gaps between them, and in strips along the lines
+//! as wide: whole lines are predicted from their neighbours, as the ground between them is. On a
+//! bank along a line its own soundings predict each other well. `by_distance`
 //! says how the error grows with the distance to the nearest sounding, `roughness` where it is
 //! larger or smaller than that.
 
@@ -149,13 +148,23 @@ impl StatedError {
         });
         let near = misses(dense.copied().collect(), squares.small_m, between, progress)?;
         let thin: Vec<Node> = nodes.iter().step_by(step).copied().collect();
-        let all_places: Vec<[f64; 2]> = thin.iter().map(Node::place).collect();
-        let far =
-            misses_of_parts(thin, &lines_cut(&all_places, squares.large_m), between, progress)?;
+        let places: Vec<[f64; 2]> = thin.iter().map(Node::place).collect();
+        let strips = match direction(&places) {
+            Some(along) => {
+                let strips = strips_cut(along, squares.large_m);
+                misses_of_parts(thin.clone(), &strips, between, progress)?
+            }
+            None => Vec::new(),
+        };
+        let mut far = misses(thin, squares.large_m, between, progress)?;
         if near.len() < LEAST_MISSES || far.len() < LEAST_MISSES {
             return Ok(None);
         }
-        let by_distance = SigmaByDistance::of(&near, &far);
+        let mut by_distance = SigmaByDistance::of(&near, &far);
+        if strips.len() >= LEAST_MISSES {
+            by_distance = by_distance.larger(&SigmaByDistance::of(&near, &strips));
+            far.extend(strips);
+        }
         Ok(Some(Self {
             near: Roughness::of(&near, &by_distance, squares.large_m),
             far: Roughness::of(&far, &by_distance, squares.large_m),
@@ -210,11 +219,8 @@ fn squares_cut(square_m: f64) -> FoldOf {
     })
 }
 
-/// Strips along the lines that most soundings lie on, or squares where they lie on none.
-fn lines_cut(places: &[[f64; 2]], width_m: f64) -> FoldOf {
-    let Some([x, y]) = direction(places) else {
-        return squares_cut(width_m);
-    };
+/// Strips along a direction.
+fn strips_cut([x, y]: [f64; 2], width_m: f64) -> FoldOf {
     Box::new(move |node| {
         let [east_m, north_m] = node.place();
         ((east_m * y - north_m * x) / width_m).floor() as i64
