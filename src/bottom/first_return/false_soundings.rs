@@ -9,7 +9,7 @@
 
 use super::{FirstReturns, Pick, farthest_m};
 use bathyscope_log::support::statistics::{median, quantile};
-use bathyscope_log::survey::{Side, Sounding, Survey, nearest_in_time};
+use bathyscope_log::survey::{Side, SidePing, Sounding, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -134,6 +134,19 @@ fn pings_of(survey: &Survey, false_soundings: &[FalseSoundings]) -> Vec<usize> {
     pings.filter(|&ping| sounding_of(survey, ping).is_some_and(is_false)).collect()
 }
 
+/// The stretches of some pings, in order, with those that the search draws on to both sides.
+pub(super) fn ranges_around(survey: &Survey, pings: &[usize]) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for &ping in pings {
+        let around = ping.saturating_sub(REACH)..(ping + REACH + 1).min(survey.side_scan.len());
+        match ranges.last_mut() {
+            Some(last) if around.start <= last.end => last.end = around.end,
+            _ => ranges.push(around),
+        }
+    }
+    ranges
+}
+
 /// Slant range of a first return by the recorder's scale, metres; NaN without one.
 fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
     let pick = returns.side(side).get(ping);
@@ -168,6 +181,22 @@ pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Opt
         pings[ping].depth_locked = false;
     }
     Some(judged)
+}
+
+/// The pings whose depth is a second echo.
+pub(super) fn second_echo_pings(survey: &Survey, found: &[FalseSoundings]) -> Vec<usize> {
+    let doubled = found.iter().filter(|one| one.fault == SounderFault::SecondEcho);
+    pings_of(survey, &doubled.cloned().collect::<Vec<_>>())
+}
+
+/// The survey with half the depth at some pings: what a second echo means.
+pub(super) fn halved(survey: &Survey, doubled: &[usize]) -> Survey {
+    let mut halved = survey.clone();
+    let pings: &mut Vec<SidePing> = Arc::make_mut(&mut halved.side_scan);
+    for &ping in doubled {
+        pings[ping].depth_m *= 0.5;
+    }
+    halved
 }
 
 /// The sounding that a ping has its depth from.

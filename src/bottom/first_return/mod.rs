@@ -248,7 +248,34 @@ pub fn detect_with(
         }
     };
     false_soundings::judge(survey, &mut returns);
+    if settings.method == Method::Tracker {
+        track_again(survey, normalisation, settings, &mut returns, progress)?;
+    }
     Ok(returns)
+}
+
+/// Searches again where soundings are of the second echo: they had drawn the line to themselves, and
+/// half of them bounds it. A held depth tells nothing of where the bottom is, so that the line found
+/// with it stays.
+fn track_again(
+    survey: &Survey,
+    normalisation: &Normalisation,
+    settings: &FirstReturnSettings,
+    returns: &mut FirstReturns,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let doubled = false_soundings::second_echo_pings(survey, &returns.false_soundings);
+    if doubled.is_empty() {
+        return Ok(());
+    }
+    let explained = false_soundings::halved(survey, &doubled);
+    for pings in false_soundings::ranges_around(survey, &doubled) {
+        let found = track_range(&explained, normalisation, settings, pings.clone(), progress)?;
+        for side in Side::BOTH {
+            returns.side_mut(side)[pings.clone()].copy_from_slice(found.side(side));
+        }
+    }
+    Ok(())
 }
 
 /// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
