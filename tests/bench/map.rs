@@ -156,6 +156,8 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
             moving: 0,
         }),
         flat_spots: Arc::new(Vec::new()),
+        judged: None,
+        latency: None,
         found: Arc::default(),
         returns: Arc::default(),
         bottom_line: Arc::default(),

@@ -5,9 +5,9 @@
 //!
 //! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one,
 //! `scale` measures pixels per metre on them and reads the header's, `offset` finds the constant
-//! between ranges and recorded depths, `overlap` how far beams look past the nadir, `sounding_lag` how late
-//! soundings are, `robust` fits the line over the log, and `calibrate` lays
-//! them side by side and chooses.
+//! between ranges and recorded depths, `overlap` how far beams look past the nadir, `sounding_lag`
+//! how late soundings are, `robust` fits the line over the log, and `calibrate` lays them side by
+//! side and chooses.
 
 mod agreement;
 mod calibrate;
@@ -168,8 +168,8 @@ pub struct FlatSpot {
     pub factor: Option<f64>,
 }
 
-/// Sides differ by less than this share of the depth over level ground. Beams that look some degrees
-/// past the nadir differ by no more on a slope twice as steep.
+/// Sides differ by less than this share of the depth over level ground. Beams that look some
+/// degrees past the nadir differ by no more on a slope twice as steep.
 const TILTED: f64 = 0.004;
 
 impl FlatSpot {
@@ -199,7 +199,8 @@ impl FlatSpot {
         )
     }
 
-    /// True where the bottom slopes across the track, so that both sides are nearer than it is deep.
+    /// True where the bottom slopes across the track, so that both sides are nearer than it is
+    /// deep.
     pub(crate) fn is_tilted(&self) -> bool {
         self.tilt > TILTED
     }

@@ -53,7 +53,7 @@ impl FlatSpot {
         }
         if self.is_tilted() {
             found.push(format!(
-                "The bottom slopes across the track: one side is {:.1} % farther than the other.",
+                "The bottom slopes across the track: the sides differ by {:.1} %.",
                 100.0 * self.tilt
             ));
         }
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(of(|_| ()), "");
         assert!(of(|spot| spot.length_m = 3.2).contains("short: 3.2 m"));
         assert!(of(|spot| spot.slope = -0.06).contains("slopes by 6.0 %"));
-        assert!(of(|spot| spot.tilt = 0.02).contains("2.0 % farther"));
+        assert!(of(|spot| spot.tilt = 0.02).contains("differ by 2.0 %"));
         assert!(of(|spot| spot.relief_m = 0.5).contains("varies by 50 cm"));
         assert!(of(|spot| spot.lost = 40).contains("lost the bottom at 40 of 100"));
         let lost = of(|spot| {

@@ -146,7 +146,7 @@ mod tests {
             let past_rad = overlap_rad.min(slope_rad);
             let near_m = 6.06 * slope_rad.cos() * noise;
             let far_m = 6.06 * slope_rad.cos() / (slope_rad - past_rad).cos() / noise;
-            let is_port = ping / 300 % 2 == 0;
+            let is_port = (ping / 300).is_multiple_of(2);
             PingRanges {
                 time_s: 0.1 * f64::from(ping),
                 sides_m: if is_port { [near_m, far_m] } else { [far_m, near_m] },

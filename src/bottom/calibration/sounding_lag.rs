@@ -3,8 +3,8 @@
 //! A sounder that averages its depths over seconds, or shows them late, writes those of a place
 //! that the boat has passed; the side-scan of the same ping does not. Over level ground nothing
 //! shows it. Where the bottom falls by `v` metres a second along the track, a sounding `d` that is
-//! late by `t` and the range `r` of the first returns, which lie abeam and so at one depth along the
-//! track, differ by `d - r = -v t`.
+//! late by `t` and the range `r` of the first returns, which lie abeam and so at one depth along
+//! the track, differ by `d - r = -v t`.
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
@@ -37,8 +37,8 @@ const SIGMAS: f64 = 6.0;
 const TIMES_SPREAD: f64 = 2.0;
 /// No sounder is later, seconds.
 const LONGEST_LAG_S: f64 = 10.0;
-/// Averages follow a slope with a delay, so that a first lag is too short: it is taken out, and what
-/// is left is found again, until it is less than this, seconds.
+/// Averages follow a slope with a delay, so that a first lag is too short: it is taken out, and
+/// what is left is found again, until it is less than this, seconds.
 const SETTLED_S: f64 = 0.01;
 const ROUNDS: usize = 8;
 
@@ -117,7 +117,7 @@ fn windows(survey: &Survey, ranges_m: &[f64]) -> Vec<Window> {
     let mut intervals_s: Vec<f64> =
         pings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
     let interval_s = median(&mut intervals_s);
-    if !(interval_s > 0.0) {
+    if interval_s.is_nan() || interval_s <= 0.0 {
         return Vec::new();
     }
     let reach = ((REACH_S / interval_s).round() as usize).max(LEAST_REACH);
@@ -178,7 +178,8 @@ fn sounding_m(survey: &Survey, time_s: f64) -> Option<f64> {
     Some(before_m + share * (after_m - before_m))
 }
 
-/// How much later soundings are than `lag_s`; `None` where too little slopes or windows do not agree.
+/// How much later soundings are than `lag_s`; `None` where too little slopes or windows do not
+/// agree.
 fn more_s(survey: &Survey, windows: &[Window], lag_s: f64) -> Option<SoundingLag> {
     let compared: Vec<(f64, f64)> = windows
         .iter()

@@ -61,8 +61,8 @@ pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, sid
     f64::from(survey.locked_depth_m(ping)) - range_m
 }
 
-/// For every ping, the length of the stretch of a side that it belongs to, metres; 0 outside of any.
-/// A bank and the edge of a scarp lie on one side.
+/// For every ping, the length of the stretch of a side that it belongs to, metres; 0 outside of
+/// any. A bank and the edge of a scarp lie on one side.
 pub(super) fn stretches_m(
     survey: &Survey,
     navigation: &Navigation,

@@ -15,8 +15,8 @@ const HIGHEST: f64 = 0.4;
 pub(super) struct PickTrait {
     /// Whether it is something above the bottom.
     pub(super) above_bottom: bool,
-    /// The length of the stretch of such returns, metres; 0 of the bottom, and of what is too high to
-    /// be ground.
+    /// The length of the stretch of such returns, metres; 0 of the bottom, and of what is too high
+    /// to be ground.
     pub(super) above_bottom_m: f32,
     /// Of what it is.
     pub(super) confidence: f32,

@@ -3,13 +3,14 @@
 //!
 //! Over a plane that falls off to starboard by the angle `beta`, the nearest bottom to port lies up
 //! the slope: `r = d cos(beta)`, at depth `r cos(beta)` and `r sin(beta)` out. To starboard it lies
-//! at the edge of the beam, which looks past the nadir by the overlap `p` (`Calibration::overlap_rad`): `r =
-//! d cos(beta) / cos(beta - p)`, at depth `r cos(p)` and `r sin(p)` over to port. So the two sides
-//! of the same pings give the slope, `cos(beta - p) = r_port / r_starboard`, without the recorded
-//! depth and its noise. Near level ground beta hangs on millimetres (1 % of range is 8 degrees), so
-//! the difference of the sides is a median along the track, less its own spread: what speckle and
-//! stones could have made counts as level. Among dead bands, windows, smoothers and the recorded
-//! depth as reference, this measured best on simulated gentle, steep and rough beds alike.
+//! at the edge of the beam, which looks past the nadir by the overlap `p`
+//! (`Calibration::overlap_rad`): `r = d cos(beta) / cos(beta - p)`, at depth `r cos(p)` and `r
+//! sin(p)` over to port. So the two sides of the same pings give the slope, `cos(beta - p) = r_port
+//! / r_starboard`, without the recorded depth and its noise. Near level ground beta hangs on
+//! millimetres (1 % of range is 8 degrees), so the difference of the sides is a median along the
+//! track, less its own spread: what speckle and stones could have made counts as level. Among dead
+//! bands, windows, smoothers and the recorded depth as reference, this measured best on simulated
+//! gentle, steep and rough beds alike.
 //!
 //! Where only one side has first returns, the recorded depth stands for `d`.
 
@@ -28,8 +29,8 @@ const MAX_SLOPE_DEG: f64 = 35.0;
 /// Share by which a range and a recorded depth differ on level ground, by their calibration.
 const CALIBRATED: f64 = 0.01;
 
-/// Slant ranges of both sides of a ping, and the depth below the transducer by the recorder, metres;
-/// NaN without one.
+/// Slant ranges of both sides of a ping, and the depth below the transducer by the recorder,
+/// metres; NaN without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pair {
     pub(super) time_s: f64,
@@ -88,7 +89,7 @@ pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> 
     if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
         let both_m = |pair: &Pair| pair.starboard_m.max(pair.port_m + 0.0 * pair.starboard_m);
         let deeper_m = around.middle(both_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
-        if !(certain_m > 0.0) {
+        if certain_m <= 0.0 {
             return [0.0; 2];
         }
         let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();

@@ -42,8 +42,8 @@ const HELD_TIMES: usize = 3;
 /// The first returns move by so much meanwhile, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
 
-/// A first return has to lie beyond the depth by so much to be doubted, metres: depths may be rounded
-/// to 0.1 m.
+/// A first return has to lie beyond the depth by so much to be doubted, metres: depths may be
+/// rounded to 0.1 m.
 const LEAST_BEYOND_M: f64 = 0.2;
 /// With so much confidence it is believed all the same, and the depth may be wrong, unless the
 /// other side bears the depth out: it lies within these shares of it, as on a bank.
@@ -119,7 +119,8 @@ pub(super) fn doubt_beyond(survey: &Survey, first: usize, sides: &mut [Vec<Pick>
             let is_beyond = own_m > farthest_m(depth_m).max(depth_m + LEAST_BEYOND_M);
             let is_certain =
                 pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
-            if is_beyond && !(other_m > depth_m) && !is_certain {
+            let is_other_beyond = other_m > depth_m;
+            if is_beyond && !is_other_beyond && !is_certain {
                 pick.confidence = 0.0;
             }
         }
@@ -231,8 +232,8 @@ impl Witnesses {
     }
 
     /// Slant range of the bottom below the boat at a sounding, metres: that of the deeper side, and
-    /// of the nearer one where the sides do not agree. A false depth draws the search away from the boat, so
-    /// that a side may follow it.
+    /// of the nearer one where the sides do not agree. A false depth draws the search away from the
+    /// boat, so that a side may follow it.
     fn below_m(&self, sounding: usize) -> f64 {
         let [port_m, starboard_m] = [0, 1].map(|side| self.sides_m[side][sounding]);
         let deeper_m = port_m.max(starboard_m);

@@ -254,9 +254,9 @@ pub fn detect_with(
     Ok(returns)
 }
 
-/// Searches again where soundings are of the second echo: they had drawn the line to themselves, and
-/// half of them bounds it. A held depth tells nothing of where the bottom is, so that the line found
-/// with it stays.
+/// Searches again where soundings are of the second echo: they had drawn the line to themselves,
+/// and half of them bounds it. A held depth tells nothing of where the bottom is, so that the line
+/// found with it stays.
 fn track_again(
     survey: &Survey,
     normalisation: &Normalisation,

@@ -25,8 +25,9 @@ pub struct Products {
     pub flat_spots: Arc<Vec<FlatSpot>>,
     /// First returns as they were found.
     pub found: Arc<FirstReturns>,
-    /// The survey with the soundings that first returns contradict marked as those of a lost bottom;
-    /// `None` where they contradict none, and in the provisional results of a log that grows.
+    /// The survey with the soundings that first returns contradict marked as those of a lost
+    /// bottom; `None` where they contradict none, and in the provisional results of a log that
+    /// grows.
     pub judged: Option<Arc<Survey>>,
     /// First returns with the bottom edits.
     pub returns: Arc<FirstReturns>,

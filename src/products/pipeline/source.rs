@@ -45,8 +45,8 @@ impl SourceKey {
 }
 
 /// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, the
-/// times of its soundings, the system of positions in metres, and which frequency is shown. Lever arm and heading offset act
-/// where pings are placed.
+/// times of its soundings, the system of positions in metres, and which frequency is shown. Lever
+/// arm and heading offset act where pings are placed.
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`.

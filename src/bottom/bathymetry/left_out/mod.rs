@@ -235,7 +235,7 @@ fn direction(places: &[[f64; 2]]) -> Option<[f64; 2]> {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for place in tried.step_by((places.len() / MOST_CELLS_TRIED).max(1)) {
         let (index, away_m) = near.at(*place);
-        if !(away_m > 0.0) {
+        if away_m <= 0.0 {
             continue;
         }
         let [x, y] = [0, 1].map(|axis| (others[index][axis] - place[axis]) / away_m);
