@@ -37,8 +37,12 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     let said = format!("{} line", planned.len());
     assert!(window.query_by_label_contains(&said).is_some(), "the read-out");
 
-    // A drag of the first line's end by 30 points.
-    let from = at(planned[0].to);
+    // A drag of a line's end by 30 points: of one in the middle of the map, where nothing else lies
+    // over it.
+    let middle_m = planned.iter().map(|leg| leg.to[1]).sum::<f64>() / planned.len() as f64;
+    let off_m = |line: &usize| (planned[*line].to[1] - middle_m).abs();
+    let line = (0..planned.len()).min_by(|a, b| off_m(a).total_cmp(&off_m(b))).expect("a line");
+    let from = at(planned[line].to);
     let to = from + egui::vec2(0.0, 30.0);
     window.hover_at(from);
     window.run();
@@ -52,19 +56,23 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     window.step();
     let dragged = lines(&window);
     assert_eq!(dragged.len(), planned.len());
-    assert_eq!(dragged[0].from, planned[0].from);
-    assert!(dragged[0].to[1] < planned[0].to[1] - 0.1, "{dragged:?}");
-    assert_eq!(dragged[1..], planned[1..]);
-    let there = at(dragged[0].to);
+    let others = |legs: &[Leg]| -> Vec<Leg> {
+        let legs = legs.iter().enumerate();
+        legs.filter(|(index, _)| *index != line).map(|(_, leg)| *leg).collect()
+    };
+    assert_eq!(dragged[line].from, planned[line].from);
+    assert!(dragged[line].to[1] < planned[line].to[1] - 0.1, "{dragged:?}");
+    assert_eq!(others(&dragged), others(&planned));
+    let there = at(dragged[line].to);
     assert!(there.distance(to) < 3.0, "{there:?} {to:?}");
 
     // A click on its middle selects it; the command removes it.
-    let middle = [0, 1].map(|axis| 0.5 * (dragged[0].from[axis] + dragged[0].to[axis]));
+    let middle = [0, 1].map(|axis| 0.5 * (dragged[line].from[axis] + dragged[line].to[axis]));
     click(&mut window, at(middle));
-    assert_eq!(app(&window).map.planning.selected, Some(0));
+    assert_eq!(app(&window).map.planning.selected, Some(line));
     window.state_mut().app.apply(Command::Do(Action::RemoveLine));
     window.run();
-    assert_eq!(lines(&window), dragged[1..]);
+    assert_eq!(lines(&window), others(&dragged));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(lines(&window), dragged);
     press(&mut window, Modifiers::COMMAND, Key::Z);
