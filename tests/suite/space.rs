@@ -167,16 +167,8 @@ fn products(
         bottom_line: Arc::default(),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
-            reach: PpdReach::Factor,
             flat_spot: Some(spots[0].clone()),
-            header: None,
-            fit: None,
-            offset_m: 0.0,
-            measured_offset: None,
-            offset_note: None,
-            overlap_rad: 0.0,
-            sounding_lag: None,
-            warnings: Vec::new(),
+            ..Calibration::default()
         }),
         flat_spots: Arc::new(spots),
         correction: Arc::new(correction),

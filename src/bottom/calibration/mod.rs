@@ -28,7 +28,7 @@ pub use sounding_lag::SoundingLag;
 
 #[cfg(doc)]
 use bathyscope_log::survey::RangeSource;
-use bathyscope_log::survey::SideSpan;
+use bathyscope_log::survey::{Side, SideSpan, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::str::FromStr;
@@ -158,7 +158,7 @@ pub struct FlatSpot {
     pub scatter_m: f64,
     /// First returns that may calibrate, port and starboard: not flagged, not at the search limit.
     pub picks: [usize; 2],
-    /// How much farther the bottom is on one side than on the other, as a share of the depth: it
+    /// Difference of the ranges to both sides, as a share of the depth: above 0 where the bottom
     /// slopes across the track. NaN where a side has no such first return.
     pub tilt: f64,
     /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
@@ -257,10 +257,10 @@ pub struct Calibration {
     pub measured_offset: Option<RangeOffset>,
     /// Why no offset is taken off where one was asked for, in a few words for a panel.
     pub offset_note: Option<&'static str>,
-    /// How far the beam of each side looks past the nadir, to the other side, as slopes show it,
-    /// radians; 0 where they show nothing, as on a level bed.
+    /// Angle by which the beam of each side looks past the nadir to the other side, radians, as
+    /// slopes show it; 0 where they show nothing, as on a level bed.
     pub overlap_rad: f64,
-    /// How late soundings are, as slopes along the track show it; `None` where they show no lag.
+    /// Delay of the soundings, as slopes along the track show it; `None` where they show no lag.
     pub sounding_lag: Option<SoundingLag>,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
@@ -314,6 +314,32 @@ impl Calibration {
             (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => sample / ppd.px_per_m,
             (ScaleMode::FlatSpot, PpdReach::Factor, _, Some(factor)) => factor * header_m,
             _ => header_m - self.offset_m,
+        }
+    }
+
+    /// Slant range of a pick at a sample, metres; NaN without a pick, and where the side was not
+    /// recorded.
+    pub fn pick_range_m(&self, survey: &Survey, ping: usize, side: Side, sample: f32) -> f64 {
+        let span = survey.span(ping, side);
+        span.map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
+    }
+}
+
+impl Default for Calibration {
+    /// Ranges as the recorder wrote them; nothing was measured.
+    fn default() -> Self {
+        Self {
+            mode: ScaleMode::Header,
+            reach: PpdReach::Factor,
+            flat_spot: None,
+            header: None,
+            fit: None,
+            offset_m: 0.0,
+            measured_offset: None,
+            offset_note: None,
+            overlap_rad: 0.0,
+            sounding_lag: None,
+            warnings: Vec::new(),
         }
     }
 }

@@ -34,7 +34,7 @@ pub(super) const TOLERANCE_M: f64 = 0.04;
 /// How much an offset that is more than an edge may change down to the depths of the log, and how
 /// uncertain that may be, metres: of 240 simulated logs none gets a wrong offset by these, and the
 /// river of the tests, whose recorder rounds depths to 0.1 m, keeps its.
-const MOST_DRIFT_M: f64 = 0.075;
+const MOST_DRIFT_M: f64 = 0.07;
 const MOST_UNCERTAIN_M: f64 = 0.10;
 /// Share of the deeper side's picks in a block that may be flagged as an above-bottom return: where
 /// there are more, the ground is not what was found first. Those of the other blocks count, flagged

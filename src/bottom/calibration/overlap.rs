@@ -1,11 +1,11 @@
-//! How far the beams of a side-scan look past the nadir, to the other side.
+//! The overlap of the beams: the angle by which each side looks past the nadir, to the other side.
 //!
 //! Drawings let the beam of a side end straight below the boat; those of recorders do not. It shows
 //! where the bottom slopes across the track: on the side to which it falls the first return comes
 //! from the edge of the beam, over on the rising side, and is nearer than the depth below the boat.
 //! With the ranges `n` of the rising and `f` of the falling side, the depth `d`, and `cos(a) = n /
-//! f`, a plane gives `f / d = cos(p) - sin(p) tan(a)` for beams that look past by `p`
-//! (as in `cloud::specular`). On level ground `f / d` shows how ranges and depths are calibrated to
+//! f`, a plane gives `f / d = cos(p) - sin(p) tan(a)` for beams that look past by `p` (as in
+//! `cloud::specular`). On level ground `f / d` shows how ranges and depths are calibrated to
 //! each other.
 
 use super::Calibration;
@@ -41,7 +41,8 @@ struct Block {
 }
 
 impl Block {
-    /// Of some pings; `None` where too few of them have all distances, or they are far apart.
+    /// The block of some pings; `None` where too few of them have all distances, or they are far
+    /// apart.
     fn of(pings: &[PingRanges]) -> Option<Self> {
         let [first, last] = [pings.first()?, pings.last()?];
         let is_whole = |ping: &&PingRanges| {
@@ -88,9 +89,8 @@ pub(super) fn overlap_rad(
     calibration: &Calibration,
 ) -> f64 {
     let range_m = |ping: usize, side: Side| {
-        let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
-        let found = pick.zip(survey.span(ping, side));
-        found.map_or(f64::NAN, |(pick, span)| calibration.range_m(span, f64::from(pick.sample)))
+        let pick = returns.side(side).get(ping);
+        pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
     };
     let starts: Vec<usize> = (0..survey.side_scan.len()).step_by(BLOCK).collect();
     let block_from = |start: usize| {

@@ -1,4 +1,4 @@
-//! How late soundings are against the first returns recorded with them.
+//! The delay of soundings behind the first returns recorded with them.
 //!
 //! A sounder that averages its depths over seconds, or shows them late, writes those of a place
 //! that the boat has passed; the side-scan of the same ping does not. Over level ground nothing
@@ -8,7 +8,7 @@
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, spread_about, weighted_median};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, weighted_median};
 use bathyscope_log::survey::{Side, Survey};
 
 /// Time to both sides of a ping over which ranges rise or fall evenly, seconds, and fewest pings of
@@ -42,7 +42,7 @@ const LONGEST_LAG_S: f64 = 10.0;
 const SETTLED_S: f64 = 0.01;
 const ROUNDS: usize = 8;
 
-/// How late soundings are.
+/// The delay of soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoundingLag {
     /// Seconds after the first returns recorded with them.
@@ -93,9 +93,8 @@ impl SoundingLag {
 /// Range of the first returns of a ping where both sides are as far, metres; else NaN.
 fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, ping: usize) -> f64 {
     let [port_m, starboard_m] = Side::BOTH.map(|side| {
-        let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
-        let found = pick.zip(survey.span(ping, side));
-        found.map_or(f64::NAN, |(pick, span)| calibration.range_m(span, f64::from(pick.sample)))
+        let pick = returns.side(side).get(ping);
+        pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
     });
     let farther_m = port_m.max(starboard_m);
     match (port_m - starboard_m).abs() <= SIDES_AGREE * farther_m {
@@ -138,7 +137,7 @@ fn windows(survey: &Survey, ranges_m: &[f64]) -> Vec<Window> {
 }
 
 impl Window {
-    /// Of some ranges; `None` where they do not lie on a line.
+    /// The window of some ranges; `None` where they do not lie on a line.
     fn of(ranges: Vec<[f64; 2]>) -> Option<Self> {
         let count = ranges.len() as f64;
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).sum::<f64>() / count;
@@ -178,7 +177,7 @@ fn sounding_m(survey: &Survey, time_s: f64) -> Option<f64> {
     Some(before_m + share * (after_m - before_m))
 }
 
-/// How much later soundings are than `lag_s`; `None` where too little slopes or windows do not
+/// The delay of soundings beyond `lag_s`; `None` where too little slopes or windows do not
 /// agree.
 fn more_s(survey: &Survey, windows: &[Window], lag_s: f64) -> Option<SoundingLag> {
     let compared: Vec<(f64, f64)> = windows
@@ -200,12 +199,10 @@ fn more_s(survey: &Survey, windows: &[Window], lag_s: f64) -> Option<SoundingLag
     };
     let mut lags: Vec<(f64, f64)> = sloping().map(lag).collect();
     let more_s = weighted_median(&mut lags);
-    let mut all_s: Vec<f64> = lags.iter().map(|(lag_s, _)| *lag_s).collect();
     for (lag_s, _) in &mut lags {
         *lag_s = (*lag_s - more_s).abs();
     }
-    let spread_s =
-        (SIGMA_PER_MAD * weighted_median(&mut lags)).min(spread_about(&mut all_s, more_s));
+    let spread_s = SIGMA_PER_MAD * weighted_median(&mut lags);
     let is_alike = TIMES_SPREAD * spread_s < (lag_s + more_s).abs().max(LEAST_LAG_S);
     let standard_error_s = spread_s / (count as f64 / SHARED).sqrt();
     is_alike.then_some(SoundingLag { lag_s: more_s, standard_error_s })
@@ -214,7 +211,6 @@ fn more_s(survey: &Survey, windows: &[Window], lag_s: f64) -> Option<SoundingLag
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::{PpdReach, ScaleMode};
     use crate::first_return::Pick;
     use bathyscope_log::survey::{SidePing, SideSpan, Sounding};
     use std::sync::Arc;
@@ -252,20 +248,7 @@ mod tests {
         let picks: Arc<Vec<Pick>> = Arc::new((0..count).map(pick).collect());
         let returns =
             FirstReturns { port: picks.clone(), starboard: picks, ..FirstReturns::default() };
-        let calibration = Calibration {
-            mode: ScaleMode::Header,
-            reach: PpdReach::Factor,
-            flat_spot: None,
-            header: None,
-            fit: None,
-            offset_m: 0.0,
-            measured_offset: None,
-            offset_note: None,
-            overlap_rad: 0.0,
-            sounding_lag: None,
-            warnings: Vec::new(),
-        };
-        SoundingLag::of(&survey, &returns, &calibration)
+        SoundingLag::of(&survey, &returns, &Calibration::default())
     }
 
     #[test]

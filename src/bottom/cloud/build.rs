@@ -16,20 +16,6 @@ use bathyscope_log::survey::{Navigation, Side, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Slant range of a pick by the calibration in force, metres; NaN without a pick.
-pub fn slant_range_m(
-    survey: &Survey,
-    calibration: &Calibration,
-    ping: usize,
-    side: Side,
-    sample: f32,
-) -> f64 {
-    let Some(span) = survey.span(ping, side) else {
-        return f64::NAN;
-    };
-    calibration.range_m(span, f64::from(sample))
-}
-
 /// Builds the cloud: [`place`] for a single time.
 ///
 /// # Errors

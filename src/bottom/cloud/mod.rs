@@ -33,7 +33,7 @@ mod specular;
 mod swath;
 
 use bathyscope_log::named;
-pub use build::{build, place, slant_range_m};
+pub use build::{build, place};
 pub use by_source::BySource;
 pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use correction::{Correction, DepthReference, DepthSettings};

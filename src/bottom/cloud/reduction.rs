@@ -106,26 +106,13 @@ impl<'a> Reduction<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::{PpdReach, ScaleMode};
     use crate::cloud::DepthSettings;
     use crate::cloud::correction::SoundSpeedSettings;
 
     #[test]
     fn a_range_comes_back_to_its_sample_and_a_depth_names_what_it_counts_from() {
         let span = SideSpan::of_bytes(1000, [0.5, 20.5]);
-        let calibration = Calibration {
-            mode: ScaleMode::Header,
-            reach: PpdReach::Factor,
-            flat_spot: None,
-            header: None,
-            fit: None,
-            offset_m: -0.05,
-            measured_offset: None,
-            offset_note: None,
-            overlap_rad: 0.0,
-            sounding_lag: None,
-            warnings: Vec::new(),
-        };
+        let calibration = Calibration { offset_m: -0.05, ..Calibration::default() };
         let settings = DepthSettings {
             draft_m: 0.3,
             sound_speed: SoundSpeedSettings { m_s: Some(1470.0), ..SoundSpeedSettings::default() },

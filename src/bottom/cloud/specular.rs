@@ -87,11 +87,14 @@ pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> 
     let mut around = Around::new(pairs, ping);
     let steepest = MAX_SLOPE_DEG.to_radians();
     if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
-        let both_m = |pair: &Pair| pair.starboard_m.max(pair.port_m + 0.0 * pair.starboard_m);
-        let deeper_m = around.middle(both_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
         if certain_m <= 0.0 {
             return [0.0; 2];
         }
+        let farther_m = |pair: &Pair| match (pair.starboard_m - pair.port_m).is_nan() {
+            true => f64::NAN,
+            false => pair.starboard_m.max(pair.port_m),
+        };
+        let deeper_m = around.middle(farther_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
         let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();
         let slope_rad = (over_rad + overlap_rad).min(steepest);
         return match difference_m > 0.0 {

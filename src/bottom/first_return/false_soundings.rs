@@ -7,7 +7,7 @@
 //! written as the last depth for as long as it is lost: it stays the same to the last digit while
 //! both sides move.
 
-use super::{FirstReturns, Pick, farthest_m};
+use super::{FirstReturns, Pick};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Side, SidePing, Sounding, Survey, nearest_in_time};
 use rayon::prelude::*;
@@ -41,14 +41,6 @@ const HELD: usize = 12;
 const HELD_TIMES: usize = 3;
 /// The first returns move by so much meanwhile, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
-
-/// A first return has to lie beyond the depth by so much to be doubted, metres: depths may be
-/// rounded to 0.1 m.
-const LEAST_BEYOND_M: f64 = 0.2;
-/// With so much confidence it is believed all the same, and the depth may be wrong, unless the
-/// other side bears the depth out: it lies within these shares of it, as on a bank.
-const CERTAIN: f32 = 0.6;
-const BEARS_OUT: Range<f64> = 0.75..1.0;
 
 /// The fault of a sounder that explains a stretch of false depths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,29 +96,6 @@ pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
     returns.false_soundings = Arc::new(found);
 }
 
-/// Takes the confidence from first returns farther away than the bottom below the boat. They keep
-/// it where the other side is beyond the depth too, for the depth may be wrong or the beams end
-/// beside the nadir, and where they are certain and the other side does not bear the depth out.
-/// `sides` are port and starboard from the ping `first` on.
-pub(super) fn doubt_beyond(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
-    for index in 0..sides[0].len() {
-        let depth_m = f64::from(survey.locked_depth_m(first + index));
-        let ranges_m = Side::BOTH
-            .map(|side| pick_range_m(survey, first + index, side, &sides[side as usize][index]));
-        for side in Side::BOTH {
-            let (own_m, other_m) = (ranges_m[side as usize], ranges_m[side.other() as usize]);
-            let pick = &mut sides[side as usize][index];
-            let is_beyond = own_m > farthest_m(depth_m).max(depth_m + LEAST_BEYOND_M);
-            let is_certain =
-                pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
-            let is_other_beyond = other_m > depth_m;
-            if is_beyond && !is_other_beyond && !is_certain {
-                pick.confidence = 0.0;
-            }
-        }
-    }
-}
-
 /// The pings whose depth is of false soundings.
 fn pings_of(survey: &Survey, false_soundings: &[FalseSoundings]) -> Vec<usize> {
     let is_false =
@@ -154,7 +123,8 @@ fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> 
     pick.map_or(f64::NAN, |pick| pick_range_m(survey, ping, side, pick))
 }
 
-fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
+/// As [`range_m`], of a pick.
+pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
     let span = survey.span(ping, side).filter(|_| pick.is_some());
     span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
 }

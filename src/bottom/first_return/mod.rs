@@ -11,6 +11,7 @@
 
 mod above_bottom;
 mod accepted;
+mod beyond_depth;
 mod bottom_line;
 mod confidence;
 mod false_soundings;
@@ -278,14 +279,6 @@ fn track_again(
     Ok(())
 }
 
-/// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
-/// scales of ranges and depths, their rounding and their noise make no more of a difference.
-fn farthest_m(depth_m: f64) -> f64 {
-    const SHALLOW: f64 = 1.08;
-    const DEEP: (f64, f64) = (1.03, 0.2);
-    (SHALLOW * depth_m).min(DEEP.0 * depth_m + DEEP.1)
-}
-
 fn none(survey: &Survey) -> FirstReturns {
     let none = Arc::new(vec![Pick::NONE; survey.side_scan.len()]);
     FirstReturns { port: none.clone(), starboard: none, ..FirstReturns::default() }
@@ -366,7 +359,7 @@ pub fn track_range(
         method: Method::Tracker,
     }
     .picks();
-    false_soundings::doubt_beyond(survey, around.start, &mut sides);
+    beyond_depth::doubt(survey, around.start, &mut sides);
     for picks in &mut sides {
         picks.truncate(pings.end - around.start);
         picks.drain(..pings.start - around.start);

@@ -4,8 +4,8 @@
 //! running maxima are few (six to ten of 1400 samples), so they are kept once per side of a ping,
 //! and any level is a search among them.
 
+use super::beyond_depth::doubt;
 use super::confidence::{Gathering, MethodPick};
-use super::false_soundings::doubt_beyond;
 use super::normalise::{BLOCK, dead_samples};
 use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, int32_image};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -111,7 +111,7 @@ impl ThresholdIndex {
             method: Method::Threshold,
         }
         .picks();
-        doubt_beyond(survey, 0, &mut sides);
+        doubt(survey, 0, &mut sides);
         let [port, starboard] = sides;
         FirstReturns {
             port: Arc::new(port),

@@ -19,9 +19,9 @@ pub(super) fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure
     let folder = args.output.as_deref().ok_or(
         "tiles go into the folder of an archive, which many runs share; name it with -o DIR",
     )?;
-    if args.adjust || args.reference.is_some() || !args.review.is_empty() {
+    if args.adjust || args.latency || args.reference.is_some() || !args.review.is_empty() {
         return Err(
-            "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)".into(),
+            "tiles are written of each log by itself: --adjust, --latency, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)".into(),
         );
     }
     let Some(first) = inputs.first() else {

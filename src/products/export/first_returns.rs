@@ -3,7 +3,6 @@
 use super::fixed::Fixed;
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_summed};
-use bathyscope_bottom::cloud::slant_range_m;
 use bathyscope_log::support::geo::compass_deg;
 use bathyscope_log::survey::{ExclusionReason, Side};
 use std::io::{self, Write};
@@ -53,7 +52,7 @@ fn write_ping(
     for side in [Side::Port, Side::Starboard] {
         let pick = (log.returns.side(side).get(index)).filter(|pick| pick.is_some());
         let [sample, range_m, confidence] = pick.map_or([f64::NAN; 3], |pick| {
-            let range_m = slant_range_m(survey, log.calibration, index, side, pick.sample);
+            let range_m = log.calibration.pick_range_m(survey, index, side, pick.sample);
             [f64::from(pick.sample), range_m, f64::from(pick.confidence)]
         });
         number(out, sample, 2)?;

@@ -6,9 +6,9 @@
 //! They are left out in squares of a few cells for the noise of the depths themselves, and for the
 //! ground between lines in squares as large as the gaps between them, and in strips along the lines
 //! as wide: whole lines are predicted from their neighbours, as the ground between them is. On a
-//! bank along a line its own soundings predict each other well. `by_distance`
-//! says how the error grows with the distance to the nearest sounding, `roughness` where it is
-//! larger or smaller than that.
+//! bank along a line its own soundings predict each other well. `by_distance` says how the error
+//! grows with the distance to the nearest sounding, `roughness` where it is larger or smaller than
+//! that.
 
 mod by_distance;
 mod roughness;
@@ -146,17 +146,18 @@ impl StatedError {
         let dense = nodes.iter().filter(|node| {
             step == 1 || column_and_row(node, squares.large_m)[0].rem_euclid(step as i64) == 0
         });
-        let near = misses(dense.copied().collect(), squares.small_m, between, progress)?;
+        let square = |side_m: f64| move |node: &Node| square_of(node, side_m);
+        let near = misses(dense.copied().collect(), square(squares.small_m), between, progress)?;
         let thin: Vec<Node> = nodes.iter().step_by(step).copied().collect();
         let places: Vec<[f64; 2]> = thin.iter().map(Node::place).collect();
         let strips = match direction(&places) {
             Some(along) => {
-                let strips = strips_cut(along, squares.large_m);
-                misses_of_parts(thin.clone(), &strips, between, progress)?
+                let strip = |node: &Node| strip_of(node, along, squares.large_m);
+                misses(thin.clone(), strip, between, progress)?
             }
             None => Vec::new(),
         };
-        let mut far = misses(thin, squares.large_m, between, progress)?;
+        let mut far = misses(thin, square(squares.large_m), between, progress)?;
         if near.len() < LEAST_MISSES || far.len() < LEAST_MISSES {
             return Ok(None);
         }
@@ -198,33 +199,16 @@ impl StatedErrorSampler<'_> {
     }
 }
 
-/// What triangles miss of the soundings of a quarter of all squares at a time.
-fn misses(
-    nodes: Vec<Node>,
-    square_m: f64,
-    between: Between,
-    progress: &Progress,
-) -> Result<Vec<LeftOutMiss>, Cancelled> {
-    misses_of_parts(nodes, &squares_cut(square_m), between, progress)
+/// The number of the square that a node lies in; neighbours have others.
+fn square_of(node: &Node, side_m: f64) -> i64 {
+    let [column, row] = column_and_row(node, side_m);
+    column + 2 * row
 }
 
-/// The number of the square or strip that a node lies in: of four numbers in a row one is left out
-/// at a time.
-type FoldOf = Box<dyn Fn(&Node) -> i64 + Sync>;
-
-fn squares_cut(square_m: f64) -> FoldOf {
-    Box::new(move |node| {
-        let [column, row] = column_and_row(node, square_m);
-        column + 2 * row
-    })
-}
-
-/// Strips along a direction.
-fn strips_cut([x, y]: [f64; 2], width_m: f64) -> FoldOf {
-    Box::new(move |node| {
-        let [east_m, north_m] = node.place();
-        ((east_m * y - north_m * x) / width_m).floor() as i64
-    })
+/// The number of the strip along a direction that a node lies in.
+fn strip_of(node: &Node, [x, y]: [f64; 2], width_m: f64) -> i64 {
+    let [east_m, north_m] = node.place();
+    ((east_m * y - north_m * x) / width_m).floor() as i64
 }
 
 /// Unit vector along the lines that most places lie on; `None` where they lie on none.
@@ -247,16 +231,17 @@ fn direction(places: &[[f64; 2]]) -> Option<[f64; 2]> {
     (is_along && count > 0.0).then(|| [angle_rad.cos(), angle_rad.sin()])
 }
 
-/// What triangles miss of the soundings of a quarter of all squares or strips at a time.
-fn misses_of_parts(
+/// The errors of triangles at soundings that are left out, those of every fourth part at a time;
+/// `part_of` is the number of the square or strip that a node lies in.
+fn misses(
     nodes: Vec<Node>,
-    fold_of: &FoldOf,
+    part_of: impl Fn(&Node) -> i64 + Sync,
     between: Between,
     progress: &Progress,
 ) -> Result<Vec<LeftOutMiss>, Cancelled> {
     let of_fold = |fold: usize| {
         progress.check()?;
-        let is_out = |node: &&Node| fold_of(node).rem_euclid(FOLDS as i64) as usize == fold;
+        let is_out = |node: &&Node| part_of(node).rem_euclid(FOLDS as i64) as usize == fold;
         let (out, used): (Vec<Node>, Vec<Node>) = nodes.iter().partition(is_out);
         Ok(predicted(&out, used, between))
     };

@@ -1,13 +1,13 @@
 //! What the recorded depth says about where the line can lie.
 
-use super::super::farthest_m;
+use super::super::beyond_depth::farthest_m;
 use super::TUNING;
 use super::runs::TrackerChunk;
 use super::score::Scores;
 use bathyscope_log::survey::Survey;
 use std::ops::Range;
 
-/// A stretch goes on over so many rows that do not lie beyond the depth.
+/// A stretch goes on over so many rows that do not lie far beyond the depth.
 const PAUSE: usize = 8;
 
 /// The recorded depth along a chunk, in cells of its picture.
@@ -40,13 +40,20 @@ impl Depths {
         }
     }
 
-    /// The stretches in which the line lies beyond the recorded depth: the bottom below the boat
-    /// returns at that range, so nothing farther can be the first return. Under a boulder's or a
-    /// wreck's echo the line runs on along the ground, and beside a wall it may leap there.
-    pub(super) fn beyond(&self, line: &[usize]) -> Vec<Range<usize>> {
+    /// True where some of the line lies beyond the recorded depth: the bottom below the boat returns
+    /// at that range, so nothing farther can be the first return. Under a boulder's or a wreck's
+    /// echo the line runs on along the ground.
+    pub(super) fn is_passed(&self, line: &[usize]) -> bool {
+        self.known().any(|(row, depth)| line[row] > self.limit(depth))
+    }
+
+    /// The stretches in which the line lies far beyond the recorded depth, as where it leapt to a
+    /// wall. A little beyond it is the edge of the bottom where the depth is late or rounded.
+    pub(super) fn leaps(&self, line: &[usize]) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
-        let is_beyond = |&(row, depth): &(usize, f64)| line[row] > self.limit(depth);
-        for (row, _) in self.known().filter(is_beyond) {
+        let is_far =
+            |&(row, depth): &(usize, f64)| line[row] > self.cell(TUNING.leap_share * depth);
+        for (row, _) in self.known().filter(is_far) {
             match stretches.last_mut() {
                 Some(last) if row - last.end <= PAUSE => last.end = row + 1,
                 _ => stretches.push(row..row + 1),
@@ -55,10 +62,19 @@ impl Depths {
         stretches
     }
 
-    /// Lowers what lies beyond the recorded depth in some rows; a `share` of -1 takes it back.
-    pub(super) fn forbid_beyond(&self, rows: &Range<usize>, share: f32, scores: &mut Scores) {
+    /// Lowers what lies beyond the recorded depth in some rows.
+    pub(super) fn forbid_beyond(&self, rows: &Range<usize>, scores: &mut Scores) {
+        self.lower_beyond(rows, TUNING.farther_cost, scores);
+    }
+
+    /// Takes [`Depths::forbid_beyond`] back.
+    pub(super) fn allow_beyond(&self, rows: &Range<usize>, scores: &mut Scores) {
+        self.lower_beyond(rows, -TUNING.farther_cost, scores);
+    }
+
+    fn lower_beyond(&self, rows: &Range<usize>, cost: f32, scores: &mut Scores) {
         for (row, depth) in self.known().filter(|(row, _)| rows.contains(row)) {
-            scores.lower(row, self.limit(depth).., share * TUNING.farther_cost);
+            scores.lower(row, self.limit(depth).., cost);
         }
     }
 

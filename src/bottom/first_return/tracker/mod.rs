@@ -69,6 +69,8 @@ struct Tuning {
     /// beyond: beside walls, and over ground beside boulders, it is 2.2 to 3.5 where the bottom is
     /// there, and below 1.2 where it is not (a slope, a depth that is late).
     within_evidence: f32,
+    /// Share of the recorded depth beyond which the line has leapt.
+    leap_share: f64,
 }
 
 const TUNING: Tuning = Tuning {
@@ -86,6 +88,7 @@ const TUNING: Tuning = Tuning {
     depth_trust: 0.9,
     farther_cost: 8.0,
     within_evidence: 1.7,
+    leap_share: 1.25,
 };
 
 /// What is found on both sides (port, starboard) of `pings`.
@@ -135,23 +138,26 @@ impl Workspace {
     /// too.
     fn line_within(&mut self, depths: &depth::Depths, motion: &viterbi::MotionCost) -> Vec<usize> {
         let line = self.paths.line(self.scores.grid(), motion);
-        let beyond = depths.beyond(&line);
-        if beyond.is_empty() {
+        if !depths.is_passed(&line) {
             return line;
         }
         if depths.bounds(&line) {
-            depths.forbid_beyond(&(0..line.len()), 1.0, &mut self.scores);
+            depths.forbid_beyond(&(0..line.len()), &mut self.scores);
             return self.paths.line(self.scores.grid(), motion);
         }
-        for rows in &beyond {
-            depths.forbid_beyond(rows, 1.0, &mut self.scores);
+        let leaps = depths.leaps(&line);
+        if leaps.is_empty() {
+            return line;
+        }
+        for rows in &leaps {
+            depths.forbid_beyond(rows, &mut self.scores);
         }
         let within = self.paths.line(self.scores.grid(), motion);
         let mut is_restored = false;
-        for rows in &beyond {
+        for rows in &leaps {
             let evidence = line::mean_score(self.scores.grid(), &within, rows);
             if evidence < TUNING.within_evidence {
-                depths.forbid_beyond(rows, -1.0, &mut self.scores);
+                depths.allow_beyond(rows, &mut self.scores);
                 is_restored = true;
             }
         }

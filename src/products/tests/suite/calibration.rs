@@ -194,13 +194,8 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
                 if pick.above_bottom {
                     continue;
                 }
-                let range_m = bathyscope_bottom::cloud::slant_range_m(
-                    &pond.survey,
-                    &products.calibration,
-                    ping,
-                    side,
-                    pick.sample,
-                );
+                let range_m =
+                    products.calibration.pick_range_m(&pond.survey, ping, side, pick.sample);
                 let bottom_point = bathyscope_bottom::cloud::fixed_bottom_point(
                     settings.cloud.geometry,
                     range_m,

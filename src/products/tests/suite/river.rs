@@ -2,7 +2,6 @@
 //! cloud.
 
 use crate::truth::processed;
-use bathyscope_bottom::cloud::slant_range_m;
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_products::pipeline::Products;
 
@@ -10,7 +9,7 @@ use bathyscope_products::pipeline::Products;
 fn ranges(survey: &Survey, products: &Products, side: Side) -> Vec<f64> {
     let picks = products.returns.side(side).iter().enumerate();
     picks
-        .map(|(ping, pick)| slant_range_m(survey, &products.calibration, ping, side, pick.sample))
+        .map(|(ping, pick)| products.calibration.pick_range_m(survey, ping, side, pick.sample))
         .collect()
 }
 

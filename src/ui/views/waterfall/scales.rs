@@ -254,7 +254,7 @@ mod tests {
     use super::*;
     use crate::ui::views::waterfall::camera::EXTENT;
     use crate::ui::views::waterfall::camera::{Camera, PictureExtent, Size};
-    use bathyscope_bottom::calibration::{Calibration, PpdReach, ScaleMode};
+    use bathyscope_bottom::calibration::Calibration;
     use bathyscope_bottom::cloud::Correction;
     use bathyscope_log::survey::SidePing;
     use egui::{Rect, pos2, vec2};
@@ -271,19 +271,7 @@ mod tests {
             starboard: Some(span),
         };
         let survey = Survey { side_scan: Arc::new(vec![ping; 50]), ..Survey::default() };
-        let calibration = Calibration {
-            mode: ScaleMode::Header,
-            reach: PpdReach::Factor,
-            flat_spot: None,
-            header: None,
-            fit: None,
-            offset_m: -0.4,
-            measured_offset: None,
-            offset_note: None,
-            overlap_rad: 0.0,
-            sounding_lag: None,
-            warnings: Vec::new(),
-        };
+        let calibration = Calibration { offset_m: -0.4, ..Calibration::default() };
         let correction = Correction::default();
         let reduction = Reduction::new(&calibration, &correction);
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(500.0, 400.0));
