@@ -4,7 +4,6 @@ use crate::resources::processor_s;
 use bathyscope::app::{App, Jobs, MapLayer, View};
 use bathyscope::ui::ViewContext;
 use bathyscope::ui::views::MapView;
-use bathyscope_bottom::calibration::{Calibration, PpdReach, ScaleMode};
 use bathyscope_bottom::cloud::{Correction, PointCloud, ping_depths};
 use bathyscope_bottom::first_return;
 use bathyscope_log::formats;

@@ -6,7 +6,7 @@ use bathyscope::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeCh
 use bathyscope::ui::views::{CloudView, MapView};
 use bathyscope::ui::{ViewContext, ViewRequest};
 use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
-use bathyscope_bottom::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
+use bathyscope_bottom::calibration::{Calibration, FlatSpot, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::{
     CloudPoint, Correction, PointClass, PointCloud, PointSource, RecordIndex, ping_depths,
 };
