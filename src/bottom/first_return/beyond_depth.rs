@@ -1,5 +1,5 @@
-//! First returns beyond the recorded depth: the bottom below the boat returns at that range, so that
-//! nothing farther can be the first one, unless the depth is wrong.
+//! First returns beyond the recorded depth: the bottom below the boat returns at that range, so
+//! that nothing farther can be the first one, unless the depth is wrong.
 
 use super::Pick;
 use super::false_soundings::pick_range_m;

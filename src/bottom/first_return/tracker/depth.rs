@@ -40,9 +40,9 @@ impl Depths {
         }
     }
 
-    /// True where some of the line lies beyond the recorded depth: the bottom below the boat returns
-    /// at that range, so nothing farther can be the first return. Under a boulder's or a wreck's
-    /// echo the line runs on along the ground.
+    /// True where some of the line lies beyond the recorded depth: the bottom below the boat
+    /// returns at that range, so nothing farther can be the first return. Under a boulder's or a
+    /// wreck's echo the line runs on along the ground.
     pub(super) fn is_passed(&self, line: &[usize]) -> bool {
         self.known().any(|(row, depth)| line[row] > self.limit(depth))
     }
