@@ -82,7 +82,7 @@ impl SoundingLag {
     /// The sentence about it.
     pub(super) fn warning(&self) -> String {
         format!(
-            "Where the bottom rises or falls along the track, soundings are those of {:.2} s before (standard error {:.2} s), as the first returns of both sides show: the recorder averages its depths, or is late. Add {:.2} s to mounting.sounding_lag_s, or process with --latency.",
+            "Where the bottom rises or falls along the track, soundings are those of {:.2} s before (standard error {:.2} s), as the first returns of both sides show: the recorder averages its depths, or is late. Apply the sounding lag adds {:.2} s to mounting.sounding_lag_s; so does process --latency.",
             self.lag_s,
             self.standard_error_s,
             self.told_s()

@@ -70,7 +70,7 @@ impl Products {
     /// The sentence about positions that are late, or early, where crossings contradict the latency
     /// in force. A lag of the soundings looks like positions that are early: what is known of it is
     /// no latency.
-    pub(super) fn latency_warning(&self) -> Option<String> {
+    pub fn latency_warning(&self) -> Option<String> {
         let found = self.latency?;
         let lag = self.calibration.sounding_lag;
         let latency = LogLatency {
