@@ -76,9 +76,15 @@ impl App {
         match self.findings.heights.poll() {
             Stands::Still => {}
             Stands::Found => {
-                let meets = |(_, offset): (LogId, &LogOffset)| offset.log_overlaps > 0;
-                if !self.height_offsets().is_some_and(|found| found.logs().any(meets)) {
+                let any = |is: fn(&LogOffset) -> bool| {
+                    let found = self.height_offsets();
+                    found.is_some_and(|found| found.logs().any(|(_, offset)| is(offset)))
+                };
+                if !any(|offset| offset.log_overlaps > 0) {
                     let text = "the tracks of these logs do not cross, so their heights cannot be compared";
+                    self.notify(text.to_owned(), true);
+                } else if !any(LogOffset::is_determined) {
+                    let text = "where these logs cross, their depths contradict each other: no height offset is determined";
                     self.notify(text.to_owned(), true);
                 }
             }
@@ -95,7 +101,7 @@ impl App {
             return self.notify(text.to_owned(), true);
         };
         let before = self.step_now();
-        for (id, offset) in found.logs().filter(|(_, offset)| offset.log_overlaps > 0) {
+        for (id, offset) in found.logs().filter(|(_, offset)| offset.is_determined()) {
             if let Some(log) = self.open_log(id) {
                 let mut own = LogSettings::clone(&log.own);
                 own.set(KEY, Value::Float(offset.applied_m()));

@@ -124,6 +124,9 @@ fn of_log(row: &OffsetRow) -> String {
     let how = match (row.is_pinned, row.ties) {
         (true, _) => "pinned".to_owned(),
         (false, 0) => "not tied".to_owned(),
+        (false, _) if row.standard_error_m.is_nan() => {
+            "not determined, for its ties contradict each other".to_owned()
+        }
         (false, ties) => format!(
             "standard error {:.4} m, {}, group {}",
             row.standard_error_m,

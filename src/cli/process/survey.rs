@@ -206,7 +206,9 @@ fn adjusted(
     let found = height_offsets(logs, Datum::Mean, progress)?;
     let with = |(log, offset): (&ProcessedLog, &LogOffset)| {
         let mut settings = Settings::clone(&log.products.settings);
-        settings.height_offset_m = offset.applied_m();
+        if offset.log_overlaps == 0 || offset.is_determined() {
+            settings.height_offset_m = offset.applied_m();
+        }
         processed(&log.survey, &settings, Some(log), status, progress)
     };
     logs.iter().zip(&found.logs).map(with).collect()

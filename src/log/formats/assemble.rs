@@ -43,7 +43,11 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     if fixes.is_empty() {
         log.report.log("the log holds no position; nothing in it can be placed on a map");
     }
-    let track = Track { projected: log.projected.take(), ..Track::new(fixes) };
+    let track = Track {
+        projected: log.projected.take(),
+        has_assumed_times: !log.has_times,
+        ..Track::new(fixes)
+    };
     warn_of_lost_fixes(&track, &soundings, &side_scan, &log.report);
     let mut channels: Vec<Channel> = log.channels.into_iter().map(|(_, channel)| channel).collect();
     channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));

@@ -39,9 +39,15 @@ const KNOWN_INTERVALS_S: [f64; 9] = [30.0, 15.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 
 const LEAST_CHANGE: f64 = 0.8;
 /// Records closer together than this share of a fix interval repeat fixes.
 const REPEATS: f64 = 0.9;
+/// The share of the fixes that nearly all stands for.
+const NEARLY_ALL: f64 = 0.95;
 /// Between fixes farther apart than this, seconds (or six fix intervals, where those are longer),
 /// nobody knows where the boat was.
 const LONGEST_BRIDGE_S: f64 = 10.0;
+/// Where times are assumed, nobody knows where the boat was between fixes farther apart than this,
+/// metres (or three times as far as nearly all fixes are, where that is farther): rows are missing
+/// there.
+const LONGEST_BRIDGE_M: f64 = 30.0;
 
 /// Where the boat is at a time, and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +78,7 @@ pub(super) struct FittedTrack {
     half_window_s: f64,
     reach_s: f64,
     bridge_s: f64,
+    bridge_m: f64,
     /// Smallest step between two recorded positions, metres: what the recorder's rounding lets
     /// through.
     resolution_m: f64,
@@ -81,6 +88,11 @@ impl FittedTrack {
     /// `window_s` is widened where the fixes come too rarely for it.
     pub(super) fn new(track: &Track, window_s: f64) -> Self {
         let stays = stays(track);
+        if track.has_assumed_times
+            && let Some(in_order) = Self::in_order(track, &stays, window_s)
+        {
+            return in_order;
+        }
         let interval_s = fix_interval_s(&stays);
         let repeats = record_interval_s(track) < REPEATS * interval_s;
         let places = places(&stays, if repeats { interval_s } else { 0.0 });
@@ -90,8 +102,42 @@ impl FittedTrack {
             half_window_s: window_s.max(4.0 * interval_s) / 2.0,
             reach_s: REACH_S + interval_s,
             bridge_s: LONGEST_BRIDGE_S.max(6.0 * interval_s),
+            bridge_m: f64::INFINITY,
             resolution_m: resolution_m(&stays),
         }
+    }
+
+    /// A track whose times are assumed and whose records repeat fixes: each fix is true at its first
+    /// record, and how long it is repeated says nothing. `None` where each record has a place of
+    /// its own.
+    fn in_order(track: &Track, stays: &[Stay], window_s: f64) -> Option<Self> {
+        let mut between_s: Vec<f64> =
+            stays.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
+        between_s.sort_unstable_by(f64::total_cmp);
+        let mut steps_m: Vec<f64> =
+            stays.windows(2).map(|pair| step_m(&pair[0], &pair[1])).collect();
+        steps_m.sort_unstable_by(f64::total_cmp);
+        if between_s.is_empty() || record_interval_s(track) >= REPEATS * quantile(&between_s, 0.5) {
+            return None;
+        }
+        let usual_s = quantile(&between_s, 0.5);
+        let longest_s = quantile(&between_s, NEARLY_ALL);
+        let place = |stay: &Stay| TimedPosition {
+            time_s: stay.first_s,
+            east_m: stay.east_m,
+            north_m: stay.north_m,
+            weight: 1.0,
+        };
+        let places: Vec<TimedPosition> = stays.iter().map(place).collect();
+        Some(Self {
+            segments: segments(&places, 3.0 * longest_s),
+            places,
+            half_window_s: window_s.max(4.0 * usual_s) / 2.0,
+            reach_s: usual_s,
+            bridge_s: 6.0 * longest_s,
+            bridge_m: LONGEST_BRIDGE_M.max(3.0 * quantile(&steps_m, NEARLY_ALL)),
+            resolution_m: resolution_m(stays),
+        })
     }
 
     /// Position and velocity at a time. In short gaps of the fixes the position is interpolated and
@@ -121,9 +167,15 @@ impl FittedTrack {
         let sides = sides.map(|side| side.and_then(|index| self.places.get(index)));
         let is_near = |place: &TimedPosition| (place.time_s - time_s).abs() <= self.reach_s;
         match sides {
-            [Some(before), Some(after)] if after.time_s - before.time_s <= self.bridge_s => true,
+            [Some(before), Some(after)] if self.is_bridged(before, after) => true,
             sides => sides.into_iter().flatten().any(is_near),
         }
+    }
+
+    /// True where fixes that follow each other are close enough to know the way between them.
+    fn is_bridged(&self, before: &TimedPosition, after: &TimedPosition) -> bool {
+        let apart_m = (after.east_m - before.east_m).hypot(after.north_m - before.north_m);
+        after.time_s - before.time_s <= self.bridge_s && apart_m <= self.bridge_m
     }
 
     /// The fit over the whole window, or over a narrower one where the boat turns, and half the
@@ -189,6 +241,10 @@ struct Stay {
     north_m: f64,
 }
 
+fn step_m(from: &Stay, to: &Stay) -> f64 {
+    (to.east_m - from.east_m).hypot(to.north_m - from.north_m)
+}
+
 fn stays(track: &Track) -> Vec<Stay> {
     let mut stays: Vec<Stay> = Vec::new();
     let mut shown = None;
@@ -214,7 +270,7 @@ fn stays(track: &Track) -> Vec<Stay> {
 fn drop_stale_repeats(stays: &mut [Stay]) {
     for index in 1..stays.len() {
         let [before, after] = [stays[index - 1], stays[index]];
-        let jump_m = (after.east_m - before.east_m).hypot(after.north_m - before.north_m);
+        let jump_m = step_m(&before, &after);
         if before.last_s - before.first_s > MAX_GAP_S && jump_m > STALE_JUMP_M {
             stays[index - 1].last_s = before.first_s;
         }
@@ -323,8 +379,6 @@ pub fn position_resolution_m(track: &Track) -> f64 {
 }
 
 fn resolution_m(stays: &[Stay]) -> f64 {
-    let steps = stays
-        .windows(2)
-        .map(|pair| (pair[1].east_m - pair[0].east_m).hypot(pair[1].north_m - pair[0].north_m));
+    let steps = stays.windows(2).map(|pair| step_m(&pair[0], &pair[1]));
     steps.fold(1.0, f64::min)
 }

@@ -27,6 +27,15 @@ impl Gauge {
         [time_s(self.readings.first()), time_s(self.readings.last())]
     }
 
+    /// The two readings that follow each other longest apart, of those between which a time from
+    /// `from_s` to `to_s` lies, Unix seconds; `None` where none do.
+    pub fn widest_gap(&self, [from_s, to_s]: [f64; 2]) -> Option<[(f64, f64); 2]> {
+        let pairs = self.readings.windows(2).map(|pair| [pair[0], pair[1]]);
+        let over = pairs.filter(|[before, after]| after.0 > from_s && before.0 < to_s);
+        let length_s = |[before, after]: &[(f64, f64); 2]| after.0 - before.0;
+        over.max_by(|a, b| length_s(a).total_cmp(&length_s(b)))
+    }
+
     /// The level at a time, Unix seconds, straight between the readings; that of the nearest end
     /// beyond them.
     pub fn level_m(&self, unix_s: f64) -> f64 {
@@ -61,5 +70,14 @@ mod tests {
             let found_m = made.level_m(1_634_000_000.0 + after_s);
             assert!((found_m - expected_m).abs() < 1e-12, "{after_s}: {found_m}");
         }
+    }
+
+    #[test]
+    fn the_widest_gap_is_one_of_the_survey() {
+        let readings = vec![(0.0, 1.0), (600.0, 1.1), (7200.0, 2.0), (90_000.0, 1.0)];
+        let made = Gauge { readings, ..Gauge::default() };
+        assert_eq!(made.widest_gap([100.0, 500.0]), Some([(0.0, 1.0), (600.0, 1.1)]));
+        assert_eq!(made.widest_gap([100.0, 900.0]), Some([(600.0, 1.1), (7200.0, 2.0)]));
+        assert_eq!(made.widest_gap([-9.0, 0.0]), None);
     }
 }

@@ -41,6 +41,9 @@ pub struct Track {
     /// Whose metres the recorder's positions are, where it wrote metres of a system that the log
     /// does not name.
     pub projected: Option<ProjectedTrack>,
+    /// True where the log holds no times, and its records are taken as one second apart: they tell
+    /// no speed, and nothing of how long a gap lasted.
+    pub has_assumed_times: bool,
 }
 
 /// Positions that the recorder wrote in metres of a system that the log does not name. Until
@@ -104,6 +107,7 @@ impl Track {
             frame: self.frame.clone(),
             external: self.external.clone(),
             projected: self.projected.clone(),
+            has_assumed_times: self.has_assumed_times,
         }
     }
 
@@ -115,6 +119,7 @@ impl Track {
             frame: LocalFrame::new(origin),
             external: None,
             projected: None,
+            has_assumed_times: false,
         }
     }
 

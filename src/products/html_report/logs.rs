@@ -31,8 +31,9 @@ pub(super) fn section(from: &ReportData<'_>) -> String {
 
 fn line(report: &LogReport, log: &ProcessedLog) -> String {
     let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = report.offset;
-    let offset = match log_overlaps {
-        0 => "unknown".to_owned(),
+    let offset = match (log_overlaps, report.offset.is_determined()) {
+        (0, _) => "unknown".to_owned(),
+        (_, false) => "not determined".to_owned(),
         _ => format!("{} \u{b1} {standard_error_m:.3}", typeset_signed(offset_m, 3)),
     };
     let (median, p95) = match &report.against_the_others.residuals {

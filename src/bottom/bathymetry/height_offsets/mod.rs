@@ -87,10 +87,10 @@ impl LogOverlap {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogOffset {
     /// What is to be added to every elevation of the log, metres, so that it agrees with the
-    /// others; 0 for a log that crosses and overlaps no other.
+    /// others; 0 for a log that crosses and overlaps no other, or whose overlaps do not determine
+    /// it.
     pub offset_m: f64,
-    /// Its standard error against the datum, metres; NaN for a log that crosses and overlaps no
-    /// other.
+    /// Its standard error against the datum, metres; NaN where the offset is not determined.
     pub standard_error_m: f64,
     /// Logs of the same group are connected by overlaps; groups are numbered by their first log.
     /// Heights of different groups cannot be compared.
@@ -101,6 +101,11 @@ pub struct LogOffset {
 }
 
 impl LogOffset {
+    /// Whether overlaps determine the offset.
+    pub fn is_determined(&self) -> bool {
+        self.standard_error_m.is_finite()
+    }
+
     /// The offset as it is applied, metres: to the tenth of a millimetre, since it stands in
     /// records and is no better known.
     pub fn applied_m(&self) -> f64 {

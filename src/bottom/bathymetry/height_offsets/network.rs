@@ -26,6 +26,11 @@ const LEAST_SCALE: f64 = 1e-6;
 const ASSUMED_DIFFERENCES: f64 = 1.0;
 /// A robust weight below this ties nothing.
 const LEAST_SHARE: f64 = 1e-9;
+/// An offset is not determined where its standard error is larger than this, metres, and than this
+/// share of the offset: overlaps on false depths contradict each other by metres, and what is left
+/// of them says nothing.
+const MOST_ERROR_M: f64 = 0.25;
+const MOST_ERROR_SHARE: f64 = 1.0 / 3.0;
 /// Standard error of a median over that of a mean.
 const MEDIAN_SHARE: f64 = 1.2533;
 
@@ -73,8 +78,11 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
             continue;
         };
         for (index, &log) in members.iter().enumerate() {
-            logs[log].offset_m = solved.heights_m[index];
-            logs[log].standard_error_m = solved.errors_m[index];
+            let (height_m, error_m) = (solved.heights_m[index], solved.errors_m[index]);
+            if error_m <= MOST_ERROR_M.max(MOST_ERROR_SHARE * height_m.abs()) {
+                logs[log].offset_m = height_m;
+                logs[log].standard_error_m = error_m;
+            }
         }
         pairs.extend(pair_differences(inside, &logs));
     }

@@ -66,8 +66,12 @@ impl LogsReport {
     pub fn summary(&self) -> String {
         let line = |log: &LogReport| {
             let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = log.offset;
-            match log_overlaps {
-                0 => format!("{}: crosses no other log", log.log),
+            match (log_overlaps, log.offset.is_determined()) {
+                (0, _) => format!("{}: crosses no other log", log.log),
+                (_, false) => format!(
+                    "{}: height offset not determined by {log_overlaps} overlaps, where depths contradict each other; {:+.3} m in force",
+                    log.log, log.height_offset_in_force_m
+                ),
                 _ => format!(
                     "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {log_overlaps} overlaps, {:+.3} m in force",
                     log.log, log.height_offset_in_force_m

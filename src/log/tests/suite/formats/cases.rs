@@ -121,3 +121,37 @@ fn the_heading_of_a_transducer_tells_its_side() {
     assert_eq!((sides(Side::Port), sides(Side::Starboard)), (120, 120));
     assert!(says(&both, "the heading is believed"), "{:?}", both.warnings);
 }
+
+/// Without times a row is a second, and a fix that is repeated for 24 rows is no loss of positions:
+/// the boat went on. Where rows are missing between far fixes, nobody knows where it was.
+#[test]
+fn fixes_that_rows_without_times_repeat_are_joined_unless_rows_are_missing() {
+    let mut table = String::from("lat,lon,depth_m\n");
+    let lat_deg = |along_m: f64| 47.5 + along_m / 111_180.0;
+    let mut add = |along_m: f64, rows: usize| {
+        let row = format!("{:.7},8.5,{:.2}\n", lat_deg(along_m), 10.0 + 0.01 * along_m);
+        table += &row.repeat(rows);
+    };
+    // Half a metre a row: fixes each 4 rows, and now and then after 24.
+    let mut along_m = 0.0;
+    for index in 0..60 {
+        let rows = if index % 10 == 9 { 24 } else { 4 };
+        add(along_m, rows);
+        along_m += 0.5 * rows as f64;
+    }
+    let before_gap = 60 * 4 + 6 * 20;
+    add(along_m, 4);
+    add(along_m + 300.0, 4);
+    add(along_m + 302.0, 4);
+    let survey = formats::open_bytes("soundings.csv", table.into_bytes(), &Progress::new());
+    let survey = survey.expect("a table of soundings");
+    let places = north_m(&survey);
+    for (row, place_m) in places[..before_gap].iter().enumerate() {
+        let expected_m = 0.5 * row as f64;
+        assert!((place_m - expected_m).abs() < 1.0, "row {row}: {place_m} m");
+    }
+    let unknown = places.iter().filter(|place_m| place_m.is_nan()).count();
+    assert!((1..=4).contains(&unknown), "{unknown} of {} rows", places.len());
+    let between = |place_m: &&f64| (along_m + 5.0..along_m + 295.0).contains(*place_m);
+    assert_eq!(places.iter().filter(between).count(), 0);
+}

@@ -97,6 +97,23 @@ fn what_is_not_connected_is_said() {
     assert_eq!(adjust(0, &[], Datum::Mean).groups(), 0);
 }
 
+#[test]
+fn overlaps_that_contradict_each_other_by_metres_determine_no_offset() {
+    let log_overlap = |difference_m| {
+        let logs = [0, 1];
+        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, 0.1)
+    };
+    let false_depths = [6.1, -5.2, 0.3, 12.0].map(log_overlap);
+    let found = adjust(2, &false_depths, Datum::Mean);
+    for log in &found.logs {
+        assert!(!log.is_determined() && log.offset_m == 0.0, "{log:?}");
+        assert_eq!(log.log_overlaps, 4);
+    }
+    let agreeing = [6.1, 6.2, 6.15, 6.12].map(log_overlap);
+    let found = adjust(2, &agreeing, Datum::Mean);
+    assert!(found.logs.iter().all(|log| log.is_determined() && log.offset_m.abs() > 3.0));
+}
+
 /// How the positions of simulated logs err: of a whole log, and of each line, metres.
 #[derive(Clone, Copy, Debug)]
 struct PositionErrors {
