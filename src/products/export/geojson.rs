@@ -1,5 +1,6 @@
 //! What GeoJSON files (RFC 7946) have in common.
 
+use super::antimeridian::{cut_areas, cut_line};
 use super::rings::rounded;
 use super::{ExportError, Summary, write_summed};
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
@@ -52,9 +53,22 @@ pub(super) fn areas(
     shapes: &[Polygon],
     place: &impl Fn([f64; 2]) -> LonLat,
 ) -> Vec<Vec<Vec<[f64; 2]>>> {
-    let degrees = |at| {
-        let LonLat { lon_deg, lat_deg } = place(at);
-        [lon_deg, lat_deg]
-    };
-    rounded(shapes, STEPS, degrees)
+    rounded(&cut_areas(shapes, place), STEPS, |at| at)
+}
+
+/// A line as a feature: a `LineString`, or a `MultiLineString` where it crosses the 180th meridian.
+pub(super) fn line_at(
+    places: impl Iterator<Item = LonLat>,
+    properties: Value,
+    summary: &mut Summary,
+) -> Value {
+    let mut parts: Vec<Vec<[f64; 2]>> = cut_line(places)
+        .into_iter()
+        .map(|part| positions(part.into_iter().map(|[lon, lat]| LonLat::new(lon, lat))))
+        .collect();
+    parts.iter().flatten().for_each(|at| summary.reach(*at));
+    match parts.len() {
+        0 | 1 => feature_at("LineString", parts.pop().unwrap_or_default(), properties),
+        _ => feature_at("MultiLineString", parts, properties),
+    }
 }

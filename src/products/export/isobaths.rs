@@ -1,7 +1,7 @@
 //! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and
 //! `storage.csv`.
 
-use super::geojson::{areas as areas_of, collection, feature_at, position, positions};
+use super::geojson::{areas as areas_of, collection, feature_at, line_at, position};
 use super::{ExportError, Summary, millimetres, write_summed};
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
@@ -35,11 +35,9 @@ pub(crate) fn isobaths_geojson(
     place: impl Fn([f64; 2]) -> LonLat,
 ) -> Result<Summary, ExportError> {
     let feature = |line: &Isobath, summary: &mut Summary| {
-        let points = positions(line.points.iter().map(|point| place(*point)));
         summary.count += 1;
         summary.value(line.depth_m);
         let depth = drawn.settings.in_unit(line.depth_m);
-        points.iter().for_each(|point| summary.reach(*point));
         let properties = json!({
             "depth_m": line.depth_m,
             "depth": depth,
@@ -48,7 +46,7 @@ pub(crate) fn isobaths_geojson(
             "is_index": drawn.is_index(line),
             "ring": line.is_ring(),
         });
-        feature_at("LineString", points, properties)
+        line_at(line.points.iter().map(|point| place(*point)), properties, summary)
     };
     collection(path, drawn.lines.iter(), feature)
 }

@@ -11,6 +11,7 @@
 //! `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and
 //! point files are laid out is known to `formats`, which also reads them.
 
+mod antimeridian;
 mod atomic_write;
 pub mod avi;
 mod bottom_las;

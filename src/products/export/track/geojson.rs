@@ -1,7 +1,7 @@
 //! `track.geojson` and the insonified area.
 
 use super::TrackPiece;
-use crate::export::geojson::{collection, feature_at, positions};
+use crate::export::geojson::{collection, line_at};
 use crate::export::{ExportError, Summary};
 use serde_json::json;
 use std::path::Path;
@@ -9,9 +9,7 @@ use std::path::Path;
 /// Writes each piece as a line.
 pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
     let feature = |piece: &TrackPiece, summary: &mut Summary| {
-        let line = positions(piece.points.iter().map(|point| point.position));
         summary.count += 1;
-        line.iter().for_each(|at| summary.reach(*at));
         let ends = [piece.points.first(), piece.points.last()];
         let [from, to] = ends.map(|end| end.map(|point| (point.ping, point.time_s)));
         let properties = json!({
@@ -21,7 +19,7 @@ pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summar
             "to_s": to.map(|end| end.1),
             "length_m": (piece.length_m * 1e3).round() / 1e3,
         });
-        feature_at("LineString", line, properties)
+        line_at(piece.points.iter().map(|point| point.position), properties, summary)
     };
     collection(path, pieces.iter(), feature)
 }
