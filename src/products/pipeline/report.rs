@@ -244,6 +244,7 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     read.chain(products.bottom_line.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
         .chain(products.correction.refused().map(ToString::to_string))
+        .chain(products.correction.gap_warning())
         .chain(products.exclusions.warnings.iter().cloned())
         .chain(products.latency_warning())
         .collect()

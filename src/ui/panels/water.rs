@@ -17,6 +17,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         levels(ui, context);
         sound_speed(ui, context);
         if let Some(products) = &context.app.log.products {
+            if let Some(text) = products.correction.gap_warning() {
+                parts::warning(ui, context, &context.units().sentence(&text));
+            }
             for sentence in products.correction.sentences() {
                 parts::remark(ui, context.units().sentence(&sentence));
             }

@@ -35,6 +35,7 @@ pub enum WaterLevelError {
     },
 }
 
-fn moment(unix_s: f64) -> String {
+/// Date and time of day, UTC.
+pub(super) fn moment(unix_s: f64) -> String {
     format!("{} {}", calendar::date(unix_s), calendar::time_of_day(unix_s))
 }

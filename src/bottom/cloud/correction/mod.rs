@@ -75,7 +75,17 @@ pub struct Correction {
     middle_level_m: f64,
     /// Why the readings of the water's height are not in force.
     refused: Option<WaterLevelError>,
+    /// The readings, Unix seconds and metres, between which the level of the survey is a guess.
+    gap: Option<[(f64, f64); 2]>,
 }
+
+/// Between readings farther apart in time, seconds, whose levels differ by more metres, the water's
+/// height is not known: it may have risen first and fallen later.
+const LONGEST_BRIDGE_S: f64 = 3600.0;
+const BRIDGED_M: f64 = 0.02;
+/// Standard deviation of a level that is drawn straight between such readings, in units of their
+/// difference: a tide between its low and its high water is off by a tenth, and a flood by more.
+const GAP_SHARE: f64 = 0.25;
 
 impl Correction {
     /// For a survey. Where the readings do not cover it they are left aside, and
@@ -89,9 +99,16 @@ impl Correction {
             ..Self::default()
         };
         match over {
-            Ok(Some((start_unix_s, middle_s))) => {
+            Ok(Some((start_unix_s, [from_s, to_s]))) => {
                 made.start_unix_s = Some(start_unix_s);
-                made.middle_level_m = made.level_m(middle_s);
+                made.middle_level_m = made.level_m(0.5 * (from_s + to_s));
+                let over_s = [from_s, to_s].map(|time_s| start_unix_s + time_s);
+                made.gap = made.gauge().and_then(|gauge| gauge.widest_gap(over_s)).filter(
+                    |[before, after]| {
+                        after.0 - before.0 > LONGEST_BRIDGE_S
+                            && (after.1 - before.1).abs() > BRIDGED_M
+                    },
+                );
             }
             Ok(None) => {}
             Err(why) => made.refused = Some(why),
@@ -102,6 +119,12 @@ impl Correction {
     /// Why the readings of the water's height are not in force.
     pub fn refused(&self) -> Option<&WaterLevelError> {
         self.refused.as_ref()
+    }
+
+    /// Standard deviation of the water's height where it is drawn between readings that are far
+    /// apart, metres; 0 where it is not.
+    pub fn gap_sigma_m(&self) -> f64 {
+        self.gap.map_or(0.0, |[before, after]| GAP_SHARE * (after.1 - before.1).abs())
     }
 
     /// What slant ranges and depths are multiplied with, `c / c0`.
@@ -157,12 +180,12 @@ impl Correction {
     }
 }
 
-/// Unix seconds of the log's zero, and the time of the log's middle, where readings cover the
-/// survey; `None` without readings.
+/// Unix seconds of the log's zero, and the times of the log's begin and end, where readings cover
+/// the survey; `None` without readings.
 fn over_survey(
     level: &WaterLevelSettings,
     survey: &Survey,
-) -> Result<Option<(f64, f64)>, WaterLevelError> {
+) -> Result<Option<(f64, [f64; 2])>, WaterLevelError> {
     let Some(path) = &level.file else {
         return Ok(None);
     };
@@ -173,13 +196,13 @@ fn over_survey(
         return Err(WaterLevelError::UnknownTime { path: path() });
     };
     let Some((from_s, to_s)) = record_span_s(survey) else {
-        return Ok(Some((start_unix_s, 0.0)));
+        return Ok(Some((start_unix_s, [0.0; 2])));
     };
     let (readings_s, log_s) = (gauge.span_s(), [from_s, to_s].map(|s| start_unix_s + s));
     if log_s[0] < readings_s[0] || log_s[1] > readings_s[1] {
         return Err(WaterLevelError::NotCovered { readings_s, log_s, path: path() });
     }
-    Ok(Some((start_unix_s, 0.5 * (from_s + to_s))))
+    Ok(Some((start_unix_s, [from_s, to_s])))
 }
 
 /// First and last time of what gives points.

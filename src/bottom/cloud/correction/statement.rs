@@ -1,6 +1,7 @@
 //! What was and was not corrected, in words for every product.
 
 use super::Correction;
+use super::error::moment;
 
 /// What depths count from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +76,21 @@ impl Correction {
     /// Whether a water level is given, or readings of it are in force.
     pub fn knows_level(&self) -> bool {
         self.settings.water_level_m != 0.0 || self.gauge().is_some()
+    }
+
+    /// The warning about readings of the water's height that are far apart; `None` where they are
+    /// close enough.
+    pub fn gap_warning(&self) -> Option<String> {
+        let ([before, after], gauge) = (self.gap?, self.gauge()?);
+        let name = gauge.path.file_name().unwrap_or_default().to_string_lossy();
+        Some(format!(
+            "{name} has no reading of the water level from {} to {} UTC, while it went from {} m to {} m: the level of the survey is drawn straight between them, with a standard deviation of {:.2} m; add the readings that are missing.",
+            moment(before.0),
+            moment(after.0),
+            before.1,
+            after.1,
+            self.gap_sigma_m()
+        ))
     }
 
     fn applied(&self) -> Vec<String> {

@@ -51,6 +51,26 @@ fn everything_at_once_is_the_sum_of_its_parts() {
 }
 
 #[test]
+fn readings_that_are_hours_apart_are_not_bridged_without_a_word() {
+    let with = |readings: Vec<(f64, f64)>| {
+        let gauge = Gauge { path: "gauge.csv".into(), readings, ..Gauge::default() };
+        let water_level =
+            WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
+        let settings = DepthSettings { water_level, ..DepthSettings::default() };
+        Correction::new(settings, &survey(Some(1_634_000_000.0)))
+    };
+    let (before_s, after_s) = (1_633_990_000.0, 1_634_012_000.0);
+    let far = with(vec![(before_s, 1.0), (after_s, 3.0)]);
+    let said = far.gap_warning().expect("a warning");
+    assert!(said.contains("from 1 m to 3 m") && said.contains("deviation of 0.50 m"), "{said}");
+    assert_eq!(far.gap_sigma_m(), 0.5);
+    let level = with(vec![(before_s, 1.0), (after_s, 1.01)]);
+    assert_eq!((level.gap_warning(), level.gap_sigma_m()), (None, 0.0));
+    let close = with(vec![(before_s, 0.0), (1_633_999_900.0, 1.5), (1_634_003_500.0, 2.5)]);
+    assert_eq!(close.gap_warning(), None);
+}
+
+#[test]
 fn nothing_known_changes_nothing_and_says_so() {
     let made = Correction::new(DepthSettings::default(), &survey(None));
     assert_eq!(made.depth_m(7.0, 2.25), 2.25);

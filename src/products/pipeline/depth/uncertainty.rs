@@ -47,7 +47,8 @@ impl CommonUncertainty {
             range_offset_m: range_offset_m(calibration),
             sound_speed_share: where_given(SPEED_SHARE, correction.knows_sound_speed()),
             draft_m: where_given(READING_M, correction.knows_draft()),
-            water_level_m: where_given(READING_M, correction.knows_level()),
+            water_level_m: where_given(READING_M, correction.knows_level())
+                .hypot(correction.gap_sigma_m()),
             between_logs_m: 0.0,
             // Of rounding, evenly distributed.
             position_m: position_resolution_m(&survey.track) / 12f64.sqrt(),
