@@ -324,9 +324,8 @@ pub fn surface(
         SurfaceMethod::InverseDistance => None,
     };
     if let Some(between) = between {
-        let nodes: Vec<Node> = tin.nodes().collect();
         let cells = (made.grid, &made.distance_m[..]);
-        if state_error(cells, &mut made.spread_m, &nodes, between, progress)? {
+        if state_error(cells, &mut made.spread_m, &tin, between, progress)? {
             made.spread_is = Spread::OfError;
         }
     }

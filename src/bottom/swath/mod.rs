@@ -61,6 +61,9 @@ const UNTESTED: Prior = Prior { brightness: Brightness::Patches(0.35), relief_m:
 /// Standard deviations, in usual ones, from which on levels count less, and from which on for
 /// nothing: at the edge of a survey, where one line looks and no depth was measured beyond.
 const UNSURE_SDS: [f64; 2] = [2.2, 3.2];
+/// Errors without levels, in usual ones, from which on and in full an error of levels is no smaller
+/// against them than left-out soundings show.
+const UNUSUAL_ERRORS: [f64; 2] = [1.5, 2.5];
 /// The error that is stated of depths from levels, in geometric means of the errors of left-out
 /// soundings with levels and by triangles: on ponds of both simulators this holds. And in standard
 /// deviations of what the equations leave unknown, where it was not tested.
@@ -86,8 +89,11 @@ pub fn correct(
         .collect::<Result<Vec<_>, _>>()?;
     surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
         Ok((found, left_out)) => {
-            let error_sds = left_out.map_or(UNTESTED_SDS, |one| STATED * one.error_sds);
-            add(&found, error_sds, surface);
+            let stated = left_out.map_or(StatedByLevels::untested(UNTESTED_SDS), |one| {
+                let error_sds = STATED * one.error_sds;
+                StatedByLevels { error_sds, least_share: one.with_m / one.without_m }
+            });
+            add(&found, stated, surface);
             surface.hardness_db = hardness_db(&found, surface);
             FromLevels::Used { left_out_m: left_out.map(|one| [one.without_m, one.with_m]) }
         }
@@ -224,7 +230,7 @@ pub fn correct_part(
     let curves: Vec<Option<LawCurves>> = input.sets.iter().map(of_set).collect();
     around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {
         Some(found) => {
-            add(&found, UNTESTED_SDS, around);
+            add(&found, StatedByLevels::untested(UNTESTED_SDS), around);
             FromLevels::Used { left_out_m: None }
         }
         None => FromLevels::Refused(LevelsRefused::TooFewEchoes),
@@ -244,13 +250,32 @@ fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
     along * along * (3.0 - 2.0 * along)
 }
 
+/// The error that is stated of depths from levels.
+#[derive(Clone, Copy)]
+struct StatedByLevels {
+    /// Standard deviations of the equations that the depths miss by.
+    error_sds: f64,
+    /// At least this share of the error without levels, where that is far above the usual: levels
+    /// are not better against it there than left-out soundings show them to be. Where the bed bends
+    /// between the lines by more than the equations expect, they miss it too, and do not know.
+    least_share: f64,
+}
+
+impl StatedByLevels {
+    /// Where no left-out soundings tested the levels.
+    fn untested(error_sds: f64) -> Self {
+        Self { error_sds, least_share: 0.0 }
+    }
+}
+
 /// Takes the depths that were found over into a surface, whose own count the more the smaller their
-/// error is; `error_sds` is how many standard deviations the depths that were found miss by.
-fn add(found: &NodeDepths, error_sds: f64, surface: &mut Surface) {
+/// error is.
+fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
     let nodes = &found.nodes;
     let both = found.sd_m.iter().zip(&found.seen);
     let seen = both.filter(|(_, seen)| **seen > 0.5);
     let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
+    let usual_without_m = usual_between_m(surface);
     for cell in 0..surface.depth_m.len() {
         let without_m = f64::from(surface.depth_m[cell]);
         if without_m.is_nan() {
@@ -258,8 +283,10 @@ fn add(found: &NodeDepths, error_sds: f64, surface: &mut Surface) {
         }
         let centre = surface.grid.centre_of(cell);
         let sd_m = nodes.value_at(&found.sd_m, centre);
-        let error_m = error_sds * sd_m;
         let without_error_m = f64::from(surface.spread_m[cell]);
+        let unusual = rise(without_error_m / usual_without_m, UNUSUAL_ERRORS);
+        let least_m = unusual * stated.least_share * without_error_m;
+        let error_m = (stated.error_sds * sd_m).max(least_m);
         let mut share = share_of_levels(f64::from(surface.distance_m[cell]))
             * (1.0 - rise(sd_m / usual_sd_m, UNSURE_SDS))
             * nodes.value_at(&found.seen, centre);
@@ -278,6 +305,15 @@ fn add(found: &NodeDepths, error_sds: f64, surface: &mut Surface) {
             surface.source[cell] = CellSource::FromLevels;
         }
     }
+}
+
+/// The median spread of the cells where levels count in full, metres; NaN where there are none.
+fn usual_between_m(surface: &Surface) -> f64 {
+    let cells = surface.spread_m.iter().zip(&surface.distance_m);
+    let far =
+        cells.filter(|(spread_m, away_m)| !spread_m.is_nan() && f64::from(**away_m) >= HELD_M[1]);
+    let mut spreads_m: Vec<f64> = far.map(|(spread_m, _)| f64::from(*spread_m)).collect();
+    if spreads_m.is_empty() { f64::NAN } else { median(&mut spreads_m) }
 }
 
 /// The brightness of the bed in the cells with a depth that echoes say something of, decibels over
@@ -352,7 +388,7 @@ mod tests {
             surface.spread_is = Spread::OfError;
             surface.spread_m.fill(triangles_error_m);
             surface.distance_m.fill(3.0);
-            add(&found, 1.0, &mut surface);
+            add(&found, StatedByLevels::untested(1.0), &mut surface);
             surface.depth_m[55]
         };
         assert!((depth_m(0.005) - 2.02).abs() < 1e-3, "{}", depth_m(0.005));

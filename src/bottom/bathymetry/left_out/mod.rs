@@ -8,10 +8,11 @@
 //! as wide: whole lines are predicted from their neighbours, as the ground between them is. On a
 //! bank along a line its own soundings predict each other well. `by_distance` says how the error
 //! grows with the distance to the nearest sounding, `roughness` where it is larger or smaller than
-//! that.
+//! that, and `slopes` where the ground bends between lines.
 
 mod by_distance;
 mod roughness;
+mod slopes;
 
 pub use by_distance::SigmaByDistance;
 
@@ -20,6 +21,7 @@ use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use roughness::{Roughness, RoughnessSampler};
+use slopes::NodeSlopes;
 
 /// Times that soundings are left out, a quarter of all squares each time.
 const FOLDS: usize = 4;
@@ -32,6 +34,8 @@ const MOST_NODES: usize = 30_000;
 const DISTANCE_SHARE: f64 = 0.9;
 /// Side of the small squares, cells.
 const SMALL_CELLS: f64 = 2.0;
+/// Slopes are taken over three squares by three of this share of the large ones.
+const SLOPE_SHARE: f64 = 0.25;
 /// Soundings lie along lines where the directions to their neighbours agree by this share of their
 /// number.
 const LEAST_ALIGNED: f64 = 0.25;
@@ -63,24 +67,29 @@ struct StatedError {
 pub(super) fn state_error(
     (grid, distance_m): (Grid, &[f32]),
     spread_m: &mut [f32],
-    nodes: &[Node],
+    tin: &Tin,
     between: Between,
     progress: &Progress,
 ) -> Result<bool, Cancelled> {
+    let nodes: Vec<Node> = tin.nodes().collect();
     let known = distance_m.iter().filter(|away_m| !away_m.is_nan());
     let usual_m = usual_of(known.copied().collect());
     let squares = Squares::over(&grid, usual_m);
-    let Some(stated) = StatedError::of(nodes, squares, between, progress)? else {
+    let Some(stated) = StatedError::of(&nodes, squares, between, progress)? else {
         return Ok(false);
     };
+    let slopes = NodeSlopes::of(&nodes, SLOPE_SHARE * squares.large_m);
+    drop(nodes);
     let cells = spread_m.par_iter_mut().zip(distance_m);
-    // A filter would move the sampler from cell to cell.
+    // A filter would move the samplers from cell to cell.
     cells.enumerate().for_each_init(
-        || stated.sampler(),
-        |stated, (cell, (spread_m, away_m))| {
+        || (stated.sampler(), slopes.sampler(tin.sampler(Between::Linear))),
+        |(stated, bends), (cell, (spread_m, away_m))| {
             if !spread_m.is_nan() {
                 let place = grid.centre_of(cell);
-                *spread_m = stated.at(place, f64::from(*away_m)) as f32;
+                let away_m = f64::from(*away_m);
+                let bend_m = if away_m > grid.cell_m { bends.sigma_m(place) } else { 0.0 };
+                *spread_m = stated.at(place, away_m).hypot(bend_m) as f32;
             }
         },
     );
