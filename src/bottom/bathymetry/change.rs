@@ -9,8 +9,10 @@
 //! Denby 2009, J. Glaciology 55, equation 8, for a spherical variogram), and one for what is drawn
 //! between measured places.
 
+mod observed;
 mod regions;
 
+pub use observed::ObservedErrors;
 pub use regions::{ChangeField, ChangeRegion};
 
 use std::collections::BTreeMap;
@@ -53,7 +55,12 @@ impl CellChange {
 
     /// Whether the change passes it.
     pub(crate) fn is_detected(&self, errors: &ChangeErrors) -> bool {
-        self.rise_m.abs() > self.detection_level_m(errors)
+        self.is_beyond(WITHIN_95, errors)
+    }
+
+    /// Whether the change is larger than so many standard deviations.
+    fn is_beyond(&self, sigmas: f64, errors: &ChangeErrors) -> bool {
+        self.rise_m.abs() > sigmas * self.sigma_m.hypot(errors.systematic_m)
     }
 }
 

@@ -1,13 +1,20 @@
 //! The connected places where the bottom changed, from where the change is detected out to where it
 //! disappears in noise, and what of it is drawn between measured places.
 
-use super::{CellChange, ChangeErrors};
+use super::{CellChange, ChangeErrors, ChangeSum, WITHIN_95};
 use bathyscope_log::support::statistics::{median, spread_about};
+use std::f64::consts::PI;
 
 /// Half the side of the square that a change is averaged over before its rim is sought, metres.
 const SMOOTHED_M: f64 = 1.0;
 /// Most cells of that: averages of more say nothing else.
 const MOST_SMOOTHED: usize = 10;
+/// Fewer detected cells than this are no place, nor is less ground, square metres: positions are off
+/// by as much.
+const FEWEST_DETECTED: usize = 4;
+const LEAST_DETECTED_M2: f64 = 2.0;
+/// The share of maps without a change in which errors alone make a place.
+const BY_CHANCE: f64 = 0.05;
 /// A place ends where the change is less than so many standard deviations of what undetected cells
 /// show.
 const RIM_SIGMAS: f64 = 1.5;
@@ -55,8 +62,19 @@ impl ChangeField<'_> {
     ///
     /// Noise is what undetected cells show, in units of their stated errors. Their median is what
     /// one map is set off from the other, and a place has a cell that stands out of that by more
-    /// than the depths' own errors.
+    /// than the depths' own errors. The detected cells of a place together have to stand out of as
+    /// many independent errors as the map has: among many the largest passes the level of detection
+    /// without any change.
     pub fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
+        let sigmas = self.largest_of_errors(errors);
+        let (mut regions, offset_m) = self.candidates(errors);
+        regions.retain(|region| self.stands_out(region, offset_m, sigmas, errors));
+        regions
+    }
+
+    /// The places that errors alone may have made, and what one map is set off from the other,
+    /// metres.
+    pub(super) fn candidates(&self, errors: &ChangeErrors) -> (Vec<ChangeRegion>, f64) {
         let smoothed = self.smoothed(errors);
         let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
         for (index, smoothed) in smoothed.iter().enumerate() {
@@ -95,7 +113,36 @@ impl ChangeField<'_> {
                 found.push(self.region(is_fill, cells, &away_m));
             }
         }
-        found
+        (found, offset_m)
+    }
+
+    /// Whether the detected cells of a place are more than a few wrong depths, and their volume,
+    /// less what one map is set off from the other, is larger than so many standard deviations of
+    /// the errors that vary from place to place.
+    fn stands_out(
+        &self,
+        region: &ChangeRegion,
+        offset_m: f64,
+        sigmas: f64,
+        errors: &ChangeErrors,
+    ) -> bool {
+        let cells = region.cells.iter().filter_map(|cell| self.cell(*cell));
+        let mut sum = ChangeSum::default();
+        cells.filter(|cell| cell.is_detected(errors)).for_each(|cell| {
+            sum.add(&CellChange { rise_m: cell.rise_m - offset_m, ..cell });
+        });
+        let [random_m3, ..] = sum.sigma_m3(errors);
+        let is_large = sum.cells >= FEWEST_DETECTED && sum.area_m2 >= LEAST_DETECTED_M2;
+        is_large && sum.volume_m3.abs() > sigmas * random_m3
+    }
+
+    /// Standard deviations that the largest of the independent errors of a map does not exceed, in
+    /// 95 of 100 maps; at least those of the level of detection.
+    fn largest_of_errors(&self, errors: &ChangeErrors) -> f64 {
+        let known = self.rise_m.iter().filter(|rise_m| !rise_m.is_nan()).count();
+        let together_m2 = (PI * errors.range_m.powi(2) / 5.0).max(self.cell_area_m2);
+        let independent = (known as f64 * self.cell_area_m2 / together_m2).max(1.0);
+        (2.0 * (independent / BY_CHANCE).ln()).sqrt().max(WITHIN_95)
     }
 
     /// The cells around a seed, by their edges, that stand out too.
@@ -164,16 +211,25 @@ impl ChangeField<'_> {
     /// Distance from each cell to the nearest one that was measured, of the map whose is farther,
     /// metres.
     fn away_m(&self) -> Vec<f32> {
-        let [newer, older] = [0, 1].map(|map| {
-            let start = self.is_measured.iter().map(|of| match of[map] {
-                true => 0.0,
-                false => f32::INFINITY,
-            });
-            chamfered(start.collect(), self.columns)
-        });
+        let [newer_m, older_m] = self.away_each_m();
+        newer_m.into_iter().zip(older_m).map(|(one, other)| one.max(other)).collect()
+    }
+
+    /// Distance from each cell to the nearest one that was measured, of the newer map and of the
+    /// older, metres.
+    pub(super) fn away_each_m(&self) -> [Vec<f32>; 2] {
+        [0, 1].map(|map| self.away_from(|cell| self.is_measured[cell][map]))
+    }
+
+    /// Distance from each cell to the nearest one of some, metres.
+    pub(super) fn away_from(&self, is_one: impl Fn(usize) -> bool) -> Vec<f32> {
         let cell_m = self.cell_area_m2.sqrt() as f32;
-        let farther = newer.into_iter().zip(older).map(|(one, other)| one.max(other));
-        farther.map(|cells| cell_m * cells).collect()
+        let start = (0..self.is_measured.len()).map(|cell| match is_one(cell) {
+            true => 0.0,
+            false => f32::INFINITY,
+        });
+        let cells = chamfered(start.collect(), self.columns);
+        cells.into_iter().map(|cells| cell_m * cells).collect()
     }
 
     /// The change in units of its stated error, averaged over the known cells of a square; NaN

@@ -123,3 +123,45 @@ fn errors_of_a_volume_average_out_over_large_areas_but_for_what_is_the_same_ever
     assert!((sum(40).within_95_m3(&ERRORS) - 1.96 * 0.5).abs() < 1e-9);
     assert_eq!(ChangeSum::default().within_95_m3(&ERRORS), 0.0);
 }
+
+/// Errors of half a metre are stated between lines 3 m apart.
+fn drawn(rise_m: impl Fn(f64, f64) -> f64) -> Field {
+    let mut made = Field::new(6, rise_m);
+    for (sigma_m, of) in made.sigma_m.iter_mut().zip(&made.is_measured) {
+        *sigma_m = if of[0] { 0.02 } else { 0.5 };
+    }
+    made
+}
+
+#[test]
+fn what_both_maps_draw_alike_between_the_same_lines_is_no_error_of_their_difference() {
+    let mut made = drawn(|_, _| 0.01);
+    let found = made.field().observed_errors(&ERRORS);
+    // The noise of the difference is 7 mm.
+    assert!(found.sigma_m.iter().all(|sigma_m| *sigma_m < 0.02), "{found:?}");
+    assert!(found.share < 0.03, "{}", found.share);
+    assert!(found.range_m < 2.0, "noise is independent from cell to cell: {}", found.range_m);
+    // With them a mound of 20 cm is found from rim to rim.
+    let mound = |east_m: f64, south_m: f64| {
+        0.01 + 0.2 * (-0.125 * ((east_m - 9.0).powi(2) + (south_m - 10.0).powi(2))).exp()
+    };
+    made = drawn(mound);
+    let found = made.field().observed_errors(&ERRORS);
+    made.sigma_m = found.sigma_m;
+    let totals = made.totals();
+    assert_eq!([totals.fill.places, totals.cut.places], [1, 0]);
+    let truth_m3 = 2.0 * PI * 0.2 * 4.0;
+    let off_m3 = totals.fill.volume_m3 - truth_m3;
+    assert!(off_m3.abs() < totals.fill.within_95_m3(&ERRORS).min(0.2 * truth_m3), "{totals:?}");
+}
+
+#[test]
+fn stated_errors_stand_where_the_maps_have_other_lines() {
+    let mut made = drawn(|_, _| 0.01);
+    for (cell, of) in made.is_measured.iter_mut().enumerate() {
+        *of = [0, 3].map(|off| (cell % SIDE + off).is_multiple_of(6));
+    }
+    let found = made.field().observed_errors(&ERRORS);
+    assert_eq!(found.sigma_m, made.sigma_m);
+    assert_eq!((found.share, found.range_m), (1.0, ERRORS.range_m));
+}

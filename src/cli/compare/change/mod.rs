@@ -19,6 +19,7 @@ use bathyscope_bottom::presentation::colours::{
 };
 use bathyscope_log::formats::geotiff::{Band, RasterSpec};
 use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::statistics::median;
 use bathyscope_products::export::{
     ExportError, RasterError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
 };
@@ -42,7 +43,8 @@ pub(super) struct ChangeArgs {
     /// other, such as draft and water level, metres
     #[arg(long, value_name = "METRES", default_value_t = 0.03, value_parser = parse_error, requires = "change")]
     systematic: f64,
-    /// With --change: depths farther apart than this err independently, metres
+    /// With --change: depths farther apart than this err independently, metres; less where cells
+    /// without a change show it
     #[arg(long, value_name = "METRES", default_value_t = 20.0, value_parser = parse_error, requires = "change")]
     error_range: f64,
 }
@@ -80,14 +82,16 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     }
     let progress = Progress::new();
     let status = StatusLine::at("change", &progress);
-    let errors = args.change.errors();
+    let assumed = args.change.errors();
     let (mut totals, mut written, mut shown) = (ChangeTotals::default(), Vec::new(), None);
+    let mut observed = Observed::default();
     for part in newer.parts() {
         let part = part?;
-        let change = PartChange::new(&part, &older.around(&part)?);
+        let mut change = PartChange::new(&part, &older.around(&part)?);
         if change.rise_m.iter().all(|rise_m| rise_m.is_nan()) {
             continue;
         }
+        let errors = observed.put_into(&mut change, &assumed);
         let field = change.field();
         let regions = field.regions(&errors);
         totals.add(&field, &regions, &errors);
@@ -106,7 +110,8 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         .into());
     };
     write_styles(&written, &totals)?;
-    let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors);
+    let errors = observed.errors(&assumed);
+    let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors, observed.share());
     write_json(&folder.join("change.json"), &record)?;
     // One picture of many tiles would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);
@@ -116,6 +121,35 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     match args.json {
         true => output::json(&record),
         false => output::results(record.table()),
+    }
+}
+
+/// What the parts of the maps showed of their errors.
+#[derive(Default)]
+struct Observed {
+    range_m: f64,
+    /// Of each part.
+    shares: Vec<f64>,
+}
+
+impl Observed {
+    /// Puts the errors that a part shows in place of those that its maps state.
+    fn put_into(&mut self, change: &mut PartChange<'_>, assumed: &ChangeErrors) -> ChangeErrors {
+        let found = change.field().observed_errors(assumed);
+        change.sigma_m = found.sigma_m;
+        self.range_m = self.range_m.max(found.range_m);
+        self.shares.push(found.share);
+        ChangeErrors { range_m: found.range_m, ..*assumed }
+    }
+
+    /// The errors of all parts together: the farthest range.
+    fn errors(&self, assumed: &ChangeErrors) -> ChangeErrors {
+        ChangeErrors { range_m: self.range_m, ..*assumed }
+    }
+
+    /// What is left of the stated errors in the usual part, as a share.
+    fn share(&self) -> f64 {
+        median(&mut self.shares.clone())
     }
 }
 

@@ -20,6 +20,9 @@ pub(super) struct ChangeRecord {
     pub systematic_m: f64,
     /// Depths farther apart err independently, metres.
     pub error_range_m: f64,
+    /// The part of the errors that the maps state which is in their difference, as cells without a
+    /// change show it: what both draw alike between the same lines is not.
+    pub error_share: f64,
     /// The median change, metres.
     pub median_m: Option<f64>,
     /// The median level of detection, metres.
@@ -86,6 +89,7 @@ impl ChangeRecord {
         [newer, older]: [&Path; 2],
         totals: &ChangeTotals,
         errors: ChangeErrors,
+        error_share: f64,
     ) -> Self {
         let volume = |sum| Volume::new(sum, &errors);
         let [hidden_fill_m3, hidden_cut_m3] = totals.hidden_m3(&errors);
@@ -96,6 +100,7 @@ impl ChangeRecord {
             confidence: 0.95,
             systematic_m: errors.systematic_m,
             error_range_m: errors.range_m,
+            error_share,
             median_m: totals.median_rise_m(),
             detection_level_m: totals.median_level_m(),
             fill: volume(&totals.fill),
@@ -134,8 +139,10 @@ impl ChangeRecord {
             (
                 "errors",
                 format!(
-                    "{} m the same everywhere, the depths' own independent beyond {} m",
-                    self.systematic_m, self.error_range_m
+                    "{} m the same everywhere; {:.0} % of those that the maps state, as cells without a change show, independent beyond {:.1} m",
+                    self.systematic_m,
+                    100.0 * self.error_share,
+                    self.error_range_m
                 ),
             ),
         ]

@@ -73,8 +73,8 @@ fn survey(spacing_m: f64, phases: [f64; 2], mound: Option<Mound>, dice: &mut Dic
     made.expect("nobody cancels").expect("a surface")
 }
 
-/// What changed, by the maps.
-fn change(newer: &Surface, older: &Surface) -> ChangeTotals {
+/// What changed, by the maps, and the errors that they show.
+fn change(newer: &Surface, older: &Surface) -> (ChangeTotals, ChangeErrors) {
     let columns = newer.grid.columns;
     let known = |surface: &Surface, cell: usize| {
         let away_m = f64::from(surface.distance_m[cell]);
@@ -100,9 +100,12 @@ fn change(newer: &Surface, older: &Surface) -> ChangeTotals {
         sigma_m: &sigma_m,
         is_measured: &is_measured,
     };
+    let observed = field.observed_errors(&ERRORS);
+    let errors = ChangeErrors { range_m: observed.range_m, ..ERRORS };
+    let field = ChangeField { sigma_m: &observed.sigma_m, ..field };
     let mut totals = ChangeTotals::default();
-    totals.add(&field, &field.regions(&ERRORS), &ERRORS);
-    totals
+    totals.add(&field, &field.regions(&errors), &errors);
+    (totals, errors)
 }
 
 #[test]
@@ -117,11 +120,11 @@ fn the_interval_of_a_volume_holds_the_truth_in_95_of_100_pairs() {
             let mound = Mound::random(&mut dice);
             let [older, newer, again] =
                 [None, Some(mound), None].map(|mound| survey(spacing_m, phases, mound, &mut dice));
-            let totals = change(&newer, &older);
+            let (totals, errors) = change(&newer, &older);
             let (fill, truth_m3) = (totals.fill, mound.volume_m3());
-            let within_m3 = fill.within_95_m3(&ERRORS);
+            let within_m3 = fill.within_95_m3(&errors);
             let holds = match fill.places {
-                0 => totals.hidden_m3(&ERRORS)[0] >= truth_m3,
+                0 => totals.hidden_m3(&errors)[0] >= truth_m3,
                 _ => (fill.volume_m3 - truth_m3).abs() <= within_m3,
             };
             held += usize::from(holds);
@@ -130,9 +133,9 @@ fn the_interval_of_a_volume_holds_the_truth_in_95_of_100_pairs() {
                 shares.push(within_m3 / truth_m3);
                 ratios.push(fill.volume_m3 / truth_m3);
             }
-            let same = change(&again, &older);
+            let (same, errors) = change(&again, &older);
             let beyond = |sum: bathyscope_bottom::bathymetry::change::ChangeSum| {
-                sum.volume_m3.abs() > sum.within_95_m3(&ERRORS)
+                sum.volume_m3.abs() > sum.within_95_m3(&errors)
             };
             false_alarms += usize::from(beyond(same.fill) || beyond(same.cut));
         }

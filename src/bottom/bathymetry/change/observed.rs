@@ -1,0 +1,153 @@
+//! What two maps show of their own errors where the bottom did not change.
+//!
+//! Surveys along the same lines draw the ground between them alike: what that is wrong by is in
+//! both maps, and not in their difference. How much of the stated errors is in the difference is
+//! seen where nothing changed, as it is by those who compare terrain models on stable ground
+//! (Rolstad, Haug and Denby 2009, J. Glaciology 55; Hugonnet et al. 2022, IEEE JSTARS 15, doi
+//! 10.1109/JSTARS.2022.3188922).
+
+use super::{ChangeErrors, ChangeField, ChangeRegion, WITHIN_95};
+use bathyscope_log::support::statistics::{median, quantile};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// A place that one map measured was measured by the other where that measured one as near, metres:
+/// no boat comes back to a line exactly.
+const SAME_PLACE_M: f32 = 1.0;
+/// A cell is drawn from the same places by both maps where the nearest place that both measured is
+/// this much farther at most than the nearest one that any of them did.
+const FARTHER: f32 = 1.25;
+/// Errors reach less far than assumed where this share of the cells is drawn from the same places:
+/// what is drawn anew errs along a whole line.
+const SAME_SHARE: f64 = 0.6;
+/// Stated errors within a factor of the square root of two are judged together.
+const BINS_PER_OCTAVE: f64 = 2.0;
+/// Fewer cells than this say nothing of their errors.
+const FEWEST_CELLS: usize = 200;
+/// Fewer squares of ground than this say nothing of how far errors reach.
+const FEWEST_SQUARES: usize = 12;
+
+/// The errors of a difference as its cells without a change show them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservedErrors {
+    /// Standard deviation of the depths' own errors in each cell's rise, metres: never larger than
+    /// stated.
+    pub sigma_m: Vec<f32>,
+    /// Depths farther apart err independently, metres: never farther than was assumed.
+    pub range_m: f64,
+    /// The median of what is left of the stated errors, as a share of them; 1 where they stand.
+    pub share: f64,
+}
+
+impl ChangeField<'_> {
+    /// The errors that the cells show in which no change is detected with the stated ones.
+    ///
+    /// Stated errors stand where a map was measured and the other drawn, and where too few cells
+    /// tell. A change that covers most of the ground is taken for an error, so that errors come out
+    /// too large, not too small.
+    pub fn observed_errors(&self, errors: &ChangeErrors) -> ObservedErrors {
+        let quiet = self.quiet(&self.regions(errors));
+        let bins = self.bins();
+        let shares = self.shares(&quiet, &bins);
+        let share_of = |cell: usize| {
+            let share = bins[cell].and_then(|bin| shares.get(&bin));
+            share.copied().unwrap_or(1.0)
+        };
+        let known = || (0..self.rise_m.len()).filter(|cell| !self.rise_m[*cell].is_nan());
+        let mut all: Vec<f64> = known().map(share_of).collect();
+        let sigma_m: Vec<f32> = (self.sigma_m.iter().enumerate())
+            .map(|(cell, sigma_m)| sigma_m * share_of(cell) as f32)
+            .collect();
+        let same = known().filter(|cell| bins[*cell].is_some()).count() as f64;
+        let range_m = match same >= SAME_SHARE * known().count() as f64 {
+            true => self.range_m(&quiet, &sigma_m, errors.range_m),
+            false => errors.range_m,
+        };
+        let share = if all.is_empty() { 1.0 } else { median(&mut all) };
+        ObservedErrors { sigma_m, range_m, share }
+    }
+
+    /// The rise of the cells outside of the places that changed, less the median of all of them;
+    /// NaN in the others.
+    fn quiet(&self, regions: &[ChangeRegion]) -> Vec<f64> {
+        let mut quiet_m: Vec<f64> = self.rise_m.iter().map(|rise_m| f64::from(*rise_m)).collect();
+        for cell in regions.iter().flat_map(|region| &region.cells) {
+            quiet_m[*cell] = f64::NAN;
+        }
+        let mut known: Vec<f64> = quiet_m.iter().copied().filter(|rise| !rise.is_nan()).collect();
+        if !known.is_empty() {
+            let offset_m = median(&mut known);
+            quiet_m.iter_mut().for_each(|rise_m| *rise_m -= offset_m);
+        }
+        quiet_m
+    }
+
+    /// The group of stated errors that a cell is judged with; `None` where the maps are not drawn
+    /// from the same places, or state no error.
+    fn bins(&self) -> Vec<Option<i32>> {
+        let [newer_m, older_m] = self.away_each_m();
+        let is_shared = |cell: usize| {
+            let [newer, older] = self.is_measured[cell];
+            newer && older_m[cell] <= SAME_PLACE_M || older && newer_m[cell] <= SAME_PLACE_M
+        };
+        let both_m = self.away_from(is_shared);
+        let bin = |cell: usize| {
+            let nearest_m = newer_m[cell].min(older_m[cell]);
+            let is_same = both_m[cell] <= FARTHER * nearest_m + SAME_PLACE_M;
+            let sigma_m = f64::from(self.sigma_m[cell]);
+            (is_same && sigma_m > 0.0).then(|| (BINS_PER_OCTAVE * sigma_m.log2()).floor() as i32)
+        };
+        (0..self.sigma_m.len()).map(bin).collect()
+    }
+
+    /// What the quiet cells of each group differ by, as a share of what is stated: the largest of
+    /// what 68 % do not exceed, half of what 95 % do not, and the root mean square, for a few places
+    /// may err by much more than the rest.
+    fn shares(&self, quiet_m: &[f64], bins: &[Option<i32>]) -> BTreeMap<i32, f64> {
+        let mut ratios: BTreeMap<i32, Vec<f64>> = BTreeMap::new();
+        for (cell, rise_m) in quiet_m.iter().enumerate() {
+            if let (Some(bin), false) = (bins[cell], rise_m.is_nan()) {
+                ratios.entry(bin).or_default().push(rise_m.abs() / f64::from(self.sigma_m[cell]));
+            }
+        }
+        ratios.retain(|_, ratios| ratios.len() >= FEWEST_CELLS);
+        let share = |(bin, mut ratios): (i32, Vec<f64>)| {
+            ratios.sort_unstable_by(f64::total_cmp);
+            let squares = ratios.iter().map(|ratio| ratio.min(WITHIN_95).powi(2));
+            let rms = (squares.sum::<f64>() / ratios.len() as f64).sqrt();
+            let share = quantile(&ratios, 0.683).max(0.5 * quantile(&ratios, 0.954)).max(rms);
+            (bin, share.min(1.0))
+        };
+        ratios.into_iter().map(share).collect()
+    }
+
+    /// How far errors reach, by how much the means over squares of ground still differ: those of
+    /// independent cells would hardly, and those of cells that all err together as much as a cell.
+    fn range_m(&self, quiet_m: &[f64], sigma_m: &[f32], assumed_m: f64) -> f64 {
+        let cell_m = self.cell_area_m2.sqrt();
+        let side = (assumed_m / cell_m).round().max(1.0) as usize;
+        let mut squares: BTreeMap<[usize; 2], (f64, f64)> = BTreeMap::new();
+        let mut cells = (0.0, 0.0);
+        for (cell, rise_m) in quiet_m.iter().enumerate() {
+            let ratio = rise_m / f64::from(sigma_m[cell]);
+            if ratio.is_finite() {
+                let square = [cell % self.columns / side, cell / self.columns / side];
+                let (sum, count) = squares.entry(square).or_default();
+                (*sum, *count) = (*sum + ratio, *count + 1.0);
+                cells = (cells.0 + ratio * ratio, cells.1 + 1.0);
+            }
+        }
+        let full = 0.5 * (side * side) as f64;
+        let means: Vec<f64> =
+            squares.values().filter(|(_, count)| *count >= full).map(|(sum, n)| sum / n).collect();
+        if means.len() < FEWEST_SQUARES || cells.0 == 0.0 {
+            return assumed_m;
+        }
+        let of_squares = means.iter().map(|mean| mean * mean).sum::<f64>() / means.len() as f64;
+        let of_cells = cells.0 / cells.1;
+        let square_m2 = self.cell_area_m2 * (side * side) as f64;
+        // The area that errs together, and the range of a spherical variogram that has it.
+        let together_m2 = square_m2 * of_squares / of_cells;
+        (5.0 * together_m2 / PI).sqrt().clamp(cell_m.min(assumed_m), assumed_m)
+    }
+}
