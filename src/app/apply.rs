@@ -31,6 +31,7 @@ impl App {
             Command::ShowLog(id) => self.show_log(id),
             Command::CloseLog(id) => self.close_log(id),
             Command::MoveLog(id, by) => self.move_log(id, by),
+            Command::HoldHeight(held) => self.hold_height(held),
             Command::SetLogVisible(id, is_visible) => self.set_log_visible(id, is_visible),
             Command::FindPasses(at) => self.find_passes(at),
             Command::ShowPlace(at) => self.show_place(at),

@@ -25,7 +25,6 @@ impl App {
             Action::RemoveFigure => self.map.measuring.figure.is_some(),
             Action::RemovePlan | Action::SavePlan => self.map.planning.lines.is_some(),
             Action::RemoveLine => self.map.planning.selected.is_some(),
-            Action::CompareHeights => self.log_count() > 1,
             Action::ApplyHeights => self.height_offsets().is_some(),
             Action::ApplyPositions => {
                 (self.position_offsets()).is_some_and(super::FoundPositions::tells)

@@ -45,6 +45,8 @@ pub enum Command {
     MoveLog(LogId, isize),
     /// Let a log take part in maps, clouds and products, or leave it out.
     SetLogVisible(LogId, bool),
+    /// Hold the height of a log when heights are applied; of none the mean of all.
+    HoldHeight(Option<LogId>),
     /// Show a log, and a place of it in all views.
     RevealIn(LogId, LogPlace),
     /// Go to the state after so many steps of the history, of those taken back as well.

@@ -208,9 +208,11 @@ impl App {
     }
 
     /// The depth map of all visible logs as it was made last; outer `None` before that, inner where
-    /// the depths span no surface.
+    /// the depths span no surface, and no other map is being made.
     pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
-        self.pipeline.deriving.depth_map.result().map(Option::as_ref)
+        let made = &self.pipeline.deriving.depth_map;
+        let last = made.result().map(Option::as_ref);
+        last.filter(|map| map.is_some() || !made.is_running())
     }
 
     /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and

@@ -1,11 +1,13 @@
-//! Height differences between logs: found where their tracks meet, and taken off their depths when
-//! the analyst asks for it.
+//! Height differences between logs: found where their tracks meet whenever several logs have
+//! results, and taken off their depths when the analyst asks for it.
 
-use super::logs_task::{LogsTask, Stands};
-use super::{App, LogId, OpenLog};
-use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
-use bathyscope_products::pipeline::joint::{contradictions, height_offsets};
-use bathyscope_products::pipeline::{LogSettings, ProcessedLog};
+use super::{Action, App, LogId, OpenLog};
+use bathyscope_bottom::bathymetry::height_offsets::{
+    Datum, HeightDifference, HeightOffsets, LogOffset,
+};
+use bathyscope_bottom::cloud::PingDepth;
+use bathyscope_products::pipeline::joint::{contradictions, height_offsets, heights_differ};
+use bathyscope_products::pipeline::{Background, LogSettings, ProcessedLog, Same};
 use std::sync::Arc;
 use toml::Value;
 
@@ -31,8 +33,25 @@ impl FoundHeights {
     }
 }
 
+/// What offsets are found of: the depths of the logs, and the log that is held.
+type HeightsKey = (Vec<(LogId, Same<Vec<PingDepth>>)>, Option<LogId>);
+
 /// Offsets, and the work on them.
-pub(super) type Heights = LogsTask<FoundHeights>;
+#[derive(Default)]
+pub(super) struct Heights {
+    found: Background<HeightsKey, FoundHeights>,
+    /// The log whose height stays; of none the mean of all stays.
+    held: Option<LogId>,
+    /// What was said last of logs that differ.
+    said: Option<String>,
+}
+
+impl Heights {
+    /// Whether heights are being compared.
+    pub(super) fn is_busy(&self) -> bool {
+        self.found.is_running()
+    }
+}
 
 impl App {
     /// Whether heights are being compared.
@@ -40,9 +59,22 @@ impl App {
         self.findings.heights.is_busy()
     }
 
-    /// By how much the heights of the logs differ, once that was asked for.
+    /// By how much the heights of the visible logs differ; `None` of fewer than two.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
-        self.findings.heights.found()
+        let found = self.findings.heights.found.result()?;
+        // Those of logs that are closed or not visible any more are being replaced.
+        let mut logs = self.visible_logs().map(|log| log.id);
+        found.ids.iter().all(|id| logs.any(|log| log == *id)).then_some(found)
+    }
+
+    /// The log whose height stays when offsets are applied; of none the mean of all stays.
+    pub fn held_height(&self) -> Option<LogId> {
+        self.findings.heights.held
+    }
+
+    /// Has the height of a log stay, or the mean of all.
+    pub(super) fn hold_height(&mut self, held: Option<LogId>) {
+        self.findings.heights.held = held;
     }
 
     /// A warning for every two logs that no height offsets bring together.
@@ -50,66 +82,101 @@ impl App {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };
-        let name = |id: &LogId| self.open_log(*id).map_or_else(String::new, OpenLog::name);
-        let names: Vec<String> = found.ids.iter().map(name).collect();
-        contradictions(&found.offsets.pairs, &names).collect()
+        contradictions(&found.offsets.pairs, &self.names_of(&found.ids)).collect()
     }
 
-    /// Starts to compare the heights of the visible logs.
-    pub(super) fn match_heights(&mut self) {
-        let shown = self.shown_logs();
-        if shown.len() < 2 {
-            let text =
-                "heights are compared between logs: open two or more, and wait for their results";
-            return self.notify(text.to_owned(), true);
+    /// The sentence about the two logs whose depths differ the most with the offsets in force, and
+    /// by more than chance; `None` where they agree.
+    pub(crate) fn unlevelled(&self) -> Option<String> {
+        let found = self.height_offsets()?;
+        let in_force_m = |id: &LogId| {
+            let products = self.open_log(*id).and_then(|log| log.products.as_ref());
+            products.map_or(0.0, |products| products.correction.height_offset_m())
+        };
+        let in_force_m: Vec<f64> = found.ids.iter().map(in_force_m).collect();
+        let difference: HeightDifference = found.offsets.unlevelled(&in_force_m)?;
+        Some(format!("{}.", heights_differ(&difference, &self.names_of(&found.ids))))
+    }
+
+    fn names_of(&self, ids: &[LogId]) -> Vec<String> {
+        let name = |id: &LogId| self.open_log(*id).map_or_else(String::new, OpenLog::name);
+        ids.iter().map(name).collect()
+    }
+
+    /// Compares the heights of the visible logs anew where their depths are others, and says where
+    /// they differ.
+    pub(super) fn follow_heights(&mut self) {
+        let recordings = self.visible_logs().filter(|log| log.survey.is_some()).count();
+        let settled = |log: &OpenLog| Some((log.id, log.settled()?));
+        let logs: Vec<(LogId, ProcessedLog)> = self.visible_logs().filter_map(settled).collect();
+        if recordings < 2 {
+            self.findings.heights.found = Background::default();
+            return;
         }
-        let ids = shown.iter().map(|log| log.id).collect();
-        let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
-        self.findings.heights.start(&self.jobs, move |progress| {
-            let offsets = height_offsets(&logs, Datum::Mean, progress).ok()?;
+        // Those that have results before the others would be compared again and again.
+        if logs.len() < recordings {
+            return;
+        }
+        let ids: Vec<LogId> = logs.iter().map(|(id, _)| *id).collect();
+        let depths = |(id, log): &(LogId, ProcessedLog)| (*id, Same(log.products.depths.clone()));
+        let place = |held: LogId| ids.iter().position(|id| *id == held);
+        let held = self.findings.heights.held.and_then(place);
+        let key = (logs.iter().map(depths).collect(), held.map(|place| ids[place]));
+        let logs: Vec<ProcessedLog> = logs.into_iter().map(|(_, log)| log).collect();
+        self.findings.heights.found.ask(key, &self.jobs, move |progress| {
+            let datum = held.map_or(Datum::Mean, Datum::Log);
+            let mut offsets = height_offsets(&logs, datum, progress).ok()?;
+            if let Some(held) = held {
+                let in_force_m = logs[held].products.correction.height_offset_m();
+                offsets.raise(held, in_force_m);
+            }
             Some(FoundHeights { ids, offsets })
         });
+        if !self.findings.heights.is_busy() {
+            self.say_heights();
+        }
     }
 
-    /// Collects what was found.
-    pub(super) fn poll_heights(&mut self) {
-        match self.findings.heights.poll() {
-            Stands::Still => {}
-            Stands::Found => {
-                let any = |is: fn(&LogOffset) -> bool| {
-                    let found = self.height_offsets();
-                    found.is_some_and(|found| found.logs().any(|(_, offset)| is(offset)))
-                };
-                if !any(|offset| offset.log_overlaps > 0) {
-                    let text = "the tracks of these logs do not cross, so their heights cannot be compared";
-                    self.notify(text.to_owned(), true);
-                } else if !any(LogOffset::is_determined) {
-                    let text = "where these logs cross, their depths contradict each other: no height offset is determined";
-                    self.notify(text.to_owned(), true);
-                }
-            }
-            Stands::Failed => {
-                self.notify("comparing heights failed unexpectedly".to_owned(), true);
-            }
+    /// Says once that heights differ, with the command that levels them.
+    fn say_heights(&mut self) {
+        let unlevelled = self.unlevelled();
+        if self.findings.heights.said == unlevelled {
+            return;
         }
+        self.withdraw(Action::ApplyHeights);
+        if let Some(text) = &unlevelled {
+            self.offer(text.clone(), Action::ApplyHeights);
+        }
+        self.findings.heights.said = unlevelled;
     }
 
     /// Adds the offsets to the elevations of their logs, as one undo step.
     pub(super) fn apply_heights(&mut self) {
         let Some(found) = self.height_offsets().cloned() else {
-            let text = "compare the heights of the logs first";
+            let text =
+                "heights are compared between logs: open two or more, and wait for their results";
             return self.notify(text.to_owned(), true);
         };
+        let mut levelled = 0;
         let before = self.step_now();
         for (id, offset) in found.logs().filter(|(_, offset)| offset.is_determined()) {
             if let Some(log) = self.open_log(id) {
                 let mut own = LogSettings::clone(&log.own);
                 own.set(KEY, Value::Float(offset.applied_m()));
                 self.set_own(id, Arc::new(own), false);
+                levelled += 1;
             }
+        }
+        if levelled == 0 {
+            let text = "no height offset is determined: the tracks of these logs do not cross, or their depths contradict each other where they do";
+            return self.notify(text.to_owned(), true);
         }
         let after = self.step_now();
         self.record_step(&before, &after, "height offsets", false);
+        self.withdraw(Action::ApplyHeights);
+        let held = self.held_height().and_then(|id| self.open_log(id));
+        let held = held.map_or("their mean".to_owned(), |log| format!("that of {}", log.name()));
+        self.offer_undo(format!("Heights of {levelled} logs were levelled; {held} was held"));
         self.process();
     }
 }

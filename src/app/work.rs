@@ -33,7 +33,6 @@ impl App {
         }
         self.poll_comparing();
         self.poll_tables();
-        self.poll_heights();
         self.poll_positions();
         self.poll_planning();
         self.poll_passes();
@@ -46,6 +45,7 @@ impl App {
         self.poll_objects();
         self.poll_base_map();
         self.poll_isobath_area();
+        self.follow_heights();
         self.derive();
         self.derive_picture();
         self.follow_profile();

@@ -58,6 +58,7 @@ fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Fail
         requested: &Product::ALL,
         reference: None,
         adjust: false,
+        held: None,
         wanted: Wanted::default(),
     };
     let log = OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None };

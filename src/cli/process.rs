@@ -35,6 +35,10 @@ pub(super) struct ProcessArgs {
     /// agree; report.json lists them either way
     #[arg(long, conflicts_with = "each")]
     adjust: bool,
+    /// With --adjust: the log whose height stays, by the name of its file; without it the mean of
+    /// connected logs does
+    #[arg(long, value_name = "LOG", requires = "adjust")]
+    hold: Option<String>,
     /// Move each log, too, by the shift of its positions that crossings over slopes show
     #[arg(long, requires = "adjust")]
     positions: bool,
@@ -84,6 +88,7 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
         requested: &products,
         reference: args.reference.as_deref(),
         adjust: args.adjust,
+        held: args.hold.as_deref(),
         wanted: Wanted { shifts: args.positions, latencies: args.latency },
     };
     if args.each && inputs.len() > 1 {

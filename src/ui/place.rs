@@ -127,7 +127,7 @@ pub(super) fn depth(app: &App, ping: usize) -> String {
         || format!("{}, bottom lost", text::NONE),
         |bottom| {
             let depth = app.view.options.units.measure(bottom.depth_m, 2);
-            let reference = reduction(app).reference().name();
+            let reference = reduction(app).reference_name();
             let by = bottom.by.name();
             format!("{depth} {reference}, {by}")
         },

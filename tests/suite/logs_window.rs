@@ -243,9 +243,10 @@ fn heights_are_compared_and_applied_as_one_step() {
     // Ten of them are levelled without a window, by `many_logs_files`.
     let higher_m = &HIGHER_M[..4];
     let mut window = opened(folder.path(), higher_m.len());
-    window.get_by_label("Compare heights").click_accesskit();
     settle(&mut window);
     assert!(app(&window).height_offsets().is_some());
+    let warned = app(&window).said().any(|notice| notice.text.contains("deeper than those of"));
+    assert!(warned, "the logs differ, and nobody was told");
     window.get_by_label("Apply heights").click_accesskit();
     settle(&mut window);
     let applied: Vec<f64> = app(&window).logs().map(|log| log.settings.height_offset_m).collect();

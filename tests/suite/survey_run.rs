@@ -245,8 +245,6 @@ fn correct_a_bottom(window: &mut Window) {
 
 /// The height offsets that were applied, in the order of the logs.
 fn compare_heights(window: &mut Window) -> Vec<f64> {
-    window.get_by_label("Compare heights").click();
-    settle(window);
     window.get_by_label("offset");
     window.get_by_label("Apply heights").click();
     settle(window);

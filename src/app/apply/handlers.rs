@@ -55,7 +55,6 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::RemoveWaterLevels, App::remove_water_levels),
     (Action::RemoveTrack, App::remove_track),
     (Action::CloseBaseMap, App::close_base_map),
-    (Action::CompareHeights, App::match_heights),
     (Action::ApplyHeights, App::apply_heights),
     (Action::ComparePositions, App::match_positions),
     (Action::ApplyPositions, App::apply_positions),

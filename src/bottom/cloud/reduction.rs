@@ -98,6 +98,17 @@ impl<'a> Reduction<'a> {
         self.correction.map_or(DepthReference::Transducer, Correction::reference)
     }
 
+    /// What depths count from, in words, and that they are levelled to those of other logs where
+    /// they are.
+    pub fn reference_name(&self) -> String {
+        let name = self.reference().name();
+        match self.correction.map_or(0.0, Correction::height_offset_m) {
+            0.0 => name.to_owned(),
+            // A height that is added to elevations is taken off depths.
+            offset_m => format!("{name}, levelled by {:+.2} m", -offset_m),
+        }
+    }
+
     fn factor(&self) -> f64 {
         self.correction.map_or(1.0, Correction::range_factor)
     }

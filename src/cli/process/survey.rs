@@ -29,6 +29,8 @@ pub(crate) struct How<'a> {
     pub reference: Option<&'a OsStr>,
     /// Whether the height offsets of several logs are applied.
     pub adjust: bool,
+    /// The log whose height stays then, by name; without it the mean of connected logs.
+    pub held: Option<&'a str>,
     /// What else of their positions and times is corrected.
     pub wanted: Wanted,
 }
@@ -45,6 +47,7 @@ impl How<'_> {
         };
         let progress = Progress::new();
         let status = StatusLine::new(&progress);
+        let datum = datum(self.held, opened)?;
         let open = |argument| open_reference(argument, first, &progress);
         let reference = self.reference.map(open).transpose()?.map(Arc::new);
         let surveys = opened.iter().map(|log| &*log.survey);
@@ -66,7 +69,7 @@ impl How<'_> {
         }
         if self.adjust && logs.len() > 1 {
             status.step("height offsets");
-            logs = adjusted(&logs, &status, &progress)?;
+            logs = adjusted(&logs, datum, &status, &progress)?;
         }
         let review = survey_review(opened);
         let max_gap_m = first.settings.surface.max_gap_m;
@@ -197,13 +200,31 @@ fn placed(
     logs.iter().zip(&found).map(with).collect()
 }
 
+/// What the heights of the logs count from: the one that is held, by the name of its file with or
+/// without its ending.
+fn datum(held: Option<&str>, opened: &[OpenedLog]) -> Result<Datum, Failure> {
+    let Some(held) = held else {
+        return Ok(Datum::Mean);
+    };
+    let names: Vec<String> = opened.iter().map(|log| log.survey.name()).collect();
+    let stem = Path::new(held).file_stem().unwrap_or_default().to_string_lossy();
+    let place = names.iter().position(|name| name == held || *name == stem);
+    place.map(Datum::Log).ok_or_else(|| {
+        format!("no log is called {held}; give --hold one of these: {}", names.join(", ")).into()
+    })
+}
+
 /// The logs with the height offsets that their overlaps show.
 fn adjusted(
     logs: &[ProcessedLog],
+    datum: Datum,
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Cancelled> {
-    let found = height_offsets(logs, Datum::Mean, progress)?;
+    let mut found = height_offsets(logs, datum, progress)?;
+    if let Datum::Log(held) = datum {
+        found.raise(held, logs[held].products.correction.height_offset_m());
+    }
     let with = |(log, offset): (&ProcessedLog, &LogOffset)| {
         let mut settings = Settings::clone(&log.products.settings);
         if offset.log_overlaps == 0 || offset.is_determined() {

@@ -1,10 +1,11 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their
 //! heights stand to each other.
 
-use super::parts::{self, fact, name_of, press, press_short, remark, warning};
+use super::parts::{self, fact, name_of, press, remark, warning};
 use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, OpenLog};
+use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, exclusion_text, text, theme, toggle};
 use bathyscope_bottom::presentation::units::Units;
@@ -135,19 +136,46 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
 
 const HEIGHTS: [(&str, &str); 4] = [
     ("Log", ""),
-    ("offset", "How much deeper the depths of the log are than those of all logs."),
+    (
+        "offset",
+        "How much deeper the depths of the log are than those of the log that is held, or of all.",
+    ),
     ("±", "Standard error of the offset."),
     ("crossings", "Crossings of its track with other tracks."),
 ];
 
+/// The choice of the log whose height stays.
+fn hold(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    const MEAN: &str = "mean of all";
+    let app = context.app;
+    let held = app.held_height().filter(|id| app.open_log(*id).is_some());
+    let shown = held.map_or_else(|| MEAN.to_owned(), |id| name_of(app, id));
+    let mut picked = None;
+    let list = DropDown::new("held height", shown).width(96.0).show(ui, |choices| {
+        let logs = app.visible_logs().map(|log| (Some(log.id), log.name()));
+        for (choice, name) in [(None, MEAN.to_owned())].into_iter().chain(logs) {
+            if choices.choice(choice == held, name).clicked() {
+                picked = Some(choice);
+            }
+        }
+    });
+    list.on_hover_text(
+        "The log whose height stays when heights are applied: the one with a measured water level and draft.",
+    );
+    context.commands.extend(picked.map(Command::HoldHeight));
+}
+
 /// Height differences between the logs, where their tracks meet.
 fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
+    if let Some(text) = app.unlevelled() {
+        warning(ui, context, &app.view.options.units.sentence(&text));
+    }
     ui.horizontal(|ui| {
-        let can_compare = !app.is_matching_heights();
-        press(ui, context, Action::CompareHeights, can_compare);
+        ui.label("Hold");
+        hold(ui, context);
         let is_known = app.height_offsets().is_some();
-        press_short(ui, context, (Action::ApplyHeights, "Apply"), is_known);
+        press(ui, context, Action::ApplyHeights, is_known);
         if app.is_matching_heights() {
             ui.add(egui::Spinner::new().size(12.0));
         }

@@ -274,6 +274,8 @@ fn number(
         let is_word = text.is_empty() || none_word.is_some_and(|word| word == text);
         let text = text.replace('\u{2212}', "-");
         let text = text.trim_end_matches(shown.suffix.trim()).replace(' ', "");
+        // Half of the world writes a decimal comma.
+        let text = text.replace(',', ".");
         match is_word && none_word.is_some() {
             true => Some(0.0),
             false => text.parse().ok(),

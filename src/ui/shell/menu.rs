@@ -105,7 +105,6 @@ const PROCESSING: &[Action] = &[
     Action::UseScale,
     Action::KeepRecordedRange,
     Action::DropProposal,
-    Action::CompareHeights,
     Action::ApplyHeights,
     Action::ComparePositions,
     Action::ApplyPositions,

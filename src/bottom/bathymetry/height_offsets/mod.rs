@@ -156,7 +156,57 @@ pub struct HeightOffsets {
     pub pairs: Vec<PairDifference>,
 }
 
+/// Logs whose heights differ by less than this are not worth a word, metres: nobody reads a draft or
+/// a water level better.
+const LEVEL_M: f64 = 0.02;
+/// Standard errors that a difference of heights exceeds where it is none of chance.
+const LEVEL_SIGMAS: f64 = 3.0;
+
+/// Two logs whose depths differ where they cross.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightDifference {
+    /// Indices of the log whose depths are deeper, and of the other.
+    pub logs: [usize; 2],
+    /// By how much, metres.
+    pub difference_m: f64,
+    /// Its standard error, metres.
+    pub standard_error_m: f64,
+}
+
 impl HeightOffsets {
+    /// The logs whose depths differ the most, beyond the error of that, once the offsets in force
+    /// are applied to them, metres; `None` where all agree, or their overlaps do not tell.
+    pub fn unlevelled(&self, in_force_m: &[f64]) -> Option<HeightDifference> {
+        let logs = self.logs.iter().zip(in_force_m).enumerate();
+        let known: Vec<(usize, &LogOffset, f64)> = logs
+            .filter(|(_, (log, _))| log.is_determined())
+            .map(|(index, (log, in_force_m))| (index, log, log.offset_m - in_force_m))
+            .collect();
+        let ends = |group: usize| {
+            let inside = || known.iter().filter(move |(_, log, _)| log.group == group);
+            let deeper = inside().max_by(|a, b| a.2.total_cmp(&b.2))?;
+            let other = inside().min_by(|a, b| a.2.total_cmp(&b.2))?;
+            Some(HeightDifference {
+                logs: [deeper.0, other.0],
+                difference_m: deeper.2 - other.2,
+                // Both count from one datum, so that their errors may have opposite signs.
+                standard_error_m: deeper.1.standard_error_m + other.1.standard_error_m,
+            })
+        };
+        let differences = (0..self.groups()).filter_map(ends).filter(|found| {
+            found.difference_m > LEVEL_M
+                && found.difference_m > LEVEL_SIGMAS * found.standard_error_m
+        });
+        differences.max_by(|a, b| a.difference_m.total_cmp(&b.difference_m))
+    }
+
+    /// Adds a height to the offsets of a log and of all that are connected with it, metres.
+    pub fn raise(&mut self, log: usize, by_m: f64) {
+        let group = self.logs.get(log).map(|log| log.group);
+        let connected = self.logs.iter_mut().filter(|log| Some(log.group) == group);
+        connected.filter(|log| log.is_determined()).for_each(|log| log.offset_m += by_m);
+    }
+
     /// How many groups of connected logs there are; heights can be compared within a group only.
     pub fn groups(&self) -> usize {
         self.logs.iter().map(|log| log.group + 1).max().unwrap_or(0)

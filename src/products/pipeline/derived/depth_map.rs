@@ -8,7 +8,7 @@ use bathyscope_bottom::bathymetry::isobaths::{
     ClipArea, IsobathSettings, NoIsobaths, with_shoalest,
 };
 use bathyscope_bottom::bathymetry::{
-    self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
+    self, CellSource, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
 };
 use bathyscope_bottom::cloud::{PointClass, PointCloud};
 use bathyscope_log::support::geo::{CrsChoice, MapPlane, bounds_deg};
@@ -186,6 +186,14 @@ impl DepthMap {
     pub fn at(&self, place: [f64; 2]) -> Option<(f32, f32)> {
         let [easting_m, northing_m] = self.to_map(place);
         self.surface.at(easting_m, northing_m)
+    }
+
+    /// What the depth at a place comes from.
+    pub fn source_at(&self, place: [f64; 2]) -> CellSource {
+        let [easting_m, northing_m] = self.to_map(place);
+        let cell = self.surface.grid.index_at(easting_m, northing_m);
+        let source = cell.and_then(|cell| self.surface.source.get(cell));
+        source.copied().unwrap_or(CellSource::None)
     }
 
     /// Depth between the cells at a place east and north of the survey's origin, metres.

@@ -23,5 +23,5 @@ pub use crossline::{
     position_offsets,
 };
 pub use logs_report::{LogReport, LogsReport};
-pub use report::contradictions;
 pub(crate) use report::joint_report;
+pub use report::{contradictions, heights_differ};

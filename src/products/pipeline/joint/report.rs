@@ -3,7 +3,7 @@
 use super::logs_report::{LogReport, LogsReport};
 use super::{compare_logs, crossline_analysis, height_offsets};
 use crate::pipeline::{CommonUncertainty, ProcessedLog, Report, Settings, setting_values};
-use bathyscope_bottom::bathymetry::height_offsets::{Datum, PairDifference};
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, PairDifference};
 use bathyscope_bottom::cloud::{Residuals, same_ping_differences};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Survey, apart};
@@ -34,6 +34,12 @@ pub(crate) fn joint_report(
     all.residuals = Residuals::of(&mut same_ping(logs));
     all.uncertainty = CommonUncertainty::of(logs, progress)?;
     all.warnings = Vec::new();
+    let in_force_m: Vec<f64> =
+        logs.iter().map(|log| log.products.correction.height_offset_m()).collect();
+    let unlevelled = found.unlevelled(&in_force_m).map(|difference| {
+        let said = heights_differ(&difference, names);
+        format!("{said}; --adjust levels the logs, or height_offset_m of each")
+    });
     let mut listed = Vec::new();
     for (index, (single, offset)) in singles.into_iter().zip(found.logs).enumerate() {
         if index > 0 {
@@ -71,6 +77,7 @@ pub(crate) fn joint_report(
     all.statement = statement(&listed);
     all.warnings.extend(not_one_survey(logs, names));
     all.warnings.extend(not_connected(&listed));
+    all.warnings.extend(unlevelled);
     all.warnings.extend(contradictions(&found.pairs, names));
     all.logs = Some(LogsReport {
         datum: DATUM,
@@ -117,6 +124,15 @@ fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<tom
         differ.insert("bottom".to_owned(), edits);
     }
     differ
+}
+
+/// Says by how much the depths of two logs differ; `names` are what the logs are called.
+pub fn heights_differ(difference: &HeightDifference, names: &[String]) -> String {
+    let [deeper, other] = difference.logs.map(|log| names.get(log).map_or("", String::as_str));
+    format!(
+        "Depths of {deeper} are {:.3} m deeper than those of {other} where they cross (standard error {:.3} m)",
+        difference.difference_m, difference.standard_error_m
+    )
 }
 
 /// Says which logs cannot be compared in height with the first.

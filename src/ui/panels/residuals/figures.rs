@@ -46,6 +46,10 @@ pub(super) fn ui(
             fact(ui, name, hint, format!("{first}, {second}"));
         }
     }
+}
+
+/// Draws the shares within the orders of IHO S-44.
+pub(super) fn orders(ui: &mut Ui, comparison: &Comparison) {
     for within in &comparison.orders {
         let name = format!("S-44 {}", within.order.order);
         let verdict = match within.share >= 0.95 {

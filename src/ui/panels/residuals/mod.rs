@@ -33,6 +33,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .and_then(|figures| figures.residuals.as_ref());
         let units = context.units();
         figures::ui(ui, &agreement.comparison, same_ping, units);
+        // Soundings of the same recorder prove no order.
+        if agreement.reference.is_some() {
+            figures::orders(ui, &agreement.comparison);
+        }
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         // Wrapped: a row that is wider than the panel would widen it when it comes into view.

@@ -149,7 +149,7 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target:
         "Depth",
         &format!(
             "Of the bottom where it lies, {}.",
-            place::reduction(context.app).reference().name()
+            place::reduction(context.app).reference_name()
         ),
         units.measure(target.depth_m, 2),
     );

@@ -104,7 +104,7 @@ pub(super) fn paint_read_out(
         point.source.name(),
         point.ping,
         units.measure(-point.z_m, 2),
-        products.reduction().reference().name(),
+        products.reduction().reference_name(),
         place::written(app, position),
     );
     let at = rect.left_top() + vec2(50.0, 9.0);

@@ -375,7 +375,7 @@ fn layers(context: &ViewContext<'_>) -> String {
 }
 
 fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
-    let reference = products.reduction().reference().name();
+    let reference = products.reduction().reference_name();
     let surveys = app.visible_logs().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
     let excluded = match exclusions::ping_count(app) {

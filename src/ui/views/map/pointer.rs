@@ -8,7 +8,9 @@ use crate::ui::views::legend;
 use crate::ui::{OwnHover, ViewContext, exclusion_text, place, text, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
+use bathyscope_products::pipeline::DepthMap;
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
+use std::sync::Arc;
 
 /// How near the pointer must come to the track, points.
 pub(super) const REACH: f32 = 30.0;
@@ -266,12 +268,16 @@ fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usiz
         text += &format!("E {east}  N {north}");
     }
     let depth_map = scene.depth_map.flatten();
-    if let Some((depth_m, distance_m)) = depth_map.and_then(|map| map.at([east_m, north_m])) {
+    let at_place = |map: &Arc<DepthMap>| {
+        let place = [east_m, north_m];
+        Some((map.at(place)?, map.source_at(place).name()))
+    };
+    if let Some(((depth_m, distance_m), source)) = depth_map.and_then(at_place) {
         text += gap(ONE_LINE);
         let depth = units.measure(f64::from(depth_m), 2);
-        let reference = place::reduction(app).reference().name();
+        let reference = place::reduction(app).reference_name();
         let away = units.measure(f64::from(distance_m), 1);
-        text += &format!("depth {depth} {reference} (interpolated, nearest {away} away)");
+        text += &format!("depth {depth} {reference} ({source}, nearest {away} away)");
     }
     let residuals = scene.residuals.as_deref();
     let reach_m = f64::from(NEAR) * scene.transform.metres_per_point;

@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
 use bathyscope_bottom::bathymetry::height_offsets::{
-    Datum, LogOverlap, OverlapKind, adjust, height_offsets,
+    Datum, HeightOffsets, LogOffset, LogOverlap, OverlapKind, adjust, height_offsets,
 };
 use bathyscope_log::support::progress::Progress;
 use serde::Deserialize;
@@ -112,6 +112,34 @@ fn overlaps_that_contradict_each_other_by_metres_determine_no_offset() {
     let agreeing = [6.1, 6.2, 6.15, 6.12].map(log_overlap);
     let found = adjust(2, &agreeing, Datum::Mean);
     assert!(found.logs.iter().all(|log| log.is_determined() && log.offset_m.abs() > 3.0));
+}
+
+#[test]
+fn heights_that_differ_beyond_their_error_are_named_until_they_are_levelled_or_held() {
+    let log_overlap = |first, second, difference_m| {
+        let logs = [first, second];
+        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, 0.02)
+    };
+    // Elevations of log 1 are 0.35 m above those of log 0, and those of log 2 below.
+    let met = [0.349, 0.351, 0.350, 0.348].map(|difference_m| log_overlap(0, 1, difference_m));
+    let more = [-0.051, -0.049, -0.050].map(|difference_m| log_overlap(0, 2, difference_m));
+    let mut found = adjust(3, &[&met[..], &more].concat(), Datum::Mean);
+    let differs = found.unlevelled(&[0.0; 3]).expect("they differ");
+    assert_eq!(differs.logs, [2, 1]);
+    assert!((differs.difference_m - 0.4).abs() < 0.002, "{differs:?}");
+    let applied = |found: &HeightOffsets| -> Vec<f64> {
+        found.logs.iter().map(LogOffset::applied_m).collect()
+    };
+    assert_eq!(found.unlevelled(&applied(&found)), None);
+    // Log 1 is held 0.1 m above where it was recorded.
+    found = adjust(3, &[&met[..], &more].concat(), Datum::Log(1));
+    found.raise(1, 0.1);
+    let held = applied(&found);
+    assert!((held[1] - 0.1).abs() < 1e-9 && (held[0] - 0.45).abs() < 0.002, "{held:?}");
+    assert_eq!(found.unlevelled(&held), None);
+    // Half of it is chance where a few centimetres of noise are left.
+    let noisy = [0.05, -0.04, 0.06].map(|difference_m| log_overlap(0, 1, difference_m));
+    assert_eq!(adjust(2, &noisy, Datum::Mean).unlevelled(&[0.0; 2]), None);
 }
 
 /// How the positions of simulated logs err: of a whole log, and of each line, metres.
