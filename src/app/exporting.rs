@@ -6,6 +6,7 @@ use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{CopyError, LogPartChoice, copy_log};
 use bathyscope_products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
+use bathyscope_products::pipeline::map_plane;
 use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -45,6 +46,27 @@ impl Exporting {
 }
 
 impl App {
+    /// What the depths of the visible logs count from, what is not corrected, and the system of the
+    /// products, in sentences: what whoever gets the files has to know.
+    pub(crate) fn export_statement(&self) -> Vec<String> {
+        let logs = self.processed_logs();
+        let Some(first) = logs.first() else {
+            return Vec::new();
+        };
+        let said = first.products.correction.sentences();
+        let are_same = logs.iter().all(|log| log.products.correction.sentences() == said);
+        let mut sentences = match are_same {
+            true => said.to_vec(),
+            false => vec![
+                "The depths of the logs are corrected differently: report.html says how, log by log."
+                    .to_owned(),
+            ],
+        };
+        let plane = map_plane(&first.survey, &first.products.settings);
+        sentences.extend(plane.ok().map(|plane| format!("Coordinates are of {}.", plane.crs)));
+        sentences
+    }
+
     /// Writes something in a background thread, and notifies of the outcome.
     pub fn write<E: Error + Send + Sync + 'static>(
         &mut self,

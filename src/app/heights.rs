@@ -114,7 +114,8 @@ impl App {
             return;
         }
         // Those that have results before the others would be compared again and again.
-        if logs.len() < recordings {
+        let is_behind = self.visible_logs().any(OpenLog::is_behind);
+        if logs.len() < recordings || is_behind || self.load_status().is_some() {
             return;
         }
         let ids: Vec<LogId> = logs.iter().map(|(id, _)| *id).collect();

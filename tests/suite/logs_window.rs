@@ -247,7 +247,8 @@ fn heights_are_compared_and_applied_as_one_step() {
     assert!(app(&window).height_offsets().is_some());
     let warned = app(&window).said().any(|notice| notice.text.contains("deeper than those of"));
     assert!(warned, "the logs differ, and nobody was told");
-    window.get_by_label("Apply heights").click_accesskit();
+    // In the list of logs and in the notice.
+    window.get_all_by_label("Apply heights").next().expect("a button").click_accesskit();
     settle(&mut window);
     let applied: Vec<f64> = app(&window).logs().map(|log| log.settings.height_offset_m).collect();
     let mean_m = higher_m.iter().sum::<f64>() / higher_m.len() as f64;

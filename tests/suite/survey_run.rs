@@ -246,7 +246,7 @@ fn correct_a_bottom(window: &mut Window) {
 /// The height offsets that were applied, in the order of the logs.
 fn compare_heights(window: &mut Window) -> Vec<f64> {
     window.get_by_label("offset");
-    window.get_by_label("Apply heights").click();
+    window.get_all_by_label("Apply heights").next().expect("a button").click();
     settle(window);
     assert_eq!(app(window).undo_label(), Some("height offsets of 4 logs"));
     let offsets: Vec<f64> = app(window).logs().map(|log| log.settings.height_offset_m).collect();

@@ -163,7 +163,8 @@ impl Shell {
             self.say(BUSY);
         } else {
             let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
-            self.export.ask(&folder, amounts);
+            let statement = self.app.export_statement();
+            self.export.ask(&folder, amounts, statement);
         }
     }
 

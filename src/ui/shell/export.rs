@@ -2,6 +2,7 @@
 
 use crate::app::{App, Command, FileToWrite};
 use crate::ui::dialogs::PathPurpose;
+use crate::ui::panels::parts;
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::presentation::text::bytes;
 use bathyscope_products::outputs::{
@@ -27,6 +28,8 @@ struct Asked {
     is_named: bool,
     /// What the sizes follow from.
     amounts: Amounts,
+    /// What the depths count from and what is not corrected.
+    statement: Vec<String>,
     /// The folder that was looked at, and what happens to it.
     known: Option<(String, String)>,
     /// The folder's field takes the keyboard in the next frame.
@@ -43,12 +46,14 @@ enum Pressed {
 }
 
 impl ExportDialog {
-    /// Asks what goes where; products go into `folder` unless another is named.
-    pub(super) fn ask(&mut self, folder: &Path, amounts: Amounts) {
+    /// Asks what goes where; products go into `folder` unless another is named. `statement` says
+    /// what the depths are.
+    pub(super) fn ask(&mut self, folder: &Path, amounts: Amounts, statement: Vec<String>) {
         self.open = Some(Asked {
             folder: folder.display().to_string(),
             is_named: false,
             amounts,
+            statement,
             known: None,
             takes_keyboard: true,
         });
@@ -78,6 +83,10 @@ impl ExportDialog {
         let modal = Modal::new(Id::unique("export")).show(ctx, |ui| {
             ui.set_width(WIDTH);
             ui.heading("Export products");
+            for sentence in &asked.statement {
+                parts::remark(ui, context.units().sentence(sentence));
+            }
+            ui.add_space(4.0);
             products(ui, context, &asked.amounts);
             ui.add_space(6.0);
             let (pressed, goes_on) = folder(ui, asked);
