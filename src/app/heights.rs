@@ -68,7 +68,7 @@ impl App {
     }
 
     /// The log whose height stays when offsets are applied; of none the mean of all stays.
-    pub fn held_height(&self) -> Option<LogId> {
+    pub(crate) fn held_height(&self) -> Option<LogId> {
         self.findings.heights.held
     }
 

@@ -107,9 +107,9 @@ impl FittedTrack {
         }
     }
 
-    /// A track whose times are assumed and whose records repeat fixes: each fix is true at its first
-    /// record, and how long it is repeated says nothing. `None` where each record has a place of
-    /// its own.
+    /// A track whose times are assumed and whose records repeat fixes: each fix is true at its
+    /// first record, and how long it is repeated says nothing. `None` where each record has a place
+    /// of its own.
     fn in_order(track: &Track, stays: &[Stay], window_s: f64) -> Option<Self> {
         let mut between_s: Vec<f64> =
             stays.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();

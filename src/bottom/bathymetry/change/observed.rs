@@ -11,20 +11,20 @@ use bathyscope_log::support::statistics::{median, quantile};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// A place that one map measured was measured by the other where that measured one as near, metres:
-/// no boat comes back to a line exactly.
+/// Distance to the nearest place that the other map measured, metres, within which both measured the
+/// same place: no boat comes back to a line exactly.
 const SAME_PLACE_M: f32 = 1.0;
-/// A cell is drawn from the same places by both maps where the nearest place that both measured is
-/// this much farther at most than the nearest one that any of them did.
+/// How much farther than the nearest place that any map measured the nearest one that both measured
+/// may be, as a factor, where both maps draw a cell from the same places.
 const FARTHER: f32 = 1.25;
-/// Errors reach less far than assumed where this share of the cells is drawn from the same places:
-/// what is drawn anew errs along a whole line.
+/// Share of the cells drawn from the same places from which on errors may reach less far than
+/// assumed: what is drawn anew errs along a whole line.
 const SAME_SHARE: f64 = 0.6;
 /// Stated errors within a factor of the square root of two are judged together.
 const BINS_PER_OCTAVE: f64 = 2.0;
-/// Fewer cells than this say nothing of their errors.
+/// Fewest cells that tell how large their errors are.
 const FEWEST_CELLS: usize = 200;
-/// Fewer squares of ground than this say nothing of how far errors reach.
+/// Fewest squares of ground that tell how far errors reach.
 const FEWEST_SQUARES: usize = 12;
 
 /// The errors of a difference as its cells without a change show them.
@@ -101,8 +101,8 @@ impl ChangeField<'_> {
     }
 
     /// What the quiet cells of each group differ by, as a share of what is stated: the largest of
-    /// what 68 % do not exceed, half of what 95 % do not, and the root mean square, for a few places
-    /// may err by much more than the rest.
+    /// what 68 % do not exceed, half of what 95 % do not, and the root mean square, for a few
+    /// places may err by much more than the rest.
     fn shares(&self, quiet_m: &[f64], bins: &[Option<i32>]) -> BTreeMap<i32, f64> {
         let mut ratios: BTreeMap<i32, Vec<f64>> = BTreeMap::new();
         for (cell, rise_m) in quiet_m.iter().enumerate() {

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 const SMOOTHED_M: f64 = 1.0;
 /// Most cells of that: averages of more say nothing else.
 const MOST_SMOOTHED: usize = 10;
-/// Fewer detected cells than this are no place, nor is less ground, square metres: positions are off
-/// by as much.
+/// Fewest detected cells of a place, and least ground that they cover, square metres: positions are
+/// off by as much.
 const FEWEST_DETECTED: usize = 4;
 const LEAST_DETECTED_M2: f64 = 2.0;
 /// The share of maps without a change in which errors alone make a place.

@@ -156,10 +156,10 @@ pub struct HeightOffsets {
     pub pairs: Vec<PairDifference>,
 }
 
-/// Logs whose heights differ by less than this are not worth a word, metres: nobody reads a draft or
-/// a water level better.
+/// Least difference of heights that is worth a warning, metres: drafts and water levels are read no
+/// better.
 const LEVEL_M: f64 = 0.02;
-/// Standard errors that a difference of heights exceeds where it is none of chance.
+/// Standard errors that a difference of heights exceeds where it is not chance.
 const LEVEL_SIGMAS: f64 = 3.0;
 
 /// Two logs whose depths differ where they cross.
