@@ -21,6 +21,7 @@ mod navigation;
 mod offsets;
 mod picture_log;
 mod point_classes;
+mod rates;
 mod river;
 mod swath;
 mod trusted_depths;
