@@ -54,14 +54,18 @@ impl App {
             return Vec::new();
         };
         let said = first.products.correction.sentences();
-        let are_same = logs.iter().all(|log| log.products.correction.sentences() == said);
-        let mut sentences = match are_same {
-            true => said.to_vec(),
-            false => vec![
-                "The depths of the logs are corrected differently: report.html says how, log by log."
-                    .to_owned(),
-            ],
-        };
+        let of_logs: Vec<_> = logs.iter().map(|log| log.products.correction.sentences()).collect();
+        let mut sentences = Vec::new();
+        for (index, sentence) in said.into_iter().enumerate() {
+            sentences.push(match of_logs.iter().all(|of_log| of_log[index] == sentence) {
+                true => sentence,
+                false if index == 0 => {
+                    "What was applied to depths differs between the logs; report.html lists it."
+                        .to_owned()
+                }
+                false => "What is not corrected differs between the logs.".to_owned(),
+            });
+        }
         let plane = map_plane(&first.survey, &first.products.settings);
         sentences.extend(plane.ok().map(|plane| format!("Coordinates are of {}.", plane.crs)));
         sentences

@@ -157,6 +157,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         flat_spots: Arc::new(Vec::new()),
         judged: None,
         latency: None,
+        repeatability: None,
         found: Arc::default(),
         returns: Arc::default(),
         bottom_line: Arc::default(),

@@ -178,6 +178,7 @@ fn products(
         depth_range_m,
         scales: Default::default(),
         latency: None,
+        repeatability: None,
     }
 }
 

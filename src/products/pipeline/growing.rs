@@ -144,6 +144,7 @@ pub fn extend(
         found: Arc::new(found),
         judged: None,
         latency: before.latency,
+        repeatability: before.repeatability,
         returns,
         bottom_line,
         calibration: before.calibration.clone(),

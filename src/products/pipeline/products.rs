@@ -5,7 +5,7 @@ use super::log_latency::LogLatency;
 use bathyscope_bottom::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
 use bathyscope_bottom::cloud::{
     self, CloudPoint, CloudSettings, Correction, PickTraits, PingDepth, PointClass, PointCloud,
-    PointScales, Reduction,
+    PointScales, Reduction, Residuals,
 };
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -56,7 +56,18 @@ pub struct Products {
     /// How late positions are, as the track's crossings with itself show it; `None` where they do
     /// not.
     pub latency: Option<LogLatency>,
+    /// How far depths differ where the track crosses itself; `None` where it does not.
+    pub repeatability: Option<Residuals>,
 }
+
+/// Fewer crossings than this say little of how far depths differ.
+const FEWEST_CROSSINGS: usize = 6;
+/// Depths of one recorder differ where its track crosses itself by this much, metres, and by this
+/// share of the depth, where boat and instruments are steady; standard deviation.
+const STEADY_M: f64 = 0.05;
+const STEADY_SHARE: f64 = 0.005;
+/// Standard deviation of normal errors over their mean absolute value.
+const SIGMA_PER_MAE: f64 = 1.2533;
 
 /// Share of a lag of soundings that crossings may show besides: an average is no delay.
 const LAG_LEFT: f64 = 0.15;
@@ -81,6 +92,22 @@ impl Products {
             ..found
         };
         latency.contradicts().then(|| latency.warning())
+    }
+
+    /// The sentence about depths that differ where the track crosses itself by more than those of a
+    /// steady boat; `None` where they do not, or a warning names the cause.
+    pub fn repeatability_warning(&self) -> Option<String> {
+        let found = self.repeatability.filter(|found| found.n >= FEWEST_CROSSINGS)?;
+        let [least_m, most_m] = self.depth_range_m?.map(f64::from);
+        let usual_m = STEADY_M + STEADY_SHARE * 0.5 * (least_m + most_m);
+        let sigma_m = SIGMA_PER_MAE * found.mae_m;
+        let is_named = self.latency_warning().is_some() || self.calibration.sounding_lag.is_some();
+        (sigma_m > usual_m && !is_named).then(|| {
+            format!(
+                "Where the track crosses itself, depths differ by {sigma_m:.2} m (standard deviation of {} crossings), and those of a steady boat by {usual_m:.2} m: waves, positions that are off beside slopes, or a wide beam that takes the nearest ground on slopes. Single depths are no better than that.",
+                found.n
+            )
+        })
     }
 
     /// The first returns that count: those of excluded pings do not.

@@ -247,6 +247,7 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
         .chain(products.correction.gap_warning())
         .chain(products.exclusions.warnings.iter().cloned())
         .chain(products.latency_warning())
+        .chain(products.repeatability_warning())
         .collect()
 }
 

@@ -1,6 +1,6 @@
 //! A run over a survey: the stages in order, each with what it is made of and what it makes.
 
-use super::joint::latencies;
+use super::joint::{crossline_analysis, latencies};
 use super::log_latency::LogLatency;
 use super::products::{Products, counted, judged};
 use super::relief::relief;
@@ -9,7 +9,7 @@ use super::{ProcessedLog, Settings};
 use bathyscope_bottom::bathymetry;
 use bathyscope_bottom::calibration::{self, Calibration, FlatSpot};
 use bathyscope_bottom::cloud::{
-    self, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction,
+    self, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction, Residuals,
 };
 use bathyscope_bottom::first_return::{self, BottomLine, FirstReturns};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -52,7 +52,7 @@ pub fn run(
     let cloud = run.cloud(&navigation, &exclusions, &counted, &calibration, &correction)?;
     let point_results = run.point_results(&cloud, &exclusions, &correction, &reduction)?;
     let relief = run.relief(&navigation, &cloud, &point_results.classes)?;
-    let known = run.reusable(Stage::Outliers).map(|old| old.latency);
+    let known = run.reusable(Stage::Outliers).map(|old| (old.latency, old.repeatability));
     let mut products = Products {
         settings: Arc::new(settings.clone()),
         navigation,
@@ -71,22 +71,26 @@ pub fn run(
         depth_range_m: point_results.depth_range_m,
         scales: point_results.scales,
         latency: None,
+        repeatability: None,
     };
-    products.latency = match known {
-        Some(latency) => latency,
-        None => latency_of(survey, &products, progress)?,
+    (products.latency, products.repeatability) = match known {
+        Some(known) => known,
+        None => by_crossings(survey, &products, progress)?,
     };
     Ok(products)
 }
 
-/// How late the positions of a log are, by itself.
-fn latency_of(
+/// How late the positions of a log are, and how far its depths differ, where its track crosses
+/// itself.
+fn by_crossings(
     survey: &Survey,
     products: &Products,
     progress: &Progress,
-) -> Result<Option<LogLatency>, Cancelled> {
-    let log = ProcessedLog::new(Arc::new(survey.clone()), products.clone());
-    Ok(latencies(&[log], progress)?.pop().flatten())
+) -> Result<(Option<LogLatency>, Option<Residuals>), Cancelled> {
+    let log = [ProcessedLog::new(Arc::new(survey.clone()), products.clone())];
+    let latency = latencies(&log, progress)?.pop().flatten();
+    let all = crossline_analysis(&log, progress)?;
+    Ok((latency, all.and_then(|mut all| all.within_logs.pop().flatten())))
 }
 
 /// What all stages of a run share.

@@ -19,6 +19,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         parts::settings_of(ui, context, "Mounting");
         effect(ui, context, &survey);
+        by_crossings(ui, context);
         sounding_lag(ui, context);
         usual(ui, context);
         if survey.track.projected.is_some() {
@@ -46,6 +47,17 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     if mounting.clock_offset_s != 0.0 && survey.start_unix_s.is_none() {
         let text = "The log has no clock times, so a clock offset has no effect.";
         warning(ui, context, text);
+    }
+}
+
+/// What the track's crossings with itself say of positions and depths.
+fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
+    let Some(products) = &context.app.log.products else {
+        return;
+    };
+    let said = [products.latency_warning(), products.repeatability_warning()];
+    for text in said.into_iter().flatten() {
+        warning(ui, context, &context.units().sentence(&text));
     }
 }
 

@@ -1,6 +1,6 @@
 //! How far the positions of the logs are off, and how late they are.
 
-use super::parts::{self, name_of, press, press_short, remark, warning};
+use super::parts::{self, name_of, press, press_short, remark};
 use crate::app::{Action, App, FoundPositions};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::bathymetry::position_offsets::FoundShift;
@@ -9,10 +9,6 @@ use egui::{RichText, Ui};
 /// Draws the buttons, and what was found.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let products = app.log.products.as_ref();
-    if let Some(text) = products.and_then(|products| products.latency_warning()) {
-        warning(ui, context, &text);
-    }
     ui.horizontal(|ui| {
         let can_compare = !app.is_matching_positions();
         press(ui, context, Action::ComparePositions, can_compare);

@@ -11,8 +11,8 @@ use bathyscope_log::support::statistics::{median, quantile};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Distance to the nearest place that the other map measured, metres, within which both measured the
-/// same place: no boat comes back to a line exactly.
+/// Distance to the nearest place that the other map measured, metres, within which both measured
+/// the same place: no boat comes back to a line exactly.
 const SAME_PLACE_M: f32 = 1.0;
 /// How much farther than the nearest place that any map measured the nearest one that both measured
 /// may be, as a factor, where both maps draw a cell from the same places.

@@ -128,3 +128,16 @@ fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() 
     let all = ClassRules { above_bottom: true, ..usual };
     assert_eq!(counted(short, all), 1.0);
 }
+
+#[test]
+fn depths_that_waves_lift_and_lower_differ_where_the_track_crosses_itself_and_that_is_said() {
+    let mut pond = KnownSurvey::new(&Scene::demo(), 1);
+    let steady = processed(&pond, &Settings::default());
+    assert!(steady.repeatability.is_some_and(|found| found.n >= 6), "{:?}", steady.repeatability);
+    assert_eq!(steady.repeatability_warning(), None);
+    for sounding in Arc::make_mut(&mut pond.survey.soundings) {
+        sounding.depth_m += 0.15 * (1.6 * sounding.time_s).sin() as f32;
+    }
+    let said = processed(&pond, &Settings::default()).repeatability_warning();
+    assert!(said.is_some_and(|said| said.contains("crosses itself") && said.contains("waves")));
+}
