@@ -46,8 +46,8 @@ impl Exporting {
 }
 
 impl App {
-    /// What the depths of the visible logs count from, what is not corrected, and the system of the
-    /// products, in sentences: what whoever gets the files has to know.
+    /// Sentences for those who get the products: the level that depths count from, corrections that
+    /// are missing, and the system of the coordinates.
     pub(crate) fn export_statement(&self) -> Vec<String> {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {

@@ -33,7 +33,7 @@ impl FoundHeights {
     }
 }
 
-/// What offsets are found of: the depths of the logs, and the log that is held.
+/// The depths that offsets are found of, and the log that is held.
 type HeightsKey = (Vec<(LogId, Same<Vec<PingDepth>>)>, Option<LogId>);
 
 /// Offsets, and the work on them.
@@ -42,19 +42,19 @@ pub(super) struct Heights {
     found: Background<HeightsKey, FoundHeights>,
     /// The log whose height stays; of none the mean of all stays.
     held: Option<LogId>,
-    /// What was said last of logs that differ.
+    /// The last sentence about logs that differ.
     said: Option<String>,
 }
 
 impl Heights {
-    /// Whether heights are being compared.
+    /// Returns true while heights are being compared.
     pub(super) fn is_busy(&self) -> bool {
         self.found.is_running()
     }
 }
 
 impl App {
-    /// Whether heights are being compared.
+    /// Returns true while heights are being compared.
     pub(crate) fn is_matching_heights(&self) -> bool {
         self.findings.heights.is_busy()
     }
@@ -63,8 +63,8 @@ impl App {
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
         let found = self.findings.heights.found.result()?;
         // Those of logs that are closed or not visible any more are being replaced.
-        let mut logs = self.visible_logs().map(|log| log.id);
-        found.ids.iter().all(|id| logs.any(|log| log == *id)).then_some(found)
+        let is_visible = |id: &LogId| self.visible_logs().any(|log| log.id == *id);
+        found.ids.iter().all(is_visible).then_some(found)
     }
 
     /// The log whose height stays when offsets are applied; of none the mean of all stays.
@@ -107,17 +107,16 @@ impl App {
     /// they differ.
     pub(super) fn follow_heights(&mut self) {
         let recordings = self.visible_logs().filter(|log| log.survey.is_some()).count();
-        let settled = |log: &OpenLog| Some((log.id, log.settled()?));
-        let logs: Vec<(LogId, ProcessedLog)> = self.visible_logs().filter_map(settled).collect();
         if recordings < 2 {
             self.findings.heights.found = Background::default();
             return;
         }
         // Those that have results before the others would be compared again and again.
-        let is_behind = self.visible_logs().any(OpenLog::is_behind);
-        if logs.len() < recordings || is_behind || self.load_status().is_some() {
+        if self.load_status().is_some() || self.visible_logs().any(OpenLog::is_behind) {
             return;
         }
+        let settled = |log: &OpenLog| Some((log.id, log.settled()?));
+        let logs: Vec<(LogId, ProcessedLog)> = self.visible_logs().filter_map(settled).collect();
         let ids: Vec<LogId> = logs.iter().map(|(id, _)| *id).collect();
         let depths = |(id, log): &(LogId, ProcessedLog)| (*id, Same(log.products.depths.clone()));
         let place = |held: LogId| ids.iter().position(|id| *id == held);

@@ -55,12 +55,7 @@ impl CellChange {
 
     /// Whether the change passes it.
     pub(crate) fn is_detected(&self, errors: &ChangeErrors) -> bool {
-        self.is_beyond(WITHIN_95, errors)
-    }
-
-    /// Whether the change is larger than so many standard deviations.
-    fn is_beyond(&self, sigmas: f64, errors: &ChangeErrors) -> bool {
-        self.rise_m.abs() > sigmas * self.sigma_m.hypot(errors.systematic_m)
+        self.rise_m.abs() > self.detection_level_m(errors)
     }
 }
 

@@ -97,7 +97,7 @@ impl FittedTrack {
         let repeats = record_interval_s(track) < REPEATS * interval_s;
         let places = places(&stays, if repeats { interval_s } else { 0.0 });
         Self {
-            segments: segments(&places, MAX_GAP_S.max(3.0 * interval_s)),
+            segments: segments(&places, MAX_GAP_S.max(3.0 * interval_s), f64::INFINITY),
             places,
             half_window_s: window_s.max(4.0 * interval_s) / 2.0,
             reach_s: REACH_S + interval_s,
@@ -129,13 +129,14 @@ impl FittedTrack {
             weight: 1.0,
         };
         let places: Vec<TimedPosition> = stays.iter().map(place).collect();
+        let bridge_m = LONGEST_BRIDGE_M.max(3.0 * quantile(&steps_m, NEARLY_ALL));
         Some(Self {
-            segments: segments(&places, 3.0 * longest_s),
+            segments: segments(&places, 3.0 * longest_s, bridge_m),
             places,
             half_window_s: window_s.max(4.0 * usual_s) / 2.0,
             reach_s: usual_s,
             bridge_s: 6.0 * longest_s,
-            bridge_m: LONGEST_BRIDGE_M.max(3.0 * quantile(&steps_m, NEARLY_ALL)),
+            bridge_m,
             resolution_m: resolution_m(stays),
         })
     }
@@ -174,8 +175,7 @@ impl FittedTrack {
 
     /// True where fixes that follow each other are close enough to know the way between them.
     fn is_bridged(&self, before: &TimedPosition, after: &TimedPosition) -> bool {
-        let apart_m = (after.east_m - before.east_m).hypot(after.north_m - before.north_m);
-        after.time_s - before.time_s <= self.bridge_s && apart_m <= self.bridge_m
+        after.time_s - before.time_s <= self.bridge_s && apart_m(before, after) <= self.bridge_m
     }
 
     /// The fit over the whole window, or over a narrower one where the boat turns, and half the
@@ -334,13 +334,18 @@ fn places(stays: &[Stay], repeats_s: f64) -> Vec<TimedPosition> {
     places
 }
 
-fn segments(places: &[TimedPosition], max_gap_s: f64) -> Vec<Range<usize>> {
+fn apart_m(from: &TimedPosition, to: &TimedPosition) -> f64 {
+    (to.east_m - from.east_m).hypot(to.north_m - from.north_m)
+}
+
+fn segments(places: &[TimedPosition], max_gap_s: f64, max_gap_m: f64) -> Vec<Range<usize>> {
     let mut segments = Vec::new();
     let mut start = 0;
     for index in 1..=places.len() {
-        let ends = places
-            .get(index)
-            .is_none_or(|place| place.time_s - places[index - 1].time_s > max_gap_s);
+        let before = &places[index - 1];
+        let ends = places.get(index).is_none_or(|place| {
+            place.time_s - before.time_s > max_gap_s || apart_m(before, place) > max_gap_m
+        });
         if ends {
             segments.push(start..index);
             start = index;

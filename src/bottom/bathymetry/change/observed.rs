@@ -1,4 +1,4 @@
-//! What two maps show of their own errors where the bottom did not change.
+//! The errors of the difference of two maps, as the ground shows them that did not change.
 //!
 //! Surveys along the same lines draw the ground between them alike: what that is wrong by is in
 //! both maps, and not in their difference. How much of the stated errors is in the difference is
@@ -35,7 +35,7 @@ pub struct ObservedErrors {
     pub sigma_m: Vec<f32>,
     /// Depths farther apart err independently, metres: never farther than was assumed.
     pub range_m: f64,
-    /// The median of what is left of the stated errors, as a share of them; 1 where they stand.
+    /// The median share of the stated errors that is in the difference; 1 where they stand.
     pub share: f64,
 }
 

@@ -74,7 +74,7 @@ impl ChangeField<'_> {
 
     /// The places that errors alone may have made, and what one map is set off from the other,
     /// metres.
-    pub(super) fn candidates(&self, errors: &ChangeErrors) -> (Vec<ChangeRegion>, f64) {
+    fn candidates(&self, errors: &ChangeErrors) -> (Vec<ChangeRegion>, f64) {
         let smoothed = self.smoothed(errors);
         let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
         for (index, smoothed) in smoothed.iter().enumerate() {

@@ -147,7 +147,7 @@ impl Observed {
         ChangeErrors { range_m: self.range_m, ..*assumed }
     }
 
-    /// What is left of the stated errors in the usual part, as a share.
+    /// Share of the stated errors that is in the difference, in the usual part.
     fn share(&self) -> f64 {
         median(&mut self.shares.clone())
     }

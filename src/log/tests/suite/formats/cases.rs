@@ -140,7 +140,7 @@ fn fixes_that_rows_without_times_repeat_are_joined_unless_rows_are_missing() {
         along_m += 0.5 * rows as f64;
     }
     let before_gap = 60 * 4 + 6 * 20;
-    add(along_m, 4);
+    add(along_m, 24);
     add(along_m + 300.0, 4);
     add(along_m + 302.0, 4);
     let survey = formats::open_bytes("soundings.csv", table.into_bytes(), &Progress::new());
@@ -151,7 +151,8 @@ fn fixes_that_rows_without_times_repeat_are_joined_unless_rows_are_missing() {
         assert!((place_m - expected_m).abs() < 1.0, "row {row}: {place_m} m");
     }
     let unknown = places.iter().filter(|place_m| place_m.is_nan()).count();
-    assert!((1..=4).contains(&unknown), "{unknown} of {} rows", places.len());
+    // Of 24 rows those within a usual interval of a fix have a place.
+    assert!((12..20).contains(&unknown), "{unknown} of {} rows", places.len());
     let between = |place_m: &&f64| (along_m + 5.0..along_m + 295.0).contains(*place_m);
     assert_eq!(places.iter().filter(between).count(), 0);
 }
