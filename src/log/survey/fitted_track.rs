@@ -214,7 +214,8 @@ impl FittedTrack {
         &places[start..end]
     }
 
-    /// Straight between the places around a time, held for a moment beyond the first and the last.
+    /// Straight between the places around a time; held for a moment beyond the first and the last,
+    /// and beside a gap.
     fn between(&self, time_s: f64) -> Motion {
         let next = self.places.partition_point(|place| place.time_s < time_s);
         let Some(after) = self.places.get(next).or(self.places.last()) else {
@@ -222,8 +223,11 @@ impl FittedTrack {
         };
         let before = &self.places[next.saturating_sub(1).min(self.places.len() - 1)];
         let span_s = after.time_s - before.time_s;
-        let share =
-            if span_s > 0.0 { ((time_s - before.time_s) / span_s).clamp(0.0, 1.0) } else { 0.0 };
+        let share = match span_s > 0.0 {
+            true => ((time_s - before.time_s) / span_s).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        let share = if self.is_bridged(before, after) { share } else { share.round() };
         Motion {
             east_m: before.east_m + share * (after.east_m - before.east_m),
             north_m: before.north_m + share * (after.north_m - before.north_m),
