@@ -21,7 +21,8 @@ ROOT = Path(__file__).parents[2]
 
 def main(program, notices, glibc, architecture, folder):
     command = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
-    (package,) = json.loads(subprocess.run(command, capture_output=True, check=True, cwd=ROOT).stdout)["packages"]
+    members = json.loads(subprocess.run(command, capture_output=True, check=True, cwd=ROOT).stdout)["packages"]
+    (package,) = [member for member in members if member["name"] == "bathyscope"]
     name, version = package["name"], package["version"]
     tag = f"py3-none-manylinux_{glibc.replace('.', '_')}_{architecture}"
     info = f"{name}-{version}.dist-info"
