@@ -187,8 +187,9 @@ actions! {
     BottomBothSides, "Draw the bottom on both sides", None, "Draws the bottom on both sides at the same ranges.";
     AcceptBottom, "Accept as bottom", None, "Drag along first returns above the recorded depth to accept them as bottom. Alt: undo the acceptance.";
     ForgetBottom, "Remove the bottom edits", None, "Removes all bottom edits of this log; the first returns are the automatic ones again.";
-    Exclude, "Exclude stretches", Some("K"), "Drag along the waterfall or a track to exclude pings from all products. Ctrl: always include. Alt: reset. A click includes a stretch again.";
+    Exclude, "Exclude stretches", Some("K"), "Drag along the waterfall or a track to exclude pings from all products. Ctrl: always include. Shift: trust the soundings, too. Alt: reset. A click includes a stretch again.";
     IncludeAgain, "Include the stretch again", Some("Shift+K"), "Includes the excluded stretch at the selected ping again.";
+    TrustSoundings, "Trust the soundings", None, "Counts the soundings around the selected ping that were taken for those of a lost bottom or for a fault of the sounder.";
     LeaveTool, "Put the tool away", Some("Escape"), "Puts the tool away; without a tool, deselects the box or removes the measurement.";
     MeasureDistance, "Measure distance", Some("D"), "Click corners on the map or the waterfall to measure a length on the ground.";
     MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map or the waterfall to measure area and perimeter on the ground.";

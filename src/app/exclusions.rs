@@ -15,6 +15,8 @@ pub enum ExclusionEdit {
     Exclude,
     /// It counts, whatever is found there.
     Include,
+    /// It counts, and so do its soundings, whatever they were taken for.
+    Trust,
     /// Nothing any more: turns and stops that are found there are excluded, all else counts.
     Reset,
 }
@@ -25,6 +27,7 @@ impl ExclusionEdit {
         let what = match self {
             Self::Exclude => "exclude",
             Self::Include => "include again",
+            Self::Trust => "trust the soundings of",
             Self::Reset => "reset",
         };
         match part {
@@ -145,6 +148,7 @@ impl App {
                 Some(products) => exclusions.including(survey, &products.navigation, part),
                 None => exclusions.reset(survey, part),
             },
+            ExclusionEdit::Trust => exclusions.trusting(survey, part),
             ExclusionEdit::Reset => exclusions.reset(survey, part),
         };
         self.change_of(id, settings, edit.label(part), false);
@@ -165,6 +169,23 @@ impl App {
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";
+                self.notify(text.to_owned(), true);
+            }
+        }
+    }
+
+    /// Trusts the soundings around the selected ping that were taken for those of a lost bottom, or
+    /// for a fault of the sounder.
+    pub(super) fn trust_soundings(&mut self) {
+        let judged = self.log.judged();
+        let time_s =
+            self.view.selection.and_then(|mark| Some(judged?.side_scan.get(mark.ping)?.time_s));
+        let part =
+            judged.zip(time_s).and_then(|(judged, at)| LogPart::of_false_soundings(judged, at));
+        match part {
+            Some(part) => self.exclude(self.log.id, part, ExclusionEdit::Trust),
+            None => {
+                let text = "the sounding at the selected ping counts already; select a ping whose depth does not count";
                 self.notify(text.to_owned(), true);
             }
         }

@@ -20,6 +20,7 @@ pub(super) fn of_drag(edit: ExclusionEdit, covered: &ExcludedExtent, units: Unit
     let what = match edit {
         ExclusionEdit::Exclude => "exclude",
         ExclusionEdit::Include => "include again",
+        ExclusionEdit::Trust => "trust the soundings of",
         ExclusionEdit::Reset => "reset",
     };
     format!("{what} {}", extent(covered, units))

@@ -466,8 +466,12 @@ fn what_is_excluded_is_in_no_result() {
     let log = &lake.logs[3];
     let mut settings = Settings::clone(&log.products.settings);
     settings.excluded.max_turn_deg_s = Some(6.0);
-    settings.excluded.stretches =
-        vec![Stretch { pings: Some([100, 159]), time_s: None, reason: Some(ExclusionReason::Bad) }];
+    settings.excluded.stretches = vec![Stretch {
+        pings: Some([100, 159]),
+        time_s: None,
+        reason: Some(ExclusionReason::Bad),
+        trusted: false,
+    }];
     let made = pipeline::run(&log.survey, &settings, Some(&log.products), &progress, |_| ())
         .expect("nobody cancels");
     let out = &made.exclusions;

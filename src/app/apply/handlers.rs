@@ -95,6 +95,7 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::MarkTarget, App::point_tool),
     (Action::Exclude, |app| app.take_tool(Tool::Exclude)),
     (Action::IncludeAgain, App::include_again),
+    (Action::TrustSoundings, App::trust_soundings),
     (Action::DrawBottom, |app| app.take_tool(Tool::Bottom)),
     (Action::AcceptBottom, |app| app.take_tool(Tool::Accept)),
     (Action::ForgetBottom, App::forget_bottom),

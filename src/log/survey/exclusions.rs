@@ -8,9 +8,10 @@ mod verdict;
 pub use edit::LogPart;
 
 use super::turn_rate::turn_rates_deg_s;
-use super::{Identity, Navigation, PingNav, Survey};
+use super::{Identity, Navigation, PingNav, Sounding, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Why a stretch is excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -52,6 +53,23 @@ pub struct Stretch {
     /// found there.
     #[serde(with = "verdict")]
     pub reason: Option<ExclusionReason>,
+    /// Whether its soundings count although they were taken for those of a lost bottom or of a
+    /// fault of the sounder.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub trusted: bool,
+}
+
+impl Stretch {
+    /// From and to, seconds of the log; `None` where it has no such ping.
+    fn span_s(&self, ping_times: &[f64]) -> Option<[f64; 2]> {
+        match self.pings {
+            Some([first, last]) => {
+                let last = last.min(ping_times.len().checked_sub(1)?);
+                Some([*ping_times.get(first)?, *ping_times.get(last)?])
+            }
+            None => self.time_s,
+        }
+    }
 }
 
 /// `excluded.*` settings. Without any of them nothing is excluded.
@@ -114,6 +132,29 @@ impl ExclusionSettings {
             ),
         ];
         rules.iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, rule)| Err(*rule))
+    }
+
+    /// The survey with the soundings of trusted stretches taken for right, and so the depths of its
+    /// pings; `None` where all of them are, or no stretch is trusted.
+    pub fn trusted(&self, survey: &Survey) -> Option<Survey> {
+        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
+        let spans = self.stretches_of(survey);
+        let spans = spans.iter().filter(|stretch| stretch.trusted);
+        let spans: Vec<[f64; 2]> = spans.filter_map(|one| one.span_s(&ping_times)).collect();
+        let inside =
+            |time_s: f64| spans.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s));
+        let is_false = |one: &Sounding| !one.locked && inside(one.time_s);
+        if spans.is_empty() || !survey.soundings.iter().any(is_false) {
+            return None;
+        }
+        let mut trusted = survey.clone();
+        for sounding in Arc::make_mut(&mut trusted.soundings) {
+            sounding.locked |= inside(sounding.time_s);
+        }
+        for ping in Arc::make_mut(&mut trusted.side_scan) {
+            ping.depth_locked |= inside(ping.time_s) && ping.depth_m > 0.0;
+        }
+        Some(trusted)
     }
 
     /// Whether nothing can be excluded.
@@ -301,16 +342,7 @@ fn named<'a>(
     if let Some(log) = settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
         return Err(StretchesOfOtherLog(log));
     }
-    let span = |stretch: &Stretch| {
-        let time_s = match stretch.pings {
-            Some([first, last]) => {
-                let last = last.min(ping_times.len().checked_sub(1)?);
-                [*ping_times.get(first)?, *ping_times.get(last)?]
-            }
-            None => stretch.time_s?,
-        };
-        Some((time_s, stretch.reason))
-    };
+    let span = |stretch: &Stretch| Some((stretch.span_s(ping_times)?, stretch.reason));
     Ok(settings.stretches.iter().filter_map(span).collect())
 }
 
@@ -426,11 +458,17 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let mut settings = turns_and_stops();
         settings.stretches = vec![
-            Stretch { pings: Some([250, 299]), time_s: None, reason: Some(ExclusionReason::Bad) },
+            Stretch {
+                pings: Some([250, 299]),
+                time_s: None,
+                reason: Some(ExclusionReason::Bad),
+                trusted: false,
+            },
             Stretch {
                 pings: None,
                 time_s: Some([5.0, 5.95]),
                 reason: Some(ExclusionReason::Drawn),
+                trusted: false,
             },
         ];
         assert_eq!(settings.check(), Ok(()));

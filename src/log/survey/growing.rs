@@ -1,7 +1,8 @@
 //! A log that is still being written: where its tail begins, the log with what was added to it, and
 //! a stretch of it as a log of its own.
 
-use super::observations::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
+use super::NEAREST_SOUNDING_S;
+use super::observations::mark_bottom_lock_from;
 use super::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
     SideScanState, SideSpan, Sounding, Survey, SwathPing, give_depths,

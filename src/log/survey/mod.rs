@@ -56,7 +56,7 @@ pub use navigation::{
 };
 pub use nearest::nearest_in_time;
 pub use observations::mark_bottom_lock;
-pub(crate) use observations::{drop_false_fixes, give_depths};
+pub(crate) use observations::{NEAREST_SOUNDING_S, drop_false_fixes, give_depths};
 pub use pairs::SidePair;
 pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};

@@ -380,6 +380,7 @@ mod tests {
             pings: Some([2, 3]),
             time_s: None,
             reason: Some(ExclusionReason::Drawn),
+            trusted: false,
         });
         let (all, one) = own.change(&shared, &after).expect("settings");
         assert_eq!(one.compose(&all).expect("settings"), after);

@@ -115,11 +115,13 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (None, time_s) => time_s.map(LogPart::Time),
     };
     let kept = stretches.filter(|stretch| stretch.reason.is_none());
-    let kept: Vec<LogPart> = kept.filter_map(part).collect();
-    for part in kept {
+    let kept: Vec<(LogPart, bool)> =
+        kept.filter_map(|stretch| Some((part(stretch)?, stretch.trusted))).collect();
+    for (part, trusted) in kept {
         let where_at = place(&survey, part);
-        let label = format!("kept  {where_at}");
-        let name = format!("kept {where_at}");
+        let what = if trusted { "soundings trusted" } else { "kept" };
+        let label = format!("{what}  {where_at}");
+        let name = format!("{what} {where_at}");
         let search = ("Reset", ExclusionEdit::Reset);
         row(ui, context, [&label, &name], part, search);
     }

@@ -97,6 +97,7 @@ const PROCESSING: &[Action] = &[
     Action::ThresholdUp,
     Action::Exclude,
     Action::IncludeAgain,
+    Action::TrustSoundings,
     Action::DrawBottom,
     Action::BottomBothSides,
     Action::AcceptBottom,

@@ -68,6 +68,8 @@ pub(super) fn exclusion_edit(held: Modifiers) -> ExclusionEdit {
         ExclusionEdit::Reset
     } else if held.command {
         ExclusionEdit::Include
+    } else if held.shift {
+        ExclusionEdit::Trust
     } else {
         ExclusionEdit::Exclude
     }

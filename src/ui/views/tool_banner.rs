@@ -36,7 +36,7 @@ impl Banner {
             (Tool::Exclude, View::Waterfall | View::Map) => Some(Self::new(
                 "Exclude stretches",
                 "drag along the pings; a click includes a stretch again",
-                "Ctrl: always include · Alt: reset · K or Esc ends",
+                "Ctrl: always include · Shift: trust soundings · Alt: reset · K or Esc ends",
             )),
             (Tool::Calibrate, View::Waterfall | View::Map) => Some(Self::new(
                 "Calibrate on a stretch",

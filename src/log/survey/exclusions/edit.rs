@@ -2,7 +2,7 @@
 //! any more.
 
 use super::{ExclusionReason, ExclusionSettings, Exclusions, Stretch};
-use crate::survey::{Identity, Navigation, PingNav, Survey};
+use crate::survey::{Identity, NEAREST_SOUNDING_S, Navigation, PingNav, Survey, nearest_in_time};
 
 /// A part of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,23 @@ impl LogPart {
     }
 }
 
+impl LogPart {
+    /// The soundings in a row around a time that do not count, as those of a lost bottom; `None`
+    /// where the nearest one counts, or is a log's gap away.
+    pub fn of_false_soundings(survey: &Survey, time_s: f64) -> Option<Self> {
+        let soundings = &survey.soundings;
+        let at = nearest_in_time(soundings, time_s, |one| one.time_s)?;
+        let is_near = (soundings[at].time_s - time_s).abs() <= NEAREST_SOUNDING_S;
+        if soundings[at].locked || !is_near {
+            return None;
+        }
+        let first = soundings[..at].iter().rposition(|one| one.locked).map_or(0, |one| one + 1);
+        let after = soundings[at..].iter().position(|one| one.locked);
+        let last = after.map_or(soundings.len(), |after| at + after) - 1;
+        Some(Self::Time([soundings[first].time_s, soundings[last].time_s]))
+    }
+}
+
 impl ExclusionSettings {
     /// With a part of a log excluded; what was drawn and touches it becomes one stretch with it.
     pub fn excluding(&self, survey: &Survey, part: LogPart) -> Self {
@@ -97,8 +114,16 @@ impl ExclusionSettings {
         settings
     }
 
+    /// With the soundings of a part of a log trusted, which counts whatever is found there.
+    pub fn trusting(&self, survey: &Survey, part: LogPart) -> Self {
+        let mut settings = self.reset(survey, part);
+        let mut stretches = std::mem::take(&mut settings.stretches);
+        stretches.push(Stretch { trusted: true, ..stretch(part, None) });
+        settings.with_stretches(survey, stretches)
+    }
+
     /// The stretches, if they are of this log.
-    fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
+    pub(super) fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
         let own = Identity::of(survey);
         match self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
             true => self.stretches.clone(),
@@ -130,7 +155,7 @@ fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
         LogPart::Pings(pings) => (Some(pings), None),
         LogPart::Time(time_s) => (None, Some(time_s)),
     };
-    Stretch { pings, time_s, reason }
+    Stretch { pings, time_s, reason, trusted: false }
 }
 
 /// The first and last ping of a stretch; `None` where it holds none.
@@ -180,7 +205,10 @@ fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     };
     let rest: Option<Vec<LogPart>> = rest;
     match rest {
-        Some(rest) => rest.into_iter().map(|part| stretch(part, other.reason)).collect(),
+        Some(rest) => {
+            let of_rest = |part| Stretch { trusted: other.trusted, ..stretch(part, other.reason) };
+            rest.into_iter().map(of_rest).collect()
+        }
         // As it was given, by its times perhaps.
         None => vec![other.clone()],
     }
@@ -219,7 +247,12 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let pings = |first, last| LogPart::Pings([first, last]);
         let mut given = ExclusionSettings::default();
-        given.stretches.push(Stretch { pings: None, time_s: Some([1.0, 9.95]), reason: Some(Bad) });
+        given.stretches.push(Stretch {
+            pings: None,
+            time_s: Some([1.0, 9.95]),
+            reason: Some(Bad),
+            trusted: false,
+        });
         let one = given.excluding(&survey, pings(120, 139));
         let two = one.excluding(&survey, pings(140, 159));
         assert_eq!(named(&two), [([120, 159], Some(Drawn))], "they touch");
@@ -233,6 +266,31 @@ mod tests {
         let none = four.reset(&survey, pings(0, 599));
         assert_eq!(none, ExclusionSettings::default());
         assert_eq!(none.check(), Ok(()));
+    }
+
+    #[test]
+    fn soundings_of_a_lost_bottom_are_trusted_and_distrusted_again() {
+        let (mut survey, _) = sailed(true);
+        assert_eq!(LogPart::of_false_soundings(&survey, 10.0), None);
+        let soundings = std::sync::Arc::make_mut(&mut survey.soundings);
+        let ends_s = [soundings[20].time_s, soundings[29].time_s];
+        soundings[20..30].iter_mut().for_each(|one| one.locked = false);
+        let pings = std::sync::Arc::make_mut(&mut survey.side_scan);
+        for ping in pings.iter_mut() {
+            ping.depth_locked = !(ends_s[0]..=ends_s[1]).contains(&ping.time_s);
+            ping.depth_m = 3.0;
+        }
+        let part = LogPart::of_false_soundings(&survey, 0.5 * (ends_s[0] + ends_s[1]));
+        assert_eq!(part, Some(LogPart::Time(ends_s)));
+        let none = ExclusionSettings::default();
+        assert!(none.trusted(&survey).is_none());
+        let settings = none.trusting(&survey, part.unwrap());
+        let text = toml::to_string(&settings).expect("settings are text");
+        assert_eq!(toml::from_str::<ExclusionSettings>(&text), Ok(settings.clone()));
+        let trusted = settings.trusted(&survey).expect("a change");
+        assert!(trusted.soundings.iter().all(|one| one.locked));
+        assert!(trusted.side_scan.iter().all(|ping| ping.depth_locked));
+        assert_eq!(settings.reset(&survey, part.unwrap()), none);
     }
 
     #[test]

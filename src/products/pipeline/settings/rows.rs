@@ -238,8 +238,8 @@ rows! {
         "The log that the stretches belong to; they are not applied to another log.",
         SettingKind::Text("size and hash of a log");
     STRETCHES: "excluded.stretches", "Stretches", "excluded stretches",
-        "Stretches of one log that are excluded from every result, or kept although a turn or a stop is there.",
-        SettingKind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\" }, ...], or time_s in place of pings");
+        "Stretches of one log that are excluded from every result, or kept although a turn or a stop is there; trusted: the soundings count, too, that were taken for false.",
+        SettingKind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\", trusted = false }, ...], or time_s in place of pings");
     // Between the spacing of the densest points and the width of the largest swath.
     RADIUS: "outliers.radius_m", "Radius", "outlier radius",
         "Radius of the sphere around a point; 3.011 m in the paper (Pulido et al.).",

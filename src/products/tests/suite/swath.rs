@@ -154,6 +154,7 @@ fn excluded_stretches_and_parts_take_their_depths_with_them() {
         pings: None,
         time_s: Some([5.0, 9.9]),
         reason: Some(bathyscope_log::survey::ExclusionReason::Bad),
+        trusted: false,
     }];
     let products = results(&survey, &settings);
     let pings: Vec<usize> = swath(&products)
