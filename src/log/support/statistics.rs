@@ -87,6 +87,12 @@ pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     SIGMA_PER_MAD * median(values)
 }
 
+/// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 %
+/// of them and half of what holds 95 %. NaN of none.
+pub fn sigma_of_sizes(sorted: &[f64]) -> f64 {
+    0.5 * (quantile(sorted, 0.683) + 0.5 * quantile(sorted, 0.954))
+}
+
 /// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default
 /// is; NaN for an empty slice. `sorted` ascends.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {

@@ -75,7 +75,8 @@ fn common(of: &CommonUncertainty) -> String {
         (share > 0.0).then(|| format!("sound speed {:.1} % of the depth", 100.0 * share)),
         metres(of.draft_m, "draft"),
         metres(of.water_level_m, "water level"),
-        metres(of.between_logs_m, "logs against each other"),
+        metres(of.crossings.level_m, "crossings"),
+        metres(of.crossings.per_slope_m, "crossings, times the slope of the bottom,"),
         metres(of.position_m, "positions, times the slope of the bottom,"),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();

@@ -1,7 +1,7 @@
 //! How the error of a depth grows with the distance to the nearest sounding.
 
 use super::LeftOutMiss;
-use bathyscope_log::support::statistics::quantile;
+use bathyscope_log::support::statistics::sigma_of_sizes;
 
 /// Bins by distance of what a stated error is read from, of large squares; small ones are one bin.
 const BINS: usize = 8;
@@ -71,15 +71,9 @@ fn bins(misses: &[LeftOutMiss], count: usize) -> Vec<[f64; 2]> {
     let bins = bins.map(|bin| {
         let mut sizes: Vec<f64> = bin.iter().map(|miss| miss.error_m.abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        [bin[bin.len() / 2].away_m, spread(&sizes)]
+        [bin[bin.len() / 2].away_m, sigma_of_sizes(&sizes)]
     });
     bins.collect()
-}
-
-/// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 %
-/// of them and half of what holds 95 %.
-fn spread(sizes: &[f64]) -> f64 {
-    0.5 * (quantile(sizes, 0.683) + 0.5 * quantile(sizes, 0.954))
 }
 
 /// Makes the second numbers rise by giving neighbours that do not their mean (pool adjacent

@@ -1,9 +1,9 @@
 //! What is uncertain in all depths of a survey alike. Depths that are left out do not show it,
 //! since the others have it, too.
 
-use crate::pipeline::joint::crossline_analysis;
+use crate::pipeline::joint::crossing_error;
 use crate::pipeline::{ProcessedLog, Products};
-use bathyscope_bottom::bathymetry::{Spread, Surface};
+use bathyscope_bottom::bathymetry::{CrossingError, Spread, Surface};
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Survey, position_resolution_m};
@@ -30,9 +30,9 @@ pub struct CommonUncertainty {
     pub draft_m: f64,
     /// Water level, metres; 0 where none is given.
     pub water_level_m: f64,
-    /// Several logs against each other where they cross, metres: levels, positions and clocks
-    /// together.
-    pub between_logs_m: f64,
+    /// By how far depths differ where tracks cross themselves and each other: waves, levels,
+    /// positions, delays and wide beams together; 0 without crossings.
+    pub crossings: CrossingError,
     /// Positions, metres along the ground, as the recorder rounds them: times the slope of the
     /// bottom it is a depth.
     pub position_m: f64,
@@ -49,13 +49,13 @@ impl CommonUncertainty {
             draft_m: where_given(READING_M, correction.knows_draft()),
             water_level_m: where_given(READING_M, correction.knows_level())
                 .hypot(correction.gap_sigma_m()),
-            between_logs_m: 0.0,
+            crossings: CrossingError::default(),
             // Of rounding, evenly distributed.
             position_m: position_resolution_m(&survey.track) / 12f64.sqrt(),
         }
     }
 
-    /// Of the logs of a survey: the root mean square of theirs, and what they differ by.
+    /// Of the logs of a survey: the root mean square of theirs, and what crossings differ by.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -66,18 +66,13 @@ impl CommonUncertainty {
             let squares: f64 = each.iter().map(|one| of(one).powi(2)).sum();
             (squares / each.len().max(1) as f64).sqrt()
         };
-        let crossings = match logs.len() {
-            0 | 1 => None,
-            _ => crossline_analysis(logs, progress)?,
-        };
-        let between = crossings.and_then(|found| found.between_logs);
+        let crossings = crossing_error(logs, progress)?.unwrap_or_default();
         Ok(Self {
             range_offset_m: rms(|one| one.range_offset_m),
             sound_speed_share: rms(|one| one.sound_speed_share),
             draft_m: rms(|one| one.draft_m),
             water_level_m: rms(|one| one.water_level_m),
-            // Half of the square of a difference is that of either log.
-            between_logs_m: between.map_or(0.0, |found| found.rms_m / 2f64.sqrt()),
+            crossings,
             position_m: rms(|one| one.position_m),
         })
     }
@@ -90,7 +85,7 @@ impl CommonUncertainty {
             self.sound_speed_share * depth_m,
             self.draft_m,
             self.water_level_m,
-            self.between_logs_m,
+            self.crossings.at(slope),
             self.position_m * slope,
         ];
         parts.iter().map(|part| part * part).sum::<f64>().sqrt()

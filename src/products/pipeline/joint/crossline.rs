@@ -1,6 +1,7 @@
 //! What crossing tracks say about the depths of one log and of several.
 
 use crate::pipeline::{LogLatency, ProcessedLog};
+use bathyscope_bottom::bathymetry::CrossingError;
 use bathyscope_bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use bathyscope_bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
 use bathyscope_bottom::bathymetry::position_offsets::{
@@ -70,6 +71,18 @@ pub fn height_offsets(
     };
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(without_offset).collect();
     offsets::height_offsets(&tracks, datum, progress)
+}
+
+/// The error of a depth by the crossings of all tracks; `None` without any.
+///
+/// # Errors
+/// When the work was cancelled.
+pub(crate) fn crossing_error(
+    logs: &[ProcessedLog],
+    progress: &Progress,
+) -> Result<Option<CrossingError>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    Ok(CrossingError::of(&crossings(&tracks, progress)?, &tracks))
 }
 
 /// Crossings of all tracks; `None` where none crosses another or itself.

@@ -17,11 +17,11 @@ mod report;
 
 pub(crate) use comparison::compare_logs;
 pub use corrections::RequestedCorrection;
-pub(crate) use crossline::track_depths;
 pub use crossline::{
     CrosslineAnalysis, LogPositions, crossline_analysis, height_offsets, latencies,
     position_offsets,
 };
+pub(crate) use crossline::{crossing_error, track_depths};
 pub use logs_report::{LogReport, LogsReport};
 pub(crate) use report::joint_report;
 pub use report::{contradictions, heights_differ};
