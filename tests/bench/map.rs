@@ -158,6 +158,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         judged: None,
         latency: None,
         repeatability: None,
+        clutter: None,
         found: Arc::default(),
         returns: Arc::default(),
         bottom_line: Arc::default(),

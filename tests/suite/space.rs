@@ -179,6 +179,7 @@ fn products(
         scales: Default::default(),
         latency: None,
         repeatability: None,
+        clutter: None,
     }
 }
 

@@ -98,7 +98,7 @@ pub(super) fn stretches_m(
 }
 
 /// Way up to each ping, metres. Over a gap it jumps by more than a stretch looks around.
-fn way_m(pings: &[PingNav]) -> Vec<f64> {
+pub(super) fn way_m(pings: &[PingNav]) -> Vec<f64> {
     let mut way_m = 0.0;
     let mut last: Option<&PingNav> = None;
     pings

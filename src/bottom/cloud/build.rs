@@ -61,7 +61,9 @@ pub fn place(
     let soundings = Arc::new(sounding_points(survey, navigation, &is_reliable, correction));
     progress.advance(1);
     let angles_rad = match settings.geometry {
-        Geometry::Slope => angles_rad(survey, &ranges, reduction, calibration.overlap_rad),
+        Geometry::Slope => {
+            angles_rad(survey, (&ranges, traits), reduction, calibration.overlap_rad)
+        }
         _ => Vec::new(),
     };
     progress.advance(1);
@@ -113,18 +115,24 @@ fn ranges_m(
 }
 
 /// Angles of the first returns of both sides from straight below at every ping. Above-bottom
-/// returns count: on a steep slope the bottom itself lies above the recorded depth, and an
-/// above-bottom return on one side moves only the points of that side.
+/// returns but clutter count: on a steep slope the bottom itself lies above the recorded depth, and
+/// an above-bottom return on one side moves only the points of that side.
 fn angles_rad(
     survey: &Survey,
-    [port, starboard]: &[Vec<f64>; 2],
+    ([port, starboard], traits): (&[Vec<f64>; 2], &PickTraits),
     reduction: Reduction<'_>,
     overlap_rad: f64,
 ) -> Vec<[f64; 2]> {
-    let sides = port.iter().zip(starboard);
-    let pairs: Vec<Pair> = sides
+    let bottom_m = |(range_m, traits): (&f64, &PickTrait)| match traits.is_clutter {
+        true => f64::NAN,
+        false => *range_m,
+    };
+    let port = port.iter().zip(traits.side(Side::Port)).map(bottom_m);
+    let starboard = starboard.iter().zip(traits.side(Side::Starboard)).map(bottom_m);
+    let pairs: Vec<Pair> = port
+        .zip(starboard)
         .zip(survey.side_scan.iter())
-        .map(|((&port_m, &starboard_m), ping)| Pair {
+        .map(|((port_m, starboard_m), ping)| Pair {
             time_s: ping.time_s,
             port_m,
             starboard_m,

@@ -7,16 +7,17 @@
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular`
 //! for the one on a slope and `correction` for what depths count from, `confirmed` says which
 //! soundings without bottom lock count, `pick_traits` what a point has of its first return
-//! (`above_bottom`, and by `level` how strong its echo is), `swath` makes points of depths across
-//! the track, `record` says which record measured a point, `reduction` joins it to the calibration
-//! for every read-out; `class` says what each point is, `outliers` is the filter for any points;
-//! `residuals` measures agreement with recorded depths, `scales` says between which values points
-//! are coloured.
+//! (`above_bottom` or `clutter`, and by `level` how strong its echo is), `swath` makes points of
+//! depths across the track, `record` says which record measured a point, `reduction` joins it to
+//! the calibration for every read-out; `class` says what each point is, `outliers` is the filter
+//! for any points; `residuals` measures agreement with recorded depths, `scales` says between which
+//! values points are coloured.
 
 mod above_bottom;
 mod build;
 mod by_source;
 mod class;
+mod clutter;
 mod confirmed;
 pub mod correction;
 mod depth_change;
@@ -36,6 +37,7 @@ use bathyscope_log::named;
 pub use build::{build, place};
 pub use by_source::BySource;
 pub use class::{ClassCounts, ClassRules, PointClass, classify};
+pub use clutter::Clutter;
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use depth_change::DepthChange;
 pub use geometry::{across_track, fixed_bottom_point};

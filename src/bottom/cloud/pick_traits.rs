@@ -1,23 +1,21 @@
 //! What a point has of its first return, whatever the geometry and the calibration.
 
-use super::above_bottom::{height_m, stretches_m, usual_departures_m};
+use super::above_bottom::{height_m, stretches_m, usual_departures_m, way_m};
+use super::clutter::{Clutter, clutter};
 use super::level::echo_level;
 use crate::first_return::{FirstReturns, Pick, ground_confidence};
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use rayon::prelude::*;
-
-/// Boulders, banks and scarps rise above the recorded depth by no more than this share of it: what
-/// does, however long it goes on, is clutter of the surface or a layer that scatters.
-const HIGHEST: f64 = 0.4;
 
 /// What a first return is, wherever it is placed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PickTrait {
     /// Whether it is something above the bottom.
     pub(super) above_bottom: bool,
-    /// The length of the stretch of such returns, metres; 0 of the bottom, and of what is too high
-    /// to be ground.
+    /// The length of the stretch of such returns, metres; 0 of the bottom and of clutter.
     pub(super) above_bottom_m: f32,
+    /// Whether it is clutter, which says nothing of how the bottom slopes.
+    pub(super) is_clutter: bool,
     /// Of what it is.
     pub(super) confidence: f32,
     /// How strong its echo is.
@@ -29,6 +27,7 @@ pub(super) struct PickTrait {
 pub struct PickTraits {
     /// By side, port first, one a ping.
     sides: [Vec<PickTrait>; 2],
+    clutter: Option<Clutter>,
 }
 
 impl PickTraits {
@@ -36,14 +35,18 @@ impl PickTraits {
     pub fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
         let lengths_m = Side::BOTH.map(|side| stretches_m(survey, navigation, returns, side));
         let usual_m = usual_departures_m(survey, navigation, returns);
+        let (is_clutter, clutter) = clutter(survey, returns, &way_m(&navigation.pings));
         let of_pick = |side: Side, ping: usize, pick: &Pick| {
-            // Without a recorded depth nothing is flagged.
+            let is_clutter = is_clutter[side as usize].get(ping) == Some(&true);
             let high_m = height_m(survey, returns, ping, side);
-            let is_ground = high_m <= HIGHEST * f64::from(survey.locked_depth_m(ping));
-            let above_bottom = pick.above_bottom && (high_m > usual_m[ping] || !is_ground);
+            // Where the recorded depth was found to be false, so may be what lies above it.
+            let is_usual = high_m <= usual_m[ping];
+            let above_bottom = is_clutter || pick.above_bottom && !is_usual;
             PickTrait {
                 above_bottom,
-                above_bottom_m: match above_bottom && is_ground {
+                is_clutter,
+                // Without a depth to believe it is not known how high it is.
+                above_bottom_m: match above_bottom && !is_clutter && high_m.is_finite() {
                     true => lengths_m[side as usize][ping],
                     false => 0.0,
                 },
@@ -62,7 +65,12 @@ impl PickTraits {
             let picks = returns.side(side).par_iter().enumerate();
             picks.map(|(ping, pick)| of_pick(side, ping, pick)).collect()
         };
-        Self { sides: Side::BOTH.map(of_side) }
+        Self { sides: Side::BOTH.map(of_side), clutter }
+    }
+
+    /// The clutter among the first returns; `None` without any.
+    pub fn clutter(&self) -> Option<Clutter> {
+        self.clutter
     }
 
     /// Those of a side, one a ping.

@@ -95,11 +95,13 @@ pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> 
             false => pair.starboard_m.max(pair.port_m),
         };
         let deeper_m = around.middle(farther_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
+        let of_depth = around.middle(|pair| farther_m(pair) / pair.altitude_m);
         let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();
         let slope_rad = (over_rad + overlap_rad).min(steepest);
+        let past_rad = past_nadir_rad(of_depth, slope_rad, overlap_rad);
         return match difference_m > 0.0 {
-            true => [slope_rad, -overlap_rad],
-            false => [-overlap_rad, slope_rad],
+            true => [slope_rad, -past_rad],
+            false => [-past_rad, slope_rad],
         };
     }
     let ranges_m = [|pair: &Pair| pair.port_m, |pair: &Pair| pair.starboard_m];
@@ -109,6 +111,17 @@ pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> 
         let certain = nearer.map_or(0.0, |(_, certain)| (certain - CALIBRATED).max(0.0));
         (1.0 - certain).max(steepest.cos()).acos()
     })
+}
+
+/// The angle past the nadir from which the first return of the farther side comes, radians: the
+/// overlap at most. `of_depth` is its range as a share of the recorded depth, if that is known.
+/// Where it is farther away than the bottom at the overlap, it comes from nearer to the nadir.
+fn past_nadir_rad(of_depth: Option<(f64, f64)>, slope_rad: f64, overlap_rad: f64) -> f64 {
+    let Some((of_depth, _)) = of_depth else {
+        return overlap_rad;
+    };
+    let cos = (slope_rad.cos() / (of_depth - CALIBRATED)).min(1.0);
+    (slope_rad - cos.acos()).clamp(0.0, overlap_rad)
 }
 
 /// The bottom point of a first return at slant range `range_m` and an angle from straight below,

@@ -145,6 +145,7 @@ pub fn extend(
         judged: None,
         latency: before.latency,
         repeatability: before.repeatability,
+        clutter: before.clutter,
         returns,
         bottom_line,
         calibration: before.calibration.clone(),

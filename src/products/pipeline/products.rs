@@ -4,8 +4,8 @@ use super::Settings;
 use super::log_latency::LogLatency;
 use bathyscope_bottom::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
 use bathyscope_bottom::cloud::{
-    self, CloudPoint, CloudSettings, Correction, PickTraits, PingDepth, PointClass, PointCloud,
-    PointScales, Reduction, Residuals,
+    self, CloudPoint, CloudSettings, Clutter, Correction, PickTraits, PingDepth, PointClass,
+    PointCloud, PointScales, Reduction, Residuals,
 };
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -56,6 +56,8 @@ pub struct Products {
     /// How late positions are, as the track's crossings with itself show it; `None` where they do
     /// not.
     pub latency: Option<LogLatency>,
+    /// Clutter among the first returns; `None` without any, and of a log that grows.
+    pub clutter: Option<Clutter>,
     /// How far depths differ where the track crosses itself; `None` where it does not.
     pub repeatability: Option<Residuals>,
 }

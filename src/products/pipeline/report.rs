@@ -246,6 +246,7 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
         .chain(products.correction.refused().map(ToString::to_string))
         .chain(products.correction.gap_warning())
         .chain(products.exclusions.warnings.iter().cloned())
+        .chain(products.clutter.and_then(|clutter| clutter.warning()))
         .chain(products.latency_warning())
         .chain(products.repeatability_warning())
         .collect()

@@ -9,7 +9,8 @@ use super::{ProcessedLog, Settings};
 use bathyscope_bottom::bathymetry;
 use bathyscope_bottom::calibration::{self, Calibration, FlatSpot};
 use bathyscope_bottom::cloud::{
-    self, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction, Residuals,
+    self, Clutter, Correction, PickTraits, PingDepth, PointClass, PointCloud, PointScales,
+    Reduction, Residuals,
 };
 use bathyscope_bottom::first_return::{self, BottomLine, FirstReturns};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -40,7 +41,7 @@ pub fn run(
     let navigation = run.navigation()?;
     let exclusions = run.exclusions(&navigation);
     let found = run.found()?;
-    let judged = run.judged(&found);
+    let judged = run.judged(&found, &exclusions);
     let mut run = run.over(judged.as_deref().unwrap_or(survey));
     let returns = run.returns(&found);
     let counted = counted(&returns, &exclusions);
@@ -49,7 +50,8 @@ pub fn run(
     let correction = run.correction();
     let reduction = Reduction::new(&calibration, &correction);
     let bottom_line = run.bottom_line(&returns, &calibration, &reduction);
-    let cloud = run.cloud(&navigation, &exclusions, &counted, &calibration, &correction)?;
+    let (cloud, clutter) =
+        run.cloud(&navigation, &exclusions, &counted, &calibration, &correction)?;
     let point_results = run.point_results(&cloud, &exclusions, &correction, &reduction)?;
     let relief = run.relief(&navigation, &cloud, &point_results.classes)?;
     let known = run.reusable(Stage::Outliers).map(|old| (old.latency, old.repeatability));
@@ -70,6 +72,7 @@ pub fn run(
         relief,
         depth_range_m: point_results.depth_range_m,
         scales: point_results.scales,
+        clutter,
         latency: None,
         repeatability: None,
     };
@@ -172,12 +175,24 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok(Arc::new(found))
     }
 
-    /// The survey without the soundings that first returns contradict, if there are any.
-    fn judged(&self, found: &Arc<FirstReturns>) -> Option<Arc<Survey>> {
-        match self.previous.filter(|old| Arc::ptr_eq(&old.found, found)) {
-            Some(old) => old.judged.clone(),
-            None => found.judged(self.survey).map(Arc::new),
+    /// The survey without the soundings that first returns contradict, and with those that the
+    /// analyst trusts, if there are any.
+    fn judged(
+        &self,
+        found: &Arc<FirstReturns>,
+        exclusions: &Arc<Exclusions>,
+    ) -> Option<Arc<Survey>> {
+        let is_same = |old: &&Products| {
+            Arc::ptr_eq(&old.found, found)
+                && (Arc::ptr_eq(&old.exclusions, exclusions)
+                    || old.settings.excluded == self.settings.excluded)
+        };
+        if let Some(old) = self.previous.filter(is_same) {
+            return old.judged.clone();
         }
+        let judged = found.judged(self.survey);
+        let trusted = self.settings.excluded.trusted(judged.as_ref().unwrap_or(self.survey));
+        trusted.or(judged).map(Arc::new)
     }
 
     /// The first returns with the bottom edits.
@@ -259,7 +274,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         }
     }
 
-    /// All points; excluded ones have no place in it.
+    /// All points, excluded ones without a place, and the clutter among the first returns.
     fn cloud(
         &mut self,
         navigation: &Navigation,
@@ -267,21 +282,22 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         counted: &FirstReturns,
         calibration: &Calibration,
         correction: &Correction,
-    ) -> Result<Arc<PointCloud>, Cancelled> {
+    ) -> Result<(Arc<PointCloud>, Option<Clutter>), Cancelled> {
         if let Some(old) = self.reusable(Stage::Cloud) {
-            return Ok(old.cloud.clone());
+            return Ok((old.cloud.clone(), old.clutter));
         }
         self.begin(Stage::Cloud)?;
-        let made = cloud::build(
+        let traits = PickTraits::new(self.survey, navigation, counted);
+        let made = cloud::place(
             self.survey,
             navigation,
-            counted,
+            (counted, &traits),
             calibration,
             &self.settings.cloud,
             correction,
             self.progress,
         )?;
-        Ok(Arc::new(made.without(exclusions)))
+        Ok((Arc::new(made.without(exclusions)), traits.clutter()))
     }
 
     /// The class of each point, and what follows from that: depths under the boat, and the ends of
