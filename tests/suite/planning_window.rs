@@ -25,6 +25,15 @@ fn plan(window: &mut Window) {
     window.run();
 }
 
+/// Distance from a place to the nearest of a leg, metres.
+fn distance_m([x, y]: [f64; 2], leg: &Leg) -> f64 {
+    let way = [leg.to[0] - leg.from[0], leg.to[1] - leg.from[1]];
+    let from = [x - leg.from[0], y - leg.from[1]];
+    let share = (from[0] * way[0] + from[1] * way[1]) / (way[0] * way[0] + way[1] * way[1]);
+    let share = share.clamp(0.0, 1.0);
+    (from[0] - share * way[0]).hypot(from[1] - share * way[1])
+}
+
 #[test]
 fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     let mut window = demo_window();
@@ -37,11 +46,14 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     let said = format!("{} line", planned.len());
     assert!(window.query_by_label_contains(&said).is_some(), "the read-out");
 
-    // A drag of a line's end by 30 points: of one in the middle of the map, where nothing else lies
-    // over it.
-    let middle_m = planned.iter().map(|leg| leg.to[1]).sum::<f64>() / planned.len() as f64;
-    let off_m = |line: &usize| (planned[*line].to[1] - middle_m).abs();
-    let line = (0..planned.len()).min_by(|a, b| off_m(a).total_cmp(&off_m(b))).expect("a line");
+    // A drag of a line's end by 30 points: of the one that lies farthest from all other lines.
+    let clearance_m = |line: &usize| {
+        let others = planned.iter().enumerate().filter(|(other, _)| other != line);
+        let away_m = others.map(|(_, leg)| distance_m(planned[*line].to, leg));
+        away_m.fold(f64::INFINITY, f64::min)
+    };
+    let line = (0..planned.len()).max_by(|a, b| clearance_m(a).total_cmp(&clearance_m(b)));
+    let line = line.expect("a line");
     let from = at(planned[line].to);
     let to = from + egui::vec2(0.0, 30.0);
     window.hover_at(from);

@@ -121,8 +121,13 @@ mod tests {
     }
 
     fn nodes(places: impl Iterator<Item = [f64; 2]>) -> Vec<Node> {
-        let node =
-            |[east_m, north_m]: [f64; 2]| Node { east_m, north_m, depth_m: 1.0, spread_m: 0.0 };
+        let node = |[east_m, north_m]: [f64; 2]| Node {
+            east_m,
+            north_m,
+            depth_m: 1.0,
+            spread_m: 0.0,
+            has_side_scan: false,
+        };
         places.map(node).collect()
     }
 

@@ -7,18 +7,20 @@
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an
 //! `insertion_order`, sampled by a `triangle_walk`), `inverse_distance` find the depth between
 //! them, `left_out` says what it is worth, `grid` chooses the cells and `surface` fills them;
-//! `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints.
-//! `hill_shade` lights them, `isobaths` draws through them, `compare` compares points with a
-//! reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds
-//! what sets the depths of one log off from those of others, `position_offsets` how far its
-//! positions are off and how late they are, `transect` looks at them along a line; `coarser` gives
-//! it larger cells, `flat_extrapolation` more ground, `change` says what changed between two of
-//! them, `cell_source` says what was measured in each.
+//! `slopes` bend it between the lines; `local` fills a part of a larger map. `spot_soundings`
+//! chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
+//! `compare` compares points with a reference, `crosslines` compares the passes of a survey with
+//! each other and `crossing_error` says what a depth is worth by that, `height_offsets` finds what
+//! sets the depths of one log off from those of others, `position_offsets` how far its positions
+//! are off and how late they are, `transect` looks at them along a line; `coarser` gives it larger
+//! cells, `flat_extrapolation` more ground, `change` says what changed between two of them,
+//! `cell_source` says what was measured in each.
 
 mod cell_source;
 pub mod change;
 mod coarser;
 pub mod compare;
+mod crossing_error;
 pub mod crosslines;
 mod flat_extrapolation;
 mod from_levels;
@@ -32,6 +34,7 @@ mod left_out;
 mod local;
 mod nodes;
 pub mod position_offsets;
+mod slopes;
 mod soundings;
 mod spot_soundings;
 mod surface;
@@ -42,6 +45,7 @@ mod transect;
 mod triangle_walk;
 
 pub use cell_source::CellSource;
+pub use crossing_error::CrossingError;
 pub use from_levels::{FromLevels, LevelsRefused, SwathDepth};
 pub use grid::Grid;
 pub(crate) use grid::suited_cell_m;
@@ -50,6 +54,8 @@ pub use left_out::{SigmaByDistance, sigma_by_distance};
 pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub use nodes::Node;
 pub(crate) use nodes::merge_repeated;
+pub use slopes::Bends;
+pub(crate) use slopes::BentSampler;
 pub use soundings::DepthPoint;
 pub use soundings::depth_points;
 pub use soundings::depth_range;

@@ -16,6 +16,8 @@ pub struct Node {
     /// Standard deviation (n - 1) of the depths about their median, metres. Where there were fewer
     /// than three, the median of that of the other places; 0 when no place has three.
     pub spread_m: f64,
+    /// Whether a first return of the side-scan is among them.
+    pub has_side_scan: bool,
 }
 
 impl Node {
@@ -84,6 +86,7 @@ fn merge(
 ) -> Option<Node> {
     let count = same.len();
     let points = same.clone();
+    let has_side_scan = same.clone().any(|point| !point.is_sounding);
     let first = same.next()?;
     depths.clear();
     let (mut east_m, mut north_m, mut weights) = (0.0, 0.0, 0.0);
@@ -104,6 +107,7 @@ fn merge(
         } else {
             (squares / (count - 1) as f64).sqrt()
         },
+        has_side_scan,
     })
 }
 

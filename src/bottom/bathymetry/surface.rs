@@ -3,8 +3,10 @@
 use super::cell_source::{self, CellSource, measured_cells};
 use super::from_levels::{FromLevels, SwathDepth};
 use super::inverse_distance::inverse_distance;
-use super::left_out::state_error;
-use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
+use super::left_out::{LeftOut, SurfaceCells, bend_and_state_error};
+use super::{
+    Bends, Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m,
+};
 use crate::cloud::{CloudPoint, PointSource};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{ends, quantile};
@@ -16,8 +18,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceMethod {
-    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was
-    /// measured is lost. Older projects may name a plate that bent least, which is gone.
+    /// On the Delaunay triangles: through every sounding, so that no shoal that was measured is
+    /// lost. They bend to the slopes on the lines ([`Bends`]) where left-out soundings are then
+    /// predicted better, and are plane elsewhere. Older projects may name a plate that bent least,
+    /// which is gone.
     #[default]
     #[serde(alias = "auto", alias = "smooth")]
     Linear,
@@ -135,6 +139,8 @@ pub enum Spread {
 pub struct Surface {
     /// How the depth between soundings was found.
     pub method: SurfaceMethod,
+    /// How the triangles bend between the soundings; `None` where they are straight.
+    pub bends: Option<Bends>,
     /// Whether depths between those measured come from the levels of the echoes (`crate::swath`).
     pub levels: FromLevels,
     /// What the spreads are.
@@ -161,6 +167,7 @@ impl Surface {
     pub fn of_depths(grid: Grid, depth_m: Vec<f32>) -> Self {
         Self {
             method: SurfaceMethod::Linear,
+            bends: None,
             levels: FromLevels::Off,
             spread_is: Spread::OfSoundings,
             grid,
@@ -177,6 +184,7 @@ impl Surface {
         let unknown = || vec![f32::NAN; grid.len()];
         Self {
             method,
+            bends: None,
             levels: FromLevels::Off,
             spread_is: Spread::OfSoundings,
             grid,
@@ -207,11 +215,23 @@ impl Surface {
 
     /// How its depths were found: `linear triangles, between the lines from echo levels`.
     pub fn method_in_words(&self) -> String {
-        let method = self.method.in_words();
+        let straight = self.method.in_words();
+        let method = match self.bends {
+            Some(_) => format!("{straight} bent to the slopes on the lines"),
+            None => straight.to_owned(),
+        };
         match self.levels {
             FromLevels::Used { .. } => format!("{method}, between the lines from echo levels"),
-            FromLevels::Off | FromLevels::Refused(_) => method.to_owned(),
+            FromLevels::Off | FromLevels::Refused(_) => method,
         }
+    }
+
+    /// Sentences for reports about depths between the lines; `None` where these are interpolated
+    /// and nothing else was tried.
+    pub fn between_lines(&self) -> Option<String> {
+        let sentences = [self.bends.map(|bends| bends.sentence()), self.levels.sentence()];
+        let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+        (!sentences.is_empty()).then(|| sentences.join(" "))
     }
 
     /// Shallowest and deepest known depth, metres; the first above the second where none is known.
@@ -324,9 +344,15 @@ pub fn surface(
         SurfaceMethod::InverseDistance => None,
     };
     if let Some(between) = between {
-        let cells = (made.grid, &made.distance_m[..]);
-        if state_error(cells, &mut made.spread_m, &tin, between, progress)? {
+        let cells = SurfaceCells {
+            grid: made.grid,
+            depth_m: &mut made.depth_m,
+            spread_m: &mut made.spread_m,
+            distance_m: &made.distance_m,
+        };
+        if let LeftOut::Told(bends) = bend_and_state_error(cells, &tin, between, progress)? {
             made.spread_is = Spread::OfError;
+            made.bends = bends;
         }
     }
     Ok(Some(made))

@@ -7,7 +7,7 @@ use super::nodes::{Blend, Nodes};
 use super::solve::{Prior, TileInput, TileSolution, learn};
 use super::tiling::{Resolution, Tiling};
 use super::weed::WeedPlaces;
-use crate::bathymetry::{DepthPoint, Node, merge_repeated};
+use crate::bathymetry::{Bends, DepthPoint, Node, merge_repeated};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
 use rayon::prelude::*;
@@ -34,6 +34,8 @@ pub(super) struct SwathInput<'a> {
     pub sets: Vec<(u32, i32)>,
     /// Measured depths, one a square.
     pub measured: Vec<Node>,
+    /// How the triangles between these bend.
+    pub bends: Option<Bends>,
     /// The logs.
     pub logs: &'a [LaidOutLog<'a>],
     weed: WeedPlaces,
@@ -61,7 +63,7 @@ impl<'a> SwathInput<'a> {
     pub(super) fn new(
         logs: &'a [LaidOutLog<'a>],
         recorders: &[u32],
-        measured: &[DepthPoint],
+        (measured, bends): (&[DepthPoint], Option<Bends>),
         resolution: Resolution,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
@@ -95,6 +97,7 @@ impl<'a> SwathInput<'a> {
             looks,
             sets,
             measured: merged(measured),
+            bends,
             weed: WeedPlaces::of(logs.iter().map(|log| (&log.echoes, &log.is_weed[..]))),
             logs,
         })
@@ -131,7 +134,8 @@ impl<'a> SwathInput<'a> {
             progress.check()?;
             progress.advance(1);
             let nodes = &tiling.tiles[tile].nodes;
-            let state = TileSolution::new(tile, nodes, &self.measured, &self.looks);
+            let measured = (&self.measured[..], self.bends);
+            let state = TileSolution::new(tile, nodes, measured, &self.looks);
             let Some(mut state) = state else {
                 return Ok(None);
             };
@@ -205,6 +209,7 @@ impl Sample {
         curves: Option<Vec<Option<LawCurves>>>,
     ) -> Self {
         let state = |tile: &usize| {
+            let measured = (measured, input.bends);
             TileSolution::new(*tile, &tiling.tiles[*tile].nodes, measured, &input.looks)
         };
         let states: Vec<TileSolution> = tiles.par_iter().filter_map(state).collect();

@@ -7,7 +7,7 @@ use super::model::LawCurves;
 use super::observations::Bed;
 use super::solve::{Brightness, Prior, TileSolution};
 use super::tiling::Tiling;
-use crate::bathymetry::{Between, DepthPoint, Tin};
+use crate::bathymetry::{BentSampler, DepthPoint, Tin};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
@@ -129,10 +129,11 @@ pub(super) fn choose(
     };
     let kept = merged(&split.kept);
     let mut sample = Sample::new(input, tiling, tiles, &kept, None);
+    let slopes = input.bends.map(|bends| bends.slopes(&kept));
     let Some(tin) = Tin::new(kept) else {
         return Ok(None);
     };
-    let mut triangles = tin.sampler(Between::Linear);
+    let mut triangles = BentSampler::new(&tin, slopes.as_ref());
     let mut asked: Vec<Asked> = Vec::new();
     for point in split.asked {
         let place = point.place();

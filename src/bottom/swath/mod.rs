@@ -122,7 +122,13 @@ fn found(
     };
     let learning = Tiling::at(&surface.grid, tiling.resolution.of_learning());
     let recorders = law::recorders(logs.iter().map(|log| log.law));
-    let input = SwathInput::new(logs, &recorders, measured, learning.resolution, progress)?;
+    let input = SwathInput::new(
+        logs,
+        &recorders,
+        (measured, surface.bends),
+        learning.resolution,
+        progress,
+    )?;
     let tiles = input.busiest(&learning, MOST_LEARNT);
     if tiles.is_empty() || input.measured.is_empty() {
         return Ok(Err(LevelsRefused::TooFewEchoes));
@@ -183,7 +189,7 @@ impl LearntLevels {
         };
         let logs = std::slice::from_ref(log);
         let tiling = Tiling::at(&grid, Resolution::COARSE);
-        let input = SwathInput::new(logs, &[0], measured, tiling.resolution, progress)?;
+        let input = SwathInput::new(logs, &[0], (measured, None), tiling.resolution, progress)?;
         let tiles = input.busiest(&tiling, MOST_LEARNT);
         let mut sample = Sample::new(&input, &tiling, &tiles, &input.measured, None);
         if !sample.learn(&input, UNTESTED, progress)? {
@@ -225,7 +231,8 @@ pub fn correct_part(
 ) -> Result<(), Cancelled> {
     let tiling = Tiling::of_part(edges_m);
     let each: Vec<u32> = (0..logs.len() as u32).collect();
-    let input = SwathInput::new(logs, &each, measured, tiling.resolution, progress)?;
+    let input =
+        SwathInput::new(logs, &each, (measured, around.bends), tiling.resolution, progress)?;
     let of_set = |(log, setting): &(u32, i32)| learnt.get(*log as usize)?.of_setting(*setting);
     let curves: Vec<Option<LawCurves>> = input.sets.iter().map(of_set).collect();
     around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {

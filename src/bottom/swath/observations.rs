@@ -4,7 +4,7 @@
 use super::looks::SideChunk;
 use super::model::{Incidence, LawCurves};
 use super::nodes::Nodes;
-use crate::bathymetry::{Between, Node, Tin};
+use crate::bathymetry::{Bends, BentSampler, Node, Tin};
 use crate::nearest::Nearest;
 
 /// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and
@@ -40,7 +40,8 @@ pub(super) struct Bed {
     /// Standard deviation of the depth by what the equations leave unknown of it at each, metres; 0
     /// before they were solved.
     pub sd_m: Vec<f64>,
-    /// Depth by triangles between the measured depths at each, metres; the nearest one beyond them.
+    /// Depth by triangles between the measured depths at each, bent or straight, metres; the
+    /// nearest one beyond them.
     pub triangles_m: Vec<f64>,
     /// Whether a measured depth is near enough to each for anything to be known.
     pub is_known: Vec<bool>,
@@ -49,11 +50,12 @@ pub(super) struct Bed {
 impl Bed {
     /// Of the triangles between some measured depths, and the nearest one beyond them; `None`
     /// without any.
-    pub(super) fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
+    pub(super) fn new(nodes: Nodes, measured: &[Node], bends: Option<Bends>) -> Option<Self> {
         let places: Vec<[f64; 2]> = measured.iter().map(Node::place).collect();
         let nearest = Nearest::of(&places)?;
         let tin = Tin::new(measured.to_vec());
-        let mut triangles = tin.as_ref().map(|tin| tin.sampler(Between::Linear));
+        let slopes = bends.map(|bends| bends.slopes(measured));
+        let mut triangles = tin.as_ref().map(|tin| BentSampler::new(tin, slopes.as_ref()));
         let mut bed = Self {
             ln_brightness: vec![0.0; nodes.len()],
             sd_m: vec![0.0; nodes.len()],

@@ -12,7 +12,7 @@ use super::looks::SideChunk;
 use super::model::{LawCurves, PARAMETERS, solve_dense};
 use super::nodes::{Nodes, Shares};
 use super::observations::{Bed, SlopeObservation};
-use crate::bathymetry::Node;
+use crate::bathymetry::{Bends, Node};
 use crate::sparse::{Equations, Factor, Normal, Pattern};
 use bathyscope_log::support::statistics::median;
 use faer::Mat;
@@ -114,12 +114,12 @@ impl TileSolution {
     pub(super) fn new(
         tile: usize,
         nodes: &Nodes,
-        measured: &[Node],
+        (measured, bends): (&[Node], Option<Bends>),
         looks: &[SideChunk],
     ) -> Option<Self> {
         let inside = measured.iter().filter(|depth| nodes.holds(depth.place()));
         let measured: Vec<Node> = inside.copied().collect();
-        let bed = Bed::new(*nodes, &measured)?;
+        let bed = Bed::new(*nodes, &measured, bends)?;
         let all = looks.iter().enumerate();
         let touching = all.filter(|(_, look)| look.within(nodes).is_some());
         Some(Self { tile, looks: touching.map(|(look, _)| look).collect(), measured, bed })

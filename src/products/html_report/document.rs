@@ -90,7 +90,7 @@ fn depth_caption(from: &ReportData<'_>) -> String {
         depth_map.surface.grid.cell_m,
         depth_map.surface.method_in_words(),
         xml(&from.map.crs.to_string()),
-        depth_map.surface.levels.sentence().unwrap_or_default(),
+        depth_map.surface.between_lines().unwrap_or_default(),
         settings.surface.max_gap_m,
         depth_map.light.exaggeration,
         xml(&logs::correction(from))

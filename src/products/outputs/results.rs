@@ -17,9 +17,7 @@ use crate::pipeline::{
     Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines,
     mosaic_layout,
 };
-use bathyscope_bottom::bathymetry::{
-    DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings,
-};
+use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::Progress;
@@ -265,10 +263,10 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// What became of depths from echo levels, if a depth map was made.
-    pub(super) fn made_levels(&self) -> Option<FromLevels> {
+    /// The depths of the map, if one was made.
+    pub(super) fn made_surface(&self) -> Option<&Surface> {
         let map = self.computed.depth_map.made.get()?.as_ref()?;
-        Some(map.surface.levels)
+        Some(&map.surface)
     }
 
     /// The depth map; `None` where the depths span none.

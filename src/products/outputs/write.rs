@@ -17,6 +17,7 @@ use crate::export::write_json;
 use crate::outputs::OutputError;
 use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
+use bathyscope_bottom::bathymetry::Surface;
 use bathyscope_bottom::presentation::text::bytes;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::path::Path;
@@ -80,8 +81,7 @@ pub fn write(
     let made = write_rows(&run.results, &path, asked, &mut on_step)?;
     run.report.warnings.extend(made.warnings);
     run.made = made.files;
-    run.report.depths_between_lines =
-        run.results.made_levels().and_then(|levels| levels.sentence());
+    run.report.depths_between_lines = run.results.made_surface().and_then(Surface::between_lines);
     on_step("hashes");
     run.hashed = folder.files(&[], progress)?;
     run.report.name_run(&run.hashed)?;

@@ -4,7 +4,7 @@ use super::parts::{self, fact};
 use super::section::{Section, section};
 use crate::app::{Action, MapLayer};
 use crate::ui::ViewContext;
-use bathyscope_bottom::bathymetry::{FromLevels, LevelsRefused};
+use bathyscope_bottom::bathymetry::{FromLevels, LevelsRefused, Surface};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
@@ -51,11 +51,11 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     };
     let hint = "Method that gives the depths between measured ones.";
     fact(ui, "Interpolation", hint, map.surface.method.in_words());
-    let hint = "Whether depths between the lines are interpolated, or come from echo levels where these predict withheld soundings.";
+    let hint = "Whether depths between the lines are interpolated, follow the slopes on the lines, or come from echo levels where these predict withheld soundings.";
     let units = context.units();
-    fact(ui, "Between lines", hint, between_lines(map.surface.levels));
-    if let Some(text) = withheld_errors(map.surface.levels, units) {
-        let hint = "What withheld soundings are missed by: with depths from echo levels, and by interpolation alone.";
+    fact(ui, "Between lines", hint, between_lines(&map.surface));
+    if let Some(text) = withheld_errors(&map.surface, units) {
+        let hint = "What withheld soundings are missed by: as said above, and by straight lines between depths alone.";
         fact(ui, "Withheld", hint, text);
     }
     if let Some([half_m, most_m]) = map.usual_error_m {
@@ -68,23 +68,25 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
 }
 
 /// What depths between the lines are.
-fn between_lines(levels: FromLevels) -> String {
-    match levels {
+fn between_lines(surface: &Surface) -> String {
+    match surface.levels {
         FromLevels::Used { .. } => "from echo levels".to_owned(),
+        _ if surface.bends.is_some() => "by the slopes on the lines".to_owned(),
         FromLevels::Refused(LevelsRefused::NoBetter { .. }) => "interpolated".to_owned(),
-        FromLevels::Off | FromLevels::Refused(_) => levels.to_string(),
+        FromLevels::Off | FromLevels::Refused(_) => surface.levels.to_string(),
     }
 }
 
-/// What withheld soundings are missed by with levels and without them, where both were tried: `0.06
-/// m, 0.08 m without`.
-fn withheld_errors(levels: FromLevels, units: Units) -> Option<String> {
-    let (without_m, with_m) = match levels {
-        FromLevels::Used { left_out_m } => {
-            left_out_m.map(|[without_m, with_m]| (without_m, with_m))?
+/// What withheld soundings are missed by in the way that depths between the lines are found and
+/// without it, where both were tried: `0.06 m, 0.08 m without`.
+fn withheld_errors(surface: &Surface, units: Units) -> Option<String> {
+    let [without_m, with_m] = match (surface.levels, surface.bends) {
+        (FromLevels::Used { left_out_m }, _) => left_out_m?,
+        (_, Some(bends)) => bends.left_out_m,
+        (FromLevels::Refused(LevelsRefused::NoBetter { without_m, with_m }), None) => {
+            [without_m, with_m]
         }
-        FromLevels::Refused(LevelsRefused::NoBetter { without_m, with_m }) => (without_m, with_m),
-        FromLevels::Off | FromLevels::Refused(_) => return None,
+        (FromLevels::Off | FromLevels::Refused(_), None) => return None,
     };
     let [without, with] = [without_m, with_m].map(|error_m| units.spread(error_m, 2));
     Some(format!("{with} {}, {without} without", units.symbol()))

@@ -168,8 +168,13 @@ impl NearPoints {
 }
 
 fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) -> Option<Tin> {
-    let node =
-        |[east_m, north_m, z_m]: [f64; 3]| Node { east_m, north_m, depth_m: -z_m, spread_m: 0.0 };
+    let node = |[east_m, north_m, z_m]: [f64; 3]| Node {
+        east_m,
+        north_m,
+        depth_m: -z_m,
+        spread_m: 0.0,
+        has_side_scan: false,
+    };
     let mut nodes = Vec::with_capacity(points.clone().count());
     nodes.extend(points.map(node));
     Some(Tin::new(nodes)?.with_max_gap(max_gap_m))

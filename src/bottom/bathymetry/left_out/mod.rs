@@ -7,21 +7,21 @@
 //! ground between lines in squares as large as the gaps between them, and in strips along the lines
 //! as wide: whole lines are predicted from their neighbours, as the ground between them is. On a
 //! bank along a line its own soundings predict each other well. `by_distance` says how the error
-//! grows with the distance to the nearest sounding, `roughness` where it is larger or smaller than
-//! that, and `slopes` where the ground bends between lines.
+//! grows with the distance to the nearest sounding, and `roughness` where it is larger or smaller
+//! than that. The same left-out soundings say whether triangles that bend by the slopes on the
+//! lines (`super::slopes`) predict the ground better than straight ones.
 
 mod by_distance;
 mod roughness;
-mod slopes;
 
 pub use by_distance::SigmaByDistance;
 
+use super::slopes::{Bend, Bends, NodeSlopes};
 use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use roughness::{Roughness, RoughnessSampler};
-use slopes::NodeSlopes;
 
 /// Times that soundings are left out, a quarter of all squares each time.
 const FOLDS: usize = 4;
@@ -39,6 +39,14 @@ const SLOPE_SHARE: f64 = 0.25;
 /// Soundings lie along lines where the directions to their neighbours agree by this share of their
 /// number.
 const LEAST_ALIGNED: f64 = 0.25;
+/// Times that the patches count which are tried. Beside a node one is right; farther away banks
+/// end in kinks, which a patch rounds off.
+const BENT_SHARES: [f64; 7] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
+/// Standard deviation of the depth as a share of what is left up to the nearest of the planes
+/// through the corners.
+const BEND_SHARE: f64 = 0.25;
+/// Triangles are bent where left-out soundings are then missed by at most this share.
+const MOST_RATIO: f64 = 0.95;
 /// Most cells whose distances say how large the large squares are.
 const MOST_CELLS_TRIED: usize = 10_000;
 
@@ -49,6 +57,7 @@ struct LeftOutMiss {
     place: [f64; 2],
     error_m: f64,
     away_m: f64,
+    bend: Bend,
 }
 
 /// The standard deviation of a depth's error by place and distance to the nearest sounding.
@@ -57,43 +66,73 @@ struct StatedError {
     /// Of the depths themselves, and of the ground between them.
     near: Roughness,
     far: Roughness,
+    /// `None` where they are straight.
+    bends: Option<Bends>,
 }
 
-/// Gives the known cells of a grid the standard deviation of their depth's error for their spread.
-/// `false` where too few soundings can be left out to tell: the spread then stays as it is.
+/// The cells of a surface: depths, their spread, and the distance to the nearest sounding, metres,
+/// row by row; NaN where nothing is known.
+pub(super) struct SurfaceCells<'a> {
+    pub grid: Grid,
+    pub depth_m: &'a mut [f32],
+    pub spread_m: &'a mut [f32],
+    pub distance_m: &'a [f32],
+}
+
+/// What left-out soundings say of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum LeftOut {
+    /// There are too few of them: depths and spreads stay as they are.
+    TooFew,
+    /// The triangles bend so, `None` where they stay straight, and spreads are standard deviations
+    /// of errors.
+    Told(Option<Bends>),
+}
+
+/// Bends the triangles of a surface as far as left-out soundings are predicted better by it, and
+/// gives its cells the standard deviation of their depth's error for their spread.
 ///
 /// # Errors
 /// When the work was cancelled.
-pub(super) fn state_error(
-    (grid, distance_m): (Grid, &[f32]),
-    spread_m: &mut [f32],
+pub(super) fn bend_and_state_error(
+    cells: SurfaceCells<'_>,
     tin: &Tin,
     between: Between,
     progress: &Progress,
-) -> Result<bool, Cancelled> {
+) -> Result<LeftOut, Cancelled> {
+    let SurfaceCells { grid, depth_m, spread_m, distance_m } = cells;
     let nodes: Vec<Node> = tin.nodes().collect();
     let known = distance_m.iter().filter(|away_m| !away_m.is_nan());
     let usual_m = usual_of(known.copied().collect());
     let squares = Squares::over(&grid, usual_m);
     let Some(stated) = StatedError::of(&nodes, squares, between, progress)? else {
-        return Ok(false);
+        return Ok(LeftOut::TooFew);
     };
-    let slopes = NodeSlopes::of(&nodes, SLOPE_SHARE * squares.large_m);
+    let share = stated.bends.map_or(0.0, |bends| bends.share);
+    let slopes = NodeSlopes::of(&nodes, squares.slope_m());
     drop(nodes);
-    let cells = spread_m.par_iter_mut().zip(distance_m);
+    let cells = spread_m.par_iter_mut().zip(depth_m).zip(distance_m);
     // A filter would move the samplers from cell to cell.
     cells.enumerate().for_each_init(
         || (stated.sampler(), slopes.sampler(tin.sampler(Between::Linear))),
-        |(stated, bends), (cell, (spread_m, away_m))| {
-            if !spread_m.is_nan() {
-                let place = grid.centre_of(cell);
-                let away_m = f64::from(*away_m);
-                let bend_m = if away_m > grid.cell_m { bends.sigma_m(place) } else { 0.0 };
-                *spread_m = stated.at(place, away_m).hypot(bend_m) as f32;
+        |(stated, bends), (cell, ((spread_m, depth_m), away_m))| {
+            if spread_m.is_nan() {
+                return;
             }
+            let place = grid.centre_of(cell);
+            let away_m = f64::from(*away_m);
+            let mut bend_m = 0.0;
+            if let Some(bend) = bends.at(place) {
+                let deeper_m = bend.deeper_m(share);
+                *depth_m += deeper_m as f32;
+                if away_m > grid.cell_m {
+                    bend_m = BEND_SHARE * (bend.least_m - deeper_m.abs());
+                }
+            }
+            *spread_m = stated.at(place, away_m).hypot(bend_m) as f32;
         },
     );
-    Ok(true)
+    Ok(LeftOut::Told(stated.bends))
 }
 
 /// What the error of a depth between soundings is by the distance to the nearest, as leaving
@@ -134,6 +173,11 @@ struct Squares {
 }
 
 impl Squares {
+    /// Side of the squares that slopes are taken over.
+    fn slope_m(self) -> f64 {
+        SLOPE_SHARE * self.large_m
+    }
+
     fn over(grid: &Grid, usual_distance_m: f64) -> Self {
         Self {
             small_m: SMALL_CELLS * grid.cell_m,
@@ -155,20 +199,31 @@ impl StatedError {
         let dense = nodes.iter().filter(|node| {
             step == 1 || column_and_row(node, squares.large_m)[0].rem_euclid(step as i64) == 0
         });
+        let slope_m = squares.slope_m();
         let square = |side_m: f64| move |node: &Node| square_of(node, side_m);
-        let near = misses(dense.copied().collect(), square(squares.small_m), between, progress)?;
+        let mut near =
+            misses(dense.copied().collect(), square(squares.small_m), between, slope_m, progress)?;
         let thin: Vec<Node> = nodes.iter().step_by(step).copied().collect();
         let places: Vec<[f64; 2]> = thin.iter().map(Node::place).collect();
-        let strips = match direction(&places) {
+        let mut strips = match direction(&places) {
             Some(along) => {
                 let strip = |node: &Node| strip_of(node, along, squares.large_m);
-                misses(thin.clone(), strip, between, progress)?
+                misses(thin.clone(), strip, between, slope_m, progress)?
             }
             None => Vec::new(),
         };
-        let mut far = misses(thin, square(squares.large_m), between, progress)?;
+        let mut far = misses(thin, square(squares.large_m), between, slope_m, progress)?;
         if near.len() < LEAST_MISSES || far.len() < LEAST_MISSES {
             return Ok(None);
+        }
+        let bends = match between {
+            Between::Linear => bends(&far, &strips, slope_m),
+            Between::NaturalNeighbour => None,
+        };
+        if let Some(Bends { share, .. }) = bends {
+            for miss in [&mut near, &mut far, &mut strips].into_iter().flatten() {
+                miss.error_m += miss.bend.deeper_m(share);
+            }
         }
         let mut by_distance = SigmaByDistance::of(&near, &far);
         if strips.len() >= LEAST_MISSES {
@@ -179,6 +234,7 @@ impl StatedError {
             near: Roughness::of(&near, &by_distance, squares.large_m),
             far: Roughness::of(&far, &by_distance, squares.large_m),
             by_distance,
+            bends,
         }))
     }
 
@@ -246,33 +302,55 @@ fn misses(
     nodes: Vec<Node>,
     part_of: impl Fn(&Node) -> i64 + Sync,
     between: Between,
+    slope_m: f64,
     progress: &Progress,
 ) -> Result<Vec<LeftOutMiss>, Cancelled> {
     let of_fold = |fold: usize| {
         progress.check()?;
         let is_out = |node: &&Node| part_of(node).rem_euclid(FOLDS as i64) as usize == fold;
         let (out, used): (Vec<Node>, Vec<Node>) = nodes.iter().partition(is_out);
-        Ok(predicted(&out, used, between))
+        Ok(predicted(&out, used, between, slope_m))
     };
     let folds: Result<Vec<_>, Cancelled> = (0..FOLDS).into_par_iter().map(of_fold).collect();
     Ok(folds?.concat())
 }
 
-fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<LeftOutMiss> {
+fn predicted(out: &[Node], used: Vec<Node>, between: Between, slope_m: f64) -> Vec<LeftOutMiss> {
     let places: Vec<[f64; 2]> = used.iter().map(Node::place).collect();
+    let slopes = NodeSlopes::of(&used, slope_m);
     let (Some(near), Some(tin)) = (Nearest::of(&places), Tin::new(used)) else {
         return Vec::new();
     };
     let mut sampler = tin.sampler(between);
+    let mut bends = slopes.sampler(tin.sampler(Between::Linear));
     let miss = |node: &Node| {
         let place = node.place();
         Some(LeftOutMiss {
             place,
             error_m: sampler.depth_at(place)? - node.depth_m,
             away_m: near.distance_m(place),
+            bend: bends.at(place)?,
         })
     };
     out.iter().filter_map(miss).collect()
+}
+
+/// The bends by which left-out soundings are predicted best; `None` where straight triangles
+/// predict them about as well.
+fn bends(squares: &[LeftOutMiss], strips: &[LeftOutMiss], square_m: f64) -> Option<Bends> {
+    let misses = || squares.iter().chain(strips);
+    let rms_m = |share: f64| {
+        let errors = misses().map(|miss| miss.error_m + miss.bend.deeper_m(share));
+        (errors.map(|error_m| error_m * error_m).sum::<f64>() / misses().count() as f64).sqrt()
+    };
+    let straight_m = rms_m(0.0);
+    let tried = BENT_SHARES.into_iter().map(|share| (share, rms_m(share)));
+    let (share, bent_m) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (bent_m <= MOST_RATIO * straight_m).then_some(Bends {
+        square_m,
+        share,
+        left_out_m: [straight_m, bent_m],
+    })
 }
 
 /// The square that a sounding lies in.

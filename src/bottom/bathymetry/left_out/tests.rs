@@ -85,6 +85,34 @@ fn a_bank_along_the_lines_is_worth_as_little_as_its_bends_show() {
 }
 
 #[test]
+fn triangles_bend_where_slopes_across_the_lines_were_seen_and_are_straight_elsewhere() {
+    let bed = |_: f64, north_m: f64| 3.0 + 0.01 * (north_m - 12.0).powi(2);
+    let beside = |away_m: f64| {
+        let points = lines(0.01, bed).into_iter();
+        points.map(move |at| DepthPoint {
+            north_m: at.north_m + away_m,
+            depth_m: at.depth_m + bed(0.0, at.north_m + away_m) - bed(0.0, at.north_m),
+            is_sounding: false,
+            ..at
+        })
+    };
+    let rms_m = |made: &Surface| {
+        let between = |place: &[f64; 2]| (2.5..5.5).contains(&place[1].rem_euclid(8.0));
+        let cells = cells(made, bed);
+        let here = cells.iter().filter(|(place, ..)| between(place) && place[1] < 24.0);
+        let errors: Vec<f64> = here.map(|(_, error_m, _)| error_m * error_m).collect();
+        (errors.iter().sum::<f64>() / errors.len() as f64).sqrt()
+    };
+    let straight = made(lines(0.01, bed));
+    assert_eq!(straight.bends, None);
+    let bent = made(lines(0.01, bed).into_iter().chain(beside(-1.5)).chain(beside(1.5)).collect());
+    let bends = bent.bends.expect("slopes");
+    assert!(bends.left_out_m[1] < 0.8 * bends.left_out_m[0], "{bends:?}");
+    assert!(bent.method_in_words().contains("bent"));
+    assert!(rms_m(&bent) < 0.4 * rms_m(&straight), "{} {}", rms_m(&bent), rms_m(&straight));
+}
+
+#[test]
 fn lines_are_found_in_any_direction_and_scattered_soundings_lie_along_none() {
     for degrees in [0.0, 20.0, 90.0, 135.0_f64] {
         let (sin, cos) = degrees.to_radians().sin_cos();
