@@ -21,8 +21,8 @@ pub struct CrossingError {
 }
 
 impl CrossingError {
-    /// Of crossings of some tracks; `None` without any. Half of the square of a difference is that
-    /// of either pass.
+    /// Returns the error that some crossings of these tracks show; `None` without any. Half of the
+    /// square of a difference is that of either pass.
     pub fn of(crossings: &[Crossing], tracks: &[Vec<TrackDepth>]) -> Option<Self> {
         let slope = |one: &Crossing| if one.slope().is_nan() { 0.0 } else { one.slope() };
         let size_m = |one: &Crossing| one.difference_m().abs() / 2f64.sqrt();
@@ -62,7 +62,7 @@ impl CrossingError {
         })
     }
 
-    /// At a slope, metres.
+    /// Returns the standard deviation at a slope, metres.
     pub fn at(&self, slope: f64) -> f64 {
         self.level_m.hypot(self.per_slope_m * slope)
     }

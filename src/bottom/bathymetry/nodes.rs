@@ -16,7 +16,7 @@ pub struct Node {
     /// Standard deviation (n - 1) of the depths about their median, metres. Where there were fewer
     /// than three, the median of that of the other places; 0 when no place has three.
     pub spread_m: f64,
-    /// Whether a first return of the side-scan is among them.
+    /// True where a first return of the side-scan is among the depths.
     pub has_side_scan: bool,
 }
 

@@ -4,9 +4,9 @@
 //! slope there. Both first returns tell that slope across the line, and soundings the one along it.
 //! A cubic patch over each triangle (Bezier's, with the slopes at the corners and quadratic
 //! precision: Farin 1986, "Triangular Bernstein-Bezier patches", section 3.3) leaves its corners by
-//! them. It counts where all corners agree which way the ground bends, as many times as left-out
-//! soundings are predicted best, and never leads beyond the nearest of the planes through the
-//! corners. On banks of `reach.py` errors 1.5 to 4 m from the track fall from 54, 32 and 38 cm to
+//! them. It counts where all corners agree which way the ground bends and left-out soundings are
+//! predicted better by it, and never leads beyond the nearest of the planes through the corners. On
+//! banks of `reach.py` errors 1.5 to 4 m from the track fall from 54, 32 and 38 cm to
 //! 15, 16 and 15.
 
 use super::{Between, Node, Tin, TinSampler};
@@ -24,12 +24,12 @@ const SMOOTHED: i64 = 2;
 /// The side-scan sees to both sides of a line where so many of its nodes have first returns.
 const SEEN_SHARE: f64 = 0.5;
 
-/// How the ground of a surface bends between the soundings.
+/// The bends of a surface's triangles between the soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bends {
     /// Side of the squares that slopes are taken over, metres.
     pub(super) square_m: f64,
-    /// How many times the patches count.
+    /// Factor of the patches.
     pub(super) share: f64,
     /// Root mean square of the errors of left-out soundings by straight triangles, and by bent
     /// ones, metres.
@@ -61,7 +61,7 @@ pub(crate) struct NodeSlopes {
 #[derive(Clone, Copy, Default)]
 struct PlaneSums {
     count: f64,
-    /// Those of them with first returns of the side-scan.
+    /// Nodes with first returns of the side-scan.
     with_side_scan: f64,
     /// East, north, depth.
     first: [f64; 3],
@@ -208,7 +208,7 @@ pub(super) struct BendSampler<'a> {
     corners: Vec<(Node, Option<[f64; 2]>)>,
 }
 
-/// How the ground bends away from a triangle.
+/// The bend of the ground away from a triangle, at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bend {
     /// Depth of the triangle, metres.

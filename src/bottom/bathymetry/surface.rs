@@ -139,7 +139,7 @@ pub enum Spread {
 pub struct Surface {
     /// How the depth between soundings was found.
     pub method: SurfaceMethod,
-    /// How the triangles bend between the soundings; `None` where they are straight.
+    /// Bends of the triangles between the soundings; `None` where they are straight.
     pub bends: Option<Bends>,
     /// Whether depths between those measured come from the levels of the echoes (`crate::swath`).
     pub levels: FromLevels,

@@ -30,7 +30,7 @@ const PREVALENT: f64 = 0.25;
 const WORTH_SAYING: usize = 100;
 const WORTH_SAYING_SHARE: f64 = 0.03;
 
-/// What a first return is by its height alone.
+/// The kind of a first return by its height alone.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Height {
     /// None was found.

@@ -14,7 +14,7 @@ pub(super) struct PickTrait {
     pub(super) above_bottom: bool,
     /// The length of the stretch of such returns, metres; 0 of the bottom and of clutter.
     pub(super) above_bottom_m: f32,
-    /// Whether it is clutter, which says nothing of how the bottom slopes.
+    /// True of clutter, which says nothing of the slope of the bottom.
     pub(super) is_clutter: bool,
     /// Of what it is.
     pub(super) confidence: f32,

@@ -34,7 +34,7 @@ pub(super) struct SwathInput<'a> {
     pub sets: Vec<(u32, i32)>,
     /// Measured depths, one a square.
     pub measured: Vec<Node>,
-    /// How the triangles between these bend.
+    /// Bends of the triangles between these; `None` where they are straight.
     pub bends: Option<Bends>,
     /// The logs.
     pub logs: &'a [LaidOutLog<'a>],

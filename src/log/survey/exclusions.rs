@@ -53,7 +53,7 @@ pub struct Stretch {
     /// found there.
     #[serde(with = "verdict")]
     pub reason: Option<ExclusionReason>,
-    /// Whether its soundings count although they were taken for those of a lost bottom or of a
+    /// True where its soundings count although they were taken for those of a lost bottom or of a
     /// fault of the sounder.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub trusted: bool,

@@ -81,7 +81,7 @@ pub(super) struct SurfaceCells<'a> {
     pub distance_m: &'a [f32],
 }
 
-/// What left-out soundings say of a surface.
+/// The result of leaving soundings of a surface out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LeftOut {
     /// There are too few of them: depths and spreads stay as they are.
