@@ -24,13 +24,16 @@ const SMOOTHED: i64 = 2;
 /// The side-scan sees to both sides of a line where so many of its nodes have first returns.
 const SEEN_SHARE: f64 = 0.5;
 
+/// Times that the patches count. Beside a node one is right; farther away banks end in kinks, which
+/// a patch rounds off: on seven beds of two simulators 1 to 2 predicted left-out soundings best,
+/// and 1.5 within 2 % of it. One for all, so that two surveys along the same lines bend alike.
+const TIMES: f64 = 1.5;
+
 /// The bends of a surface's triangles between the soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bends {
     /// Side of the squares that slopes are taken over, metres.
     pub(super) square_m: f64,
-    /// Factor of the patches.
-    pub(super) share: f64,
     /// Root mean square of the errors of left-out soundings by straight triangles, and by bent
     /// ones, metres.
     pub left_out_m: [f64; 2],
@@ -38,8 +41,8 @@ pub struct Bends {
 
 impl Bends {
     /// The slopes of the ground around some nodes.
-    pub(crate) fn slopes(self, nodes: &[Node]) -> (Self, NodeSlopes) {
-        (self, NodeSlopes::of(nodes, self.square_m))
+    pub(crate) fn slopes(self, nodes: &[Node]) -> NodeSlopes {
+        NodeSlopes::of(nodes, self.square_m)
     }
 
     /// A sentence for reports.
@@ -221,10 +224,9 @@ pub(super) struct Bend {
 }
 
 impl Bend {
-    /// How much deeper the ground is than the triangle where the patch counts so many times,
-    /// metres.
-    pub(super) fn deeper_m(&self, share: f64) -> f64 {
-        (share * self.patch_m).clamp(-self.least_m, self.least_m)
+    /// The ground's depth below the triangle, metres.
+    pub(super) fn deeper_m(&self) -> f64 {
+        (TIMES * self.patch_m).clamp(-self.least_m, self.least_m)
     }
 }
 
@@ -271,15 +273,15 @@ pub(crate) struct BentSampler<'a> {
 
 enum BentTriangles<'a> {
     Straight(TinSampler<'a>),
-    Bent(BendSampler<'a>, f64),
+    Bent(BendSampler<'a>),
 }
 
 impl<'a> BentSampler<'a> {
     /// Of triangles, straight ones without slopes.
-    pub(crate) fn new(tin: &'a Tin, slopes: Option<&'a (Bends, NodeSlopes)>) -> Self {
+    pub(crate) fn new(tin: &'a Tin, slopes: Option<&'a NodeSlopes>) -> Self {
         let triangles = tin.sampler(Between::Linear);
         let triangles = match slopes {
-            Some((bends, slopes)) => BentTriangles::Bent(slopes.sampler(triangles), bends.share),
+            Some(slopes) => BentTriangles::Bent(slopes.sampler(triangles)),
             None => BentTriangles::Straight(triangles),
         };
         Self { triangles }
@@ -289,9 +291,9 @@ impl<'a> BentSampler<'a> {
     pub(crate) fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
         match &mut self.triangles {
             BentTriangles::Straight(triangles) => triangles.depth_at(place),
-            BentTriangles::Bent(bends, share) => {
+            BentTriangles::Bent(bends) => {
                 let bend = bends.at(place)?;
-                Some(bend.straight_m + bend.deeper_m(*share))
+                Some(bend.straight_m + bend.deeper_m())
             }
         }
     }

@@ -39,10 +39,6 @@ const SLOPE_SHARE: f64 = 0.25;
 /// Soundings lie along lines where the directions to their neighbours agree by this share of their
 /// number.
 const LEAST_ALIGNED: f64 = 0.25;
-/// Times that the patches count. Beside a node one is right; farther away banks end in kinks, which
-/// a patch rounds off: on seven beds of two simulators 1 to 2 predicted left-out soundings best,
-/// and 1.5 within 2 % of it. One for all, so that two surveys along the same lines bend alike.
-const BENT_SHARE: f64 = 1.5;
 /// Standard deviation of the depth as a share of the distance to the nearest of the planes through
 /// the corners: of bent triangles, and of straight ones.
 const BENT_ERROR: f64 = 0.2;
@@ -110,10 +106,8 @@ pub(super) fn bend_and_state_error(
     let Some(stated) = StatedError::of(&nodes, squares, between, progress)? else {
         return Ok(LeftOut::TooFew);
     };
-    let (share, error_share) = match stated.bends {
-        Some(bends) => (bends.share, BENT_ERROR),
-        None => (0.0, STRAIGHT_ERROR),
-    };
+    let are_bent = stated.bends.is_some();
+    let error_share = if are_bent { BENT_ERROR } else { STRAIGHT_ERROR };
     let slopes = NodeSlopes::of(&nodes, squares.slope_m());
     drop(nodes);
     let cells = spread_m.par_iter_mut().zip(depth_m).zip(distance_m);
@@ -128,7 +122,9 @@ pub(super) fn bend_and_state_error(
             let away_m = f64::from(*away_m);
             let mut bend_m = 0.0;
             if let Some(bend) = bends.at(place) {
-                *depth_m += bend.deeper_m(share) as f32;
+                if are_bent {
+                    *depth_m += bend.deeper_m() as f32;
+                }
                 if away_m > grid.cell_m {
                     bend_m = error_share * bend.least_m;
                 }
@@ -224,9 +220,9 @@ impl StatedError {
             Between::Linear => bends(&far, &strips, slope_m),
             Between::NaturalNeighbour => None,
         };
-        if let Some(Bends { share, .. }) = bends {
+        if bends.is_some() {
             for miss in [&mut near, &mut far, &mut strips].into_iter().flatten() {
-                miss.error_m += miss.bend.deeper_m(share);
+                miss.error_m += miss.bend.deeper_m();
             }
         }
         let mut by_distance = SigmaByDistance::of(&near, &far);
@@ -342,13 +338,14 @@ fn predicted(out: &[Node], used: Vec<Node>, between: Between, slope_m: f64) -> V
 /// The bends of the triangles; `None` where straight ones predict left-out soundings about as well.
 fn bends(squares: &[LeftOutMiss], strips: &[LeftOutMiss], square_m: f64) -> Option<Bends> {
     let misses = || squares.iter().chain(strips);
-    let rms_m = |share: f64| {
-        let errors = misses().map(|miss| miss.error_m + miss.bend.deeper_m(share));
-        (errors.map(|error_m| error_m * error_m).sum::<f64>() / misses().count() as f64).sqrt()
+    let rms_m = |error_m: fn(&LeftOutMiss) -> f64| {
+        let squares = misses().map(|miss| error_m(miss).powi(2));
+        (squares.sum::<f64>() / misses().count() as f64).sqrt()
     };
-    let (straight_m, bent_m) = (rms_m(0.0), rms_m(BENT_SHARE));
-    let left_out_m = [straight_m, bent_m];
-    (bent_m <= MOST_RATIO * straight_m).then_some(Bends { square_m, share: BENT_SHARE, left_out_m })
+    let straight_m = rms_m(|miss| miss.error_m);
+    let bent_m = rms_m(|miss| miss.error_m + miss.bend.deeper_m());
+    (bent_m <= MOST_RATIO * straight_m)
+        .then_some(Bends { square_m, left_out_m: [straight_m, bent_m] })
 }
 
 /// The square that a sounding lies in.

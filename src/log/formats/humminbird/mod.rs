@@ -13,7 +13,7 @@ use super::log_format::{LogFormat, ReadRecording};
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Source, Survey};
+use crate::survey::{RangeSource, Source, Survey};
 use dat::{Dat, DatFamily};
 use recording::Recording;
 use std::path::Path;
@@ -134,6 +134,7 @@ fn remark(recording: &Recording, log: &mut Collected) {
             }
         }
     }
+    log.range_source = RangeSource::Estimated;
     log.report.log(
         "the recorder does not store the side-scan range; it is estimated from the transducer's size and may be off by some percent until calibrated",
     );

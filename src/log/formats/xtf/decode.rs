@@ -11,7 +11,7 @@ use super::walk;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::WarningKind;
-use crate::survey::{ChannelKind, RangeSource, Survey};
+use crate::survey::{ChannelKind, Survey};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -114,10 +114,7 @@ impl<'a> Reader<'a> {
         self.sides.finish(self.bytes, log, known);
         self.positions.finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
         log.start_unix_s = self.zero_ms.and_then(date::unix_s);
-        log.range_source = match self.provenance.has_fish_finder_ranges {
-            true => RangeSource::FishFinder,
-            false => RangeSource::SurveyRecorder,
-        };
+        log.range_source = self.provenance.range_source;
         log.report.set_back(self.clock.set_back_s());
         if self.channels.iter().any(|channel| channel.ground_range) {
             log.report.log("the water column was taken out of this file (ground-range correction): there is no first return in it");

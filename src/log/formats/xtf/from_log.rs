@@ -29,6 +29,8 @@ use std::io::{self, Write};
 const TRACK_HEADINGS: &str = "headings of the track";
 /// What it says where the slant ranges are those of a fish-finder.
 const FISH_FINDER: &str = "ranges of a fish-finder";
+/// What it says where the slant ranges are estimated.
+const ESTIMATED: &str = "ranges by the transducer's size";
 /// What the program is called in eight letters.
 const PROGRAM: &[u8; 8] = b"Bathysco";
 /// Packets are padded to a multiple of this.
@@ -44,8 +46,8 @@ const SOUND_MPS: f32 = 1500.0;
 pub(super) struct Provenance {
     /// Headings are those of the track.
     pub(super) has_track_headings: bool,
-    /// Slant ranges are those of a fish-finder.
-    pub(super) has_fish_finder_ranges: bool,
+    /// Where the slant ranges come from.
+    pub(super) range_source: RangeSource,
     /// Each recorded depth is the second altitude of one ping. The first altitude repeats it.
     pub(super) has_depths_once: bool,
 }
@@ -55,9 +57,11 @@ impl Provenance {
     pub(super) fn of(header: &FileHeader) -> Self {
         let note = channels::text(&header.note).filter(|_| header.program == *PROGRAM);
         let says = |text: &str| note.as_ref().is_some_and(|note| note.contains(text));
+        let sources = [(ESTIMATED, RangeSource::Estimated), (FISH_FINDER, RangeSource::FishFinder)];
+        let source = sources.into_iter().find(|(text, _)| says(text));
         Self {
             has_track_headings: says(TRACK_HEADINGS),
-            has_fish_finder_ranges: says(FISH_FINDER),
+            range_source: source.map_or(RangeSource::SurveyRecorder, |(_, source)| source),
             has_depths_once: header.program == *PROGRAM,
         }
     }
@@ -155,10 +159,14 @@ impl<'a> XtfWriter<'a> {
             false => &source.device,
         };
         put_text(&mut header.sonar_name, sonar.as_bytes());
-        let is_fish_finder = self.log.survey.range_source == RangeSource::FishFinder;
-        let said = [(is_fish_finder, FISH_FINDER), (!self.has_compass, TRACK_HEADINGS)];
-        let said = said.into_iter().filter(|(is_so, _)| *is_so).map(|(_, text)| text);
-        put_text(&mut header.note, said.collect::<Vec<_>>().join("; ").as_bytes());
+        let ranges = match self.log.survey.range_source {
+            RangeSource::FishFinder => Some(FISH_FINDER),
+            RangeSource::Estimated => Some(ESTIMATED),
+            RangeSource::SurveyRecorder => None,
+        };
+        let headings = (!self.has_compass).then_some(TRACK_HEADINGS);
+        let said: Vec<&str> = ranges.into_iter().chain(headings).collect();
+        put_text(&mut header.note, said.join("; ").as_bytes());
         let mut bytes = bytemuck::bytes_of(&header).to_vec();
         for side in Side::BOTH {
             bytes.extend_from_slice(bytemuck::bytes_of(&self.channel(side)));

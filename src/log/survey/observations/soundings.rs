@@ -7,6 +7,8 @@
 use crate::support::geo::distance_m;
 use crate::support::statistics::upper_median;
 use crate::survey::{Fix, SidePing, Sounding, nearest_in_time};
+use Way::{Down, Up};
+use std::ops::RangeInclusive;
 
 /// A step between soundings is a jump beyond this many metres and this share of the depth.
 const JUMP_M: f32 = 0.5;
@@ -23,6 +25,16 @@ const TOGETHER: usize = 8;
 /// So many jumps together, up and down, are a loss; fewer are boulders, piers and ledges, which
 /// come in twos.
 const JUMPS: usize = 4;
+/// A recorder that takes a second echo, or noise far below the bottom, leaps to so many times the
+/// depth, and leaps back as far: by these shares, more than this many metres, and more steeply than
+/// this many metres in each that the boat went. Where a bed is as deep for a while, one of its
+/// sides slopes.
+const LEAP_RATIO: f32 = 1.8;
+const LEAP_M: f32 = 2.0;
+const LEAP_STEEPNESS: f64 = 2.0;
+/// Of the depths on both sides of two leaps those are right that are shallower, which is safe, and
+/// not many fewer: one in so many. A few shallow ones are themselves the false ones.
+const LEAP_SHARE: usize = 3;
 /// Soundings to both sides of one that a glitch is judged against.
 const REACH: usize = 4;
 
@@ -65,8 +77,12 @@ pub(crate) fn mark_bottom_lock_from(
             quiet = index;
         }
     }
+    // A leap below the bottom may wait for the leap back.
+    let leaps = (from.saturating_sub(LONGEST_LOSS).max(1)..quiet)
+        .find(|&index| is_leap(soundings, fixes, index - 1, index, Down));
+    quiet = leaps.unwrap_or(quiet);
     let first = quiet.saturating_sub(REACH + 1);
-    let start = first.saturating_sub(2 * REACH + 1);
+    let start = first.saturating_sub(2 * REACH + 1 + LONGEST_LOSS / LEAP_SHARE);
     let mut tail = soundings[start..].to_vec();
     mark_bottom_lock(&mut tail, fixes);
     // The first ones of the tail lack their neighbours.
@@ -75,7 +91,8 @@ pub(crate) fn mark_bottom_lock_from(
 }
 
 /// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the
-/// end of a log that ends in one, and on single glitches. `fixes` tell how far the boat went from
+/// end of a log that ends in one, between a leap far below the bottom and the leap back, and on
+/// single glitches. `fixes` tell how far the boat went from
 /// one sounding to the next; both are in time order.
 pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
     for sounding in &mut *soundings {
@@ -103,7 +120,8 @@ pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
         .filter(is_loss)
         .map(|loss| loss[0].index..=until(loss[loss.len() - 1].index))
         .collect();
-    let lost = losses.into_iter().flatten();
+    let below = leaps_below(soundings, fixes, &others);
+    let lost = losses.into_iter().chain(below).flatten();
     for index in lost.chain(glitches) {
         soundings[index].locked = false;
     }
@@ -122,6 +140,58 @@ fn spikes(soundings: &[Sounding], glitches: &[usize]) -> Vec<bool> {
         is_spike[index] = is_alone && agree;
     }
     is_spike
+}
+
+/// The soundings between each leap far below the bottom and the leap back; `others` are those that
+/// are no single spikes.
+fn leaps_below(
+    soundings: &[Sounding],
+    fixes: &[Fix],
+    others: &[usize],
+) -> Vec<RangeInclusive<usize>> {
+    let leaps = |at: usize, way| is_leap(soundings, fixes, others[at - 1], others[at], way);
+    let leaps_at_all = |at: &usize| leaps(*at, Down) || leaps(*at, Up);
+    let depth_m = |at: usize| soundings[others[at]].depth_m;
+    let below = |entry: usize| {
+        let last = others.len().min(entry + LONGEST_LOSS);
+        let before_m = depth_m(entry - 1);
+        let back = (entry + 1..last).find(|&at| depth_m(at) < LEAP_RATIO * before_m)?;
+        let least = (back - entry).div_ceil(LEAP_SHARE);
+        let before = (1..entry).rev().take(least).find(leaps_at_all).unwrap_or(0);
+        let after = (back + 1..others.len()).take(least).find(leaps_at_all);
+        let after = after.unwrap_or(others.len());
+        let is_false = leaps(back, Up) && entry - before + after - back >= least;
+        is_false.then_some(entry..back)
+    };
+    let mut found: Vec<RangeInclusive<usize>> = Vec::new();
+    let mut next = 1;
+    while let Some(entry) = (next..others.len()).find(|&at| leaps(at, Down)) {
+        let lost = below(entry);
+        next = lost.as_ref().map_or(entry + 1, |lost| lost.end);
+        found.extend(lost.map(|lost| others[lost.start]..=others[lost.end - 1]));
+    }
+    found
+}
+
+/// The side that a leap goes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Down,
+    Up,
+}
+
+/// True where the depth leaps from one sounding to a later one.
+fn is_leap(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize, way: Way) -> bool {
+    let (before, here) = (&soundings[earlier], &soundings[index]);
+    let [shallow_m, deep_m] = match way {
+        Down => [before.depth_m, here.depth_m],
+        Up => [here.depth_m, before.depth_m],
+    };
+    let leap_m = deep_m - shallow_m;
+    deep_m >= LEAP_RATIO * shallow_m
+        && leap_m > LEAP_M
+        && here.time_s - before.time_s < NEIGHBOURS_S
+        && f64::from(leap_m) > LEAP_STEEPNESS * travelled_m(fixes, before.time_s, here.time_s)
 }
 
 /// A step that no bed makes.
@@ -242,6 +312,7 @@ mod tests {
     fn soundings_that_are_added_are_marked_as_if_they_had_been_there() {
         let depth = |i: usize| match i {
             100..180 => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
+            200..235 => 6.0,
             250 => 9.0,
             _ => 2.0,
         };
@@ -259,6 +330,34 @@ mod tests {
             mark_bottom_lock_from(&mut grown, &[], shorter);
             assert_eq!(grown, whole, "grown from {shorter} soundings");
         }
+    }
+
+    #[test]
+    fn depths_between_a_leap_below_the_bottom_and_the_leap_back_are_lost() {
+        for step_s in [0.05, 0.2, 1.0] {
+            let second_echo = |index: usize| match index {
+                100..250 => 16.0 + 0.01 * (index % 7) as f32,
+                _ => 8.0,
+            };
+            let (mut soundings, fixes) = sailed(step_s, (0..400).map(second_echo));
+            mark_bottom_lock(&mut soundings, &fixes);
+            let marked: Vec<usize> = (0..400).filter(|&index| !soundings[index].locked).collect();
+            assert_eq!(marked, (100..250).collect::<Vec<_>>(), "{step_s} s");
+        }
+        // Here the shallow ones are false.
+        let clutter = |index: usize| if index % 100 < 9 { 1.8 } else { 20.0 };
+        let (mut soundings, fixes) = sailed(1.0, (0..400).map(clutter));
+        mark_bottom_lock(&mut soundings, &fixes);
+        assert!(soundings.iter().all(|sounding| sounding.locked || sounding.depth_m < 2.0));
+        // A basin with one wall and a slope of 30 degrees.
+        let basin = |index: usize| match index {
+            100..200 => 16.0,
+            200..270 => 16.0 - 0.115 * (index - 200) as f32,
+            _ => 8.0,
+        };
+        let (mut soundings, fixes) = sailed(0.1, (0..400).map(basin));
+        mark_bottom_lock(&mut soundings, &fixes);
+        assert!(soundings.iter().all(|sounding| sounding.locked));
     }
 
     #[test]
