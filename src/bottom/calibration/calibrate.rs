@@ -2,7 +2,7 @@
 
 use super::objections::VERY_WIDE;
 use super::offset::{RangeOffset, TOLERANCE_M, blocks};
-use super::overlap::overlap_rad;
+use super::overlap::{BeamWidths, beam_widths};
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::sounding_lag::SoundingLag;
@@ -103,11 +103,12 @@ pub fn calibrate(
         offset_m,
         measured_offset,
         offset_note,
-        overlap_rad: 0.0,
+        beams: BeamWidths::default(),
         sounding_lag: None,
         warnings,
     };
-    made.overlap_rad = overlap_rad(survey, returns, &made);
+    made.beams = beam_widths(survey, returns, &made);
+    made.warnings.extend(made.beams.warning());
     made.sounding_lag = SoundingLag::of(survey, returns, &made);
     made.warnings.extend(made.sounding_lag.map(|lag| lag.warning()));
     made.warnings.extend(remaining(&made));

@@ -23,6 +23,7 @@ mod sounding_lag;
 pub use calibrate::calibrate;
 pub use flat_spots::{flat_spots, stretch, stretch_around};
 pub use offset::RangeOffset;
+pub use overlap::BeamWidths;
 pub use scale::{RangeAtDepth, header_scale, ranges_at_depths};
 pub use sounding_lag::SoundingLag;
 
@@ -257,9 +258,8 @@ pub struct Calibration {
     pub measured_offset: Option<RangeOffset>,
     /// Why no offset is taken off where one was asked for, in a few words for a panel.
     pub offset_note: Option<&'static str>,
-    /// Angle by which the beam of each side looks past the nadir to the other side, radians, as
-    /// slopes show it; 0 where they show nothing, as on a level bed.
-    pub overlap_rad: f64,
+    /// How wide beams are, as slopes show it.
+    pub beams: BeamWidths,
     /// Delay of the soundings, as slopes along the track show it; `None` where they show no lag.
     pub sounding_lag: Option<SoundingLag>,
     /// What does not agree, in sentences.
@@ -337,7 +337,7 @@ impl Default for Calibration {
             offset_m: 0.0,
             measured_offset: None,
             offset_note: None,
-            overlap_rad: 0.0,
+            beams: BeamWidths::default(),
             sounding_lag: None,
             warnings: Vec::new(),
         }

@@ -7,6 +7,9 @@
 //! f`, a plane gives `f / d = cos(p) - sin(p) tan(a)` for beams that look past by `p` (as in
 //! `cloud::specular`). On level ground `f / d` shows how ranges and depths are calibrated to
 //! each other.
+//!
+//! A sounder whose beam is wider by `q` to each side than the side-scan's look past the nadir takes
+//! the nearest ground in it, so that `f / d = cos(q) + sin(q) tan(a)`: the same with `p = -q`.
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
@@ -28,6 +31,10 @@ const LEAST_BLOCKS: usize = 8;
 /// Beams look no farther past the nadir than this, degrees: what seems more is of something else,
 /// boulders that both sides see, or depths that are wrong.
 const MOST_DEG: f64 = 12.0;
+/// A sounder's beam is wider from this on, degrees, on slopes that are steep enough for it to show:
+/// on others it takes the nearest ground, as the side-scan does.
+const LEAST_WIDER_DEG: f64 = 2.0;
+const STEEP: Range<f64> = 0.13..0.45;
 /// An overlap less than so many of its standard errors, or than what blocks scatter by, is not
 /// known.
 const SIGMAS: f64 = 4.0;
@@ -62,13 +69,11 @@ impl Block {
         Some(Self { tangent, share: far_m / middle(&|ping| ping.depth_m) })
     }
 
-    /// The overlap that gives such a share, radians: `cos(p) - p tan(a)` to the second order.
+    /// The overlap that gives such a share, radians: `cos(p) - p tan(a)` to the second order. Less
+    /// than 0 where the sounder's beam is wider.
     fn overlap_rad(&self, level: f64) -> f64 {
         let nearer = 1.0 - self.share / level;
-        match nearer > 0.0 {
-            true => (self.tangent * self.tangent + 2.0 * nearer).sqrt() - self.tangent,
-            false => nearer / self.tangent,
-        }
+        (self.tangent * self.tangent + 2.0 * nearer).max(0.0).sqrt() - self.tangent
     }
 }
 
@@ -82,12 +87,30 @@ struct PingRanges {
     depth_m: f64,
 }
 
-/// The overlap that a log shows, radians; 0 where it shows none.
-pub(super) fn overlap_rad(
+/// How wide beams are, as slopes across the track show it, radians; 0 where they show nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BeamWidths {
+    /// Angle by which the beam of each side looks past the nadir to the other side.
+    pub overlap_rad: f64,
+    /// Angle to each side by which the sounder's beam is wider than that, at least.
+    pub wider_rad: f64,
+}
+
+impl BeamWidths {
+    /// Returns the sentence about a wide sounder's beam.
+    pub(super) fn warning(self) -> Option<String> {
+        (self.wider_rad > 0.0).then(|| {
+            "On slopes across the track soundings are nearer than the first returns of the lower side: the sounder has a wide beam and takes the nearest ground in it, so that soundings over slopes are too shallow.".to_owned()
+        })
+    }
+}
+
+/// The widths of beams that a log shows.
+pub(super) fn beam_widths(
     survey: &Survey,
     returns: &FirstReturns,
     calibration: &Calibration,
-) -> f64 {
+) -> BeamWidths {
     let range_m = |ping: usize, side: Side| {
         let pick = returns.side(side).get(ping);
         pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
@@ -102,35 +125,46 @@ pub(super) fn overlap_rad(
         });
         Block::of(&pings.collect::<Vec<_>>())
     };
-    overlap_of(&starts.into_par_iter().filter_map(block_from).collect::<Vec<_>>())
+    widths_of(&starts.into_par_iter().filter_map(block_from).collect::<Vec<_>>())
 }
 
-/// The overlap that some blocks show, radians; 0 where they show none.
-fn overlap_of(blocks: &[Block]) -> f64 {
+/// The widths that some blocks show.
+fn widths_of(blocks: &[Block]) -> BeamWidths {
     let of = |slopes: Range<f64>| -> Vec<Block> {
         blocks.iter().filter(|block| slopes.contains(&block.tangent)).copied().collect()
     };
-    let (level, telling) = (of(LEVEL), of(TELLING));
+    let (level, telling, steep) = (of(LEVEL), of(TELLING), of(STEEP));
     if level.len().min(telling.len()) < LEAST_BLOCKS {
-        return 0.0;
+        return BeamWidths::default();
     }
     let mut shares: Vec<f64> = level.iter().map(|block| block.share).collect();
     shares.sort_unstable_by(f64::total_cmp);
     // Ground that slopes by less than the overlap looks level and is nearer.
     let level = quantile(&shares, 0.75);
+    let most_rad = MOST_DEG.to_radians();
+    let within = |least_rad: f64, angle_rad: f64| (least_rad..=most_rad).contains(&angle_rad);
+    let overlap_rad =
+        known_overlap_rad(&telling, level).filter(|angle_rad| within(0.0, *angle_rad));
+    let wider_rad = known_overlap_rad(&steep, level)
+        .map(|angle_rad| -angle_rad)
+        .filter(|angle_rad| within(LEAST_WIDER_DEG.to_radians(), *angle_rad));
+    BeamWidths { overlap_rad: overlap_rad.unwrap_or(0.0), wider_rad: wider_rad.unwrap_or(0.0) }
+}
+
+/// The overlap of some blocks, radians; `None` where it is less than its error or the spread.
+fn known_overlap_rad(blocks: &[Block], level: f64) -> Option<f64> {
+    if blocks.len() < LEAST_BLOCKS {
+        return None;
+    }
     let weigh = |block: &Block| (block.overlap_rad(level), block.tangent * block.tangent);
-    let mut overlaps: Vec<(f64, f64)> = telling.iter().map(weigh).collect();
+    let mut overlaps: Vec<(f64, f64)> = blocks.iter().map(weigh).collect();
     let overlap_rad = weighted_median(&mut overlaps);
     for (overlap, _) in &mut overlaps {
         *overlap = (*overlap - overlap_rad).abs();
     }
     let spread_rad = SIGMA_PER_MAD * weighted_median(&mut overlaps);
     let error_rad = spread_rad / (overlaps.len() as f64).sqrt();
-    let is_known = overlap_rad > SIGMAS * error_rad && overlap_rad > spread_rad;
-    match is_known && overlap_rad <= MOST_DEG.to_radians() {
-        true => overlap_rad,
-        false => 0.0,
-    }
+    (overlap_rad.abs() > (SIGMAS * error_rad).max(spread_rad)).then_some(overlap_rad)
 }
 
 #[cfg(test)]
@@ -156,9 +190,31 @@ mod tests {
         (0..2000).map(ping).collect()
     }
 
-    fn found_deg(pings: &[PingRanges]) -> f64 {
+    fn found(pings: &[PingRanges]) -> BeamWidths {
         let blocks: Vec<Block> = pings.chunks(BLOCK).filter_map(Block::of).collect();
-        overlap_of(&blocks).to_degrees()
+        widths_of(&blocks)
+    }
+
+    fn found_deg(pings: &[PingRanges]) -> f64 {
+        found(pings).overlap_rad.to_degrees()
+    }
+
+    #[test]
+    fn a_sounder_with_a_wider_beam_is_found_and_said() {
+        let half_rad = 10f64.to_radians();
+        let widened = |ping: PingRanges| {
+            let slope_rad = (f64::from((10.0 * ping.time_s).round() as u32 / 20 % 31)).to_radians();
+            let inside_rad = (slope_rad - half_rad).max(0.0);
+            PingRanges { depth_m: 6.0 * slope_rad.cos() / inside_rad.cos(), ..ping }
+        };
+        let pings: Vec<PingRanges> = banks(3.0).into_iter().map(widened).collect();
+        let widths = found(&pings);
+        assert!((widths.wider_rad.to_degrees() - 7.0).abs() < 1.0, "{widths:?}");
+        assert_eq!(widths.overlap_rad, 0.0);
+        let warning = widths.warning().unwrap();
+        assert!(warning.contains("wide beam"));
+        assert_eq!(found(&banks(3.0)).warning(), None);
+        assert_eq!(found(&banks(0.0)).warning(), None);
     }
 
     #[test]

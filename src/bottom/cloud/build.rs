@@ -62,7 +62,7 @@ pub fn place(
     progress.advance(1);
     let angles_rad = match settings.geometry {
         Geometry::Slope => {
-            angles_rad(survey, (&ranges, traits), reduction, calibration.overlap_rad)
+            angles_rad(survey, (&ranges, traits), reduction, calibration.beams.overlap_rad)
         }
         _ => Vec::new(),
     };

@@ -4,7 +4,7 @@
 //! Over a plane that falls off to starboard by the angle `beta`, the nearest bottom to port lies up
 //! the slope: `r = d cos(beta)`, at depth `r cos(beta)` and `r sin(beta)` out. To starboard it lies
 //! at the edge of the beam, which looks past the nadir by the overlap `p`
-//! (`Calibration::overlap_rad`): `r = d cos(beta) / cos(beta - p)`, at depth `r cos(p)` and `r
+//! (`BeamWidths::overlap_rad`): `r = d cos(beta) / cos(beta - p)`, at depth `r cos(p)` and `r
 //! sin(p)` over to port. So the two sides of the same pings give the slope, `cos(beta - p) = r_port
 //! / r_starboard`, without the recorded depth and its noise. Near level ground beta hangs on
 //! millimetres (1 % of range is 8 degrees), so the difference of the sides is a median along the

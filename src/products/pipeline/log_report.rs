@@ -204,7 +204,7 @@ impl CalibrationReport {
             offset_m,
             measured_offset,
             offset_note,
-            overlap_rad,
+            beams,
             ..
         } = calibration;
         let ppd = calibration.ppd();
@@ -224,7 +224,7 @@ impl CalibrationReport {
             offset_measured_m: measured_offset.map(|measured| measured.offset_m),
             offset_uncertainty_m: measured_offset.map(|measured| measured.uncertainty_m),
             offset_note: *offset_note,
-            overlap_deg: (*overlap_rad > 0.0).then(|| overlap_rad.to_degrees()),
+            overlap_deg: (beams.overlap_rad > 0.0).then(|| beams.overlap_rad.to_degrees()),
             k: fit.map(|fit| fit.k),
             b_m: fit.map(|fit| fit.b_m),
             fit_spread_m: fit.map(|fit| fit.spread_m),

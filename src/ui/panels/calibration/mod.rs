@@ -14,6 +14,7 @@ use crate::app::{Action, Tool};
 use crate::ui::{ViewContext, flat_spot_words, text, toggle};
 use bathyscope_bottom::calibration::{Calibration, PingRange, Scale, ScaleMode};
 use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::RangeSource;
 use bathyscope_products::pipeline::Stage;
 use bathyscope_products::pipeline::settings::rows;
 use egui::{Button, Ui};
@@ -29,7 +30,9 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             return parts::remark(ui, "No result yet.");
         };
         let calibration = &products.calibration;
-        in_use(ui, calibration, context.units());
+        let survey = context.app.log.survey.clone();
+        let source = survey.as_ref().map(|survey| survey.range_source).unwrap_or_default();
+        in_use(ui, calibration, source, context.units());
         setting(
             ui,
             context,
@@ -38,7 +41,6 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 ScaleMode::Header => &rows::OFFSET,
             },
         );
-        let survey = context.app.log.survey.clone();
         let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
             return parts::remark(ui, "This log records no depth to measure a scale against.");
         };
@@ -72,24 +74,35 @@ fn scale(scale: Option<&Scale>) -> String {
 }
 
 /// The scale in use, and those that there are.
-fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
+fn in_use(ui: &mut Ui, calibration: &Calibration, source: RangeSource, units: Units) {
+    let is_estimated = source == RangeSource::Estimated;
     let spot = calibration.flat_spot.as_ref();
     let in_use = match (calibration.mode, spot) {
         (ScaleMode::FlatSpot, Some(spot)) => format!("flat stretch, {}", pings(spot.range())),
+        _ if is_estimated => "estimated range".to_owned(),
         _ => "recorded range".to_owned(),
     };
     let hint = "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.";
     fact(ui, "Scale in use", hint, in_use);
     let hint = range_hint(calibration, units);
-    fact(ui, "Slant ranges", &hint, ranges(calibration, units));
-    let hint = "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.";
-    let value = scale(calibration.header.as_ref());
-    fact(ui, "From recorder", hint, value);
+    fact(ui, "Slant ranges", &hint, ranges(calibration, source, units));
+    let header = calibration.header.as_ref();
+    match header.filter(|_| is_estimated) {
+        Some(header) => {
+            let hint = "Pixels per metre by the size of the transducer: the recorder writes no range, and this may be off by some percent. Calibrate it on a flat stretch.";
+            let value = format!("{:.1} pixels/m, to some percent", header.px_per_m);
+            fact(ui, "Estimated", hint, value);
+        }
+        None => {
+            let hint = "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.";
+            fact(ui, "From recorder", hint, scale(header));
+        }
+    }
     let hint = "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.";
     fact(ui, "From stretch", hint, scale(calibration.ppd().as_ref()));
-    if calibration.overlap_rad > 0.0 {
+    if calibration.beams.overlap_rad > 0.0 {
         let hint = "How far the beam of each side looks past the point below the boat, to the other side, as first returns over slopes show it. On a slope the first return of the lower side comes from there.";
-        let value = format!("{:.1}° past the nadir", calibration.overlap_rad.to_degrees());
+        let value = format!("{:.1}° past the nadir", calibration.beams.overlap_rad.to_degrees());
         fact(ui, "Beam overlap", hint, value);
     }
     if let Some(fit) = calibration.fit {
@@ -108,13 +121,14 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
 }
 
 /// What becomes of the recorded ranges.
-fn ranges(calibration: &Calibration, units: Units) -> String {
+fn ranges(calibration: &Calibration, source: RangeSource, units: Units) -> String {
+    let ranges = if source == RangeSource::Estimated { "estimated" } else { "recorded" };
     let factor = calibration.flat_spot.as_ref();
     let factor = factor.and_then(flat_spot_words::factor);
     match (calibration.mode, factor, calibration.offset_note) {
-        (ScaleMode::FlatSpot, Some(factor), _) => format!("recorded range {factor}"),
-        (_, _, Some(note)) => format!("as recorded; offset: {}", units.sentence(note)),
-        _ => format!("recorded {}", units.signed(-calibration.offset_m, 2)),
+        (ScaleMode::FlatSpot, Some(factor), _) => format!("{ranges} range {factor}"),
+        (_, _, Some(note)) => format!("as {ranges}; offset: {}", units.sentence(note)),
+        _ => format!("{ranges} {}", units.signed(-calibration.offset_m, 2)),
     }
 }
 
