@@ -175,7 +175,7 @@ impl App {
             let settings = match unit {
                 // As in the files, which have them already then.
                 LengthUnit::Metres => settings,
-                _ => settings.round_in(unit.metres(), depth_map.surface.range_m()),
+                _ => settings.round_in(unit.metres(), depth_map.extent()),
             };
             let isobaths = results.isobaths(&depth_map, &settings, progress).ok()?;
             let on_ground = match &isobaths {
@@ -259,8 +259,9 @@ impl App {
     pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
         let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
         let settings = &self.log.settings.isobaths;
-        let settings = settings.round_in(self.view.options.units.length.metres(), bottom.range_m);
-        let levels_m = settings.levels_m(bottom.range_m).ok()?;
+        let extent = bottom.depth_map.extent();
+        let settings = settings.round_in(self.view.options.units.length.metres(), extent);
+        let levels_m = settings.levels_m(extent).ok()?;
         evenly_apart_m(&levels_m).map(|metres| metres.map(|metres| metres as f32))
     }
 

@@ -261,11 +261,24 @@ impl Surface {
     /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed,
     /// and nine of ten; `None` where the spreads are not of errors.
     pub fn usual_error_m(&self) -> Option<[f64; 2]> {
-        let known = self.spread_m.iter().filter(|spread| !spread.is_nan());
-        let mut sigmas_m: Vec<f64> = known.map(|spread| f64::from(*spread)).collect();
+        let sigmas_m = self.errors_m(|_| true)?;
+        Some([0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
+    }
+
+    /// The same that half of the cells do not exceed in which a depth was measured.
+    pub fn measured_error_m(&self) -> Option<f64> {
+        let is_measured = |source| matches!(source, CellSource::Sounding | CellSource::FirstReturn);
+        Some(quantile(&self.errors_m(is_measured)?, 0.5))
+    }
+
+    /// Standard deviations of known cells of some sources, growing; `None` where the spreads are not
+    /// of errors, or there are none.
+    fn errors_m(&self, counts: impl Fn(CellSource) -> bool) -> Option<Vec<f64>> {
+        let known = self.spread_m.iter().zip(&self.source);
+        let known = known.filter(|(spread, source)| !spread.is_nan() && counts(**source));
+        let mut sigmas_m: Vec<f64> = known.map(|(spread, _)| f64::from(*spread)).collect();
         sigmas_m.sort_by(f64::total_cmp);
-        (self.spread_is == Spread::OfError && !sigmas_m.is_empty())
-            .then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
+        (self.spread_is == Spread::OfError && !sigmas_m.is_empty()).then_some(sigmas_m)
     }
 
     /// The shares of the known cells of each source, in the order of [`CellSource::KNOWN`].

@@ -10,7 +10,7 @@ use super::record::Archive;
 use super::tile::{TileId, zone_bounds_deg};
 use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
-use super::tile_map::isobath_settings;
+use super::tile_map::{isobath_settings, without_error};
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::export::{make_folder, write_json};
 use crate::map_tiles::{
@@ -202,7 +202,7 @@ impl ArchiveTiles {
             zooms,
             range_m: colour_range_m(range_m),
             // Too many are a warning of the tiles; the map is drawn without.
-            levels_m: settings.levels_m(range_m).unwrap_or_default(),
+            levels_m: settings.levels_m(without_error(range_m)).unwrap_or_default(),
             isobaths: settings,
         };
         let drawn_with = DrawnWith {

@@ -9,7 +9,7 @@ use super::tile::{TileId, tile_bounds_deg};
 use super::tile_points::depth_points;
 use crate::pipeline::clip_area;
 use bathyscope_bottom::bathymetry::isobaths::{
-    Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
+    DepthExtent, Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
 };
 use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
 use bathyscope_log::support::geo::UtmZone;
@@ -107,14 +107,20 @@ pub(crate) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
     }
 }
 
+/// Depths of tiles, whose isobaths have one interval whatever their errors.
+pub(crate) fn without_error(range_m: [f64; 2]) -> DepthExtent {
+    DepthExtent { range_m, error_m: 0.0 }
+}
+
 fn lines(
     window: &Surface,
     settings: &IsobathSettings,
     tile: TileId,
     progress: &Progress,
 ) -> Result<Vec<Isobath>, ArchiveError> {
-    let levels_m =
-        isobath_settings(settings).levels_m(window.range_m()).map_err(|error| error.to_string())?;
+    let levels_m = isobath_settings(settings)
+        .levels_m(without_error(window.range_m()))
+        .map_err(|error| error.to_string())?;
     let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| tile.zone.to_metres(at));
     let area = area.map_err(|error| error.to_string())?;
     let drawn = isobaths(window, &levels_m, progress)?;

@@ -33,10 +33,8 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
         (0..=STEPS).map(|step| least_m + step as f64 / STEPS as f64 * (most_m - least_m)).collect();
     html += &curves(&below(&even));
     html += "</figure>\n<table><tr><th>below depth, m</th><th>area, m\u{b2}</th><th>volume, m\u{b3}</th></tr>\n";
-    // The levels of the isobaths, as in `storage.csv`; too many were refused with a warning.
-    let isobaths = &from.products.settings.isobaths;
-    let levels = isobaths.levels_m([least_m, most_m]).unwrap_or_default();
-    for row in below(&levels) {
+    // As in `storage.csv`.
+    for row in below(&from.isobaths.levels_m) {
         html += &format!(
             "<tr><td>{:.2}</td><td>{}</td><td>{}</td></tr>\n",
             row.depth_m,

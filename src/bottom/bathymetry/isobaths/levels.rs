@@ -14,6 +14,36 @@ pub const INDEX: f64 = 5.0;
 const MOST_LEVELS: f64 = 1000.0;
 /// About so many are drawn where nobody says how many.
 const TARGET_LEVELS: f64 = 10.0;
+/// From one isobath to the next are so many standard deviations of the depth at least where nobody
+/// says otherwise: two thirds of a line's places are nearer to its own depth than to another's.
+const SIGMAS_APART: f64 = 2.0;
+
+/// The depths of a map that isobaths are drawn through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthExtent {
+    /// The shallowest and the deepest depth, metres.
+    pub range_m: [f64; 2],
+    /// Standard deviation of measured depths, their median, metres; 0 where none is stated.
+    pub error_m: f64,
+}
+
+impl DepthExtent {
+    /// An interval that is round in a unit of so many metres, makes about ten levels, and is no
+    /// finer than the errors of measured depths.
+    fn usual_interval_m(self, unit_m: f64) -> f64 {
+        let [least_m, most_m] = self.range_m;
+        let apart_m = match most_m > least_m {
+            true => ((most_m - least_m) / TARGET_LEVELS).max(SIGMAS_APART * self.error_m),
+            false => 0.0,
+        };
+        unit_m * readable(apart_m / unit_m)
+    }
+
+    /// True where isobaths that are so far apart are no finer than the errors of measured depths.
+    pub fn allows(self, interval_m: f64) -> bool {
+        interval_m >= SIGMAS_APART * self.error_m
+    }
+}
 
 /// `isobaths.*` settings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -86,14 +116,14 @@ pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
 
 impl IsobathSettings {
     /// The same with an interval that is round in a unit of so many metres, where it is left to the
-    /// depths between two.
-    pub fn round_in(&self, unit_m: f64, range_m: [f64; 2]) -> Self {
+    /// depths.
+    pub fn round_in(&self, unit_m: f64, depths: DepthExtent) -> Self {
         // A unit of the settings counts for files and window alike.
         let unit_m = match self.unit {
             LengthUnit::Metres => unit_m,
             other => other.metres(),
         };
-        let chosen_m = || usual_interval_m(unit_m, range_m);
+        let chosen_m = || depths.usual_interval_m(unit_m);
         Self { interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)), ..self.clone() }
     }
 
@@ -158,16 +188,22 @@ impl IsobathSettings {
         }
     }
 
-    /// The levels, ascending, for depths between two.
-    pub fn levels_m(&self, [least_m, most_m]: [f64; 2]) -> Result<Vec<f64>, NoIsobaths> {
+    /// Metres from one isobath to the next for some depths, where none are listed; no number for
+    /// depths that are all one.
+    pub fn interval_m(&self, depths: DepthExtent) -> f64 {
+        self.given_m().unwrap_or_else(|| depths.usual_interval_m(self.unit.metres()))
+    }
+
+    /// The levels, ascending, for some depths.
+    pub fn levels_m(&self, depths: DepthExtent) -> Result<Vec<f64>, NoIsobaths> {
+        let [least_m, most_m] = depths.range_m;
         if !self.depths_m.is_empty() {
             let mut levels_m = self.depths_m.clone();
             levels_m.sort_by(f64::total_cmp);
             levels_m.dedup();
             return Ok(levels_m);
         }
-        let usual_m = || usual_interval_m(self.unit.metres(), [least_m, most_m]);
-        let interval_m = self.given_m().unwrap_or_else(usual_m);
+        let interval_m = self.interval_m(depths);
         let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
         if last - first >= MOST_LEVELS {
             return Err(NoIsobaths::TooMany { interval_m, least_m, most_m });
@@ -179,12 +215,6 @@ impl IsobathSettings {
         };
         Ok((0..count).map(|step| tidy((first + step as f64) * interval_m)).collect())
     }
-}
-
-/// An interval that is round in a unit of so many metres, and makes about ten levels between two
-/// depths.
-fn usual_interval_m(unit_m: f64, [least_m, most_m]: [f64; 2]) -> f64 {
-    unit_m * readable((most_m - least_m) / TARGET_LEVELS / unit_m)
 }
 
 /// A number to two digits.
@@ -213,9 +243,24 @@ fn tidy(metres: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Depths without errors.
+    fn exact(range_m: [f64; 2]) -> DepthExtent {
+        DepthExtent { range_m, error_m: 0.0 }
+    }
+
     fn levels(interval_m: Option<f64>, range_m: [f64; 2]) -> Vec<f64> {
         let settings = IsobathSettings { interval_m, ..IsobathSettings::default() };
-        settings.levels_m(range_m).unwrap()
+        settings.levels_m(exact(range_m)).unwrap()
+    }
+
+    #[test]
+    fn isobaths_are_no_finer_than_the_error_unless_somebody_asks() {
+        let mut settings = IsobathSettings::default();
+        let depths = DepthExtent { range_m: [2.0, 3.0], error_m: 0.11 };
+        assert_eq!(settings.levels_m(depths), Ok(vec![2.0, 2.5, 3.0]));
+        settings.interval_m = Some(0.1);
+        assert_eq!(settings.levels_m(depths).map(|levels_m| levels_m.len()), Ok(11));
+        assert!(!depths.allows(0.1) && depths.allows(0.5));
     }
 
     #[test]
@@ -244,12 +289,12 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_unit_is_round_in_it() {
-        let range_m = [1.0, 8.9];
-        let feet = IsobathSettings::default().round_in(0.3048, range_m);
-        let levels_m = feet.levels_m(range_m).unwrap();
+        let depths = exact([1.0, 8.9]);
+        let feet = IsobathSettings::default().round_in(0.3048, depths);
+        let levels_m = feet.levels_m(depths).unwrap();
         assert_eq!(levels_m[..2], [1.524, 3.048], "5 and 10 feet");
-        let metres = IsobathSettings::default().round_in(1.0, range_m);
-        assert_eq!(metres.levels_m(range_m), IsobathSettings::default().levels_m(range_m));
+        let metres = IsobathSettings::default().round_in(1.0, depths);
+        assert_eq!(metres.levels_m(depths), IsobathSettings::default().levels_m(depths));
     }
 
     #[test]
@@ -260,7 +305,7 @@ mod tests {
             ..IsobathSettings::default()
         };
         let in_feet = |settings: &IsobathSettings| -> Vec<f64> {
-            let levels_m = settings.levels_m([1.0, 8.9]).unwrap();
+            let levels_m = settings.levels_m(exact([1.0, 8.9])).unwrap();
             levels_m.iter().map(|level_m| settings.in_unit(*level_m)).collect()
         };
         assert_eq!(in_feet(&settings), [5.0, 10.0, 15.0, 20.0, 25.0]);
@@ -268,7 +313,7 @@ mod tests {
         settings.interval_m = None;
         assert_eq!(in_feet(&settings)[..2], [5.0, 10.0]);
         // The window's unit does not count then.
-        let shown = settings.round_in(1.0, [1.0, 8.9]);
+        let shown = settings.round_in(1.0, exact([1.0, 8.9]));
         assert_eq!(in_feet(&shown), in_feet(&settings));
         settings.unit = LengthUnit::Fathoms;
         assert_eq!(in_feet(&settings)[..2], [1.0, 1.5]);
@@ -291,8 +336,8 @@ mod tests {
     #[test]
     fn a_list_wins_and_a_flood_is_refused() {
         let mut settings = IsobathSettings { interval_m: Some(1e-4), ..IsobathSettings::default() };
-        assert!(settings.levels_m([0.0, 3.0]).is_err());
+        assert!(settings.levels_m(exact([0.0, 3.0])).is_err());
         settings.depths_m = vec![3.0, 1.0, 3.0];
-        assert_eq!(settings.levels_m([0.0, 3.0]), Ok(vec![1.0, 3.0]));
+        assert_eq!(settings.levels_m(exact([0.0, 3.0])), Ok(vec![1.0, 3.0]));
     }
 }

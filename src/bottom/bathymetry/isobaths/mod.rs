@@ -21,7 +21,7 @@ mod storage;
 pub use areas::{DepthArea, Polygon, depth_areas, polygons};
 pub use clip::{clipped, joined};
 pub use clip_area::ClipArea;
-pub use levels::{INDEX, IsobathSettings, NoIsobaths, evenly_apart_m};
+pub use levels::{DepthExtent, INDEX, IsobathSettings, NoIsobaths, evenly_apart_m};
 pub use lines::{Isobath, isobaths};
 pub use shoalest::{shoalest_m, with_shoalest};
 pub use smooth::{Smoothing, smoothed};

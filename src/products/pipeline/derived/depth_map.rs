@@ -5,7 +5,7 @@ use crate::pipeline::{
     joint_depth_points, joint_depth_surface,
 };
 use bathyscope_bottom::bathymetry::isobaths::{
-    ClipArea, IsobathSettings, NoIsobaths, with_shoalest,
+    ClipArea, DepthExtent, IsobathSettings, NoIsobaths, with_shoalest,
 };
 use bathyscope_bottom::bathymetry::{
     self, CellSource, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
@@ -61,6 +61,8 @@ pub struct DepthMap {
     /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell
     /// is looked at for it.
     pub usual_error_m: Option<[f64; 2]>,
+    /// The error of measured depths ([`Surface::measured_error_m`]), metres; 0 where none is stated.
+    measured_error_m: f64,
     /// Nothing is interpolated farther than this from a depth, metres.
     pub gap_m: f64,
     bounds_m: OnceLock<[f64; 4]>,
@@ -91,6 +93,7 @@ impl DepthMap {
         Ok(range_m.map(|colour_range_m| Self {
             light: Light::suited(&surface),
             usual_error_m: surface.usual_error_m(),
+            measured_error_m: surface.measured_error_m().unwrap_or(0.0),
             surface,
             map,
             colour_range_m,
@@ -102,6 +105,11 @@ impl DepthMap {
             survey: survey.clone(),
             navigation: products.navigation.clone(),
         }))
+    }
+
+    /// Its depths, as isobaths are drawn through them.
+    pub fn extent(&self) -> DepthExtent {
+        DepthExtent { range_m: self.surface.range_m(), error_m: self.measured_error_m }
     }
 
     /// Brightness of every cell under [`DepthMap::light`], 0 where it is unknown; made when it is

@@ -52,7 +52,7 @@ impl Isobaths {
         settings: &IsobathSettings,
         progress: &Progress,
     ) -> Result<Result<Self, NoIsobaths>, Cancelled> {
-        let levels_m = settings.levels_m(depth_map.surface.range_m());
+        let levels_m = settings.levels_m(depth_map.extent());
         let clip = depth_map.clip_area(settings);
         let (levels_m, clip) = match levels_m.and_then(|levels_m| Ok((levels_m, clip?))) {
             Ok(parts) => parts,

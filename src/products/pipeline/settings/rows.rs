@@ -395,7 +395,7 @@ rows! {
     // Finer than a millimetre no depth is known.
     INTERVAL: "isobaths.interval_m", "Interval", "isobath interval",
         "Depth difference between isobaths, from depth 0. Every fifth is thick.",
-        number!(isobaths.interval_m, "m", [0.001, 1000.0], 0.01, 2, LogSlider, Some("a round interval that gives about ten isobaths"));
+        number!(isobaths.interval_m, "m", [0.001, 1000.0], 0.01, 2, LogSlider, Some("a round interval that gives about ten isobaths, no finer than the error"));
     LEVELS: "isobaths.depths_m", "Depths", "depths of the isobaths",
         "Depths of the isobaths, in place of the interval.",
         SettingKind::Numbers { unit: "m", range: [-10_000.0, 12_000.0], get: |settings| &settings.isobaths.depths_m };

@@ -3,7 +3,7 @@
 use crate::app::DrawnIsobaths;
 use crate::ui::render::{Specks, Uploader, Vertex};
 use crate::ui::views::map::lines::MapLine;
-use bathyscope_bottom::bathymetry::isobaths::{INDEX, IsobathSettings, NoIsobaths};
+use bathyscope_bottom::bathymetry::isobaths::{DepthExtent, INDEX, IsobathSettings, NoIsobaths};
 use bathyscope_bottom::presentation::units::{LengthUnit, Units};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::Isobaths;
@@ -54,13 +54,14 @@ impl IsobathLayer {
         let note = match &drawn.isobaths {
             Ok(made) => {
                 let within = made.clip.as_ref().map_or("", |_| "\nwithin their area");
-                note(settings, levels_m, units) + within
+                note(settings, levels_m, drawn.depth_map.extent(), units) + within
             }
             Err(NoIsobaths::TooMany { .. }) => "no isobaths:\ninterval too small".to_owned(),
             Err(NoIsobaths::AreaNotRead { .. }) => "no isobaths:\narea not read".to_owned(),
             Err(NoIsobaths::AreaElsewhere { .. }) => "no isobaths:\narea elsewhere".to_owned(),
         };
-        let step_m = settings.step_m(levels_m);
+        let is_listed = !settings.depths_m.is_empty();
+        let step_m = (!is_listed).then(|| settings.interval_m(drawn.depth_map.extent()));
         let decimals = decimals(levels_m, units);
         let from_origin =
             |place: &[f64; 2]| [0, 1].map(|axis| (place[axis] - origin_m[axis]) as f32);
@@ -112,18 +113,20 @@ fn decimals(levels_m: &[f64], units: Units) -> usize {
     levels_m.iter().map(needs).max().unwrap_or(0)
 }
 
-fn note(settings: &IsobathSettings, levels_m: &[f64], units: Units) -> String {
+fn note(settings: &IsobathSettings, levels_m: &[f64], depths: DepthExtent, units: Units) -> String {
     if levels_m.is_empty() {
         return "no isobath in\nthese depths".to_owned();
     }
-    match settings.step_m(levels_m) {
-        Some(step_m) => {
+    match settings.depths_m.is_empty() {
+        true => {
+            let step_m = settings.interval_m(depths);
             let decimals = decimals(&[step_m], units);
             let [thin, thick] = [1.0, INDEX].map(|times| units.in_unit(times * step_m));
             let unit = units.symbol();
-            format!("isobaths: {thin:.decimals$} {unit},\nthick {thick:.decimals$} {unit}")
+            let error = if depths.allows(step_m) { "" } else { ",\nfiner than the error" };
+            format!("isobaths: {thin:.decimals$} {unit},\nthick {thick:.decimals$} {unit}{error}")
         }
-        None => "isobaths at\nlisted depths".to_owned(),
+        false => "isobaths at\nlisted depths".to_owned(),
     }
 }
 
@@ -142,14 +145,21 @@ mod tests {
 
     #[test]
     fn the_legend_tells_the_interval() {
-        let mut settings = IsobathSettings::default();
+        let every = |interval_m| IsobathSettings {
+            interval_m: Some(interval_m),
+            ..IsobathSettings::default()
+        };
+        let mut settings = every(0.2);
         let levels_m = [2.0, 2.2, 2.4];
         let metres = Units::default();
-        assert!(note(&settings, &levels_m, metres).contains("0.2 m,\nthick 1.0 m"));
+        let depths = DepthExtent { range_m: [2.0, 2.5], error_m: 0.1 };
+        assert!(note(&settings, &levels_m, depths, metres).ends_with("0.2 m,\nthick 1.0 m"));
+        let unsure = DepthExtent { error_m: 0.11, ..depths };
+        assert!(note(&settings, &levels_m, unsure, metres).ends_with("finer than the error"));
         let feet = Units { length: LengthUnit::Feet, ..metres };
         let levels_ft = [3.048, 4.572];
-        assert!(note(&settings, &levels_ft, feet).contains("5 ft,\nthick 25 ft"));
+        assert!(note(&every(1.524), &levels_ft, depths, feet).contains("5 ft,\nthick 25 ft"));
         settings.depths_m = levels_m.to_vec();
-        assert!(note(&settings, &levels_m, metres).contains("listed"));
+        assert!(note(&settings, &levels_m, depths, metres).contains("listed"));
     }
 }
