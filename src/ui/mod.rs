@@ -12,6 +12,7 @@ mod flat_spot_words;
 mod incremental;
 mod into_texture;
 mod list_keys;
+mod number_field;
 pub mod offscreen;
 mod panels;
 mod place;

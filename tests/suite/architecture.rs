@@ -288,8 +288,9 @@ fn controls_of_settings_have_their_range_from_the_table() {
     for path in rust_files(&panels) {
         let other = NO_SETTINGS.iter().any(|name| path.ends_with(name));
         let code = code(&path);
-        let makes_one =
-            ["Slider::new", "DragValue::new"].iter().any(|control| code.contains(control));
+        let makes_one = ["Slider::new", "DragValue::new", "number_slider(", "number_field("]
+            .iter()
+            .any(|control| code.contains(control));
         if makes_one && !other && path != parts {
             offences.push(format!("{} makes a control of its own", path.display()));
         }
@@ -297,7 +298,7 @@ fn controls_of_settings_have_their_range_from_the_table() {
     let code = code(&parts);
     let before_ranges = code.split("..=").map(|before| before.chars().last());
     let literal = |last: Option<char>| last.is_some_and(|last| last.is_ascii_digit());
-    if before_ranges.into_iter().any(literal) || !code.contains("Slider::new") {
+    if before_ranges.into_iter().any(literal) || !code.contains("number_slider(") {
         offences.push("parts.rs has a range of its own".to_owned());
     }
     assert!(offences.is_empty(), "{offences:#?}");

@@ -4,11 +4,12 @@ use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
+use crate::ui::number_field::{self, number_field, number_slider};
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{
     Control, Number, SettingChoice, SettingKind, SettingRow, ShownNumber,
 };
-use egui::{Align, Button, DragValue, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
+use egui::{Align, Button, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
 /// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle
 /// with `i`.
@@ -272,18 +273,14 @@ fn number(
     let read = |text: &str| {
         let text = text.trim();
         let is_word = text.is_empty() || none_word.is_some_and(|word| word == text);
-        let text = text.replace('\u{2212}', "-");
-        let text = text.trim_end_matches(shown.suffix.trim()).replace(' ', "");
-        // Half of the world writes a decimal comma.
-        let text = text.replace(',', ".");
         match is_word && none_word.is_some() {
             true => Some(0.0),
-            false => text.parse().ok(),
+            false => number_field::parse(text.trim_end_matches(shown.suffix.trim())),
         }
     };
     let response = row(ui, setting.label, &hint, |ui| {
         if number.control == Control::Drag {
-            let value = DragValue::new(&mut requested)
+            let value = number_field(&mut requested)
                 .range(least..=most)
                 // Showing must change nothing.
                 .clamp_existing_to_range(false)
@@ -296,7 +293,7 @@ fn number(
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 10.0).max(24.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
-            egui::Slider::new(&mut requested, least..=most)
+            number_slider(&mut requested, least..=most)
                 .logarithmic(number.control == Control::LogSlider)
                 .smallest_positive(shown.step)
                 // A value is rounded when it is edited, not when it is shown: showing must change

@@ -4,7 +4,8 @@ use super::parts::{remark, row};
 use super::section::{Section, section};
 use crate::app::{Action, Command, PlanRequest};
 use crate::ui::ViewContext;
-use egui::{DragValue, Ui};
+use crate::ui::number_field::number_field;
+use egui::Ui;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -17,7 +18,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut asked = before;
     let hint = "Time from the start of the first line to the end of the last, turns included.";
     row(ui, "Time", hint, |ui| {
-        let value = DragValue::new(&mut asked.minutes).range(0.5..=1440.0);
+        let value = number_field(&mut asked.minutes).range(0.5..=1440.0);
         ui.add(value.speed(0.5).max_decimals(1).suffix(" min"))
     });
     let of_speed = units.speed.metres_per_second();
@@ -28,7 +29,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
             true => format!("{value:.2} {}", units.speed.symbol()),
             false => "as surveyed".to_owned(),
         };
-        let value = DragValue::new(&mut speed).range(0.0..=20.0 / of_speed);
+        let value = number_field(&mut speed).range(0.0..=20.0 / of_speed);
         let value = value.custom_formatter(|value, _| written(value));
         ui.add(value.speed(0.05))
     });
@@ -37,7 +38,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut radius = asked.turn_radius_m / of_length;
     let hint = "Smallest turning radius of the boat.";
     row(ui, "Turn radius", hint, |ui| {
-        let value = DragValue::new(&mut radius).range(0.5 / of_length..=500.0 / of_length);
+        let value = number_field(&mut radius).range(0.5 / of_length..=500.0 / of_length);
         let suffix = format!(" {}", units.symbol());
         ui.add(value.speed(0.1).max_decimals(1).suffix(suffix))
     });

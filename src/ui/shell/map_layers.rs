@@ -2,7 +2,8 @@
 //! order.
 
 use crate::app::{LayerShown, LayerStack};
-use egui::{Button, Checkbox, RichText, Slider, Ui};
+use crate::ui::number_field::number_slider;
+use egui::{Button, Checkbox, RichText, Ui};
 
 /// Width of a layer's name and of its opacity, points.
 const WIDTHS: [f32; 2] = [118.0, 84.0];
@@ -33,7 +34,8 @@ fn visible(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
 fn opacity(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
     let mut percent = (100.0 * shown.opacity).round();
     ui.spacing_mut().slider_width = WIDTHS[1];
-    let slider = Slider::new(&mut percent, 0.0..=100.0).step_by(1.0).fixed_decimals(0).suffix(" %");
+    let slider =
+        number_slider(&mut percent, 0.0..=100.0).step_by(1.0).fixed_decimals(0).suffix(" %");
     let name = format!("{} opacity", shown.layer.name());
     let slider = ui.add_enabled(shown.visible, slider);
     let slider = slider.on_hover_text(&name).accessible_name(name);

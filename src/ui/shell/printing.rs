@@ -6,8 +6,9 @@ use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
 use crate::ui::ViewContext;
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::drop_down::DropDown;
+use crate::ui::number_field::number_field;
 use crate::ui::theme;
-use egui::{DragValue, Id, Label, Modal, Panel, RichText, Ui};
+use egui::{Id, Label, Modal, Panel, RichText, Ui};
 
 /// Said while nothing else can be written.
 pub(super) const BUSY: &str = "products are still being written; wait, or cancel that first";
@@ -76,11 +77,11 @@ fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
         ui.end_row();
         if options.paper == Paper::Pixels {
             let label = ui.label("Width");
-            let width = DragValue::new(&mut options.width_px).range(PrintOptions::WIDTHS_PX);
+            let width = number_field(&mut options.width_px).range(PrintOptions::WIDTHS_PX);
             ui.add(width.suffix(" px")).labelled_by(label.id);
         } else {
             let label = ui.label("Resolution");
-            let dpi = DragValue::new(&mut options.dpi).range(PrintOptions::DPI);
+            let dpi = number_field(&mut options.dpi).range(PrintOptions::DPI);
             ui.add(dpi.suffix(" dpi")).labelled_by(label.id);
             ui.end_row();
             ui.label("");

@@ -2,8 +2,9 @@
 
 use crate::app::{Action, Command, ReferenceBy};
 use crate::ui::ViewContext;
+use crate::ui::number_field::number_slider;
 use crate::ui::panels::parts::{self, fact};
-use egui::{Button, Slider, Ui};
+use egui::{Button, Ui};
 
 /// Radii that can be chosen, metres.
 const RADII_M: [f64; 2] = [0.1, 20.0];
@@ -70,7 +71,7 @@ fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if by == ReferenceBy::Nearest {
         let hint = "How far the nearest point may be.";
         let slider = parts::row(ui, "Radius", hint, |ui| {
-            let slider = Slider::new(&mut radius, radii).logarithmic(true);
+            let slider = number_slider(&mut radius, radii).logarithmic(true);
             let unit = format!(" {}", units.symbol());
             ui.add(slider.fixed_decimals(1).suffix(unit))
         });

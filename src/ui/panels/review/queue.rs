@@ -3,10 +3,11 @@
 use super::super::parts::{remark, row};
 use crate::app::Command;
 use crate::ui::drop_down::{Choices, DropDown};
+use crate::ui::number_field::{number_field, number_slider};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::review::{Queue, Sort, State};
-use egui::{DragValue, Response, Slider, Ui};
+use egui::{Response, Ui};
 
 /// Size beyond which the filter means "any", metres.
 const ANY_M: f64 = 100.0;
@@ -38,7 +39,7 @@ pub(super) fn confidence(ui: &mut Ui, queue: &mut Queue) {
         let value_width = 44.0;
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
         ui.spacing_mut().interact_size.x = value_width;
-        let slider = Slider::new(&mut queue.threshold, 0.0..=1.0);
+        let slider = number_slider(&mut queue.threshold, 0.0..=1.0);
         ui.add(slider.step_by(0.01).fixed_decimals(2))
     });
 }
@@ -83,7 +84,7 @@ fn score(ui: &mut Ui, queue: &mut Queue) {
     let (mut low, mut high) = (*queue.filter.score.start(), *queue.filter.score.end());
     between(ui, "Score", "Only boxes of these scores.", |ui, which| {
         let value = if which == 0 { &mut low } else { &mut high };
-        let value = DragValue::new(value).range(0.0..=1.0);
+        let value = number_field(value).range(0.0..=1.0);
         ui.add(value.speed(0.01).fixed_decimals(2))
     });
     if [low, high] != [*queue.filter.score.start(), *queue.filter.score.end()] {
@@ -100,7 +101,7 @@ fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     let name = format!("Size, {}", units.symbol());
     between(ui, &name, hint, |ui, which| {
         let value = if which == 0 { &mut low } else { &mut high };
-        let value = DragValue::new(value).range(0.0..=any);
+        let value = number_field(value).range(0.0..=any);
         ui.add(value.speed(0.05).max_decimals(1))
     });
     if [low, high] != before {

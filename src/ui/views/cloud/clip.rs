@@ -5,12 +5,11 @@ use super::axes::BoxAxes;
 use super::scene::SceneBox;
 use crate::app::{ClipBox, ViewOptions};
 use crate::ui::ViewContext;
+use crate::ui::number_field::number_field;
 use crate::ui::views::legend;
 use crate::ui::{place, theme};
 use bathyscope_bottom::presentation::units::Units;
-use egui::{
-    Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
-};
+use egui::{Align2, CursorIcon, Id, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2};
 use glam::Vec3;
 
 /// Shortest edge of the box as a share of the cloud's, so that something is left to see.
@@ -177,7 +176,7 @@ fn number(
     let before = units.in_unit(f64::from(local) + origin_m);
     let mut value = before;
     let size_m = f64::from(scene.corners[1][axis] - scene.corners[0][axis]);
-    let field = DragValue::new(&mut value)
+    let field = number_field(&mut value)
         .speed(units.in_unit(0.005 * size_m))
         .fixed_decimals(2)
         .suffix(format!(" {}", units.symbol()));

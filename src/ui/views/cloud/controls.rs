@@ -3,6 +3,7 @@
 use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, ViewOptions};
+use crate::ui::number_field::number_slider;
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
@@ -12,7 +13,7 @@ use bathyscope_bottom::presentation::colours::{SOURCES, share_colour};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Side, SideScanState, Survey};
 use bathyscope_products::pipeline::{Bottom, BottomColour, Products};
-use egui::{Align2, Color32, Painter, Rect, Slider, Ui, pos2, vec2};
+use egui::{Align2, Color32, Painter, Rect, Ui, pos2, vec2};
 
 /// Most logs that the legend names.
 const MOST_LOGS: usize = 8;
@@ -57,7 +58,7 @@ pub(super) fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOp
 
 fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
     let factor = &mut options.cloud.vertical_exaggeration;
-    let slider = Slider::new(factor, EXAGGERATIONS)
+    let slider = number_slider(factor, EXAGGERATIONS)
         .logarithmic(true)
         .max_decimals(1)
         .prefix("x")
