@@ -1,5 +1,6 @@
 //! The command line as scripts use it: names, columns, units and exit codes of the contract.
 
+mod cases;
 mod clipped;
 mod compare;
 mod cut;
