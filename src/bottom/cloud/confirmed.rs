@@ -58,7 +58,7 @@ mod tests {
                 locked: false,
             })
             .collect();
-        mark_bottom_lock(&mut soundings, &[]);
+        mark_bottom_lock(&mut soundings, &[], true);
         let ping = |ping: usize| SidePing::with_depth(0.1 * ping as f64, 3.0);
         let survey =
             Survey { soundings: Arc::new(soundings), ..Survey::of_pings((0..120).map(ping)) };

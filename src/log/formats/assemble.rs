@@ -28,7 +28,8 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let chosen = known.and_then(|known| known.sounding_channel);
     let fixes = clean_track(&mut log);
     let depths = std::mem::take(&mut log.depths);
-    let (sounding_channel, soundings) = depths::choose(depths, chosen, &fixes);
+    let (sounding_channel, soundings) =
+        depths::choose(depths, chosen, &fixes, !side_scan.is_empty());
     depths::warn_of_lost_bottom(&soundings, &log.report);
     give_depths(&mut side_scan, &soundings);
     let mut swath = std::mem::take(&mut log.swath);

@@ -10,6 +10,7 @@ pub(super) fn choose(
     mut depths: Vec<(ChannelKind, Vec<Sounding>)>,
     chosen: Option<ChannelKind>,
     fixes: &[Fix],
+    has_side_scan: bool,
 ) -> (Option<ChannelKind>, Vec<Sounding>) {
     if let Some(chosen) = chosen {
         depths.retain(|(kind, _)| *kind == chosen);
@@ -26,7 +27,7 @@ pub(super) fn choose(
     let (kind, mut soundings) =
         best.map_or((None, Vec::new()), |(kind, depths)| (Some(kind), depths));
     soundings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    mark_bottom_lock(&mut soundings, fixes);
+    mark_bottom_lock(&mut soundings, fixes, has_side_scan);
     (kind, soundings)
 }
 

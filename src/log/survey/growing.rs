@@ -161,8 +161,9 @@ impl Survey {
         let mut from_s = seam.time_s;
         let [kept, added] = join.of(&self.soundings, &tail.soundings, |one| one.time_s);
         let new = &tail.soundings[added..];
+        let has_side_scan = !(self.side_scan.is_empty() && tail.side_scan.is_empty());
         let soundings = (versions.soundings).next_changed(&self.soundings, kept, new, |all| {
-            let marked = mark_bottom_lock_from(all, &fixes, kept);
+            let marked = mark_bottom_lock_from(all, &fixes, has_side_scan, kept);
             from_s = all.get(marked).map_or(from_s, |one| from_s.min(one.time_s));
             marked
         });

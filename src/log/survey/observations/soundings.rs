@@ -61,6 +61,7 @@ pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
 pub(crate) fn mark_bottom_lock_from(
     soundings: &mut [Sounding],
     fixes: &[Fix],
+    has_side_scan: bool,
     from: usize,
 ) -> usize {
     let from = from.min(soundings.len());
@@ -78,13 +79,15 @@ pub(crate) fn mark_bottom_lock_from(
         }
     }
     // A leap below the bottom may wait for the leap back.
-    let leaps = (from.saturating_sub(LONGEST_LOSS).max(1)..quiet)
-        .find(|&index| is_leap(soundings, fixes, index - 1, index, Down));
-    quiet = leaps.unwrap_or(quiet);
+    if !has_side_scan {
+        let leap = (from.saturating_sub(LONGEST_LOSS).max(1)..quiet)
+            .find(|&index| is_leap(soundings, fixes, index - 1, index, Down));
+        quiet = leap.unwrap_or(quiet);
+    }
     let first = quiet.saturating_sub(REACH + 1);
     let start = first.saturating_sub(2 * REACH + 1 + LONGEST_LOSS / LEAP_SHARE);
     let mut tail = soundings[start..].to_vec();
-    mark_bottom_lock(&mut tail, fixes);
+    mark_bottom_lock(&mut tail, fixes, has_side_scan);
     // The first ones of the tail lack their neighbours.
     soundings[first..].copy_from_slice(&tail[first - start..]);
     first
@@ -92,9 +95,10 @@ pub(crate) fn mark_bottom_lock_from(
 
 /// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the
 /// end of a log that ends in one, between a leap far below the bottom and the leap back, and on
-/// single glitches. `fixes` tell how far the boat went from
-/// one sounding to the next; both are in time order.
-pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
+/// single glitches. `fixes` tell how far the boat went from one sounding to the next; both are in
+/// time order. In a log that has side-scan first returns tell of a leap and of what follows it:
+/// leaps mark nothing there.
+pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: bool) {
     for sounding in &mut *soundings {
         sounding.locked = true;
     }
@@ -120,7 +124,10 @@ pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix]) {
         .filter(is_loss)
         .map(|loss| loss[0].index..=until(loss[loss.len() - 1].index))
         .collect();
-    let below = leaps_below(soundings, fixes, &others);
+    let below = match has_side_scan {
+        true => Vec::new(),
+        false => leaps_below(soundings, fixes, &others),
+    };
     let lost = losses.into_iter().chain(below).flatten();
     for index in lost.chain(glitches) {
         soundings[index].locked = false;
@@ -269,7 +276,7 @@ mod tests {
             .enumerate()
             .map(|(index, depth_m)| Sounding { time_s: 0.1 * index as f64, depth_m, locked: false })
             .collect();
-        mark_bottom_lock(&mut soundings, &[]);
+        mark_bottom_lock(&mut soundings, &[], false);
         soundings.iter().map(|sounding| sounding.locked).collect()
     }
 
@@ -322,12 +329,12 @@ mod tests {
             locked: false,
         };
         let mut whole: Vec<Sounding> = (0..300).map(sounding).collect();
-        mark_bottom_lock(&mut whole, &[]);
+        mark_bottom_lock(&mut whole, &[], false);
         for shorter in (1..300).step_by(3) {
             let mut grown = whole[..shorter].to_vec();
-            mark_bottom_lock(&mut grown, &[]);
+            mark_bottom_lock(&mut grown, &[], false);
             grown.extend((shorter..300).map(sounding));
-            mark_bottom_lock_from(&mut grown, &[], shorter);
+            mark_bottom_lock_from(&mut grown, &[], false, shorter);
             assert_eq!(grown, whole, "grown from {shorter} soundings");
         }
     }
@@ -340,14 +347,17 @@ mod tests {
                 _ => 8.0,
             };
             let (mut soundings, fixes) = sailed(step_s, (0..400).map(second_echo));
-            mark_bottom_lock(&mut soundings, &fixes);
+            mark_bottom_lock(&mut soundings, &fixes, false);
             let marked: Vec<usize> = (0..400).filter(|&index| !soundings[index].locked).collect();
             assert_eq!(marked, (100..250).collect::<Vec<_>>(), "{step_s} s");
+            // First returns judge it in a log that has them.
+            mark_bottom_lock(&mut soundings, &fixes, true);
+            assert!(soundings.iter().all(|sounding| sounding.locked), "{step_s} s");
         }
         // Here the shallow ones are false.
         let clutter = |index: usize| if index % 100 < 9 { 1.8 } else { 20.0 };
         let (mut soundings, fixes) = sailed(1.0, (0..400).map(clutter));
-        mark_bottom_lock(&mut soundings, &fixes);
+        mark_bottom_lock(&mut soundings, &fixes, false);
         assert!(soundings.iter().all(|sounding| sounding.locked || sounding.depth_m < 2.0));
         // A basin with one wall and a slope of 30 degrees.
         let basin = |index: usize| match index {
@@ -356,7 +366,7 @@ mod tests {
             _ => 8.0,
         };
         let (mut soundings, fixes) = sailed(0.1, (0..400).map(basin));
-        mark_bottom_lock(&mut soundings, &fixes);
+        mark_bottom_lock(&mut soundings, &fixes, false);
         assert!(soundings.iter().all(|sounding| sounding.locked));
     }
 
@@ -388,7 +398,7 @@ mod tests {
                 _ => 20.0,
             };
             let (mut soundings, fixes) = sailed(step_s, (0..300).map(depth_m));
-            mark_bottom_lock(&mut soundings, &fixes);
+            mark_bottom_lock(&mut soundings, &fixes, false);
             let marked: Vec<usize> = (0..300).filter(|&index| !soundings[index].locked).collect();
             assert_eq!(marked, (100..196).collect::<Vec<_>>(), "{step_s} s");
             // Up and down banks of 40 degrees.
@@ -397,7 +407,7 @@ mod tests {
                 2.0 + 0.84 * (along_m % 20.0 - 10.0).abs() as f32
             };
             let (mut soundings, fixes) = sailed(step_s, (0..300).map(bank));
-            mark_bottom_lock(&mut soundings, &fixes);
+            mark_bottom_lock(&mut soundings, &fixes, false);
             assert!(soundings.iter().all(|sounding| sounding.locked), "{step_s} s");
         }
     }
@@ -406,7 +416,7 @@ mod tests {
     fn single_spikes_of_a_slow_recorder_are_glitches() {
         let depth_m = |index: usize| if index % 5 == 3 { 7.5 } else { 20.0 };
         let (mut soundings, fixes) = sailed(1.0, (0..100).map(depth_m));
-        mark_bottom_lock(&mut soundings, &fixes);
+        mark_bottom_lock(&mut soundings, &fixes, false);
         for (index, sounding) in soundings.iter().enumerate() {
             assert_eq!(sounding.locked, sounding.depth_m == 20.0, "sounding {index}");
         }
