@@ -271,8 +271,8 @@ impl Surface {
         Some(quantile(&self.errors_m(is_measured)?, 0.5))
     }
 
-    /// Standard deviations of known cells of some sources, growing; `None` where the spreads are not
-    /// of errors, or there are none.
+    /// Standard deviations of known cells of some sources, growing; `None` where the spreads are
+    /// not of errors, or there are none.
     fn errors_m(&self, counts: impl Fn(CellSource) -> bool) -> Option<Vec<f64>> {
         let known = self.spread_m.iter().zip(&self.source);
         let known = known.filter(|(spread, source)| !spread.is_nan() && counts(**source));

@@ -243,8 +243,8 @@ pub enum RangeSource {
     /// what its filters delay.
     #[default]
     FishFinder,
-    /// The log states none: the range is estimated from the size of the transducer (Humminbird), and
-    /// may be off by some percent.
+    /// The log states none: the range is estimated from the size of the transducer (Humminbird),
+    /// and may be off by some percent.
     Estimated,
     /// The range that a survey recorder states, from the time since the transmission and the speed
     /// of sound (XTF).

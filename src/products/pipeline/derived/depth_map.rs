@@ -61,7 +61,8 @@ pub struct DepthMap {
     /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell
     /// is looked at for it.
     pub usual_error_m: Option<[f64; 2]>,
-    /// The error of measured depths ([`Surface::measured_error_m`]), metres; 0 where none is stated.
+    /// The error of measured depths ([`Surface::measured_error_m`]), metres; 0 where none is
+    /// stated.
     measured_error_m: f64,
     /// Nothing is interpolated farther than this from a depth, metres.
     pub gap_m: f64,
