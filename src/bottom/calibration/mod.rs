@@ -258,7 +258,7 @@ pub struct Calibration {
     pub measured_offset: Option<RangeOffset>,
     /// Why no offset is taken off where one was asked for, in a few words for a panel.
     pub offset_note: Option<&'static str>,
-    /// How wide beams are, as slopes show it.
+    /// Widths of the beams that slopes show.
     pub beams: BeamWidths,
     /// Delay of the soundings, as slopes along the track show it; `None` where they show no lag.
     pub sounding_lag: Option<SoundingLag>,

@@ -87,7 +87,7 @@ struct PingRanges {
     depth_m: f64,
 }
 
-/// How wide beams are, as slopes across the track show it, radians; 0 where they show nothing.
+/// Widths of beams that slopes across the track show, radians; 0 where they show nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeamWidths {
     /// Angle by which the beam of each side looks past the nadir to the other side.

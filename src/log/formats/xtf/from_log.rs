@@ -29,7 +29,7 @@ use std::io::{self, Write};
 const TRACK_HEADINGS: &str = "headings of the track";
 /// What it says where the slant ranges are those of a fish-finder.
 const FISH_FINDER: &str = "ranges of a fish-finder";
-/// What it says where the slant ranges are estimated.
+/// Words of the note for slant ranges that are estimated.
 const ESTIMATED: &str = "ranges by the transducer's size";
 /// What the program is called in eight letters.
 const PROGRAM: &[u8; 8] = b"Bathysco";
@@ -46,7 +46,7 @@ const SOUND_MPS: f32 = 1500.0;
 pub(super) struct Provenance {
     /// Headings are those of the track.
     pub(super) has_track_headings: bool,
-    /// Where the slant ranges come from.
+    /// Source of the slant ranges.
     pub(super) range_source: RangeSource,
     /// Each recorded depth is the second altitude of one ping. The first altitude repeats it.
     pub(super) has_depths_once: bool,

@@ -32,8 +32,8 @@ const JUMPS: usize = 4;
 const LEAP_RATIO: f32 = 1.8;
 const LEAP_M: f32 = 2.0;
 const LEAP_STEEPNESS: f64 = 2.0;
-/// Of the depths on both sides of two leaps those are right that are shallower, which is safe, and
-/// not many fewer: one in so many. A few shallow ones are themselves the false ones.
+/// Least number of shallow depths around two leaps, as one in so many of the deep ones between: then
+/// the deep ones are lost, which is safe. A few shallow ones are themselves the false ones.
 const LEAP_SHARE: usize = 3;
 /// Soundings to both sides of one that a glitch is judged against.
 const REACH: usize = 4;
@@ -85,7 +85,8 @@ pub(crate) fn mark_bottom_lock_from(
         quiet = leap.unwrap_or(quiet);
     }
     let first = quiet.saturating_sub(REACH + 1);
-    let start = first.saturating_sub(2 * REACH + 1 + LONGEST_LOSS / LEAP_SHARE);
+    let counted = if has_side_scan { 0 } else { LONGEST_LOSS / LEAP_SHARE };
+    let start = first.saturating_sub(2 * REACH + 1 + counted);
     let mut tail = soundings[start..].to_vec();
     mark_bottom_lock(&mut tail, fixes, has_side_scan);
     // The first ones of the tail lack their neighbours.
