@@ -32,8 +32,8 @@ const JUMPS: usize = 4;
 const LEAP_RATIO: f32 = 1.8;
 const LEAP_M: f32 = 2.0;
 const LEAP_STEEPNESS: f64 = 2.0;
-/// Least number of shallow depths around two leaps, as one in so many of the deep ones between: then
-/// the deep ones are lost, which is safe. A few shallow ones are themselves the false ones.
+/// Least number of shallow depths around two leaps, as one in so many of the deep ones between:
+/// then the deep ones are lost, which is safe. A few shallow ones are themselves the false ones.
 const LEAP_SHARE: usize = 3;
 /// Soundings to both sides of one that a glitch is judged against.
 const REACH: usize = 4;
