@@ -83,7 +83,7 @@ pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::Measure;
 pub use mounting::Mountings;
 pub use notices::Notice;
-pub use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
+pub use object_table::ObjectTable;
 pub use open_log::OpenLog;
 pub(crate) use options::LayoutPreset;
 pub use options::{
@@ -104,6 +104,6 @@ pub use reviewing::{
 pub use state::App;
 pub use swipe::{Swipe, SwipeSide};
 
-pub use bathyscope_objects::objects::{LogBox, LogId, ObjectState, SurveyObject};
+pub use bathyscope_objects::objects::{LogBox, LogId, ObjectColumn, ObjectState, SurveyObject};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};
 pub use passes::LogPass;

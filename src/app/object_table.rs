@@ -1,129 +1,24 @@
 //! The table of objects: which rows it shows, in which order.
 
-use bathyscope_objects::objects::{ObjectState, ObjectSummary, SurveyObject};
+use bathyscope_objects::objects::{
+    ColumnValue, ColumnValues, ListedObject, ObjectColumn, ObjectState, SurveyObject,
+};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// A column of the table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ObjectColumn {
-    /// As they were found, along the first log.
-    #[default]
-    Number,
-    /// What the analyst calls it.
-    Name,
-    /// What most of its boxes take it for.
-    Class,
-    /// How far the decisions are.
-    State,
-    /// The confidence of the analyst, and then of the detector.
-    #[serde(alias = "Sure")]
-    Confidence,
-    /// Metres along the track.
-    Length,
-    /// Metres across the track.
-    Width,
-    /// Metres above the bottom.
-    Height,
-    /// Metres of the bottom below the level that depths count from.
-    Depth,
-    /// Passes of the boat that saw it: what is seen every time is rarely a false alarm.
-    Seen,
-    /// Logs that saw it.
-    Logs,
-    /// Where it lies, from south to north.
-    Position,
-    /// What is noted on its boxes.
-    Remarks,
-}
-
-impl ObjectColumn {
-    /// All columns, from left to right.
-    pub const ALL: [Self; 13] = [
-        Self::Number,
-        Self::Name,
-        Self::Class,
-        Self::State,
-        Self::Confidence,
-        Self::Length,
-        Self::Width,
-        Self::Height,
-        Self::Depth,
-        Self::Seen,
-        Self::Logs,
-        Self::Position,
-        Self::Remarks,
-    ];
-
-    /// Its heading.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Number => "no.",
-            Self::Name => "name",
-            Self::Class => "class",
-            Self::State => "state",
-            Self::Confidence => "confidence",
-            Self::Length => "length",
-            Self::Width => "width",
-            Self::Height => "height",
-            Self::Depth => "depth",
-            Self::Seen => "seen",
-            Self::Logs => "logs",
-            Self::Position => "position",
-            Self::Remarks => "remarks",
-        }
-    }
-
-    /// Whether a first click on its heading sorts from the largest down: what is seen most often
-    /// and what is largest comes first.
-    fn begins_with_largest(self) -> bool {
-        !matches!(self, Self::Number | Self::Name | Self::Class | Self::State | Self::Remarks)
-    }
-}
-
-/// Which objects the table shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ObjectFilter {
-    /// Objects with undecided boxes.
-    Undecided,
-    /// Objects whose boxes were accepted or added.
-    Accepted,
-    /// Objects whose boxes were rejected.
-    Rejected,
-}
-
-impl ObjectFilter {
-    /// All of them, in the order of the work.
-    pub const ALL: [Self; 3] = [Self::Undecided, Self::Accepted, Self::Rejected];
-
-    /// Its name in the list.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Undecided => "undecided",
-            Self::Accepted => "accepted",
-            Self::Rejected => "rejected",
-        }
-    }
-
-    fn takes(self, state: ObjectState) -> bool {
-        match state {
-            ObjectState::Open(_) => self == Self::Undecided,
-            ObjectState::Accepted => self == Self::Accepted,
-            ObjectState::Rejected => self == Self::Rejected,
-        }
-    }
-}
+/// The column that objects are sorted by from the start.
+const NUMBER: &str = "number";
 
 /// Order and filter of the table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ObjectTable {
-    /// The column that it is sorted by.
-    pub sort: ObjectColumn,
+    /// The name of the column that it is sorted by; by number where there is no such column.
+    pub sort: String,
     /// From the largest down.
     pub falling: bool,
     /// Only objects in this state.
-    pub state: Option<ObjectFilter>,
+    pub state: Option<ObjectState>,
     /// Only objects with this in number, name, class or remarks, in capitals or not.
     #[serde(skip)]
     pub text: String,
@@ -131,70 +26,81 @@ pub struct ObjectTable {
 
 impl ObjectTable {
     /// Sorts by a column, or, where it is the one already, the other way around.
-    pub fn sort_by(&mut self, column: ObjectColumn) {
-        self.falling = match self.sort == column {
+    pub fn sort_by(&mut self, column: &ObjectColumn) {
+        self.falling = match self.is_sorted_by(column) {
             true => !self.falling,
-            false => column.begins_with_largest(),
+            false => begins_with_largest(column),
         };
-        self.sort = column;
+        column.name.clone_into(&mut self.sort);
+    }
+
+    /// Whether it is sorted by a column.
+    pub fn is_sorted_by(&self, column: &ObjectColumn) -> bool {
+        match ObjectColumn::named(&self.sort) {
+            Some(by) => by.name == column.name,
+            None => column.name == NUMBER,
+        }
     }
 
     /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where
     /// they are alike; what is not known comes last.
-    pub fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
+    pub fn list(&self, objects: &[SurveyObject], log_names: &[String]) -> Vec<u32> {
         let text = self.text.trim().to_lowercase();
         let passes = |object: &&SurveyObject| {
             let of_state = self.state;
-            of_state.is_none_or(|state| state.takes(object.summary.state)) && says(object, &text)
+            of_state.is_none_or(|state| state == object.summary.state) && says(object, &text)
         };
-        let mut shown: Vec<&SurveyObject> = objects.iter().filter(passes).collect();
-        shown.sort_by(|a, b| self.order(a, b));
-        shown.into_iter().map(|object| object.number).collect()
+        let column = ObjectColumn::named(&self.sort);
+        let mut shown: Vec<(Option<SortKey>, u32)> = (objects.iter().filter(passes))
+            .map(|object| {
+                let of = ListedObject { object, shape: None, outline: None, log_names };
+                (column.and_then(|column| SortKey::of(column, &of)), object.number)
+            })
+            .collect();
+        shown.sort_by(|(a, _), (b, _)| match (a, b) {
+            (Some(a), Some(b)) if self.falling => b.order(a),
+            (Some(a), Some(b)) => a.order(b),
+            (a, b) => a.is_none().cmp(&b.is_none()),
+        });
+        shown.into_iter().map(|(_, number)| number).collect()
+    }
+}
+
+/// Whether a first click on the heading of a column sorts from the largest down: what is seen most
+/// often and what is largest comes first.
+fn begins_with_largest(column: &ObjectColumn) -> bool {
+    let is_text = matches!(column.values, ColumnValues::Text(_) | ColumnValues::State(_));
+    !is_text && column.name != NUMBER
+}
+
+/// What objects are sorted by.
+enum SortKey {
+    Text(String),
+    Number(f64),
+}
+
+impl SortKey {
+    fn of(column: &ObjectColumn, of: &ListedObject<'_>) -> Option<Self> {
+        if let ColumnValues::State(state) = column.values {
+            // In the order of the work.
+            return Some(Self::Number(f64::from(state(of) as u8)));
+        }
+        Some(match column.value(of)? {
+            ColumnValue::Text(words) => Self::Text(words.to_lowercase()),
+            ColumnValue::Count(count) => Self::Number(count as f64),
+            ColumnValue::Number(_, number) => Self::Number(number),
+        })
     }
 
-    fn order(&self, a: &SurveyObject, b: &SurveyObject) -> Ordering {
-        let turned = |order: Ordering| if self.falling { order.reverse() } else { order };
-        let (left, right) = (&a.summary, &b.summary);
-        let numbers = |left: f64, right: f64| match (left.is_nan(), right.is_nan()) {
-            (false, false) => turned(left.total_cmp(&right)),
-            (left, right) => left.cmp(&right),
-        };
-        let texts = |left: &str, right: &str| match (left.is_empty(), right.is_empty()) {
-            (false, false) => turned(left.to_lowercase().cmp(&right.to_lowercase())),
-            (left, right) => left.cmp(&right),
-        };
-        match self.sort {
-            ObjectColumn::Number => turned(a.number.cmp(&b.number)),
-            ObjectColumn::Name => texts(&left.name, &right.name),
-            ObjectColumn::Class => texts(&a.joint.class, &b.joint.class),
-            ObjectColumn::State => turned(state_place(left.state).cmp(&state_place(right.state))),
-            ObjectColumn::Confidence => turned(
-                (left.confidence.cmp(&right.confidence)).then(score(left).total_cmp(&score(right))),
-            ),
-            ObjectColumn::Length => numbers(left.length_m, right.length_m),
-            ObjectColumn::Width => numbers(left.width_m, right.width_m),
-            ObjectColumn::Height => numbers(a.joint.height.mean_m, b.joint.height.mean_m),
-            ObjectColumn::Depth => numbers(left.depth_m, right.depth_m),
-            ObjectColumn::Seen => turned(a.sightings.cmp(&b.sightings)),
-            ObjectColumn::Logs => turned(a.logs().len().cmp(&b.logs().len())),
-            ObjectColumn::Position => numbers(a.position.lat_deg, b.position.lat_deg),
-            ObjectColumn::Remarks => texts(&left.notes, &right.notes),
+    fn order(&self, other: &Self) -> Ordering {
+        match (self, other) {
+            (Self::Text(one), Self::Text(other)) => one.cmp(other),
+            (Self::Number(one), Self::Number(other)) => one.total_cmp(other),
+            // A column holds either.
+            (Self::Text(_), Self::Number(_)) => Ordering::Less,
+            (Self::Number(_), Self::Text(_)) => Ordering::Greater,
         }
     }
-}
-
-/// Undecided first, as the order of the work.
-fn state_place(state: ObjectState) -> usize {
-    match state {
-        ObjectState::Open(_) => 0,
-        ObjectState::Accepted => 1,
-        ObjectState::Rejected => 2,
-    }
-}
-
-/// Who drew a box was sure.
-fn score(summary: &ObjectSummary) -> f32 {
-    summary.score.unwrap_or(1.0)
 }
 
 fn says(object: &SurveyObject, text: &str) -> bool {
@@ -209,7 +115,7 @@ mod tests {
     use super::*;
     use bathyscope_log::support::geo::LonLat;
     use bathyscope_objects::ObjectExtent;
-    use bathyscope_objects::objects::{LogBox, LogId, PlacedBox, joint_objects};
+    use bathyscope_objects::objects::{LogBox, LogId, ObjectSummary, PlacedBox, joint_objects};
     use bathyscope_objects::review::{BoxId, Confidence, Reviewed, State};
     use bathyscope_objects::targets::{GroupSettings, Target};
 
@@ -273,12 +179,16 @@ mod tests {
         let summary = object(1, "rock", &boxes).summary;
         assert_eq!(summary.name, "Anna");
         assert_eq!(summary.notes, "three; two");
-        assert_eq!(summary.state, ObjectState::Open(1));
+        assert_eq!(summary.state, ObjectState::Accepted, "by one of them");
         assert_eq!(summary.score, Some(0.8));
         assert_eq!(summary.confidence, Some(Confidence::Probable));
         assert_eq!(summary.length_m, 1.0, "what was drawn counts");
         let rejected = [(reviewed(State::Rejected, 0.5), target(1.0))];
         assert_eq!(object(1, "rock", &rejected).summary.state, ObjectState::Rejected);
+    }
+
+    fn sort(table: &mut ObjectTable, name: &str) {
+        table.sort_by(ObjectColumn::named(name).expect("a column"));
     }
 
     #[test]
@@ -290,24 +200,24 @@ mod tests {
             object(3, "block", &one(State::Rejected, 0.7, 3.0)),
         ];
         let mut table = ObjectTable::default();
-        assert_eq!(table.list(&objects), [1, 2, 3]);
-        table.sort_by(ObjectColumn::Length);
-        assert_eq!(table.list(&objects), [3, 1, 2], "the longest first");
-        table.sort_by(ObjectColumn::Length);
-        assert_eq!(table.list(&objects), [1, 3, 2], "what is not known last");
-        table.sort_by(ObjectColumn::Class);
-        assert_eq!(table.list(&objects), [3, 2, 1]);
-        table.sort_by(ObjectColumn::State);
-        assert_eq!(table.list(&objects), [2, 1, 3]);
-        table.sort_by(ObjectColumn::Confidence);
-        assert_eq!(table.list(&objects), [2, 3, 1]);
+        assert_eq!(table.list(&objects, &[]), [1, 2, 3]);
+        sort(&mut table, "length_m");
+        assert_eq!(table.list(&objects, &[]), [3, 1, 2], "the longest first");
+        sort(&mut table, "length_m");
+        assert_eq!(table.list(&objects, &[]), [1, 3, 2], "what is not known last");
+        sort(&mut table, "class");
+        assert_eq!(table.list(&objects, &[]), [3, 2, 1]);
+        sort(&mut table, "state");
+        assert_eq!(table.list(&objects, &[]), [2, 1, 3]);
+        sort(&mut table, "score");
+        assert_eq!(table.list(&objects, &[]), [2, 3, 1]);
         table.text = "ROC".to_owned();
-        assert_eq!(table.list(&objects), [2]);
+        assert_eq!(table.list(&objects, &[]), [2]);
         table.text = "3".to_owned();
-        assert_eq!(table.list(&objects), [3]);
+        assert_eq!(table.list(&objects, &[]), [3]);
         table.text.clear();
-        table.state = Some(ObjectFilter::Accepted);
-        assert_eq!(table.list(&objects), [1]);
+        table.state = Some(ObjectState::Accepted);
+        assert_eq!(table.list(&objects, &[]), [1]);
     }
 
     #[test]
@@ -323,8 +233,8 @@ mod tests {
             })
             .collect();
         let mut table = ObjectTable::default();
-        table.sort_by(ObjectColumn::Length);
+        sort(&mut table, "length_m");
         table.text = "rock".to_owned();
-        assert_eq!(table.list(&objects).len(), objects.len());
+        assert_eq!(table.list(&objects, &[]).len(), objects.len());
     }
 }

@@ -7,8 +7,8 @@ use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use bathyscope_objects::objects::{
-    LogBox, LogId, LogNumbers, LogReview, ObjectBox, ObjectList, ObjectNumbers, SurveyObject,
-    SurveyReview,
+    ListedObject, LogBox, LogId, LogNumbers, LogReview, ObjectBox, ObjectList, ObjectNumbers,
+    SurveyObject, SurveyReview,
 };
 use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
 use bathyscope_products::pipeline::object_shape;
@@ -80,7 +80,9 @@ pub(super) struct Objects {
     list: Background<Vec<LogBoxes>, Arc<ObjectList>>,
     passes: Background<PassesOf, (u32, PassCount)>,
     shape: Background<ShapeOf, ShapeFound>,
-    listing: Background<(Same<ObjectList>, ObjectTable), Vec<u32>>,
+    listing: Background<(Same<ObjectList>, ObjectTable, Vec<String>), Vec<u32>>,
+    /// Names of the logs that the objects are of; empty where it is one.
+    log_names: Vec<String>,
 }
 
 impl Objects {
@@ -129,6 +131,12 @@ impl App {
     /// Numbers of the objects that the table shows, in its order.
     pub fn listed_objects(&self) -> &[u32] {
         self.findings.objects.listing.result().map_or(&[], Vec::as_slice)
+    }
+
+    /// An object as a row of tables, without its shape.
+    pub fn listed_object<'a>(&'a self, object: &'a SurveyObject) -> ListedObject<'a> {
+        let log_names = &self.findings.objects.log_names;
+        ListedObject { object, shape: None, outline: None, log_names }
     }
 
     /// An object by its number.
@@ -187,8 +195,10 @@ impl App {
                 entries: log.reviewing.entries().clone(),
             })
         };
-        let logs: Vec<LogBoxes> = self.visible_logs().filter_map(boxes).collect();
-        let Objects { list, first, .. } = &mut self.findings.objects;
+        let (names, logs): (Vec<String>, Vec<LogBoxes>) =
+            self.visible_logs().filter_map(|log| Some((log.name(), boxes(log)?))).unzip();
+        let Objects { list, first, log_names, .. } = &mut self.findings.objects;
+        *log_names = if names.len() > 1 { names } else { Vec::new() };
         let (before, first) = (list.result().cloned(), first.clone());
         let of = logs.clone();
         list.ask(logs.clone(), &self.jobs, move |_| {
@@ -202,13 +212,14 @@ impl App {
 
     /// Sorts and filters the table where the objects, the order or the filter are others.
     fn list_objects(&mut self) {
-        let Objects { list, listing, .. } = &mut self.findings.objects;
+        let Objects { list, listing, log_names, .. } = &mut self.findings.objects;
         let Some(list) = list.result().cloned() else {
             return;
         };
         let table = self.view.options.objects.clone();
-        let key = (Same(list.clone()), table.clone());
-        listing.ask(key, &self.jobs, move |_| Some(table.list(list.objects())));
+        let names = log_names.clone();
+        let key = (Same(list.clone()), table.clone(), names.clone());
+        listing.ask(key, &self.jobs, move |_| Some(table.list(list.objects(), &names)));
     }
 
     /// Fits a shape to the selected object where its boxes, or their places, are others.

@@ -30,8 +30,8 @@ pub(super) struct DetectArgs {
     /// its own
     #[arg(required = true, value_name = "SURVEY|PICTURE")]
     inputs: Vec<PathBuf>,
-    /// Folder whose subfolder `objects` gets detections.csv, detections.geojson and the chips; made
-    /// when missing
+    /// Folder whose subfolder `objects` gets objects.csv, detections.csv, .geojson, .gpx and the
+    /// chips; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read

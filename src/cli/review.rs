@@ -23,7 +23,8 @@ pub(super) struct ReviewArgs {
     /// be given again
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
-    /// Folder for objects.csv, .geojson, .kml, .gpx, .gpkg and dataset; made when missing
+    /// Folder for detections.csv, objects.csv, .geojson, .kml, .gpx, .gpkg and dataset; made when
+    /// missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Part of a training set that these logs belong to: train, val or test

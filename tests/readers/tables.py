@@ -110,22 +110,24 @@ def check_found(folder, made):
     if (folder / "objects/detections.csv").is_file():
         found = rows(folder / "objects/detections.csv")
         features = json.loads((folder / "objects/detections.geojson").read_text())["features"]
+        listed = rows(folder / "objects/objects.csv")
         with open(folder / "objects/detections.gpx") as file:
             waypoints = gpxpy.parse(file).waypoints
-        places = [feature["geometry"]["coordinates"] for feature in features]
-        assert 0 < len(places) <= len(found)
-        for name, count in (("csv", len(found)), ("geojson", len(places))):
-            check_count(f"detections.{name}", made[f"detections.{name}"], "boxes", count)
-        # A waypoint for each object, at the mean of the places of its boxes.
-        check_count("detections.gpx", made["detections.gpx"], "objects", len(waypoints))
+        check_count("detections.csv", made["detections.csv"], "boxes", len(found))
+        # A point for each object, at the mean of the places of its boxes.
+        for name, count in (("detections.geojson", len(features)), ("detections.gpx", len(waypoints)), ("objects.csv", len(listed))):
+            check_count(name, made[name], "objects", count)
         objects = {}
-        for feature in features:
-            number = feature["properties"]["object"]
-            objects.setdefault(number, []).append(feature["geometry"]["coordinates"])
-        assert len(waypoints) == len(objects)
-        for number, waypoint in enumerate(waypoints, 1):
-            boxes = numpy.array(objects[number])
-            at = numpy.array([waypoint.longitude, waypoint.latitude])
+        for box in found:
+            if box["object"]:
+                objects.setdefault(int(box["object"]), []).append([float(box["lon"]), float(box["lat"])])
+        assert 0 < len(waypoints) == len(features) == len(listed) == len(objects)
+        for waypoint, feature, row in zip(waypoints, features, listed):
+            boxes = numpy.array(objects[int(row["number"])])
+            at = numpy.array([float(row["lon"]), float(row["lat"])])
+            assert feature["properties"]["number"] == int(row["number"])
+            assert numpy.allclose(at, feature["geometry"]["coordinates"], atol=1e-8)
+            assert numpy.allclose(at, [waypoint.longitude, waypoint.latitude], atol=1e-8)
             assert (boxes.min(axis=0) - 1e-8 <= at + 1e-5).all() and (at - 1e-5 <= boxes.max(axis=0) + 1e-8).all()
         assert len(list((folder / "objects/chips").glob("*.png"))) == len(found), "a box without a chip"
         check_shapes(folder / "objects/shapes.ply", made["shapes.ply"], found)

@@ -161,7 +161,7 @@ fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
     run(folder, &process.split(' ').collect::<Vec<_>>());
     let out = folder.join("out");
     // Nothing was searched, compared or reviewed.
-    let others = [When::Searched, When::Compared, When::Chosen(Product::Targets)];
+    let others = [When::Searched, When::Listed, When::Compared, When::Chosen(Product::Targets)];
     let is_asked = |when| !others.contains(&when);
     for row in OUTPUT_FILES.iter().filter(|row| is_asked(row.when)) {
         assert!(out.join(row.name).is_file(), "{}", row.name);
@@ -224,23 +224,23 @@ fn objects_that_several_logs_saw_are_one_in_the_files() {
     // The lake's middle, which places of objects count from.
     let lake = Scene::default();
     let frame = LocalFrame::new(LonLat { lon_deg: lake.longitude_deg, lat_deg: lake.latitude_deg });
-    let features = json(&folder.join("out/objects.geojson"))["features"].clone();
-    let features = features.as_array().expect("boxes");
-    assert_eq!(features.len(), boxes, "all of them have a place");
+    let mut table = csv::Reader::from_path(folder.join("out/detections.csv")).expect("a table");
+    let rows = table.deserialize::<BTreeMap<String, String>>();
+    let rows: Vec<_> = rows.map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), boxes);
     // By true object: how often each number was given, and by how many logs.
     let mut given: [BTreeMap<u64, Vec<String>>; 4] = Default::default();
-    for feature in features {
-        let at = &feature["geometry"]["coordinates"];
-        let position = LonLat { lon_deg: number(&at[0]), lat_deg: number(&at[1]) };
+    for row in &rows {
+        let degrees = |name: &str| row[name].parse().expect("all of them have a place");
+        let position = LonLat { lon_deg: degrees("lon"), lat_deg: degrees("lat") };
         let [east_m, north_m] = frame.to_enu(position);
         let away_m = |place: &[f64; 2]| (place[0] - east_m).hypot(place[1] - north_m);
         let nearest =
             (0..OBJECTS.len()).min_by(|a, b| away_m(&OBJECTS[*a]).total_cmp(&away_m(&OBJECTS[*b])));
         let nearest = nearest.expect("four objects");
-        assert!(away_m(&OBJECTS[nearest]) < 3.0, "{feature}");
-        let number = feature["properties"]["object"].as_u64().expect("a number");
-        let log = feature["properties"]["log"].as_str().expect("a log");
-        given[nearest].entry(number).or_default().push(log.to_owned());
+        assert!(away_m(&OBJECTS[nearest]) < 3.0, "{row:?}");
+        let number = row["object"].parse().expect("a number");
+        given[nearest].entry(number).or_default().push(row["log"].clone());
     }
     let mut numbers = Vec::new();
     for (object, given) in given.iter().enumerate() {
@@ -269,7 +269,8 @@ fn objects_that_several_logs_saw_are_one_in_the_files() {
     run(folder, &args);
     let page = fs::read_to_string(folder.join("page/report.html")).expect("a page");
     assert!(page.contains(&format!("0 accepted, {boxes} added")));
-    assert!(page.contains(&format!("{boxes} boxes on ")) && page.contains(" passes, in 6 logs"));
+    assert!(page.contains(&format!("{boxes} boxes on ")) && page.contains(" passes</td>"));
+    assert!(page.contains("lake-0; lake-1; lake-2"), "the logs that saw an object");
     let strange = ["process", "logs/lake-0.sl2", "--review", "out/lake-1.review.json", "-o", "no"];
     assert!(refusal(folder, &strange, 1).contains("another log"));
 }

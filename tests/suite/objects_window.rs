@@ -173,7 +173,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         assert!(!object.boxes.contains(&selected(&window)));
         let same = app(&window).object_of(object.boxes[0]).expect("an object");
         assert_eq!((same.number, &same.boxes), (object.number, &object.boxes));
-        assert!(!matches!(same.summary.state, ObjectState::Open(_)));
+        assert!(!matches!(same.summary.state, ObjectState::Undecided));
 
         press(&mut window, Modifiers::COMMAND, Key::Z);
         settle(&mut window);

@@ -101,6 +101,7 @@ impl Topic {
             .replace("{{keys}}", &tables::keys())
             .replace("{{settings}}", &tables::settings())
             .replace("{{files}}", &tables::files())
+            .replace("{{object_columns}}", &tables::object_columns())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Tables of the manual that are derived from the tables that the program itself works by.
 
 use crate::app::Action;
+use bathyscope_objects::objects::OBJECT_COLUMNS;
 use bathyscope_products::outputs::{OUTPUT_FILES, When};
 use std::fmt::Write as _;
 
@@ -24,6 +25,15 @@ pub(super) fn settings() -> String {
     bathyscope_products::pipeline::settings::markdown()
 }
 
+/// Every column of the table of objects.
+pub(super) fn object_columns() -> String {
+    let mut table = String::from("| column | what it is |\n|---|---|\n");
+    for column in OBJECT_COLUMNS {
+        writeln!(table, "| `{}` | {} |", column.name, column.meaning).ok();
+    }
+    table
+}
+
 /// Every file of a run: the group of `--products` that it belongs to, and what it is.
 pub(super) fn files() -> String {
     let mut table = String::from("| file | written | what it is |\n|---|---|---|\n");
@@ -33,6 +43,7 @@ pub(super) fn files() -> String {
             When::Chosen(product) => format!("with `--products {}`", product.name()),
             When::Compared => "with a reference".to_owned(),
             When::Searched => "with a search for objects".to_owned(),
+            When::Listed => "with a search for objects or a review".to_owned(),
         };
         writeln!(table, "| `{}` | {when} | {} |", row.name, row.brief).ok();
     }

@@ -39,6 +39,21 @@ pub struct JointObject {
 }
 
 impl JointObject {
+    /// The logs that saw it, as the boxes count them, each once.
+    pub fn logs(&self) -> Vec<usize> {
+        let mut logs: Vec<usize> = self.seen_on.iter().map(|(log, _)| *log).collect();
+        logs.sort_unstable();
+        logs.dedup();
+        logs
+    }
+
+    /// The log of the sighting that the height rests on, as the boxes count them; `None` without a
+    /// height.
+    pub(crate) fn height_log(&self) -> Option<usize> {
+        let (log, _) = self.seen_on.get(self.height.source?.sighting)?;
+        Some(*log)
+    }
+
     /// How many passes of the boat saw it; `logs` are those that the boxes count.
     pub fn sightings(&self, logs: &[PassLog<'_>]) -> usize {
         count_seen(self.seen_on.iter().cloned(), logs)

@@ -22,6 +22,8 @@ pub struct ObjectBox {
     pub target: Option<Target>,
     /// Number of the object that it is a sighting of; `None` without a place.
     pub object: Option<u32>,
+    /// The confidence filter has it out of sight. It counts as a sighting all the same.
+    pub is_hidden: bool,
 }
 
 /// An object with the boxes that show it.
@@ -51,7 +53,7 @@ impl SurveyObject {
     }
 }
 
-/// All boxes of a survey that count, and the objects that they show.
+/// The boxes of a survey that are in sight, and the objects that they show.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectList {
     boxes: Vec<ObjectBox>,
@@ -66,8 +68,9 @@ impl ObjectList {
     /// Joins the boxes that show one object. All places are in the plane of the first of `logs`,
     /// which the boxes count. A rejected box shows nothing: it is no sighting of the object beside
     /// it, and rejected boxes are objects of their own, as they can be decided otherwise. An object
-    /// keeps the number that it had in `before`.
-    pub fn join(mut boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
+    /// keeps the number that it had in `before`. Objects of which all boxes are hidden are numbered
+    /// and left out; of the others every box counts.
+    pub fn join(boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
         let mut joined = joined(&boxes, false);
         joined.extend(self::joined(&boxes, true));
         let keys = |joint: &JointObject| -> Vec<LogBox> {
@@ -93,12 +96,10 @@ impl ObjectList {
             })
             .collect();
         objects.sort_by_key(|object| object.number);
+        let boxes = hide(boxes, &mut objects);
         let mut of = HashMap::new();
         for (index, object) in objects.iter().enumerate() {
             of.extend(object.boxes.iter().map(|key| (*key, index)));
-            for member in &object.joint.members {
-                boxes[*member].object = Some(object.number);
-            }
         }
         Self {
             is_reviewed: boxes.iter().any(|one| one.one.state != State::Proposed),
@@ -164,6 +165,34 @@ impl ObjectList {
     }
 }
 
+/// Gives boxes the numbers of their objects, and leaves out objects of which all boxes are hidden,
+/// and these boxes; members count the boxes that are left.
+fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<SurveyObject>) -> Vec<ObjectBox> {
+    objects.retain(|object| object.joint.members.iter().any(|member| !boxes[*member].is_hidden));
+    for object in &*objects {
+        for member in &object.joint.members {
+            boxes[*member].object = Some(object.number);
+        }
+    }
+    let mut left = 0;
+    let place_of: Vec<usize> = (boxes.iter())
+        .map(|one| {
+            let place = left;
+            left += usize::from(is_left(one));
+            place
+        })
+        .collect();
+    boxes.retain(is_left);
+    for member in objects.iter_mut().flat_map(|object| &mut object.joint.members) {
+        *member = place_of[*member];
+    }
+    boxes
+}
+
+fn is_left(one: &ObjectBox) -> bool {
+    one.object.is_some() || !one.is_hidden
+}
+
 /// The objects of the boxes that were rejected, or of all others; members count all boxes.
 fn joined(boxes: &[ObjectBox], is_rejected: bool) -> Vec<JointObject> {
     let (members, placed): (Vec<usize>, Vec<PlacedBox<'_>>) = (boxes.iter().enumerate())
@@ -183,4 +212,63 @@ fn joined(boxes: &[ObjectBox], is_rejected: bool) -> Vec<JointObject> {
         *member = members[*member];
     }
     objects
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::review::BoxId;
+    use crate::targets::testing::target;
+    use bathyscope_log::survey::{Navigation, Survey};
+
+    /// A box of a first line, 50 m further of the way a second one, and so on.
+    fn seen(id: u32, line: u32, east_m: f64, score: f32) -> ObjectBox {
+        let placed = Target { east_m, sailed_m: 50.0 * f64::from(line), ..target() };
+        let mut one = Reviewed::drawn(BoxId(id), placed.mark.clone(), 0);
+        (one.score, one.state) = (Some(score), State::Proposed);
+        ObjectBox {
+            log: 0,
+            key: LogBox { log: LogId(0), id: BoxId(id) },
+            one: Arc::new(one),
+            class: "rock".to_owned(),
+            target: Some(placed),
+            object: None,
+            is_hidden: false,
+        }
+    }
+
+    type Objects = Vec<(u32, f64)>;
+    type Boxes = Vec<(u32, Option<u32>)>;
+
+    /// The objects where undecided boxes of less score are hidden: number and place of each, and
+    /// the boxes that are left.
+    fn objects_from(threshold: f32) -> (Objects, Boxes) {
+        let boxes = [seen(1, 0, 40.0, 0.1), seen(2, 0, 0.0, 0.3), seen(3, 1, 0.4, 0.8)];
+        let boxes = boxes.map(|one| {
+            let is_hidden = one.one.score < Some(threshold);
+            ObjectBox { is_hidden, ..one }
+        });
+        let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
+        let log: PassLog<'_> = (&survey, &navigation);
+        let list = ObjectList::join(boxes.to_vec(), &[log], &ObjectNumbers::default());
+        let objects = list.objects().iter().map(|one| (one.number, one.joint.place_m[0]));
+        let left = list.boxes().iter().map(|one| (one.key.id.0, one.object));
+        let members = list.objects().iter().flat_map(|object| list.members(object));
+        assert!(members.into_iter().all(|one| one.object.is_some()));
+        (objects.collect(), left.collect())
+    }
+
+    #[test]
+    fn a_filter_hides_objects_and_changes_none() {
+        let (all, boxes) = objects_from(0.0);
+        assert_eq!(all.iter().map(|one| one.0).collect::<Vec<u32>>(), [1, 2]);
+        assert!((all[1].1 - 0.2).abs() < 1e-9, "{all:?}");
+        assert_eq!(boxes, [(1, Some(1)), (2, Some(2)), (3, Some(2))]);
+        for threshold in [0.2, 0.5] {
+            let (left, boxes) = objects_from(threshold);
+            assert_eq!(left, all[1..]);
+            assert_eq!(boxes, [(2, Some(2)), (3, Some(2))]);
+        }
+        assert_eq!(objects_from(0.9), (Vec::new(), Vec::new()));
+    }
 }

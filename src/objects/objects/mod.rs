@@ -6,14 +6,16 @@
 //!
 //! `review` says which boxes count, `joint` makes one object of what several logs saw, `numbers`
 //! keeps their numbers, `summary` is what the boxes of an object say of it, `list` puts these
-//! together.
+//! together, `columns` is the table of what is said of an object.
 
+mod columns;
 mod joint;
 mod list;
 mod numbers;
 mod review;
 mod summary;
 
+pub use columns::{ColumnValue, ColumnValues, ListedObject, OBJECT_COLUMNS, ObjectColumn};
 pub use joint::{JointObject, PlacedBox, joint_objects};
 pub use list::{ObjectBox, ObjectList, SurveyObject};
 pub use numbers::{LogNumbers, ObjectNumbers};

@@ -6,26 +6,25 @@ use crate::targets::Target;
 use bathyscope_log::survey::Exclusions;
 use std::sync::Arc;
 
-/// The boxes of a log, and from which confidence they count.
+/// The boxes of a log, and from which confidence they are in sight.
 #[derive(Clone, Debug)]
 pub struct LogReview {
     /// The log.
     pub log: LogId,
     /// Its boxes with what was decided about each.
     pub review: Arc<Review>,
-    /// Undecided proposals of less confidence do not count.
+    /// Undecided proposals of less confidence are out of sight.
     pub threshold: f32,
 }
 
 impl LogReview {
-    /// The boxes that count: none whose middle lies in a stretch that is excluded.
+    /// The boxes that count: none whose middle lies in a stretch that is excluded. Those out of
+    /// sight count, so that no filter changes what is measured.
     pub fn boxes<'a>(
         &'a self,
         exclusions: &'a Exclusions,
     ) -> impl Iterator<Item = &'a Arc<Reviewed>> {
-        let counts = |one: &&Arc<Reviewed>| {
-            one.is_shown_from(self.threshold) && !exclusions.is_middle_excluded(&one.mark.pings)
-        };
+        let counts = |one: &&Arc<Reviewed>| !exclusions.is_middle_excluded(&one.mark.pings);
         self.review.shared().iter().filter(counts)
     }
 
@@ -38,6 +37,7 @@ impl LogReview {
             one: one.clone(),
             target,
             object: None,
+            is_hidden: !one.is_shown_from(self.threshold),
         }
     }
 }
@@ -49,11 +49,11 @@ pub struct KeptReview {
     pub review: Arc<Review>,
     /// Numbers of the objects that they show.
     pub object_numbers: LogNumbers,
-    /// Undecided proposals of less confidence do not count.
+    /// Undecided proposals of less confidence are out of sight.
     pub threshold: f32,
 }
 
-/// A file of its own knows of no numbers, and of no confidence: all its boxes count.
+/// A file of its own knows of no numbers, and of no confidence: all its boxes are in sight.
 impl From<Review> for KeptReview {
     fn from(review: Review) -> Self {
         Self { review: Arc::new(review), object_numbers: LogNumbers::default(), threshold: 0.0 }

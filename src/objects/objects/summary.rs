@@ -3,17 +3,29 @@
 use crate::ObjectExtent;
 use crate::review::{Confidence, Reviewed, State};
 use crate::targets::Target;
+use bathyscope_log::named;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// How far the decisions about an object are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The decision about an object, in the order of the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum ObjectState {
-    /// So many of its boxes are undecided.
-    Open(usize),
-    /// There is an object: all its boxes were accepted or drawn by hand.
+    /// Nobody has decided.
+    Undecided,
+    /// There is an object: one of its boxes was accepted or drawn by hand. Further boxes that a
+    /// search finds of it, or that a filter hides, do not open the question again.
     Accepted,
     /// There is nothing: all its boxes were rejected.
     Rejected,
+}
+
+named! {
+    /// All of them, in the order of the work.
+    pub ObjectState {
+        Undecided: "undecided",
+        Accepted: "accepted",
+        Rejected: "rejected",
+    }
 }
 
 /// What the boxes of an object say of it. Metres; NaN for what is not known.
@@ -23,15 +35,15 @@ pub struct ObjectSummary {
     pub name: String,
     /// Remarks on its boxes, one after the other.
     pub notes: String,
-    /// How far the decisions about it are.
+    /// The decision about it.
     pub state: ObjectState,
-    /// The same in the word that tables have for a box: that of the box that tells its size best.
-    pub best_state: State,
     /// The highest score of its boxes.
     pub score: Option<f32>,
     /// How sure the analyst is: the surest word of its boxes.
     pub confidence: Option<Confidence>,
-    /// Its length by the box that tells its size best.
+    /// Place among its boxes of the one that tells its size best.
+    pub best: usize,
+    /// Its length by that box.
     pub length_m: f64,
     /// Its width by the same box.
     pub width_m: f64,
@@ -47,16 +59,16 @@ impl ObjectSummary {
             name: String::new(),
             notes: String::new(),
             state: ObjectState::Rejected,
-            best_state: State::Rejected,
             score: None,
             confidence: None,
+            best: 0,
             length_m: f64::NAN,
             width_m: f64::NAN,
             depth_m: f64::NAN,
         };
         let mut best: Option<(bool, bool, f32)> = None;
         let (mut open, mut objects) = (0, 0);
-        for (one, target) in boxes {
+        for (place, (one, target)) in boxes.enumerate() {
             open += usize::from(one.state == State::Proposed);
             objects += usize::from(one.state.is_object());
             if summary.name.is_empty() {
@@ -79,16 +91,16 @@ impl ObjectSummary {
                 |best: (bool, bool, f32)| rank.partial_cmp(&best) == Some(Ordering::Greater);
             if best.is_none_or(is_better) {
                 best = Some(rank);
-                summary.best_state = one.state;
+                summary.best = place;
                 summary.length_m = target.length_m;
                 summary.width_m = target.width_m;
                 summary.depth_m = target.depth_m;
             }
         }
         summary.state = match (open, objects) {
-            (0, 0) => ObjectState::Rejected,
-            (0, _) => ObjectState::Accepted,
-            _ => ObjectState::Open(open),
+            (_, 1..) => ObjectState::Accepted,
+            (0, _) => ObjectState::Rejected,
+            _ => ObjectState::Undecided,
         };
         summary
     }

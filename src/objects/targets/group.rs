@@ -1,10 +1,9 @@
 //! The same object, seen from several lines, as one.
 
-use super::Target;
 use super::pairs::{pairs, same_pass, size_m};
 use super::sighting::{GroupSettings, Sighting};
 use super::spread::PositionCovariance;
-use crate::ObjectExtent;
+use super::{ObjectHeight, Target};
 
 /// One object with all that was seen of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,58 +22,6 @@ pub struct Group {
     pub class: Option<usize>,
     /// Its height, of all sightings together.
     pub height: ObjectHeight,
-}
-
-/// The height of an object above the bottom by all its sightings.
-#[derive(Clone, Copy, Debug)]
-pub struct ObjectHeight {
-    /// Mean of the heights, weighted by the inverse of their variances, metres; NaN without any.
-    /// Where an analyst has set the edges or measured the shadow of a sighting, those alone count.
-    pub mean_m: f64,
-    /// Standard deviation of that mean, metres; NaN without a height. Larger where the sightings
-    /// differ by more than their own deviations explain.
-    pub sigma_m: f64,
-}
-
-/// Heights that are not known are alike.
-impl PartialEq for ObjectHeight {
-    fn eq(&self, other: &Self) -> bool {
-        let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
-        same(self.mean_m, other.mean_m) && same(self.sigma_m, other.sigma_m)
-    }
-}
-
-impl ObjectHeight {
-    /// Least standard deviation that a height counts with, metres.
-    const LEAST_SIGMA_M: f64 = 0.01;
-
-    /// The height that some sightings of one object tell.
-    pub fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
-        let is_set = |target: &Target| {
-            target.measured_shadow.is_some() || matches!(target.extent, ObjectExtent::Drawn { .. })
-        };
-        let known = targets.filter(|one| one.height_m.is_finite() && !one.height_sigma_m.is_nan());
-        let (set, found): (Vec<&Target>, Vec<&Target>) = known.partition(|one| is_set(one));
-        let counted = if set.is_empty() { found } else { set };
-        let weight = |one: &Target| one.height_sigma_m.max(Self::LEAST_SIGMA_M).powi(-2);
-        let weights: f64 = counted.iter().map(|one| weight(one)).sum();
-        let sum: f64 = (counted.iter()).map(|one| weight(one) * one.height_m).sum();
-        // Without any height both are 0 / 0.
-        let mean_m = sum / weights;
-        let squares: f64 =
-            (counted.iter()).map(|one| weight(one) * (one.height_m - mean_m).powi(2)).sum();
-        let excess = match counted.len() {
-            0 | 1 => 1.0,
-            count => (squares / (count - 1) as f64).sqrt().max(1.0),
-        };
-        Self {
-            mean_m,
-            sigma_m: match mean_m.is_nan() {
-                true => f64::NAN,
-                false => excess * weights.sqrt().recip(),
-            },
-        }
-    }
 }
 
 /// Joins sightings of the same object: the likeliest pairs first, while all members lie within
@@ -184,7 +131,7 @@ fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupS
 mod tests {
     use super::*;
     use crate::Mark;
-    use bathyscope_log::support::geo::LonLat;
+    use crate::targets::testing::target;
     use bathyscope_log::survey::Side;
 
     /// Pings from the beginning of a log to that of the next.
@@ -203,26 +150,12 @@ mod tests {
         let ping = (10.0 * sailed_m) as usize;
         Target {
             mark: Mark::new(Side::Port, ping..ping + 5, [1.0, 2.0]),
-            extent: crate::ObjectExtent::Found,
-            measured_shadow: None,
-            parts: None,
-            slant_m: 5.0,
-            ground_m: 4.0,
-            altitude_m: 3.0,
             east_m,
-            north_m: 0.0,
-            position: LonLat::new(0.0, 0.0),
-            length_m: 0.6,
-            width_m: 0.4,
-            height_m: f64::NAN,
-            shadow_m: [f64::NAN; 2],
-            height_sigma_m: f64::NAN,
-            depth_m: 3.0,
             sigma_m,
             along_sigma_m: sigma_m,
             across_sigma_m: sigma_m,
-            heading_rad: 0.0,
             sailed_m,
+            ..target()
         }
     }
 
@@ -345,8 +278,6 @@ mod tests {
         targets[1].along_sigma_m = 0.1;
         targets[1].heading_rad = std::f64::consts::FRAC_PI_2;
         targets[1].north_m = 0.8;
-        (targets[1].height_m, targets[1].height_sigma_m) = (0.5, 0.1);
-        (targets[0].height_m, targets[0].height_sigma_m) = (0.2, 0.2);
         let [one] = &grouped(&targets, &[])[..] else { panic!("one object") };
         // With the receiver's 0.3 m: variances 0.1 and 0.9 m2.
         let weights = [1.0 / 0.9, 1.0 / 0.1];
@@ -354,27 +285,5 @@ mod tests {
         assert!((one.east_m - share * 0.4).abs() < 1e-9);
         assert!((one.north_m - (1.0 - share) * 0.8).abs() < 1e-9);
         assert!((one.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
-        let height = one.height;
-        assert!((height.mean_m - (4.0 * 0.5 + 0.2) / 5.0).abs() < 1e-9);
-        // They differ by 0.3 m where 0.22 m is usual: 1.34 times as uncertain as both deviations
-        // say.
-        let squares = (0.3_f64).powi(2) / (0.1_f64.powi(2) + 0.2_f64.powi(2));
-        assert!((height.sigma_m - (squares / 125.0).sqrt()).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_height_that_an_analyst_measured_counts_alone() {
-        let mut targets = [seen(0.0, 0.0, 0.3), seen(0.4, 60.0, 0.3)];
-        (targets[0].height_m, targets[0].height_sigma_m) = (0.5, 1.05);
-        (targets[1].height_m, targets[1].height_sigma_m) = (1.3, 0.1);
-        let height = |targets: &[Target]| ObjectHeight::of(targets.iter());
-        assert_eq!(height(&targets[..1]).mean_m, 0.5);
-        assert_eq!(height(&targets[..1]).sigma_m, 1.05);
-        let both = height(&targets);
-        assert!((1.29..1.3).contains(&both.mean_m) && (0.09..0.1).contains(&both.sigma_m));
-        targets[0].extent = ObjectExtent::Drawn { border_m: 1.5 };
-        assert_eq!(height(&targets), height(&targets[..1]));
-        let unknown = height(&[seen(0.0, 0.0, 0.3)]);
-        assert!(unknown.mean_m.is_nan() && unknown.sigma_m.is_nan());
     }
 }

@@ -8,12 +8,14 @@
 //! measures, `place` puts them on the bottom (`altitude` above it), `passes` tells which passes of
 //! the boat covered a place, `group` makes one object of the same object seen from several lines
 //! (`sighting` is what is grouped, `pairs` says which sightings may be one, `spread` and `heading`
-//! how sure that is), `shape` fits a solid to what they recorded of it.
+//! how sure that is), `object_height` makes one height of all their heights, `shape` fits a solid
+//! to what they recorded of it.
 
 mod altitude;
 mod echo;
 mod group;
 mod heading;
+mod object_height;
 mod pairs;
 mod passes;
 mod place;
@@ -24,10 +26,13 @@ mod shadow;
 mod shape;
 mod sighting;
 mod spread;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub use echo::{Parts, parts};
 pub use group::Group;
-pub use group::{ObjectHeight, group};
+pub use group::group;
+pub use object_height::{HeightSource, ObjectHeight};
 pub(crate) use passes::count_seen;
 pub use passes::passes_over;
 pub use passes::{LogPings, PassCount, PassLog};

@@ -87,8 +87,8 @@ pub use log_copy::{CopyError, LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use log_points::LogPoints;
 pub(crate) use objects::ObjectRow;
 pub(crate) use objects::{
-    ObjectLog, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
-    shapes_ply,
+    ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,
+    objects_gpkg, objects_gpx, objects_kml, shapes_ply,
 };
 pub(crate) use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};

@@ -93,7 +93,7 @@ pub(super) fn footprint_style() -> String {
 /// Objects: a mark, and what they are called, once for all sightings of one.
 pub(super) fn target_style() -> String {
     let label = FeatureLabel {
-        expression: "CASE WHEN \"object\" IS NULL OR $id = minimum($id, group_by:=\"object\") THEN coalesce(nullif(\"name\", ''), \"class\" || coalesce(' ' || \"object\", '')) END",
+        expression: "coalesce(nullif(\"name\", ''), \"class\" || ' ' || \"number\")",
         size_pt: 8.0,
         colour: DARK_RED,
         halo_mm: 0.5,
@@ -249,7 +249,7 @@ mod tests {
         let styles = [
             (isobath_style(), "is_index"),
             (depth_area_style(&[([1.0, 1.5], [1, 2, 3]), ([1.5, 2.0], [4, 5, 6])]), "from_m"),
-            (target_style(), "object"),
+            (target_style(), "number"),
             (track_style(), ""),
             (footprint_style(), ""),
             (target_outline_style(), ""),

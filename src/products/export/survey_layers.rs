@@ -69,7 +69,8 @@ pub(crate) fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> La
         title: "Track",
         about: "The boat's track",
         geometry: "LINESTRING",
-        columns: "ping_from INTEGER, ping_to INTEGER, from_s DOUBLE, to_s DOUBLE, length_m DOUBLE",
+        columns: "ping_from INTEGER, ping_to INTEGER, from_s DOUBLE, to_s DOUBLE, length_m DOUBLE"
+            .into(),
         features: pieces.iter().filter_map(feature).collect(),
         style: track_style(),
     }
@@ -91,7 +92,7 @@ pub(crate) fn footprint_layer(
         title: "Footprint",
         about: "The ground that the side-scan insonified",
         geometry: "MULTIPOLYGON",
-        columns: "log TEXT, area_m2 DOUBLE",
+        columns: "log TEXT, area_m2 DOUBLE".into(),
         features: feature.into_iter().collect(),
         style: footprint_style(),
     }
@@ -120,7 +121,7 @@ pub(crate) fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, sc
         title: "Isobaths",
         about: "Lines of equal depth",
         geometry: "LINESTRING",
-        columns: "depth_m DOUBLE, depth DOUBLE, unit TEXT, label TEXT, is_index BOOLEAN, ring BOOLEAN, length_m DOUBLE",
+        columns: "depth_m DOUBLE, depth DOUBLE, unit TEXT, label TEXT, is_index BOOLEAN, ring BOOLEAN, length_m DOUBLE".into(),
         features: drawn.lines.iter().filter_map(feature).collect(),
         style: isobath_style(),
     }
@@ -155,7 +156,7 @@ pub(crate) fn depth_area_layer(
         title: "Depth areas",
         about: "Areas between depths",
         geometry: "MULTIPOLYGON",
-        columns: "from_m DOUBLE, to_m DOUBLE, area_m2 DOUBLE",
+        columns: "from_m DOUBLE, to_m DOUBLE, area_m2 DOUBLE".into(),
         features: filled().map(feature).collect(),
         style,
     }
@@ -182,7 +183,7 @@ pub(crate) fn spot_sounding_layer(
         title: "Spot soundings",
         about: "The shoalest depths of their surroundings",
         geometry: "POINT",
-        columns: "depth_m DOUBLE, unit TEXT, label TEXT, is_sounding BOOLEAN",
+        columns: "depth_m DOUBLE, unit TEXT, label TEXT, is_sounding BOOLEAN".into(),
         features: soundings.iter().map(feature).collect(),
         style: spot_sounding_style(),
     }

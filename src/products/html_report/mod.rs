@@ -37,7 +37,7 @@ use crate::pipeline::{
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::Raster;
-use bathyscope_objects::objects::ObjectList;
+use bathyscope_objects::objects::{ListedObject, ObjectList};
 use bathyscope_objects::targets::PassCount;
 use std::collections::BTreeMap;
 
@@ -83,8 +83,10 @@ pub(crate) type FileLine = (&'static str, &'static str);
 pub(crate) struct ReportObjects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
-    /// A line for each box of a target.
+    /// A row for each box of a target.
     pub rows: Vec<ObjectRow<'a>>,
+    /// The targets.
+    pub listed: Vec<ListedObject<'a>>,
     /// Where chips of each log are cut from; `None` of a log without boxes.
     pub rasters: &'a [Option<Raster>],
     /// Passes of the boat that saw each target, and that covered its place, by its number.

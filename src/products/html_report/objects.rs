@@ -1,14 +1,16 @@
 //! What lies there: marks on the maps, and a table with a picture of each.
 
 use super::frame::PageTransform;
-use super::{ReportData, raster};
+use super::{ReportData, ReportObjects, raster};
 use crate::export::{ObjectRow, chip};
-use bathyscope_bottom::presentation::text::{decimal, plural, position, typeset_count};
+use bathyscope_bottom::presentation::text::{plural, position, typeset_count};
 use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_objects::objects::{ObjectBox, SurveyObject};
+use bathyscope_objects::objects::{
+    ColumnValues, ListedObject, ObjectBox, ObjectColumn, SurveyObject,
+};
 use bathyscope_objects::review::State;
-use bathyscope_objects::targets::{ObjectHeight, PassCount, Target};
+use bathyscope_objects::targets::PassCount;
 
 /// Longest table; the files of the run list all.
 const MOST_ROWS: usize = 60;
@@ -63,27 +65,6 @@ pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
     drawn + "</g>\n"
 }
 
-/// The objects of several logs, one line each with the surest of its sightings.
-fn seen_table(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
-    let mut html = String::from(
-        "<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th class=\"text\">seen</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th class=\"text\">shape, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n",
-    );
-    for object in targets(from).take(MOST_ROWS) {
-        progress.check()?;
-        let sightings = (rows(from).iter()).filter(|row| row.of.object == Some(object.number));
-        let surest = sightings.max_by(|a, b| sure(a).total_cmp(&sure(b)));
-        if let Some(row) = surest {
-            html += &seen_line(from, object, row);
-        }
-    }
-    Ok(html + "</table>\n")
-}
-
-/// Who drew a box was sure.
-fn sure(row: &ObjectRow<'_>) -> f32 {
-    row.of.one.score.unwrap_or(1.0)
-}
-
 /// Passes that saw an object, and that covered its place.
 pub(super) fn passes_of(from: &ReportData<'_>, object: &SurveyObject) -> PassCount {
     let objects = from.objects.as_ref();
@@ -91,105 +72,145 @@ pub(super) fn passes_of(from: &ReportData<'_>, object: &SurveyObject) -> PassCou
     counted.copied().unwrap_or_default()
 }
 
-fn seen_line(from: &ReportData<'_>, object: &SurveyObject, surest: &ObjectRow<'_>) -> String {
-    let of_target = |value: fn(&Target) -> f64| {
-        let known = surest.of.target.as_ref().map(value);
-        known.map_or_else(String::new, |metres| decimal(metres, 2))
-    };
-    let PassCount { seen, covered } = passes_of(from, object);
-    let (number, logs) = (object.number, object.logs().len());
-    let of_passes = plural(covered, "pass", "passes");
-    let in_logs = plural(logs, "log", "logs");
-    format!(
-        "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{seen} of {of_passes}, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
-        picture(from, surest.of, LISTED_WIDTH),
-        xml(&object.joint.class),
-        (surest.of.one.score).map_or(String::new(), |score| format!("{score:.2}")),
-        surest.of.one.state.name(),
-        position(object.position),
-        of_target(|target| target.length_m),
-        of_target(|target| target.width_m),
-        height_cell(object.joint.height),
-        shape(surest),
-        of_target(|target| target.depth_m),
-        decimal(object.joint.sigma_m, 2),
-        xml(&surest.of.one.note),
-    )
-}
-
-/// `1.52 ± 0.12`, in metres.
-fn height_cell(height: ObjectHeight) -> String {
-    let mean = decimal(height.mean_m, 2);
-    match height.sigma_m.is_finite() {
-        true => format!("{mean} ± {:.2}", height.sigma_m),
-        false => mean,
-    }
-}
-
-/// The height of the object that a box shows; of a box without an object its own.
-fn height_of(from: &ReportData<'_>, row: &ObjectRow<'_>) -> ObjectHeight {
-    let objects = from.objects.as_ref();
-    match objects.and_then(|objects| objects.list.object(row.of.object?)) {
-        Some(object) => object.joint.height,
-        None => ObjectHeight::of(row.of.target.iter()),
-    }
-}
-
 /// The section; empty where nobody searched.
 pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let Some(objects) = &from.objects else {
         return Ok(String::new());
     };
-    let (count, distinct) = (objects.rows.len(), targets(from).count());
+    let (boxes, count) = (objects.rows.len(), objects.listed.len());
     let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
     html += &not_listed(from);
-    if count == 0 {
+    if boxes == 0 {
         let none = match is_reviewed(from) {
             true => "None was accepted.",
             false => "None was found.",
         };
         return Ok(html + none + "</p>\n");
     }
-    if from.logs.len() > 1 && distinct > 0 {
-        let boxes = typeset_count(count);
-        let seen = plural(distinct, "object", "objects");
-        let listed = match distinct > MOST_ROWS {
-            true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
-            false => String::new(),
-        };
+    if count > 0 {
         html += &format!(
-            "{boxes} boxes on {seen}: the sightings of an object in all logs are one, at the mean of their places, with the picture and size of the surest.{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>\n"
+            "{}.{} Objects are numbered as on the maps. The picture is that of the sighting that tells the size best; the boat is to the left.</p>\n",
+            seen_in(boxes, count),
+            first_of(count)
         );
-        return Ok(html + &seen_table(from, progress)?);
+        html += &object_rows(from, objects, progress)?;
+        html += "<p>";
     }
-    let mut rows: Vec<&ObjectRow<'_>> = objects.rows.iter().collect();
-    // Sightings of one object beside each other, the surest first; what has no place in the world
-    // last.
-    let order = |row: &ObjectRow<'_>| (row.of.object.unwrap_or(u32::MAX), row.of.one.id.0);
-    rows.sort_by(|a, b| {
-        (order(a).0.cmp(&order(b).0))
-            .then(sure(b).total_cmp(&sure(a)))
-            .then(order(a).1.cmp(&order(b).1))
-    });
-    let seen = match distinct {
-        0 => format!("{count} boxes."),
-        distinct if distinct < count => format!(
-            "{count} boxes on {distinct} objects: one that several lines passed is listed for each of its sightings."
-        ),
-        _ => format!("{count} objects."),
-    };
-    let listed = match count > MOST_ROWS {
+    Ok(html + &unplaced(from, progress)? + "</p>\n")
+}
+
+/// `14 boxes on 9 objects`; `9 objects` where each has one box.
+fn seen_in(boxes: usize, objects: usize) -> String {
+    let seen = plural(objects, "object", "objects");
+    match boxes > objects {
+        true => format!("{} boxes on {seen}", typeset_count(boxes)),
+        false => seen,
+    }
+}
+
+/// Says that a table is cut, where it is.
+fn first_of(count: usize) -> String {
+    match count > MOST_ROWS {
         true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
         false => String::new(),
+    }
+}
+
+/// A row for each target, with the columns of the table of objects.
+fn object_rows(
+    from: &ReportData<'_>,
+    objects: &ReportObjects<'_>,
+    progress: &Progress,
+) -> Result<String, Cancelled> {
+    let columns: Vec<&ObjectColumn> = ObjectColumn::shown()
+        .filter(|column| column.name != "logs" || from.logs.len() > 1)
+        .collect();
+    let heading = |column: &&ObjectColumn| match column.values {
+        ColumnValues::Length(_) => format!("<th>{}, m</th>", column.heading),
+        ColumnValues::Count(_) | ColumnValues::Number(..) => {
+            format!("<th>{}</th>", column.heading)
+        }
+        _ => format!("<th class=\"text\">{}</th>", column.heading),
     };
-    html += &format!(
-        "{seen}{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>\n<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th>box</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th class=\"text\">shape, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n"
+    let headings: Vec<String> = columns.iter().map(heading).collect();
+    let (number, rest) = headings.split_at(1.min(headings.len()));
+    let mut html = format!(
+        "<table><tr>{}<th class=\"text\">picture</th>{}</tr>\n",
+        number.concat(),
+        rest.concat()
     );
-    for row in rows.into_iter().take(MOST_ROWS) {
+    for of in objects.listed.iter().take(MOST_ROWS) {
         progress.check()?;
-        html += &line(from, row);
+        let cells = columns.iter().map(|column| cell(from, column, of));
+        let cells: Vec<String> = cells.collect();
+        let (number, rest) = cells.split_at(1.min(cells.len()));
+        let best = objects.list.members(of.object).nth(of.object.summary.best);
+        let picture = best.map_or_else(String::new, |best| picture(from, best, LISTED_WIDTH));
+        html += &format!(
+            "<tr>{}<td class=\"text\">{picture}</td>{}</tr>\n",
+            number.concat(),
+            rest.concat()
+        );
     }
     Ok(html + "</table>\n")
+}
+
+/// A cell of an object: lengths to the centimetre, with their standard deviation where there is
+/// one.
+fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
+    match column.values {
+        ColumnValues::Length(value) => {
+            let (length_m, sigma_m) = (value(of), column.sigma_m(of));
+            match (length_m.is_finite(), sigma_m.is_finite()) {
+                (true, true) => format!("<td>{length_m:.2} ± {sigma_m:.2}</td>"),
+                (true, false) => format!("<td>{length_m:.2}</td>"),
+                (false, _) => "<td></td>".to_owned(),
+            }
+        }
+        ColumnValues::Number(_, value) if value(of).is_finite() => {
+            format!("<td>{:.2}</td>", value(of))
+        }
+        ColumnValues::Number(..) => "<td></td>".to_owned(),
+        ColumnValues::Count(_) if column.name == "sightings" => {
+            let PassCount { seen, covered } = passes_of(from, of.object);
+            format!("<td>{seen} of {}</td>", plural(covered, "pass", "passes"))
+        }
+        ColumnValues::Count(value) => format!("<td>{}</td>", value(of)),
+        ColumnValues::Position(value) => {
+            format!("<td class=\"text\">{}</td>", position(value(of)))
+        }
+        ColumnValues::Text(_) | ColumnValues::State(_) => {
+            format!("<td class=\"text\">{}</td>", xml(&column.text(of)))
+        }
+    }
+}
+
+/// The boxes of targets that have no position, with their pictures; empty where all have one.
+fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+    let unplaced = || rows(from).iter().filter(|row| row.of.object.is_none());
+    let count = unplaced().count();
+    if count == 0 {
+        return Ok(String::new());
+    }
+    let mut html = format!(
+        "{} without a position, since the log has none there.{}</p>\n<table><tr><th>box</th><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">state</th><th>score</th><th class=\"text\">remarks</th></tr>\n",
+        plural(count, "box", "boxes"),
+        first_of(count)
+    );
+    for ObjectRow { of, .. } in unplaced().take(MOST_ROWS) {
+        progress.check()?;
+        let one = &of.one;
+        html += &format!(
+            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
+            one.id.0,
+            picture(from, of, LISTED_WIDTH),
+            xml(&of.class),
+            one.state.name(),
+            one.score.map_or_else(String::new, |score| format!("{score:.2}")),
+            xml(&one.note),
+        );
+    }
+    Ok(html + "</table>\n<p>")
 }
 
 /// What a review leaves undecided, in a sentence; empty where that is nothing, or everything.
@@ -226,52 +247,4 @@ fn shown_width(width: usize, height: usize, room: usize) -> usize {
         true => width.min(room),
         false => room.min(4 * width).min(room * width / height.max(1)),
     }
-}
-
-/// `block, 0.99 x 0.75`; empty where no shape fits.
-fn shape(row: &ObjectRow<'_>) -> String {
-    row.shape.map_or_else(String::new, |shape| {
-        let solid = &shape.posed.solid;
-        let sizes = [solid.length_m, solid.width_m];
-        let sizes = sizes.map(|size_m| decimal(size_m, 2)).join(" x ");
-        format!("{}, {sizes}", solid.kind.name())
-    })
-}
-
-/// What a table says of its shapes.
-const SHAPES: &str =
-    "A shape is the solid whose echo and shadow lie best over the picture: inferred, not measured.";
-
-fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
-    let picture = picture(from, row.of, LISTED_WIDTH);
-    let (of, one) = (row.of, &row.of.one);
-    let at = of.target.as_ref().map_or_else(
-        || {
-            "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td><td></td>"
-                .to_owned()
-        },
-        |target| {
-            let cells = |sizes: &[f64]| -> String {
-                let cell = |size_m: &f64| format!("<td>{}</td>", decimal(*size_m, 2));
-                sizes.iter().map(cell).collect()
-            };
-            format!(
-                "<td class=\"text\">{}</td>{}<td>{}</td><td class=\"text\">{}</td>{}",
-                position(target.position),
-                cells(&[target.length_m, target.width_m]),
-                height_cell(height_of(from, row)),
-                shape(row),
-                cells(&[target.depth_m, target.sigma_m])
-            )
-        },
-    );
-    format!(
-        "<tr><td>{}</td><td class=\"text\">{picture}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td>{at}<td class=\"text\">{}</td></tr>\n",
-        one.id.0,
-        xml(&of.class),
-        (one.score).map_or(String::new(), |score| format!("{score:.2}")),
-        one.state.name(),
-        (of.object).map_or(String::new(), |object| object.to_string()),
-        xml(&one.note),
-    )
 }

@@ -2,7 +2,7 @@
 //! with labels, for training.
 
 use super::logs::{log_names, survey_name};
-use super::objects::{all_rows, find_shapes, target_rows};
+use super::objects::{all_rows, find_shapes, listed, target_rows};
 use super::order::check_logs;
 use super::training_tiles::TrainingTiles;
 use crate::export::{self, DatasetPart, ObjectLog, make_folder};
@@ -12,7 +12,7 @@ use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::Raster;
-use bathyscope_objects::objects::{LogReview, ObjectList, SurveyObject, SurveyReview};
+use bathyscope_objects::objects::{LogReview, ObjectList, SurveyReview};
 use bathyscope_objects::review::{PIXEL_M, Review, ReviewedTile};
 use std::path::Path;
 
@@ -55,10 +55,10 @@ struct LogBoxes<'a> {
 }
 
 /// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing;
-/// `review` has what was decided about each log, if anything. `objects.csv` and `objects.geojson`
-/// have every box with its state, `objects.gpkg` those of targets ([`ObjectList::is_target`]),
-/// `objects.kml` and `objects.gpx` a point for each target, `shapes.ply` the solids that those are
-/// like; sightings of one object in whatever log have its number. Beside them lie the review
+/// `review` has what was decided about each log, if anything. `detections.csv` has every box with
+/// its state and the number of its object, `objects.csv` and `objects.geojson` every object,
+/// `objects.gpkg`, `objects.kml` and `objects.gpx` the targets ([`ObjectList::targets`]),
+/// `shapes.ply` the solids that those are like. Beside them lie the review
 /// itself, and `dataset/` with a picture around each decided box and its labels as YOLO, COCO and
 /// Pascal VOC, in the layout that detectors are trained on ([`export::DatasetFolder`]); a whole log
 /// is one part of it, for its pictures overlap. A picture in which all was rejected has no label: a
@@ -132,15 +132,15 @@ fn tables(
         .map(|(name, log)| ObjectLog { name, survey: &log.survey })
         .collect();
     let shapes = find_shapes(list, logs, progress)?;
-    let rows = all_rows(list, &shapes, logs);
-    export::objects_csv(&folder.join("objects.csv"), &named, &rows)?;
-    export::objects_geojson(&folder.join("objects.geojson"), &named, &rows)?;
-    let targets: Vec<&SurveyObject> = list.targets().collect();
-    let title = survey_name(names);
-    export::objects_kml(&folder.join("objects.kml"), &title, &targets)?;
+    export::box_table(&folder.join("detections.csv"), &named, &all_rows(list, &shapes))?;
+    let objects = listed(list.objects().iter(), (list, &shapes), logs, names);
+    export::object_table(&folder.join("objects.csv"), &objects)?;
+    export::objects_geojson(&folder.join("objects.geojson"), &objects)?;
+    let targets = listed(list.targets(), (list, &shapes), logs, names);
+    export::objects_kml(&folder.join("objects.kml"), &survey_name(names), &targets)?;
     export::objects_gpx(&folder.join("objects.gpx"), &targets)?;
-    let rows = target_rows(list, &shapes, logs);
-    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &rows)?;
-    export::shapes_ply(&folder.join("shapes.ply"), &rows)?;
+    let first = logs.first().and_then(|log| log.survey.start_unix_s);
+    export::objects_gpkg(&folder.join("objects.gpkg"), &targets, first.unwrap_or(0.0))?;
+    export::shapes_ply(&folder.join("shapes.ply"), &target_rows(list, &shapes))?;
     Ok(())
 }

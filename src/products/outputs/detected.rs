@@ -35,8 +35,7 @@ pub fn write_detected(
         corrections: &[],
     };
     let results = Results::new(&order, progress)?;
-    let searched = |when| when == When::Searched;
-    write_rows(&results, &run.path(), searched, &mut |_| ())?;
+    write_rows(&results, &run.path(), is_asked, &mut |_| ())?;
     let found = Proposed::of(&results)?;
     let found = found.ok_or("nothing searched for objects")?;
     check_logs(order.logs)?;
@@ -68,5 +67,10 @@ pub fn write_detected_in_picture(
 /// Whether a file is of a search, in whatever version's layout.
 fn is_of_search(name: &str) -> bool {
     let row = row_of(name).or_else(|| row_of_beside(name));
-    row.is_some_and(|row| row.when == When::Searched)
+    row.is_some_and(|row| is_asked(row.when))
+}
+
+/// Whether a search alone writes what is written at such a time.
+fn is_asked(when: When) -> bool {
+    matches!(when, When::Searched | When::Listed)
 }

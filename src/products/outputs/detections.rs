@@ -1,12 +1,12 @@
-//! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that
-//! may hold the files of one.
+//! What a search for objects proposes: `detections.*`, `objects.csv` and `chips`, with a run or into
+//! a folder that may hold the files of one.
 
 use super::content::{FileContent, FileResult};
-use super::objects::all_rows;
+use super::objects::{all_rows, listed};
 use super::results::Results;
 use crate::export::{self, ChipLog, ObjectRow, Summary};
 use crate::outputs::OutputError;
-use bathyscope_objects::objects::SurveyObject;
+use bathyscope_objects::objects::ListedObject;
 use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
 
@@ -35,27 +35,40 @@ impl Proposed {
     }
 }
 
+/// The boxes that a search found.
 fn rows<'a>(results: &'a Results<'_>) -> Result<Vec<ObjectRow<'a>>, OutputError> {
     let (list, shapes) = results.shaped_found()?;
-    Ok(all_rows(list, shapes, results.order.logs))
+    Ok(all_rows(list, shapes))
 }
 
-/// Writes `detections.csv`.
+/// The objects that they show.
+fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
+    let found = results.shaped_found()?;
+    Ok(listed(found.0.objects().iter(), found, results.order.logs, &results.names))
+}
+
+/// Writes `detections.csv`: a row for each box.
 pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
-    objects_csv(results, path, &rows(results)?)
+    box_table(results, path, &rows(results)?)
 }
 
-/// Writes `detections.geojson`.
+/// Writes `detections.geojson`: a point for each object.
 pub(super) fn geojson(results: &Results<'_>, path: &Path) -> FileResult {
-    objects_geojson(results, path, &rows(results)?)
+    Ok(FileContent::in_degrees(export::objects_geojson(path, &objects(results)?)?))
 }
 
-/// Writes `detections.gpx`.
+/// Writes `detections.gpx`: a waypoint for each object.
 pub(super) fn gpx(results: &Results<'_>, path: &Path) -> FileResult {
-    let (list, _) = results.shaped_found()?;
-    let objects: Vec<&SurveyObject> = list.objects().iter().collect();
-    let waypoints = export::objects_gpx(path, &objects)?;
-    Ok(FileContent::in_degrees(waypoints))
+    Ok(FileContent::in_degrees(export::objects_gpx(path, &objects(results)?)?))
+}
+
+/// Writes `objects.csv`: a row for each object of the review, or of the search where there is no
+/// review.
+pub(super) fn all_objects(results: &Results<'_>, path: &Path) -> FileResult {
+    let all = results.shaped_objects()?;
+    let objects = listed(all.0.objects().iter(), all, results.order.logs, &results.names);
+    export::object_table(path, &objects)?;
+    Ok(FileContent::in_degrees(export::object_places(&objects)))
 }
 
 /// Writes `shapes.ply`.
@@ -83,24 +96,10 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes boxes as a table.
-pub(super) fn objects_csv(
-    results: &Results<'_>,
-    path: &Path,
-    rows: &[ObjectRow<'_>],
-) -> FileResult {
+pub(super) fn box_table(results: &Results<'_>, path: &Path, rows: &[ObjectRow<'_>]) -> FileResult {
     let summary = Summary { count: rows.len(), ..placed_in(rows) };
-    export::objects_csv(path, &results.object_logs(), rows)?;
+    export::box_table(path, &results.object_logs(), rows)?;
     Ok(FileContent::in_degrees(summary))
-}
-
-/// Writes boxes as points.
-pub(super) fn objects_geojson(
-    results: &Results<'_>,
-    path: &Path,
-    rows: &[ObjectRow<'_>],
-) -> FileResult {
-    export::objects_geojson(path, &results.object_logs(), rows)?;
-    Ok(FileContent::in_degrees(placed_in(rows)))
 }
 
 /// The places of the boxes, counted.

@@ -3,8 +3,8 @@
 use super::content::{FileContent, FileResult};
 use super::depth::contours::DrawnContours;
 use super::need::Need;
-use super::objects::target_rows;
 use super::results::Results;
+use super::targets::targets;
 use crate::export::{self, MapGeometry};
 use crate::outputs::OutputError;
 use bathyscope_bottom::presentation::colours::depth_colour;
@@ -39,10 +39,8 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     }
     layers.push(export::track_layer(&placed, results.track()));
     if results.objects()?.is_some() {
-        let (list, shapes) = results.shaped_objects()?;
-        let rows = target_rows(list, shapes, results.order.logs);
         let position = |at| placed.position(at);
-        let [points, outlines] = export::object_layers(&results.object_logs(), &rows, position);
+        let [points, outlines] = export::object_layers(&targets(results)?, position);
         layers.extend([outlines, points]);
     }
     let time_s = results.start_unix_s().unwrap_or(0.0);

@@ -6,7 +6,7 @@ use crate::pipeline::{ProcessedLog, Products};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::Mark;
-use bathyscope_objects::objects::{ObjectBox, ObjectList, SurveyObject};
+use bathyscope_objects::objects::{ListedObject, ObjectBox, ObjectList, SurveyObject};
 use bathyscope_objects::targets::{FittedShape, Target};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -34,38 +34,40 @@ pub(super) fn find_shapes(
     Ok(shapes?.into_iter().flatten().collect())
 }
 
-/// A row for every box.
-pub(super) fn all_rows<'a>(
-    list: &'a ObjectList,
-    shapes: &'a Shapes,
+/// Objects as rows of tables, with their shapes and footprints.
+pub(super) fn listed<'a>(
+    objects: impl Iterator<Item = &'a SurveyObject>,
+    (list, shapes): (&ObjectList, &'a Shapes),
     logs: &[ProcessedLog],
-) -> Vec<ObjectRow<'a>> {
-    let boxes = list.boxes().iter();
-    boxes.map(|one| row(list, one, shapes, logs)).collect()
+    names: &'a [String],
+) -> Vec<ListedObject<'a>> {
+    let outline = |object: &SurveyObject| {
+        let best = list.members(object).nth(object.summary.best)?;
+        outline(logs.get(best.log)?, best.target.as_ref()?)
+    };
+    let listed = objects.map(|object| ListedObject {
+        object,
+        shape: shapes.get(&object.number),
+        outline: outline(object),
+        log_names: if names.len() > 1 { names } else { &[] },
+    });
+    listed.collect()
+}
+
+/// A row for every box.
+pub(super) fn all_rows<'a>(list: &'a ObjectList, shapes: &'a Shapes) -> Vec<ObjectRow<'a>> {
+    list.boxes().iter().map(|one| row(list, one, shapes)).collect()
 }
 
 /// A row for every box of a target.
-pub(super) fn target_rows<'a>(
-    list: &'a ObjectList,
-    shapes: &'a Shapes,
-    logs: &[ProcessedLog],
-) -> Vec<ObjectRow<'a>> {
+pub(super) fn target_rows<'a>(list: &'a ObjectList, shapes: &'a Shapes) -> Vec<ObjectRow<'a>> {
     let boxes = list.boxes().iter().filter(|one| list.is_target(one));
-    boxes.map(|one| row(list, one, shapes, logs)).collect()
+    boxes.map(|one| row(list, one, shapes)).collect()
 }
 
-fn row<'a>(
-    list: &ObjectList,
-    one: &'a ObjectBox,
-    shapes: &'a Shapes,
-    logs: &[ProcessedLog],
-) -> ObjectRow<'a> {
+fn row<'a>(list: &ObjectList, one: &'a ObjectBox, shapes: &'a Shapes) -> ObjectRow<'a> {
     let number = one.object.filter(|_| list.is_target(one));
-    ObjectRow {
-        of: one,
-        outline: (logs.get(one.log)).and_then(|log| outline(log, one.target.as_ref()?)),
-        shape: number.and_then(|number| shapes.get(&number)),
-    }
+    ObjectRow { of: one, shape: number.and_then(|number| shapes.get(&number)) }
 }
 
 /// The footprint in WGS84; `None` where the size is not known.

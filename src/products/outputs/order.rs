@@ -20,6 +20,8 @@ pub enum When {
     Compared,
     /// A run that searches for objects writes it.
     Searched,
+    /// A run that searches for objects, or has a review of them, writes it.
+    Listed,
 }
 
 /// What is to be written.
@@ -54,6 +56,7 @@ impl Order<'_> {
                 let mut surveys = self.logs.iter().map(|log| &log.survey);
                 self.search.is_some() && surveys.any(|survey| survey.has_side_scan())
             }
+            When::Listed => self.review.has_boxes() || self.asks_for(When::Searched),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::results::Results;
 use super::{clouds, comparison, depth, detections, geopackage, mosaic, residuals, targets, track};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
-    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contours, described, footprint,
+    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
     map_tiles, raster, row, run_file, target_file, track_file,
 };
 use std::collections::BTreeSet;
@@ -130,7 +130,7 @@ pub(crate) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 48] = [
+pub const OUTPUT_FILES: [OutputFile; 49] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -386,11 +386,27 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
         comparison::csv,
     ),
     target_file("objects/targets.csv", "boxes", targets::csv),
-    target_file("objects/targets.geojson", "boxes", targets::geojson),
+    target_file("objects/targets.geojson", "objects", targets::geojson),
     target_file("objects/targets.gpx", "objects", targets::gpx),
     target_file("objects/targets.kml", "objects", targets::kml),
-    boxes("objects/detections.csv", "objects with place and size", detections::csv),
-    boxes("objects/detections.geojson", "objects with place and size", detections::geojson),
+    OutputFile {
+        described: described(
+            "Objects of the review, or of the detector where there is no review, with all that is known of each",
+            "objects",
+            "",
+        ),
+        ..boxes_of(
+            "objects/objects.csv",
+            When::Listed,
+            "objects, a row each: place, size, height and its source",
+            detections::all_objects,
+        )
+    },
+    boxes("objects/detections.csv", "boxes of the detector with place and size", detections::csv),
+    OutputFile {
+        described: described("Objects that the detector proposes, not reviewed", "objects", ""),
+        ..boxes("objects/detections.geojson", "objects for maps", detections::geojson)
+    },
     OutputFile {
         described: described("Objects that the detector proposes, not reviewed", "objects", ""),
         ..boxes("objects/detections.gpx", "objects for maps and plotters", detections::gpx)

@@ -4,6 +4,7 @@ use super::objects::{Shapes, target_rows};
 use super::order::When;
 use super::results::Results;
 use super::run::OutputRun;
+use super::targets::targets;
 use crate::export::write_bytes;
 use crate::html_report::{self, FileLine, ReportData, ReportObjects};
 use crate::outputs::OutputError;
@@ -20,9 +21,11 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
     let results = &run.results;
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;
+    let listed = targets(results)?;
     let objects = boxes.as_ref().map(|boxes| ReportObjects {
         list: boxes.list,
-        rows: target_rows(boxes.list, boxes.shapes, order.logs),
+        rows: target_rows(boxes.list, boxes.shapes),
+        listed,
         rasters: &boxes.rasters,
         passes: &boxes.passes,
         origin: boxes.origin.clone(),

@@ -2,34 +2,33 @@
 //! review.
 
 use super::content::{FileContent, FileResult};
-use super::detections::{objects_csv, objects_geojson};
-use super::objects::target_rows;
+use super::detections::box_table;
+use super::objects::{listed, target_rows};
 use super::results::Results;
 use crate::export::{self, ObjectRow};
 use crate::outputs::OutputError;
-use bathyscope_objects::objects::SurveyObject;
+use bathyscope_objects::objects::ListedObject;
 use std::path::Path;
 
-/// The sightings of targets.
+/// The boxes of targets.
 pub(super) fn rows<'a>(results: &'a Results<'_>) -> Result<Vec<ObjectRow<'a>>, OutputError> {
     let (list, shapes) = results.shaped_objects()?;
-    Ok(target_rows(list, shapes, results.order.logs))
+    Ok(target_rows(list, shapes))
 }
 
-/// Writes `targets.csv`: a line for each box.
+/// Writes `targets.csv`: a row for each box.
 pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
-    objects_csv(results, path, &rows(results)?)
+    box_table(results, path, &rows(results)?)
 }
 
-/// Writes `targets.geojson`: a point for each box.
+/// Writes `targets.geojson`: a point for each object.
 pub(super) fn geojson(results: &Results<'_>, path: &Path) -> FileResult {
-    objects_geojson(results, path, &rows(results)?)
+    Ok(FileContent::in_degrees(export::objects_geojson(path, &targets(results)?)?))
 }
 
 /// Writes `targets.gpx`: a waypoint for each object.
 pub(super) fn gpx(results: &Results<'_>, path: &Path) -> FileResult {
-    let waypoints = export::objects_gpx(path, &targets(results)?)?;
-    Ok(FileContent::in_degrees(waypoints))
+    Ok(FileContent::in_degrees(export::objects_gpx(path, &targets(results)?)?))
 }
 
 /// Writes `targets.kml`: a placemark for each object.
@@ -38,7 +37,11 @@ pub(super) fn kml(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(places))
 }
 
-fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<&'a SurveyObject>, OutputError> {
-    let objects = results.objects()?;
-    Ok(objects.map_or_else(Vec::new, |list| list.targets().collect()))
+/// The targets; none where nobody looked.
+pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
+    if results.objects()?.is_none() {
+        return Ok(Vec::new());
+    }
+    let all = results.shaped_objects()?;
+    Ok(listed(all.0.targets(), all, results.order.logs, &results.names))
 }

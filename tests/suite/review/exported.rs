@@ -20,7 +20,7 @@ pub(super) fn export_by_keys(window: &mut Window, folder: &Path) {
 pub(super) fn check_tables(folder: &Path, review: &Review) {
     let objects = review.boxes().filter(|one| one.state.is_object()).count();
     let read = |name: &str| fs::read_to_string(folder.join(name)).expect("a file");
-    let table = read("objects.csv");
+    let table = read("detections.csv");
     let mut table = csv::Reader::from_reader(table.as_bytes());
     let lines: Vec<csv::StringRecord> = table.records().map(|line| line.expect("a line")).collect();
     assert_eq!(lines.len(), 50);
@@ -40,8 +40,10 @@ pub(super) fn check_tables(folder: &Path, review: &Review) {
     let points = numbers.len();
     assert_eq!(read("objects.kml").matches("<Placemark>").count(), points);
     assert_eq!(read("objects.gpx").matches("<wpt ").count(), points);
+    let all: std::collections::BTreeSet<&str> = lines.iter().map(|line| &line[20]).collect();
     let points: serde_json::Value = serde_json::from_str(&read("objects.geojson")).expect("JSON");
-    assert_eq!(points["features"].as_array().map(Vec::len), Some(50));
+    assert_eq!(points["features"].as_array().map(Vec::len), Some(all.len()));
+    assert_eq!(read("objects.csv").lines().count(), 1 + all.len());
 }
 
 pub(super) fn check_dataset(folder: &Path, review: &Review) {

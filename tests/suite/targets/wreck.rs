@@ -164,8 +164,9 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     }
 
     // Its picture: an image of its own.
-    let row = page.split("Anna &lt;Maria&gt;").nth(1).expect("its section");
-    let section = row.split("</section>").next().unwrap_or(row);
+    let section = page.split("<section class=\"target\">").nth(1).expect("its section");
+    let section = section.split("</section>").next().unwrap_or(section);
+    assert!(section.contains("Anna &lt;Maria&gt;"));
     assert!(section.contains("<img "), "no picture");
 
     // All views enlarge it: about a third of each is hull.
@@ -193,14 +194,14 @@ fn check_tables(folder: &Path) {
     };
     assert_eq!(field("name"), "Anna <Maria>");
     assert_eq!(field("class"), "steam tug");
-    assert_eq!(field("confidence"), "probable");
+    assert_eq!(field("certainty"), "probable");
     let length_m: f64 = field("length_m").parse().expect("a number");
     assert!((length_m / LENGTH_M - 1.0).abs() < 0.05);
     let features: serde_json::Value =
         serde_json::from_str(&read("objects.geojson")).expect("GeoJSON");
     let properties = &features["features"][0]["properties"];
     assert_eq!(properties["name"], "Anna <Maria>");
-    assert_eq!(properties["confidence"], "probable");
+    assert_eq!(properties["certainty"], "probable");
     for name in ["objects.kml", "objects.gpx"] {
         let text = read(name);
         assert!(text.contains("<name>Anna &lt;Maria&gt;</name>"), "{name}");

@@ -14,6 +14,7 @@ use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::Crs;
 use geometry::united;
 use rusqlite::Connection;
+use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
@@ -42,7 +43,7 @@ pub(crate) struct Layer {
     /// The kind of all its geometries: `POINT`, `LINESTRING`, `POLYGON` or `MULTIPOLYGON`.
     pub geometry: &'static str,
     /// Its columns behind the geometry, as SQL declares them: `depth_m DOUBLE, label TEXT`.
-    pub columns: &'static str,
+    pub columns: Cow<'static, str>,
     /// Its features, each with a value a column.
     pub features: Vec<(FeatureGeometry, Vec<Value>)>,
     /// How QGIS draws it (QML).
@@ -189,7 +190,7 @@ mod tests {
             title: name,
             about: "",
             geometry: "POINT",
-            columns: "label TEXT",
+            columns: "label TEXT".into(),
             features: (places.iter())
                 .map(|place| (FeatureGeometry::Point(*place), vec![text("2 & 3")]))
                 .collect(),

@@ -1,14 +1,16 @@
-//! What plotters and map programs say of an object: a name, and all that is known in a line.
+//! Words of an object for plotters and map programs: a name, a line, and its columns as elements of
+//! XML.
 
 use bathyscope_bottom::presentation::text::plural;
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_objects::objects::SurveyObject;
+use bathyscope_log::support::printable::xml;
+use bathyscope_objects::objects::{ListedObject, OBJECT_COLUMNS, SurveyObject};
 use std::collections::HashMap;
 
 /// What a plotter shows beside the name; what is not known is left out.
 pub(super) fn description(object: &SurveyObject) -> String {
     let (units, summary, joint) = (Units::default(), &object.summary, &object.joint);
-    let mut parts = vec![joint.class.clone(), summary.best_state.name().to_owned()];
+    let mut parts = vec![joint.class.clone(), summary.state.name().to_owned()];
     if let Some(score) = summary.score {
         parts.push(format!("score {score:.2}"));
     }
@@ -38,12 +40,12 @@ pub(super) fn description(object: &SurveyObject) -> String {
 
 /// What each object is called, each otherwise: plotters take places of one name for one. `Anna`,
 /// `rock 12`; a name that several objects have is followed by their numbers.
-pub(super) fn titles(objects: &[&SurveyObject]) -> Vec<String> {
+pub(super) fn titles(objects: &[ListedObject<'_>]) -> Vec<String> {
     let mut times: HashMap<&str, usize> = HashMap::new();
-    for object in objects {
+    for ListedObject { object, .. } in objects {
         *times.entry(&object.summary.name).or_default() += 1;
     }
-    let title = |object: &&SurveyObject| {
+    let title = |ListedObject { object, .. }: &ListedObject<'_>| {
         let name = object.summary.name.as_str();
         match (name, times[name]) {
             ("", _) => format!("{} {}", object.joint.class, object.number),
@@ -52,4 +54,12 @@ pub(super) fn titles(objects: &[&SurveyObject]) -> Vec<String> {
         }
     };
     objects.iter().map(title).collect()
+}
+
+/// The columns of an object that are known, each as an element that `element` makes of its name and
+/// its value.
+pub(super) fn elements(of: &ListedObject<'_>, element: impl Fn(&str, &str) -> String) -> String {
+    let known = OBJECT_COLUMNS.iter().map(|column| (column.name, column.text(of)));
+    let known = known.filter(|(_, text)| !text.is_empty());
+    known.map(|(name, text)| element(name, &xml(&text))).collect()
 }

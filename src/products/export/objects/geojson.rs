@@ -1,70 +1,36 @@
-//! `objects.geojson` (RFC 7946): one point a box that has a place.
+//! `objects.geojson` (RFC 7946): a point for each object.
 
-use super::{ObjectLog, ObjectRow, log_name};
-use crate::export::{ExportError, write_json};
-use serde_json::{Value, json};
+use super::object_places;
+use crate::export::{ExportError, Summary, write_json};
+use bathyscope_objects::objects::{ColumnValue, ListedObject, OBJECT_COLUMNS};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Writes boxes as points with everything that is known about them; `log` says which of several
-/// logs they are of. Boxes without a place are left out.
+/// Writes objects as points with all columns of the table of objects; `null` for what is not known.
 pub(crate) fn objects_geojson(
     path: &Path,
-    logs: &[ObjectLog<'_>],
-    rows: &[ObjectRow<'_>],
-) -> Result<(), ExportError> {
-    let features = rows.iter().filter_map(|row| feature(row, log_name(logs, row)));
-    let features: Vec<Value> = features.collect();
-    let collection = json!({ "type": "FeatureCollection", "features": features });
-    write_json(path, &collection)
+    objects: &[ListedObject<'_>],
+) -> Result<Summary, ExportError> {
+    let features: Vec<Value> = objects.iter().map(feature).collect();
+    write_json(path, &json!({ "type": "FeatureCollection", "features": features }))?;
+    Ok(object_places(objects))
 }
 
-fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
-    let (of, one) = (row.of, &row.of.one);
-    let target = of.target.as_ref()?;
-    let solid = row.shape.map(|shape| shape.posed.solid);
-    let mut feature = json!({
+fn feature(of: &ListedObject<'_>) -> Value {
+    let value = |value: Option<ColumnValue>| match value {
+        None => Value::Null,
+        Some(ColumnValue::Text(words)) => words.into(),
+        Some(ColumnValue::Count(count)) => count.into(),
+        Some(ColumnValue::Number(_, number)) => number.into(),
+    };
+    let properties: Map<String, Value> = (OBJECT_COLUMNS.iter())
+        .map(|column| (column.name.to_owned(), value(column.value(of))))
+        .collect();
+    let at = of.object.position;
+    json!({
         "type": "Feature",
-        "id": one.id.0,
-        "geometry": {
-            "type": "Point",
-            "coordinates": [target.position.lon_deg, target.position.lat_deg],
-        },
-        "properties": {
-            "class": &of.class,
-            "score": one.score.map(round),
-            "state": one.state.name(),
-            "side": one.mark.side.name(),
-            "ping_from": one.mark.pings.start,
-            "ping_to": one.mark.pings.end,
-            "length_m": metres(target.length_m),
-            "width_m": metres(target.width_m),
-            "height_m": metres(target.height_m),
-            "depth_m": metres(target.depth_m),
-            "sigma_m": metres(target.sigma_m),
-            "height_sigma_m": metres(target.height_sigma_m),
-            "object": of.object,
-            "name": &one.name,
-            "confidence": row.confidence(),
-            "note": &one.note,
-            "shape": solid.map(|solid| solid.kind.name()),
-            "shape_length_m": solid.and_then(|solid| metres(solid.length_m)),
-            "shape_width_m": solid.and_then(|solid| metres(solid.width_m)),
-            "shape_height_m": solid.and_then(|solid| metres(solid.height_m)),
-        },
-    });
-    if let Some(log) = log {
-        // Each log numbers its own boxes.
-        feature["id"] = json!(format!("{log} {}", one.id.0));
-        feature["properties"]["log"] = json!(log);
-    }
-    Some(feature)
-}
-
-/// To the millimetre; `null` for what is not known.
-fn metres(value: f64) -> Option<f64> {
-    value.is_finite().then(|| (value * 1e3).round() / 1e3)
-}
-
-fn round(score: f32) -> f64 {
-    (f64::from(score) * 1e4).round() / 1e4
+        "id": of.object.number,
+        "geometry": { "type": "Point", "coordinates": [at.lon_deg, at.lat_deg] },
+        "properties": properties,
+    })
 }

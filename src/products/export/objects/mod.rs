@@ -1,26 +1,29 @@
-//! Boxes of one log or of several and their places in the world for other programs: tables, and
-//! what maps and plotters read.
+//! Objects and their boxes, of one log or of several, for other programs: tables, and what maps and
+//! plotters read.
 //!
-//! In: boxes with their places and decisions. Out: tables and files for maps.
+//! In: boxes with their places and decisions, and the objects that they show. Out: tables and files
+//! for maps.
 
-mod csv_table;
+mod box_table;
 mod describe;
 mod geojson;
 mod geopackage;
 mod gpx;
 mod kml;
+mod object_table;
 mod shapes_ply;
 
-pub(crate) use csv_table::objects_csv;
+pub(crate) use box_table::box_table;
 pub(crate) use geojson::objects_geojson;
 pub(crate) use geopackage::{object_layers, objects_gpkg};
 pub(crate) use gpx::objects_gpx;
 pub(crate) use kml::objects_kml;
+pub(crate) use object_table::object_table;
 pub(crate) use shapes_ply::shapes_ply;
 
-use bathyscope_log::support::geo::LonLat;
+use crate::export::Summary;
 use bathyscope_log::survey::Survey;
-use bathyscope_objects::objects::ObjectBox;
+use bathyscope_objects::objects::{ListedObject, ObjectBox};
 use bathyscope_objects::review::Confidence;
 use bathyscope_objects::targets::FittedShape;
 
@@ -44,9 +47,6 @@ fn log_name<'a>(logs: &[ObjectLog<'a>], row: &ObjectRow<'_>) -> Option<&'a str> 
 pub(crate) struct ObjectRow<'a> {
     /// The box in the list of objects.
     pub of: &'a ObjectBox,
-    /// Corners of its outline on the ground: length along the track by width across it; `None`
-    /// where the size is not known.
-    pub outline: Option<[LonLat; 4]>,
     /// The shape of the object that it shows, where one fits.
     pub shape: Option<&'a FittedShape>,
 }
@@ -57,6 +57,23 @@ impl ObjectRow<'_> {
     fn confidence(&self) -> &'static str {
         self.of.one.confidence.map_or("", Confidence::name)
     }
+}
+
+/// Text that no spreadsheet takes for a formula.
+fn plain(text: &str) -> String {
+    match text.starts_with(['=', '+', '-', '@']) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    }
+}
+
+/// The places of objects, counted.
+pub(crate) fn object_places(objects: &[ListedObject<'_>]) -> Summary {
+    let mut summary = Summary::default();
+    for ListedObject { object, .. } in objects {
+        summary.add([object.position.lon_deg, object.position.lat_deg], f64::NAN);
+    }
+    summary
 }
 
 #[cfg(test)]

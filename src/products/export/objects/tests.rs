@@ -1,9 +1,11 @@
 use super::*;
 use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::printable::xml;
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_objects::Mark;
 use bathyscope_objects::objects::{
-    LogBox, LogId, ObjectSummary, PlacedBox, SurveyObject, joint_objects,
+    ListedObject, LogBox, LogId, OBJECT_COLUMNS, ObjectSummary, PlacedBox, SurveyObject,
+    joint_objects,
 };
 use bathyscope_objects::review::{BoxId, Reviewed, State};
 use bathyscope_objects::targets::{GroupSettings, PosedSolid, ShapeKind, Solid, Target};
@@ -57,6 +59,7 @@ fn boxes() -> [ObjectBox; 2] {
         class: "tyre <old>".to_owned(),
         target,
         object,
+        is_hidden: false,
     };
     [boxed(one, 7, Some(target(&mark())), Some(1)), boxed(lost, 8, None, None)]
 }
@@ -69,7 +72,7 @@ fn changed(of: &ObjectBox, change: impl FnOnce(&mut Reviewed)) -> ObjectBox {
 }
 
 fn rows(boxes: &[ObjectBox]) -> Vec<ObjectRow<'_>> {
-    let row = |of| ObjectRow { of, outline: None, shape: None };
+    let row = |of| ObjectRow { of, shape: None };
     boxes.iter().map(row).collect()
 }
 
@@ -90,7 +93,7 @@ fn written(
 #[test]
 fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     let (boxes, survey) = (boxes(), Survey::default());
-    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows(&boxes)));
+    let text = written(|path| box_table(path, &logs(&survey)[..1], &rows(&boxes)));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(&table.headers().unwrap()[17], "depth_m");
     let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
@@ -100,19 +103,6 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     assert_eq!((&lines[0][16], &lines[0][17]), ("", "2.000"), "no shadow");
     assert!(lines[0][21].starts_with("'=cmd"));
     assert_eq!((&lines[1][3], &lines[1][10]), ("", ""));
-}
-
-#[test]
-fn geojson_has_a_point_for_each_box_with_a_place() {
-    let (boxes, survey) = (boxes(), Survey::default());
-    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows(&boxes)));
-    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let features = read["features"].as_array().unwrap();
-    assert_eq!(features.len(), 1);
-    let coordinates = &features[0]["geometry"]["coordinates"];
-    assert_eq!(*coordinates, serde_json::json!([-82.11, 29.41]));
-    assert!(features[0]["properties"]["height_m"].is_null());
-    assert_eq!(features[0]["properties"]["score"], 0.875);
 }
 
 /// The object that some boxes show, number 3.
@@ -136,6 +126,11 @@ fn object(boxes: &[ObjectBox]) -> SurveyObject {
     }
 }
 
+/// The same as a row of tables.
+fn listed<'a>(object: &'a SurveyObject, shape: Option<&'a FittedShape>) -> ListedObject<'a> {
+    ListedObject { object, shape, outline: None, log_names: &[] }
+}
+
 #[test]
 fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
     let [one, _] = boxes();
@@ -146,10 +141,12 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
     });
     second.target = Some(Target { height_m: 0.5, height_sigma_m: 0.25, ..target(&mark()) });
     let named = object(&[first, second]);
-    let gpx = written(|path| objects_gpx(path, &[&named, &named]).map(|_| ()));
+    let gpx = written(|path| {
+        objects_gpx(path, &[listed(&named, None), listed(&named, None)]).map(|_| ())
+    });
     assert_eq!(gpx.matches("<wpt ").count(), 2);
     assert_eq!(gpx.matches("<name>Anna 3</name>").count(), 2, "told apart");
-    let gpx = written(|path| objects_gpx(path, &[&named]).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &[listed(&named, None)]).map(|_| ()));
     assert!(gpx.contains("<name>Anna</name><cmt>=cmd &amp;"), "{gpx}");
     assert!(gpx.contains("<type>tyre &lt;old&gt;</type>"));
     assert!(gpx.contains("height 0.50 ± 0.25 m"), "{gpx}");
@@ -160,12 +157,13 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
 fn markup_in_names_and_notes_is_escaped() {
     let [one, _] = boxes();
     let object = object(&[one]);
-    let kml = written(|path| objects_kml(path, "a & b", &[&object]).map(|_| ()));
-    let gpx = written(|path| objects_gpx(path, &[&object]).map(|_| ()));
+    let kml = written(|path| objects_kml(path, "a & b", &[listed(&object, None)]).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &[listed(&object, None)]).map(|_| ()));
     for text in [&kml, &gpx] {
         assert!(text.contains("<name>tyre &lt;old&gt; 3</name>"), "{text}");
         assert!(text.contains("=cmd &amp; &quot;two&quot;, see\nbelow"));
-        assert!(!text.contains("height"), "it is not known");
+        assert!(!text.contains("height_m"), "it is not known");
+        assert!(text.contains("score") && text.contains("0.8750"), "{text}");
     }
     assert!(kml.contains("<name>a &amp; b</name>"));
     assert!(kml.contains("<coordinates>-82.11000000,29.41000000</coordinates>"));
@@ -178,17 +176,12 @@ fn boxes_of_several_logs_say_which() {
     let logs = logs(&survey);
     boxes[1] = ObjectBox { log: 1, ..boxes[0].clone() };
     let rows = rows(&boxes);
-    let text = written(|path| objects_csv(path, &logs, &rows));
+    let text = written(|path| box_table(path, &logs, &rows));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let header = table.headers().unwrap().clone();
     assert_eq!((&header[0], &header[1]), ("log", "id"));
     let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
     assert_eq!((&lines[0][0], &lines[1][0]), ("first", "'=second"));
-    let text = written(|path| objects_geojson(path, &logs, &rows));
-    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let second = &read["features"][1];
-    assert_eq!(second["properties"]["log"], "=second");
-    assert_ne!(read["features"][0]["id"], second["id"]);
 }
 
 /// A block of 2 x 1 x 0.5 m that lies to the north-east, on a bottom 3 m deep.
@@ -214,23 +207,19 @@ fn block() -> FittedShape {
 }
 
 #[test]
-fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
+fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
     let (mut boxes, survey, block) = (boxes(), Survey::default(), block());
     boxes[1].object = Some(1);
     let mut rows = rows(&boxes);
     for row in &mut rows {
         row.shape = Some(&block);
     }
-    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows));
+    let text = written(|path| box_table(path, &logs(&survey)[..1], &rows));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     for line in table.records().map(Result::unwrap) {
         let shape: Vec<&str> = line.iter().skip(24).collect();
         assert_eq!(shape, ["block", "2.00", "1.00", "0.50", "45", "0.88"]);
     }
-    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows));
-    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(read["features"][0]["properties"]["shape_width_m"], 1.0);
-
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("shapes.ply");
     let summary = shapes_ply(&path, &rows).unwrap();
@@ -275,4 +264,64 @@ fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
         area_m2 += own;
     }
     assert!((2.0..2.1).contains(&area_m2), "{area_m2}");
+}
+
+/// Every format of objects says the same in every column.
+#[test]
+fn all_formats_have_all_columns() {
+    let [one, _] = boxes();
+    let mut first = changed(&one, |one| one.note = "a < b".to_owned());
+    first.target = Some(Target { height_m: 0.5, height_sigma_m: 0.25, ..target(&mark()) });
+    let (object, block) = (object(&[first]), block());
+    let listed = listed(&object, Some(&block));
+    let folder = tempfile::tempdir().unwrap();
+    let path = |ending: &str| folder.path().join(format!("objects.{ending}"));
+    object_table(&path("csv"), &[listed]).unwrap();
+    objects_geojson(&path("geojson"), &[listed]).unwrap();
+    objects_gpkg(&path("gpkg"), &[listed], 0.0).unwrap();
+    objects_kml(&path("kml"), "pond", &[listed]).unwrap();
+    objects_gpx(&path("gpx"), &[listed]).unwrap();
+
+    let mut csv = csv::Reader::from_path(path("csv")).unwrap();
+    let header = csv.headers().unwrap().clone();
+    let line = csv.records().next().unwrap().unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(path("geojson")).unwrap()).unwrap();
+    let properties = &json["features"][0]["properties"];
+    let database = rusqlite::Connection::open(path("gpkg")).unwrap();
+    let [kml, gpx] = ["kml", "gpx"].map(|ending| fs::read_to_string(path(ending)).unwrap());
+    let mut unknown = 0;
+    for (place, column) in OBJECT_COLUMNS.iter().enumerate() {
+        let (name, text) = (column.name, column.text(&listed));
+        assert_eq!((&header[place], &line[place]), (name, text.as_str()));
+        let in_database: rusqlite::types::Value = database
+            .query_row(&format!("SELECT {name} FROM targets"), [], |row| row.get(0))
+            .unwrap();
+        let said = xml(&text);
+        if text.is_empty() {
+            unknown += 1;
+            assert_eq!(properties[name], serde_json::Value::Null, "{name}");
+            assert_eq!(in_database, rusqlite::types::Value::Null, "{name}");
+            assert!(!kml.contains(&format!("\"{name}\"")) && !gpx.contains(&format!(":{name}>")));
+            continue;
+        }
+        assert!(kml.contains(&format!("<Data name=\"{name}\"><value>{said}</value>")), "{kml}");
+        assert!(gpx.contains(&format!("<bathyscope:{name}>{said}</")), "{gpx}");
+        match (&properties[name], in_database) {
+            (serde_json::Value::String(one), rusqlite::types::Value::Text(other)) => {
+                assert_eq!((one, &other), (&text, &text));
+            }
+            (serde_json::Value::Number(one), other) => {
+                let known: f64 = text.parse().unwrap();
+                let other = match other {
+                    rusqlite::types::Value::Integer(count) => count as f64,
+                    rusqlite::types::Value::Real(number) => number,
+                    other => panic!("{name}: {other:?}"),
+                };
+                assert!(one.as_f64() == Some(known) && other == known, "{name}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    assert!((1..6).contains(&unknown), "{unknown} of the columns are not known");
 }

@@ -137,10 +137,13 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target:
     fact(ui, "Uncertainty", hint, units.measure(target.sigma_m, 2));
     let hint = "Length along the track and width across it, of the echo without its shadow.";
     fact(ui, "Object", hint, extent(target, units));
-    let hint = "Height above the bottom from the shadows of all boxes, with its standard deviation; a shadow set by hand is preferred.";
+    let hint = "Height above the bottom from the shadows of all boxes, with its standard deviation; a shadow set by hand counts alone.";
     let height = object_height(app, one.id, target);
-    let height = units.with_sigma(height.mean_m, height.sigma_m, 2);
-    fact(ui, "Height", hint, height);
+    fact(ui, "Height", hint, units.with_sigma(height.mean_m, height.sigma_m, 2));
+    if height.source.is_some() {
+        let hint = "The sighting that the height rests on. Sightings that contradict it are left out; H measures a shadow by hand.";
+        fact(ui, "Height from", hint, height_source(app, one.id, height));
+    }
     let hint =
         "Slant ranges where the shadow starts and ends. Height = altitude x (end - start) / end.";
     fact(ui, "Shadow", hint, shadow(target, units));
@@ -161,6 +164,15 @@ fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
     match app.object_of(LogBox { log, id }) {
         Some(object) => object.joint.height,
         None => ObjectHeight::of(std::iter::once(target)),
+    }
+}
+
+/// The source of the height in words.
+fn height_source(app: &App, id: BoxId, height: ObjectHeight) -> String {
+    let log = app.log.id;
+    match app.object_of(LogBox { log, id }) {
+        Some(object) => app.listed_object(object).height_source(),
+        None => height.source_in_words(None),
     }
 }
 

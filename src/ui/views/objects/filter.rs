@@ -1,6 +1,6 @@
 //! The text and the state that rows are looked for by.
 
-use crate::app::{ObjectFilter, ObjectTable};
+use crate::app::{ObjectState, ObjectTable};
 use crate::ui::drop_down::DropDown;
 use crate::ui::{ViewContext, text};
 use egui::{RichText, TextEdit, Ui};
@@ -16,11 +16,11 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.add(field)
             .accessible_name("Filter of the objects")
             .on_hover_text("Number, or part of the name, the class or the remarks.");
-        let shown = table.state.map_or("all states", ObjectFilter::name);
+        let shown = table.state.map_or("all states", ObjectState::name);
         DropDown::new("state of objects", shown)
             .show(ui, |choices| {
                 choices.value(&mut table.state, None, "all states");
-                for state in ObjectFilter::ALL {
+                for state in ObjectState::ALL {
                     choices.value(&mut table.state, Some(state), state.name());
                 }
             })

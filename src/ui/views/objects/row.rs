@@ -1,10 +1,11 @@
 //! One row: picture, texts, and what a click on it asks for.
 
-use super::columns::{ColumnWidths, ROOM, cell_text, decisions, is_number};
+use super::columns::{ColumnWidths, LOGS, ROOM, cell_text, colour_of, is_number};
 use super::enlarged;
 use super::thumbnails::Thumbnails;
 use crate::app::{App, Command, ObjectColumn, SurveyObject};
 use crate::ui::{text, theme};
+use bathyscope_objects::objects::ColumnValues;
 use egui::{
     Align2, Color32, Id, Rect, Response, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, pos2, vec2,
@@ -68,7 +69,7 @@ impl ObjectTableRow<'_> {
             name => format!("{name}, "),
         };
         let (number, class) = (object.number, &object.joint.class);
-        let state = decisions(object).0;
+        let state = object.summary.state.name();
         format!("Object {number}, {called}{class}, seen {times}, {state}")
     }
 
@@ -94,15 +95,16 @@ impl ObjectTableRow<'_> {
     }
 
     /// Writes a cell; whether its text is longer than there is room.
-    fn cell(&self, ui: &Ui, app: &App, column: ObjectColumn, cell: Rect) -> bool {
+    fn cell(&self, ui: &Ui, app: &App, column: &ObjectColumn, cell: Rect) -> bool {
         let inner = cell.shrink2(vec2(ROOM, 0.0));
-        if column == ObjectColumn::Logs {
+        if column.name == LOGS {
             log_colours(ui, app, self.object, inner);
             return false;
         }
-        let colour = match column {
-            ObjectColumn::State => {
-                theme::box_colour_on_panel(app.view.options.theme, decisions(self.object).1)
+        let colour = match column.values {
+            ColumnValues::State(_) => {
+                let state = colour_of(self.object.summary.state);
+                theme::box_colour_on_panel(app.view.options.theme, state)
             }
             _ if self.is_selected => ui.visuals().selection.stroke.color,
             _ => ui.visuals().text_color(),

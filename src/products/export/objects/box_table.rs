@@ -1,6 +1,6 @@
-//! `objects.csv`: one line a box.
+//! `detections.csv` and `targets.csv`: a row for each box.
 
-use super::{ObjectLog, ObjectRow, log_name};
+use super::{ObjectLog, ObjectRow, log_name, plain};
 use crate::export::{ExportError, write_atomically};
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::targets::{FittedShape, Target};
@@ -44,7 +44,7 @@ const HEADER: [&str; 30] = [
 /// the middle ping. A field is empty where there is no value; a note that a spreadsheet would take
 /// for a formula begins with an apostrophe. A table of several logs begins with the column `log`.
 /// Shapes are those of whole objects: every sighting of one has the same.
-pub(crate) fn objects_csv(
+pub(crate) fn box_table(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
@@ -114,12 +114,4 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
         of_shape(|shape| shape.posed.shown_heading_rad().to_degrees(), 0),
         of_shape(|shape| shape.explained, 2),
     ]
-}
-
-/// Text that no spreadsheet takes for a formula.
-fn plain(text: &str) -> String {
-    match text.starts_with(['=', '+', '-', '@']) {
-        true => format!("'{text}"),
-        false => text.to_owned(),
-    }
 }

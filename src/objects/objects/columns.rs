@@ -1,0 +1,295 @@
+//! The columns of the table of objects. CSV, GeoJSON, GeoPackage, waypoints, placemarks, report,
+//! window and manual are made of this one table.
+
+use super::{ObjectState, SurveyObject};
+use crate::review::Confidence;
+use crate::targets::FittedShape;
+use bathyscope_log::support::geo::LonLat;
+
+/// An object as a row of tables.
+#[derive(Clone, Copy, Debug)]
+pub struct ListedObject<'a> {
+    /// The object.
+    pub object: &'a SurveyObject,
+    /// Its shape, where one fits.
+    pub shape: Option<&'a FittedShape>,
+    /// Corners of its footprint: length along the track by width across it, of the sighting that
+    /// tells the size best; `None` where the size is not known.
+    pub outline: Option<[LonLat; 4]>,
+    /// Names of the logs of the survey; empty where there is one log, which need not be named.
+    pub log_names: &'a [String],
+}
+
+impl<'a> ListedObject<'a> {
+    /// Source of the height in words; empty without a height.
+    pub fn height_source(&self) -> String {
+        let joint = &self.object.joint;
+        let log = joint.height_log().and_then(|log| self.log_names.get(log));
+        joint.height.source_in_words(log.map(String::as_str))
+    }
+
+    fn solid(&self, value: fn(&'a FittedShape) -> f64) -> f64 {
+        self.shape.map_or(f64::NAN, value)
+    }
+}
+
+/// The values of a column, one for each object.
+#[derive(Clone, Copy, Debug)]
+pub enum ColumnValues {
+    /// Words; empty where there are none.
+    Text(fn(&ListedObject<'_>) -> String),
+    /// Whole numbers.
+    Count(fn(&ListedObject<'_>) -> usize),
+    /// Decimal numbers with so many decimals; NaN where one is not known.
+    Number(usize, fn(&ListedObject<'_>) -> f64),
+    /// Lengths, metres; NaN where one is not known.
+    Length(fn(&ListedObject<'_>) -> f64),
+    /// Decisions.
+    State(fn(&ListedObject<'_>) -> ObjectState),
+    /// Positions: the latitude in files, beside a column of longitudes.
+    Position(fn(&ListedObject<'_>) -> LonLat),
+}
+
+/// Decimals of lengths in files: millimetres.
+const LENGTH_DECIMALS: usize = 3;
+/// Decimals of degrees in files: about a millimetre.
+const DEGREE_DECIMALS: usize = 8;
+
+/// A column.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectColumn {
+    /// Its name in files, with the unit.
+    pub name: &'static str,
+    /// Its heading in the window and in the report, without a unit; empty for one of files alone.
+    pub heading: &'static str,
+    /// Its values.
+    pub values: ColumnValues,
+    /// What they are, in a sentence.
+    pub meaning: &'static str,
+}
+
+/// The value of an object in a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ColumnValue {
+    /// Words.
+    Text(String),
+    /// A whole number.
+    Count(usize),
+    /// A decimal number with so many decimals.
+    Number(usize, f64),
+}
+
+impl ObjectColumn {
+    /// The columns of the window and the report.
+    pub fn shown() -> impl Iterator<Item = &'static Self> {
+        OBJECT_COLUMNS.iter().filter(|column| !column.heading.is_empty())
+    }
+
+    /// The column of a name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        OBJECT_COLUMNS.iter().find(|column| column.name == name)
+    }
+
+    /// The value of an object, rounded to the decimals of the column; `None` where it is not known.
+    pub fn value(&self, of: &ListedObject<'_>) -> Option<ColumnValue> {
+        let number = |value: f64, decimals: usize| {
+            let scale = 10_f64.powi(decimals as i32);
+            let rounded = || ColumnValue::Number(decimals, (value * scale).round() / scale);
+            value.is_finite().then(rounded)
+        };
+        match self.values {
+            Text(value) => Some(value(of)).filter(|words| !words.is_empty()).map(ColumnValue::Text),
+            State(value) => Some(ColumnValue::Text(value(of).name().to_owned())),
+            Count(value) => Some(ColumnValue::Count(value(of))),
+            Number(decimals, value) => number(value(of), decimals),
+            Length(value) => number(value(of), LENGTH_DECIMALS),
+            Position(value) => number(value(of).lat_deg, DEGREE_DECIMALS),
+        }
+    }
+
+    /// The same as text; empty where it is not known.
+    pub fn text(&self, of: &ListedObject<'_>) -> String {
+        match self.value(of) {
+            None => String::new(),
+            Some(ColumnValue::Text(words)) => words,
+            Some(ColumnValue::Count(count)) => count.to_string(),
+            Some(ColumnValue::Number(decimals, value)) => format!("{value:.decimals$}"),
+        }
+    }
+
+    /// The standard deviation that the window and the report show beside a length, metres; NaN
+    /// where there is none.
+    pub fn sigma_m(&self, of: &ListedObject<'_>) -> f64 {
+        match self.name {
+            "height_m" => of.object.joint.height.sigma_m,
+            _ => f64::NAN,
+        }
+    }
+}
+
+use ColumnValues::{Count, Length, Number, Position, State, Text};
+
+/// A column of the window, the report and all files.
+const fn shown(
+    name: &'static str,
+    heading: &'static str,
+    values: ColumnValues,
+    meaning: &'static str,
+) -> ObjectColumn {
+    ObjectColumn { name, heading, values, meaning }
+}
+
+/// A column of files alone.
+const fn filed(name: &'static str, values: ColumnValues, meaning: &'static str) -> ObjectColumn {
+    ObjectColumn { name, heading: "", values, meaning }
+}
+
+/// All columns, in their order.
+pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
+    shown(
+        "number",
+        "no.",
+        Count(|of| of.object.number as usize),
+        "Number of the object. It is given once, and kept through reviews, filters and exports.",
+    ),
+    shown("name", "name", Text(|of| of.object.summary.name.clone()), "Name that the analyst gave."),
+    shown(
+        "class",
+        "class",
+        Text(|of| of.object.joint.class.clone()),
+        "Class with the largest sum of scores over the boxes of the object.",
+    ),
+    shown(
+        "state",
+        "state",
+        State(|of| of.object.summary.state),
+        "Decision of the analyst: undecided, accepted or rejected.",
+    ),
+    shown(
+        "score",
+        "score",
+        Number(4, |of| of.object.summary.score.map_or(f64::NAN, f64::from)),
+        "Highest score of the detector, 0 to 1; empty for an object drawn by hand.",
+    ),
+    shown(
+        "certainty",
+        "certainty",
+        Text(|of| of.object.summary.confidence.map_or("", Confidence::name).to_owned()),
+        "Certainty of the analyst: unsure, probable or certain.",
+    ),
+    filed(
+        "lon",
+        Number(DEGREE_DECIMALS, |of| of.object.position.lon_deg),
+        "Longitude, WGS84, degrees.",
+    ),
+    shown(
+        "lat",
+        "position",
+        Position(|of| of.object.position),
+        "Latitude, WGS84, degrees; the mean of its boxes, weighted by their covariances.",
+    ),
+    filed(
+        "east_m",
+        Length(|of| of.object.joint.place_m[0]),
+        "Metres east of the survey's origin, as in the cloud.",
+    ),
+    filed(
+        "north_m",
+        Length(|of| of.object.joint.place_m[1]),
+        "Metres north of the survey's origin.",
+    ),
+    shown(
+        "sigma_m",
+        "within",
+        Length(|of| of.object.joint.sigma_m),
+        "Standard deviation of the position in the worse direction, without the error of the receiver.",
+    ),
+    shown(
+        "length_m",
+        "length",
+        Length(|of| of.object.summary.length_m),
+        "Length along the track, of the sighting that tells the size best.",
+    ),
+    shown(
+        "width_m",
+        "width",
+        Length(|of| of.object.summary.width_m),
+        "Width across the track, of the same sighting.",
+    ),
+    shown(
+        "height_m",
+        "height",
+        Length(|of| of.object.joint.height.mean_m),
+        "Height above the bottom, from the shadows that agree with the surest one.",
+    ),
+    filed(
+        "height_sigma_m",
+        Length(|of| of.object.joint.height.sigma_m),
+        "Standard deviation of the height.",
+    ),
+    filed(
+        "height_source",
+        Text(|of| of.height_source()),
+        "Sighting that the height rests on, and how many sightings contradict it.",
+    ),
+    shown(
+        "depth_m",
+        "depth",
+        Length(|of| of.object.summary.depth_m),
+        "Depth of the bottom at the object.",
+    ),
+    shown(
+        "sightings",
+        "seen",
+        Count(|of| of.object.sightings),
+        "Passes of the boat that saw the object.",
+    ),
+    filed("boxes", Count(|of| of.object.boxes.len()), "Boxes that show the object."),
+    shown(
+        "logs",
+        "logs",
+        Text(|of| {
+            let logs = of.object.joint.logs().into_iter();
+            let names: Vec<&str> =
+                logs.filter_map(|log| of.log_names.get(log)).map(String::as_str).collect();
+            names.join("; ")
+        }),
+        "Logs that saw the object; empty where the survey is one log.",
+    ),
+    filed(
+        "shape",
+        Text(|of| of.shape.map_or("", |shape| shape.posed.solid.kind.name()).to_owned()),
+        "Kind of the solid that explains echo and shadow best: inferred, not measured.",
+    ),
+    filed(
+        "shape_length_m",
+        Number(2, |of| of.solid(|shape| shape.posed.solid.length_m)),
+        "Length of the solid.",
+    ),
+    filed(
+        "shape_width_m",
+        Number(2, |of| of.solid(|shape| shape.posed.solid.width_m)),
+        "Width of the solid.",
+    ),
+    filed(
+        "shape_height_m",
+        Number(2, |of| of.solid(|shape| shape.posed.solid.height_m)),
+        "Height of the solid.",
+    ),
+    filed(
+        "shape_heading_deg",
+        Number(0, |of| of.solid(|shape| shape.posed.shown_heading_rad().to_degrees())),
+        "Direction of the length of the solid, degrees clockwise from north.",
+    ),
+    filed(
+        "shape_explained",
+        Number(2, |of| of.solid(|shape| shape.explained)),
+        "Share of the picture, beyond speckle, that the solid explains.",
+    ),
+    shown(
+        "remarks",
+        "remarks",
+        Text(|of| of.object.summary.notes.clone()),
+        "Remarks on the boxes.",
+    ),
+];

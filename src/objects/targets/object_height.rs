@@ -1,0 +1,186 @@
+//! The height of an object above the bottom by all its sightings.
+
+use super::Target;
+use crate::ObjectExtent;
+use bathyscope_log::survey::Side;
+
+/// Joint standard deviations within which two sightings agree about a height.
+const AGREE_SIGMAS: f64 = 2.5;
+/// Least standard deviation that a height counts with, metres.
+const LEAST_SIGMA_M: f64 = 0.01;
+
+/// The height of an object above the bottom by all its sightings.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectHeight {
+    /// Mean of the heights that agree with the surest one, weighted by the inverse of their
+    /// variances, metres; NaN without any height.
+    pub mean_m: f64,
+    /// Standard deviation of that mean, metres; NaN without a height. Larger where the sightings
+    /// differ by more than their own deviations explain.
+    pub sigma_m: f64,
+    /// The surest sighting; `None` without a height.
+    pub source: Option<HeightSource>,
+    /// Sightings whose height the mean is of.
+    pub counted: usize,
+    /// Sightings whose height contradicts the surest one. They are left out of the mean.
+    pub contradicting: usize,
+}
+
+/// The sighting that the height of an object rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeightSource {
+    /// Its place among the sightings.
+    pub sighting: usize,
+    /// An analyst has set the edges of the box, or has measured the shadow.
+    pub is_by_hand: bool,
+    /// The ping that the shadow was measured on, or the first of the box.
+    pub ping: usize,
+    /// The side.
+    pub side: Side,
+}
+
+/// Heights that are not known are alike.
+impl PartialEq for ObjectHeight {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
+        same(self.mean_m, other.mean_m)
+            && same(self.sigma_m, other.sigma_m)
+            && self.source == other.source
+            && (self.counted, self.contradicting) == (other.counted, other.contradicting)
+    }
+}
+
+impl ObjectHeight {
+    /// The source in words: `shadow, ping 895 port of lake-1; 1 sighting contradicts it`; empty
+    /// without a height. `log` is the name of the log that saw it, where there are several.
+    pub fn source_in_words(&self, log: Option<&str>) -> String {
+        let Some(HeightSource { is_by_hand, ping, side, .. }) = self.source else {
+            return String::new();
+        };
+        let how = if is_by_hand { "by hand" } else { "shadow" };
+        let of_log = log.map_or_else(String::new, |log| format!(" of {log}"));
+        let contradicted = match self.contradicting {
+            0 => String::new(),
+            1 => "; 1 sighting contradicts it".to_owned(),
+            count => format!("; {count} sightings contradict it"),
+        };
+        format!("{how}, ping {ping} {}{of_log}{contradicted}", side.name())
+    }
+
+    /// Returns the height that some sightings of one object tell.
+    ///
+    /// Where an analyst has set the edges or has measured the shadow of a sighting, those alone
+    /// count. Sightings that contradict the surest one are left out rather than averaged: one that
+    /// sees no more than a part of the shadow states a small deviation for a height that is wrong.
+    pub fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
+        let is_known = |one: &Target| one.height_m.is_finite() && !one.height_sigma_m.is_nan();
+        let known = targets.enumerate().filter(|(_, one)| is_known(one));
+        let (set, found): (Vec<_>, Vec<_>) = known.partition(|(_, one)| is_by_hand(one));
+        let told = if set.is_empty() { found } else { set };
+        let Some((sighting, surest)) = surest(&told) else {
+            return Self {
+                mean_m: f64::NAN,
+                sigma_m: f64::NAN,
+                source: None,
+                counted: 0,
+                contradicting: 0,
+            };
+        };
+        let agrees = |one: &&Target| {
+            let apart_m = (one.height_m - surest.height_m).abs();
+            apart_m <= AGREE_SIGMAS * sigma_m(one).hypot(sigma_m(surest))
+        };
+        let counted: Vec<&Target> = told.iter().map(|(_, one)| *one).filter(agrees).collect();
+        let [mean_m, sigma_m] = mean(&counted);
+        Self {
+            mean_m,
+            sigma_m,
+            source: Some(HeightSource {
+                sighting,
+                is_by_hand: is_by_hand(surest),
+                ping: surest.measured_shadow.map_or(surest.mark.pings.start, |shadow| shadow.ping),
+                side: surest.mark.side,
+            }),
+            counted: counted.len(),
+            contradicting: told.len() - counted.len(),
+        }
+    }
+}
+
+fn is_by_hand(target: &Target) -> bool {
+    target.measured_shadow.is_some() || matches!(target.extent, ObjectExtent::Drawn { .. })
+}
+
+fn sigma_m(target: &Target) -> f64 {
+    target.height_sigma_m.max(LEAST_SIGMA_M)
+}
+
+/// The sighting whose height is the largest multiple of its standard deviation: the ends of a short
+/// piece of shadow are as sharp as those of a whole one.
+fn surest<'a>(targets: &[(usize, &'a Target)]) -> Option<(usize, &'a Target)> {
+    let ratio = |one: &Target| one.height_m / sigma_m(one);
+    targets.iter().copied().max_by(|(_, a), (_, b)| ratio(a).total_cmp(&ratio(b)))
+}
+
+/// Weighted mean of some heights and its standard deviation, metres.
+fn mean(targets: &[&Target]) -> [f64; 2] {
+    let weight = |one: &Target| sigma_m(one).powi(-2);
+    let weights: f64 = targets.iter().map(|one| weight(one)).sum();
+    let sum: f64 = targets.iter().map(|one| weight(one) * one.height_m).sum();
+    let mean_m = sum / weights;
+    let squares = |one: &&Target| weight(one) * (one.height_m - mean_m).powi(2);
+    let excess = match targets.len() {
+        0 | 1 => 1.0,
+        count => (targets.iter().map(squares).sum::<f64>() / (count - 1) as f64).sqrt().max(1.0),
+    };
+    [mean_m, excess * weights.sqrt().recip()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::targets::testing::target;
+
+    fn seen(height_m: f64, height_sigma_m: f64) -> Target {
+        Target { height_m, height_sigma_m, ..target() }
+    }
+
+    fn height(targets: &[Target]) -> ObjectHeight {
+        ObjectHeight::of(targets.iter())
+    }
+
+    #[test]
+    fn heights_that_agree_are_averaged_by_their_variances() {
+        let both = height(&[seen(0.2, 0.2), seen(0.5, 0.1)]);
+        assert!((both.mean_m - (4.0 * 0.5 + 0.2) / 5.0).abs() < 1e-9);
+        // They differ by 0.3 m where 0.22 m is usual: 1.34 times as uncertain as both deviations
+        // say.
+        let squares = (0.3_f64).powi(2) / (0.1_f64.powi(2) + 0.2_f64.powi(2));
+        assert!((both.sigma_m - (squares / 125.0).sqrt()).abs() < 1e-9);
+        assert_eq!((both.counted, both.contradicting), (2, 0));
+    }
+
+    #[test]
+    fn a_part_of_a_shadow_does_not_outweigh_a_whole_one() {
+        // The rock of `pond.py --seed 11 --lines 4`, ping 895 port; its truth is 0.65 m.
+        let both = height(&[seen(0.075, 0.025), seen(0.57, 0.08)]);
+        assert_eq!((both.mean_m, both.counted, both.contradicting), (0.57, 1, 1));
+        assert_eq!(both.source_in_words(None), "shadow, ping 100 port; 1 sighting contradicts it");
+    }
+
+    #[test]
+    fn a_height_that_an_analyst_measured_counts_alone() {
+        let mut targets = [seen(0.5, 1.05), seen(1.3, 0.1)];
+        assert_eq!(height(&targets[..1]).mean_m, 0.5);
+        assert_eq!(height(&targets[..1]).sigma_m, 1.05);
+        let both = height(&targets);
+        assert!((1.29..1.3).contains(&both.mean_m) && (0.09..0.1).contains(&both.sigma_m));
+        targets[0].extent = ObjectExtent::Drawn { border_m: 1.5 };
+        assert_eq!(height(&targets), height(&targets[..1]));
+        let said = height(&targets).source_in_words(Some("lake-1"));
+        assert_eq!(said, "by hand, ping 100 port of lake-1");
+        let unknown = height(&[target()]);
+        assert!(unknown.mean_m.is_nan() && unknown.sigma_m.is_nan());
+        assert_eq!((unknown.source, unknown.source_in_words(None).as_str()), (None, ""));
+    }
+}
