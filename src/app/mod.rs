@@ -104,6 +104,6 @@ pub use reviewing::{
 pub use state::App;
 pub use swipe::{Swipe, SwipeSide};
 
-pub use bathyscope_objects::objects::{LogBox, LogId, ObjectColumn, ObjectState, SurveyObject};
+pub use bathyscope_objects::objects::{LogBox, LogId, Object, ObjectColumn, ObjectState};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};
 pub use passes::LogPass;

@@ -1,7 +1,7 @@
 //! The table of objects: which rows it shows, in which order.
 
 use bathyscope_objects::objects::{
-    ColumnValue, ColumnValues, ListedObject, ObjectColumn, ObjectState, SurveyObject,
+    ColumnValue, ColumnValues, ListedObject, Object, ObjectColumn, ObjectState,
 };
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
@@ -44,11 +44,11 @@ impl ObjectTable {
 
     /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where
     /// they are alike; what is not known comes last.
-    pub fn list(&self, objects: &[SurveyObject], log_names: &[String]) -> Vec<u32> {
+    pub fn list(&self, objects: &[Object], log_names: &[String]) -> Vec<u32> {
         let text = self.text.trim().to_lowercase();
-        let passes = |object: &&SurveyObject| {
+        let passes = |object: &&Object| {
             let of_state = self.state;
-            of_state.is_none_or(|state| state == object.summary.state) && says(object, &text)
+            of_state.is_none_or(|state| state == object.state) && says(object, &text)
         };
         let column = ObjectColumn::named(&self.sort);
         let mut shown: Vec<(Option<SortKey>, u32)> = (objects.iter().filter(passes))
@@ -103,9 +103,8 @@ impl SortKey {
     }
 }
 
-fn says(object: &SurveyObject, text: &str) -> bool {
-    let summary = &object.summary;
-    let parts = [&summary.name, &object.joint.class, &summary.notes];
+fn says(object: &Object, text: &str) -> bool {
+    let parts = [&object.name, &object.class, &object.remarks];
     let has = |part: &&String| part.to_lowercase().contains(text);
     text.is_empty() || parts.iter().any(has) || object.number.to_string() == text
 }
@@ -114,10 +113,12 @@ fn says(object: &SurveyObject, text: &str) -> bool {
 mod tests {
     use super::*;
     use bathyscope_log::support::geo::LonLat;
+    use bathyscope_log::survey::{Navigation, Survey};
     use bathyscope_objects::ObjectExtent;
-    use bathyscope_objects::objects::{LogBox, LogId, ObjectSummary, PlacedBox, joint_objects};
+    use bathyscope_objects::objects::{LogBox, LogId, ObjectBox, ObjectList, ObjectNumbers};
     use bathyscope_objects::review::{BoxId, Confidence, Reviewed, State};
-    use bathyscope_objects::targets::{GroupSettings, Target};
+    use bathyscope_objects::targets::Target;
+    use std::sync::Arc;
 
     fn target(length_m: f64) -> Target {
         let mark = bathyscope_objects::Mark::point(bathyscope_log::survey::Side::Port, 5, 6.0);
@@ -151,18 +152,24 @@ mod tests {
         Reviewed { score: Some(score), state, ..Reviewed::drawn(BoxId(1), mark, 0) }
     }
 
-    fn object(number: u32, class: &str, boxes: &[(Reviewed, Target)]) -> SurveyObject {
-        let placed = PlacedBox { log: 0, class, score: None, target: &boxes[0].1 };
-        let joint = joint_objects(&[placed], &GroupSettings::default());
-        let log = LogId(1);
-        SurveyObject {
-            number,
-            boxes: vec![LogBox { log, id: BoxId(number) }; boxes.len()],
-            position: boxes[0].1.position,
-            joint: joint[0].clone(),
-            sightings: boxes.len(),
-            summary: ObjectSummary::of(boxes.iter().map(|(one, target)| (one, target))),
-        }
+    fn object(number: u32, class: &str, boxes: &[(Reviewed, Target)]) -> Object {
+        let boxed = |(index, (one, target)): (usize, &(Reviewed, Target))| ObjectBox {
+            log: 0,
+            key: LogBox { log: LogId(1), id: BoxId(index as u32) },
+            one: Arc::new(one.clone()),
+            class: class.to_owned(),
+            // Each of a line of its own.
+            target: Some(Target { sailed_m: 50.0 * index as f64, ..target.clone() }),
+            object: None,
+            is_hidden: false,
+        };
+        let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
+        let boxes = boxes.iter().enumerate().map(boxed).collect();
+        let list = ObjectList::join(boxes, &[(&survey, &navigation)], &ObjectNumbers::default());
+        let [object] = list.objects() else { panic!("one object") };
+        let mut object = object.clone();
+        object.number = number;
+        object
     }
 
     #[test]
@@ -176,15 +183,15 @@ mod tests {
         other.note = "three".to_owned();
         other.confidence = Some(Confidence::Unsure);
         let boxes = [(other, target(2.0)), (drawn, target(1.0))];
-        let summary = object(1, "rock", &boxes).summary;
-        assert_eq!(summary.name, "Anna");
-        assert_eq!(summary.notes, "three; two");
-        assert_eq!(summary.state, ObjectState::Accepted, "by one of them");
-        assert_eq!(summary.score, Some(0.8));
-        assert_eq!(summary.confidence, Some(Confidence::Probable));
-        assert_eq!(summary.length_m, 1.0, "what was drawn counts");
+        let object = self::object(1, "rock", &boxes);
+        assert_eq!(object.name, "Anna");
+        assert_eq!(object.remarks, "three; two");
+        assert_eq!(object.state, ObjectState::Accepted, "by one of them");
+        assert_eq!(object.score, Some(0.8));
+        assert_eq!(object.certainty, Some(Confidence::Probable));
+        assert_eq!(object.length_m, 1.0, "what was drawn counts");
         let rejected = [(reviewed(State::Rejected, 0.5), target(1.0))];
-        assert_eq!(object(1, "rock", &rejected).summary.state, ObjectState::Rejected);
+        assert_eq!(self::object(1, "rock", &rejected).state, ObjectState::Rejected);
     }
 
     fn sort(table: &mut ObjectTable, name: &str) {
@@ -224,11 +231,11 @@ mod tests {
     fn fifty_thousand_objects_are_listed() {
         let boxes = [(reviewed(State::Proposed, 0.5), target(1.0))];
         let first = object(1, "rock", &boxes);
-        let objects: Vec<SurveyObject> = (0..50_000_u32)
+        let objects: Vec<Object> = (0..50_000_u32)
             .map(|index| {
                 let mut one = first.clone();
                 one.number = index + 1;
-                one.summary.length_m = f64::from(index.wrapping_mul(2_654_435_761) >> 12);
+                one.length_m = f64::from(index.wrapping_mul(2_654_435_761) >> 12);
                 one
             })
             .collect();

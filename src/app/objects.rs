@@ -7,8 +7,8 @@ use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use bathyscope_objects::objects::{
-    ListedObject, LogBox, LogId, LogNumbers, LogReview, ObjectBox, ObjectList, ObjectNumbers,
-    SurveyObject, SurveyReview,
+    ListedObject, LogBox, LogId, LogNumbers, LogReview, Object, ObjectBox, ObjectList,
+    ObjectNumbers, SurveyReview,
 };
 use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
 use bathyscope_products::pipeline::object_shape;
@@ -107,7 +107,7 @@ impl Objects {
 
 impl App {
     /// The objects that the boxes of all visible logs show, by number.
-    pub fn objects(&self) -> &[SurveyObject] {
+    pub fn objects(&self) -> &[Object] {
         let list = self.findings.objects.list.result();
         list.map_or(&[], |list| list.objects())
     }
@@ -134,23 +134,23 @@ impl App {
     }
 
     /// An object as a row of tables, without its shape.
-    pub fn listed_object<'a>(&'a self, object: &'a SurveyObject) -> ListedObject<'a> {
+    pub fn listed_object<'a>(&'a self, object: &'a Object) -> ListedObject<'a> {
         let log_names = &self.findings.objects.log_names;
         ListedObject { object, shape: None, outline: None, log_names }
     }
 
     /// An object by its number.
-    pub fn object(&self, number: u32) -> Option<&SurveyObject> {
+    pub fn object(&self, number: u32) -> Option<&Object> {
         self.findings.objects.list.result()?.object(number)
     }
 
     /// The object that a box shows; `None` where it has no place, and of logs that are not visible.
-    pub fn object_of(&self, id: LogBox) -> Option<&SurveyObject> {
+    pub fn object_of(&self, id: LogBox) -> Option<&Object> {
         self.findings.objects.list.result()?.object_of(id)
     }
 
     /// The box that shows an object first: one of the log that is shown, and of several the surest.
-    pub(crate) fn best_box(&self, object: &SurveyObject) -> Option<LogBox> {
+    pub(crate) fn best_box(&self, object: &Object) -> Option<LogBox> {
         let rank = |id: &LogBox| {
             let score = self.log_box(*id).and_then(|one| one.score);
             (id.log == self.log.id, score.unwrap_or(1.0))
@@ -163,7 +163,7 @@ impl App {
     }
 
     /// The object of the selected box.
-    pub fn selected_object(&self) -> Option<&SurveyObject> {
+    pub fn selected_object(&self) -> Option<&Object> {
         self.object_of(self.selected_log_box()?)
     }
 
@@ -255,17 +255,17 @@ impl App {
             }
             return;
         };
-        let (number, joint) = (object.number, object.joint.clone());
+        let object = object.clone();
         let track = |one: &LogBoxes| (one.review.log, Same(one.navigation.clone()));
         let of = PassesOf {
-            number,
+            number: object.number,
             boxes: object.boxes.clone(),
-            place_m: joint.place_m,
+            place_m: object.place_m,
             logs: logs.iter().map(track).collect(),
         };
         self.findings.objects.passes.ask(of, &self.jobs, move |_| {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
-            Some((number, joint.passes(&logs)))
+            Some((object.number, object.passes(&logs)))
         });
     }
 }

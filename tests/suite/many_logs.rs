@@ -11,8 +11,9 @@ use bathyscope_log::support::geo::{Crs, MapPlane};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{ExclusionReason, Side, Stretch, Survey};
 use bathyscope_objects::Mark;
-use bathyscope_objects::objects::{PlacedBox, joint_objects};
-use bathyscope_objects::targets::{GroupSettings, PassLog, Target};
+use bathyscope_objects::objects::{LogBox, LogId, ObjectBox, ObjectList, ObjectNumbers};
+use bathyscope_objects::review::{BoxId, Reviewed};
+use bathyscope_objects::targets::{PassLog, Target};
 use bathyscope_products::pipeline::joint::{crossline_analysis, height_offsets};
 use bathyscope_products::pipeline::{
     self, Derived, Mosaic, MosaicPlane, ObjectLocator, ProcessedLog, Settings, joint_depth_surface,
@@ -368,17 +369,20 @@ fn an_object_that_several_logs_saw_is_one() {
             }));
         }
     }
-    let boxes: Vec<PlacedBox<'_>> = placed
-        .iter()
-        .map(|(log, _, target)| PlacedBox {
-            log: *log,
-            // One detector in ten takes it for something else.
-            class: if target.mark.pings.start % 10 == 0 { "rock" } else { "block" },
-            score: Some(0.9),
-            target,
-        })
-        .collect();
-    let groups = joint_objects(&boxes, &GroupSettings::default());
+    let boxed = |(index, (log, _, target)): (usize, &(usize, usize, Target))| ObjectBox {
+        log: *log,
+        key: LogBox { log: LogId(*log as u64), id: BoxId(index as u32) },
+        one: Arc::new(Reviewed::drawn(BoxId(index as u32), target.mark.clone(), 0)),
+        // One detector in ten takes it for something else.
+        class: if target.mark.pings.start % 10 == 0 { "rock" } else { "block" }.to_owned(),
+        target: Some(target.clone()),
+        object: None,
+        is_hidden: false,
+    };
+    let boxes = placed.iter().enumerate().map(boxed).collect();
+    let pass_logs: Vec<PassLog<'_>> = lake.logs.iter().map(ProcessedLog::pass_log).collect();
+    let list = ObjectList::join(boxes, &pass_logs, &ObjectNumbers::default());
+    let groups = list.objects();
     for object in 0..OBJECTS.len() {
         let seen = || placed.iter().filter(move |(_, of, _)| *of == object);
         let mut logs: Vec<usize> = seen().map(|(log, ..)| *log).collect();
@@ -399,16 +403,14 @@ fn an_object_that_several_logs_saw_is_one() {
         let joined = joined.expect("an object");
         assert_eq!(joined.class, "block", "object {object}");
         // No sighting without a pass of the boat.
-        let logs = lake.logs.iter();
-        let logs = logs.map(|one| (&*one.survey, &*one.products.navigation));
-        let passes = joined.passes(&logs.collect::<Vec<PassLog<'_>>>());
+        let passes = joined.passes(&pass_logs);
         eprintln!("object {object}: {largest} boxes, {passes:?}");
         // Each log saw it on another day; a pass that saw it on both sides counts once.
         assert!((4..=largest).contains(&passes.seen));
         assert!((passes.seen..=40).contains(&passes.covered));
     }
     // No two objects are taken for one.
-    for one in &groups {
+    for one in groups {
         let first = placed[one.members[0]].1;
         assert!(one.members.iter().all(|member| placed[*member].1 == first));
     }

@@ -6,9 +6,7 @@ use crate::many_logs::{sailed, true_box, write_logs};
 use crate::review::search::{model, until};
 use crate::support::real_data;
 use crate::window::{Window, app, drawn_window, press, settle as drawn};
-use bathyscope::app::{
-    Action, App, Command, FileToOpen, Jobs, LogBox, LogId, ObjectState, SurveyObject,
-};
+use bathyscope::app::{Action, App, Command, FileToOpen, Jobs, LogBox, LogId, Object, ObjectState};
 use bathyscope_log::survey::{Identity, Side};
 use bathyscope_objects::Detection;
 use bathyscope_objects::review::{Edit, Review, State};
@@ -66,10 +64,10 @@ pub(super) fn proposed() -> (tempfile::TempDir, Window) {
 
 /// The object that lies where an object of the lake does, with the most boxes. All logs lie in the
 /// plane of the first.
-pub(super) fn object_of(window: &Window, index: usize) -> SurveyObject {
+pub(super) fn object_of(window: &Window, index: usize) -> Object {
     let truth = &sailed(0).objects[index];
-    let off_m = |one: &&SurveyObject| {
-        let [east_m, north_m] = one.joint.place_m;
+    let off_m = |one: &&Object| {
+        let [east_m, north_m] = one.place_m;
         f64::hypot(east_m - truth.east_m, north_m - truth.north_m)
     };
     let near = app(window).objects().iter().filter(|one| off_m(one) < 1.0);
@@ -101,7 +99,7 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
     for index in 0..4 {
         let object = object_of(&window, index);
         assert_eq!(object.logs(), ids(&window), "{index}: {object:?}");
-        assert_eq!(object.joint.class, "block", "classes are compared by name");
+        assert_eq!(object.class, "block", "classes are compared by name");
     }
     let object = object_of(&window, 1);
     let (first, second) = (ids(&window)[0], ids(&window)[1]);
@@ -173,7 +171,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         assert!(!object.boxes.contains(&selected(&window)));
         let same = app(&window).object_of(object.boxes[0]).expect("an object");
         assert_eq!((same.number, &same.boxes), (object.number, &object.boxes));
-        assert!(!matches!(same.summary.state, ObjectState::Undecided));
+        assert!(!matches!(same.state, ObjectState::Undecided));
 
         press(&mut window, Modifiers::COMMAND, Key::Z);
         settle(&mut window);

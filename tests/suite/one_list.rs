@@ -5,7 +5,7 @@ use crate::logs_window::{ids, settle};
 use crate::objects_window::{object_of, proposed};
 use crate::project_window::{open, save_as};
 use crate::window::{Window, app};
-use bathyscope::app::{Command, FileToWrite, LogBox, ObjectState, SurveyObject};
+use bathyscope::app::{Command, FileToWrite, LogBox, Object, ObjectState};
 use bathyscope_objects::objects::OBJECT_COLUMNS;
 use bathyscope_objects::review::{Edit, Queue};
 use rusqlite::Connection;
@@ -61,8 +61,7 @@ fn by_number(rows: impl Iterator<Item = BTreeMap<String, String>>) -> Objects {
 
 /// The objects of the window, targets or all.
 fn shown(window: &Window, only_targets: bool) -> Objects {
-    let is_shown =
-        |object: &&SurveyObject| !only_targets || object.summary.state == ObjectState::Accepted;
+    let is_shown = |object: &&Object| !only_targets || object.state == ObjectState::Accepted;
     let objects = app(window).objects().iter().filter(is_shown).map(|object| {
         let of = app(window).listed_object(object);
         let columns = OBJECT_COLUMNS.iter();
@@ -194,10 +193,10 @@ fn check_run(folder: &Path, window: &Window, titles: &BTreeSet<String>) {
     for object in app(window).objects().iter().filter(|one| targets.contains_key(&one.number)) {
         let row = page.split(&format!("<tr><td>{}</td>", object.number)).nth(1);
         let row = row.and_then(|row| row.split("</tr>").next()).expect("a row");
-        let height = object.joint.height;
+        let height = object.height;
         let height = format!("<td>{:.2} ± {:.2}</td>", height.mean_m, height.sigma_m);
-        let size = format!("<td>{:.2}</td>", object.summary.length_m);
-        let class = format!(">{}</td>", object.joint.class);
+        let size = format!("<td>{:.2}</td>", object.length_m);
+        let class = format!(">{}</td>", object.class);
         for said in [height, size, class, ">accepted</td>".to_owned()] {
             assert!(row.contains(&said), "{said} of {row}");
         }

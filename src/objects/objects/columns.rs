@@ -1,7 +1,7 @@
 //! The columns of the table of objects. CSV, GeoJSON, GeoPackage, waypoints, placemarks, report,
 //! window and manual are made of this one table.
 
-use super::{ObjectState, SurveyObject};
+use super::{Object, ObjectState};
 use crate::review::Confidence;
 use crate::targets::FittedShape;
 use bathyscope_log::support::geo::LonLat;
@@ -10,7 +10,7 @@ use bathyscope_log::support::geo::LonLat;
 #[derive(Clone, Copy, Debug)]
 pub struct ListedObject<'a> {
     /// The object.
-    pub object: &'a SurveyObject,
+    pub object: &'a Object,
     /// Its shape, where one fits.
     pub shape: Option<&'a FittedShape>,
     /// Corners of its footprint: length along the track by width across it, of the sighting that
@@ -23,9 +23,8 @@ pub struct ListedObject<'a> {
 impl<'a> ListedObject<'a> {
     /// Source of the height in words; empty without a height.
     pub fn height_source(&self) -> String {
-        let joint = &self.object.joint;
-        let log = joint.height_log().and_then(|log| self.log_names.get(log));
-        joint.height.source_in_words(log.map(String::as_str))
+        let log = self.object.height_log().and_then(|log| self.log_names.get(log));
+        self.object.height.source_in_words(log.map(String::as_str))
     }
 
     fn solid(&self, value: fn(&'a FittedShape) -> f64) -> f64 {
@@ -121,7 +120,7 @@ impl ObjectColumn {
     /// where there is none.
     pub fn sigma_m(&self, of: &ListedObject<'_>) -> f64 {
         match self.name {
-            "height_m" => of.object.joint.height.sigma_m,
+            "height_m" => of.object.height.sigma_m,
             _ => f64::NAN,
         }
     }
@@ -152,29 +151,29 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
         Count(|of| of.object.number as usize),
         "Number of the object. It is given once, and kept through reviews, filters and exports.",
     ),
-    shown("name", "name", Text(|of| of.object.summary.name.clone()), "Name that the analyst gave."),
+    shown("name", "name", Text(|of| of.object.name.clone()), "Name that the analyst gave."),
     shown(
         "class",
         "class",
-        Text(|of| of.object.joint.class.clone()),
+        Text(|of| of.object.class.clone()),
         "Class with the largest sum of scores over the boxes of the object.",
     ),
     shown(
         "state",
         "state",
-        State(|of| of.object.summary.state),
+        State(|of| of.object.state),
         "Decision of the analyst: undecided, accepted or rejected.",
     ),
     shown(
         "score",
         "score",
-        Number(4, |of| of.object.summary.score.map_or(f64::NAN, f64::from)),
+        Number(4, |of| of.object.score.map_or(f64::NAN, f64::from)),
         "Highest score of the detector, 0 to 1; empty for an object drawn by hand.",
     ),
     shown(
         "certainty",
         "certainty",
-        Text(|of| of.object.summary.confidence.map_or("", Confidence::name).to_owned()),
+        Text(|of| of.object.certainty.map_or("", Confidence::name).to_owned()),
         "Certainty of the analyst: unsure, probable or certain.",
     ),
     filed(
@@ -190,41 +189,37 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
     ),
     filed(
         "east_m",
-        Length(|of| of.object.joint.place_m[0]),
+        Length(|of| of.object.place_m[0]),
         "Metres east of the survey's origin, as in the cloud.",
     ),
-    filed(
-        "north_m",
-        Length(|of| of.object.joint.place_m[1]),
-        "Metres north of the survey's origin.",
-    ),
+    filed("north_m", Length(|of| of.object.place_m[1]), "Metres north of the survey's origin."),
     shown(
         "sigma_m",
         "within",
-        Length(|of| of.object.joint.sigma_m),
+        Length(|of| of.object.sigma_m),
         "Standard deviation of the position in the worse direction, without the error of the receiver.",
     ),
     shown(
         "length_m",
         "length",
-        Length(|of| of.object.summary.length_m),
+        Length(|of| of.object.length_m),
         "Length along the track, of the sighting that tells the size best.",
     ),
     shown(
         "width_m",
         "width",
-        Length(|of| of.object.summary.width_m),
+        Length(|of| of.object.width_m),
         "Width across the track, of the same sighting.",
     ),
     shown(
         "height_m",
         "height",
-        Length(|of| of.object.joint.height.mean_m),
+        Length(|of| of.object.height.mean_m),
         "Height above the bottom, from the shadows that agree with the surest one.",
     ),
     filed(
         "height_sigma_m",
-        Length(|of| of.object.joint.height.sigma_m),
+        Length(|of| of.object.height.sigma_m),
         "Standard deviation of the height.",
     ),
     filed(
@@ -232,12 +227,7 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
         Text(|of| of.height_source()),
         "Sighting that the height rests on, and how many sightings contradict it.",
     ),
-    shown(
-        "depth_m",
-        "depth",
-        Length(|of| of.object.summary.depth_m),
-        "Depth of the bottom at the object.",
-    ),
+    shown("depth_m", "depth", Length(|of| of.object.depth_m), "Depth of the bottom at the object."),
     shown(
         "sightings",
         "seen",
@@ -249,7 +239,7 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
         "logs",
         "logs",
         Text(|of| {
-            let logs = of.object.joint.logs().into_iter();
+            let logs = of.object.log_indices().into_iter();
             let names: Vec<&str> =
                 logs.filter_map(|log| of.log_names.get(log)).map(String::as_str).collect();
             names.join("; ")
@@ -286,10 +276,5 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
         Number(2, |of| of.solid(|shape| shape.explained)),
         "Share of the picture, beyond speckle, that the solid explains.",
     ),
-    shown(
-        "remarks",
-        "remarks",
-        Text(|of| of.object.summary.notes.clone()),
-        "Remarks on the boxes.",
-    ),
+    shown("remarks", "remarks", Text(|of| of.object.remarks.clone()), "Remarks on the boxes."),
 ];

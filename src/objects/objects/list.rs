@@ -1,63 +1,16 @@
 //! The list of objects.
 
-use super::{JointObject, LogBox, LogId, ObjectNumbers, ObjectSummary, PlacedBox, joint_objects};
-use crate::review::{Reviewed, State};
-use crate::targets::{GroupSettings, PassLog, Target};
-use bathyscope_log::support::geo::LonLat;
+use super::{LogBox, Object, ObjectBox, ObjectNumbers};
+use crate::review::State;
+use crate::targets::{GroupSettings, PassLog, Sighting, group};
+use crate::{NAMELESS_CLASS, class_index};
 use std::collections::HashMap;
-use std::sync::Arc;
-
-/// A box with its place, and the object that it is a sighting of.
-#[derive(Clone, Debug)]
-pub struct ObjectBox {
-    /// Which log of the survey it is of.
-    pub log: usize,
-    /// The same, and its number there.
-    pub key: LogBox,
-    /// The box, and what was decided about it.
-    pub one: Arc<Reviewed>,
-    /// Name of its class.
-    pub class: String,
-    /// Where it lies in the world; `None` where that cannot be known.
-    pub target: Option<Target>,
-    /// Number of the object that it is a sighting of; `None` without a place.
-    pub object: Option<u32>,
-    /// The confidence filter has it out of sight. It counts as a sighting all the same.
-    pub is_hidden: bool,
-}
-
-/// An object with the boxes that show it.
-#[derive(Clone, Debug)]
-pub struct SurveyObject {
-    /// Its number, never given to another object.
-    pub number: u32,
-    /// The boxes that show it, by log and number.
-    pub boxes: Vec<LogBox>,
-    /// Where it lies.
-    pub position: LonLat,
-    /// Class, place in the plane of the survey, and height. Members count the boxes of the list.
-    pub joint: JointObject,
-    /// Passes of the boat that saw it: at most as many as boxes, since both sides may see it in one
-    /// pass, and two recorders too.
-    pub sightings: usize,
-    /// What its boxes say of it.
-    pub summary: ObjectSummary,
-}
-
-impl SurveyObject {
-    /// The logs that saw it, in the order of the survey.
-    pub fn logs(&self) -> Vec<LogId> {
-        let mut logs: Vec<LogId> = self.boxes.iter().map(|one| one.log).collect();
-        logs.dedup();
-        logs
-    }
-}
 
 /// The boxes of a survey that are in sight, and the objects that they show.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectList {
     boxes: Vec<ObjectBox>,
-    objects: Vec<SurveyObject>,
+    objects: Vec<Object>,
     /// The object of every box that has one, by its place in the list.
     of: HashMap<LogBox, usize>,
     numbers: ObjectNumbers,
@@ -71,30 +24,13 @@ impl ObjectList {
     /// keeps the number that it had in `before`. Objects of which all boxes are hidden are numbered
     /// and left out; of the others every box counts.
     pub fn join(boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
-        let mut joined = joined(&boxes, false);
-        joined.extend(self::joined(&boxes, true));
-        let keys = |joint: &JointObject| -> Vec<LogBox> {
-            joint.members.iter().map(|member| boxes[*member].key).collect()
-        };
-        let keys: Vec<Vec<LogBox>> = joined.iter().map(keys).collect();
+        let mut objects = joined(&boxes, logs, false);
+        objects.extend(joined(&boxes, logs, true));
+        let keys: Vec<Vec<LogBox>> = objects.iter().map(|object| object.boxes.clone()).collect();
         let mut numbers = before.clone();
-        let numbered = numbers.give(&keys);
-        let mut objects: Vec<SurveyObject> = (joined.into_iter().zip(keys).zip(numbered))
-            .filter_map(|((joint, boxes_of), number)| {
-                let (survey, navigation) = logs.first()?;
-                let [east_m, north_m] = joint.place_m;
-                let members = joint.members.iter().map(|member| &boxes[*member]);
-                let members = members.filter_map(|one| Some((&*one.one, one.target.as_ref()?)));
-                Some(SurveyObject {
-                    number,
-                    boxes: boxes_of,
-                    position: navigation.to_lon_lat(&survey.track, east_m, north_m),
-                    sightings: joint.sightings(logs),
-                    summary: ObjectSummary::of(members),
-                    joint,
-                })
-            })
-            .collect();
+        for (object, number) in objects.iter_mut().zip(numbers.give(&keys)) {
+            object.number = number;
+        }
         objects.sort_by_key(|object| object.number);
         let boxes = hide(boxes, &mut objects);
         let mut of = HashMap::new();
@@ -116,7 +52,7 @@ impl ObjectList {
     }
 
     /// The objects, by number.
-    pub fn objects(&self) -> &[SurveyObject] {
+    pub fn objects(&self) -> &[Object] {
         &self.objects
     }
 
@@ -126,14 +62,14 @@ impl ObjectList {
     }
 
     /// An object by its number.
-    pub fn object(&self, number: u32) -> Option<&SurveyObject> {
+    pub fn object(&self, number: u32) -> Option<&Object> {
         let index = (self.objects).binary_search_by_key(&number, |object| object.number);
         self.objects.get(index.ok()?)
     }
 
     /// The object that a box shows; `None` of a box without a place, and of one that does not
     /// count.
-    pub fn object_of(&self, key: LogBox) -> Option<&SurveyObject> {
+    pub fn object_of(&self, key: LogBox) -> Option<&Object> {
         self.objects.get(*self.of.get(&key)?)
     }
 
@@ -151,26 +87,26 @@ impl ObjectList {
     }
 
     /// The objects that products show: those with a box of which [`ObjectList::is_target`] says so.
-    pub fn targets(&self) -> impl Iterator<Item = &SurveyObject> {
-        let is_target = |object: &&SurveyObject| {
-            let mut members = object.joint.members.iter();
+    pub fn targets(&self) -> impl Iterator<Item = &Object> {
+        let is_target = |object: &&Object| {
+            let mut members = object.members.iter();
             members.any(|member| self.is_target(&self.boxes[*member]))
         };
         self.objects.iter().filter(is_target)
     }
 
     /// The boxes of an object.
-    pub fn members(&self, object: &SurveyObject) -> impl Iterator<Item = &ObjectBox> {
-        object.joint.members.iter().map(|member| &self.boxes[*member])
+    pub fn members(&self, object: &Object) -> impl Iterator<Item = &ObjectBox> {
+        object.members.iter().map(|member| &self.boxes[*member])
     }
 }
 
 /// Gives boxes the numbers of their objects, and leaves out objects of which all boxes are hidden,
 /// and these boxes; members count the boxes that are left.
-fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<SurveyObject>) -> Vec<ObjectBox> {
-    objects.retain(|object| object.joint.members.iter().any(|member| !boxes[*member].is_hidden));
+fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<Object>) -> Vec<ObjectBox> {
+    objects.retain(|object| object.members.iter().any(|member| !boxes[*member].is_hidden));
     for object in &*objects {
-        for member in &object.joint.members {
+        for member in &object.members {
             boxes[*member].object = Some(object.number);
         }
     }
@@ -183,7 +119,7 @@ fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<SurveyObject>) -> Vec<Objec
         })
         .collect();
     boxes.retain(is_left);
-    for member in objects.iter_mut().flat_map(|object| &mut object.joint.members) {
+    for member in objects.iter_mut().flat_map(|object| &mut object.members) {
         *member = place_of[*member];
     }
     boxes
@@ -193,33 +129,44 @@ fn is_left(one: &ObjectBox) -> bool {
     one.object.is_some() || !one.is_hidden
 }
 
-/// The objects of the boxes that were rejected, or of all others; members count all boxes.
-fn joined(boxes: &[ObjectBox], is_rejected: bool) -> Vec<JointObject> {
-    let (members, placed): (Vec<usize>, Vec<PlacedBox<'_>>) = (boxes.iter().enumerate())
+/// The objects of the boxes that were rejected, or of all others, without numbers.
+fn joined(boxes: &[ObjectBox], logs: &[PassLog<'_>], is_rejected: bool) -> Vec<Object> {
+    let mut names = Vec::new();
+    let (members, sightings): (Vec<usize>, Vec<Sighting<'_>>) = (boxes.iter().enumerate())
         .filter(|(_, one)| (one.one.state == State::Rejected) == is_rejected)
         .filter_map(|(index, one)| {
-            let placed = PlacedBox {
+            let has_name = one.class != NAMELESS_CLASS;
+            let sighting = Sighting {
                 log: one.log,
-                class: &one.class,
-                score: one.one.score,
                 target: one.target.as_ref()?,
+                // Every log may have a list of classes of its own: they are compared by name.
+                class: has_name.then(|| class_index(&mut names, &one.class)),
+                // Who drew a box was sure.
+                score: one.one.score.map_or(1.0, f64::from),
             };
-            Some((index, placed))
+            Some((index, sighting))
         })
         .unzip();
-    let mut objects = joint_objects(&placed, &GroupSettings::default());
-    for member in objects.iter_mut().flat_map(|object| &mut object.members) {
-        *member = members[*member];
-    }
-    objects
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let groups = group(&sightings, &GroupSettings::default()).into_iter();
+    let objects = groups.filter_map(|mut group| {
+        for member in &mut group.members {
+            *member = members[*member];
+        }
+        Object::new(group, &names, boxes, logs)
+    });
+    objects.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::review::BoxId;
+    use crate::objects::LogId;
+    use crate::review::{BoxId, Reviewed};
+    use crate::targets::Target;
     use crate::targets::testing::target;
     use bathyscope_log::survey::{Navigation, Survey};
+    use std::sync::Arc;
 
     /// A box of a first line, 50 m further of the way a second one, and so on.
     fn seen(id: u32, line: u32, east_m: f64, score: f32) -> ObjectBox {
@@ -251,7 +198,7 @@ mod tests {
         let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
         let log: PassLog<'_> = (&survey, &navigation);
         let list = ObjectList::join(boxes.to_vec(), &[log], &ObjectNumbers::default());
-        let objects = list.objects().iter().map(|one| (one.number, one.joint.place_m[0]));
+        let objects = list.objects().iter().map(|one| (one.number, one.place_m[0]));
         let left = list.boxes().iter().map(|one| (one.key.id.0, one.object));
         let members = list.objects().iter().flat_map(|object| list.members(object));
         assert!(members.into_iter().all(|one| one.object.is_some()));

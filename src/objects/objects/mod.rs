@@ -4,24 +4,22 @@
 //! before. Out: the objects that they are sightings of. The window, products, report and plan
 //! have it from here.
 //!
-//! `review` says which boxes count, `joint` makes one object of what several logs saw, `numbers`
-//! keeps their numbers, `summary` is what the boxes of an object say of it, `list` puts these
-//! together, `columns` is the table of what is said of an object.
+//! `review` says which boxes count, `object` is what all boxes of an object say of it, `numbers`
+//! keeps the numbers of objects, `list` joins boxes into objects, `columns` is the table of what is
+//! said of an object.
 
 mod columns;
-mod joint;
 mod list;
 mod numbers;
+mod object;
 mod review;
-mod summary;
 
 pub use columns::{ColumnValue, ColumnValues, ListedObject, OBJECT_COLUMNS, ObjectColumn};
-pub use joint::{JointObject, PlacedBox, joint_objects};
-pub use list::{ObjectBox, ObjectList, SurveyObject};
+pub use list::ObjectList;
 pub use numbers::{LogNumbers, ObjectNumbers};
+pub use object::{Object, ObjectBox, ObjectState};
 pub use review::SurveyReview;
 pub use review::{KeptReview, LogReview};
-pub use summary::{ObjectState, ObjectSummary};
 
 use crate::review::BoxId;
 

@@ -85,7 +85,6 @@ pub(crate) use isobaths::{
 pub(crate) use las::LasPacking;
 pub use log_copy::{CopyError, LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use log_points::LogPoints;
-pub(crate) use objects::ObjectRow;
 pub(crate) use objects::{
     ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,
     objects_gpkg, objects_gpx, objects_kml, shapes_ply,

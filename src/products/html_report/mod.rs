@@ -29,7 +29,6 @@ mod targets;
 
 pub(crate) use document::document;
 
-use crate::export::ObjectRow;
 use crate::pipeline::LogLatency;
 use crate::pipeline::{
     DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
@@ -37,7 +36,7 @@ use crate::pipeline::{
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::Raster;
-use bathyscope_objects::objects::{ListedObject, ObjectList};
+use bathyscope_objects::objects::{ListedObject, ObjectBox, ObjectList};
 use bathyscope_objects::targets::PassCount;
 use std::collections::BTreeMap;
 
@@ -83,8 +82,8 @@ pub(crate) type FileLine = (&'static str, &'static str);
 pub(crate) struct ReportObjects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
-    /// A row for each box of a target.
-    pub rows: Vec<ObjectRow<'a>>,
+    /// The boxes of targets.
+    pub boxes: Vec<&'a ObjectBox>,
     /// The targets.
     pub listed: Vec<ListedObject<'a>>,
     /// Where chips of each log are cut from; `None` of a log without boxes.

@@ -2,13 +2,11 @@
 
 use super::frame::PageTransform;
 use super::{ReportData, ReportObjects, raster};
-use crate::export::{ObjectRow, chip};
+use crate::export::chip;
 use bathyscope_bottom::presentation::text::{plural, position, typeset_count};
 use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_objects::objects::{
-    ColumnValues, ListedObject, ObjectBox, ObjectColumn, SurveyObject,
-};
+use bathyscope_objects::objects::{ColumnValues, ListedObject, Object, ObjectBox, ObjectColumn};
 use bathyscope_objects::review::State;
 use bathyscope_objects::targets::PassCount;
 
@@ -18,9 +16,9 @@ const MOST_ROWS: usize = 60;
 const LISTED_WIDTH: usize = 220;
 
 /// The boxes of targets, which are drawn and listed.
-pub(super) fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
+pub(super) fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
     let objects = from.objects.as_ref();
-    objects.map_or(&[][..], |objects| &objects.rows)
+    objects.map_or(&[][..], |objects| &objects.boxes)
 }
 
 /// The boxes that nobody has decided about; none without a review, when they are the targets.
@@ -36,14 +34,14 @@ pub(super) fn is_reviewed(from: &ReportData<'_>) -> bool {
 }
 
 /// The targets, by number.
-pub(super) fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a SurveyObject> {
+pub(super) fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a Object> {
     (from.objects.iter()).flat_map(|objects| objects.list.targets())
 }
 
 /// Objects that are listed; boxes where none has a place.
 pub(super) fn count(from: &ReportData<'_>) -> usize {
     match targets(from).count() {
-        0 => rows(from).len(),
+        0 => boxes(from).len(),
         count => count,
     }
 }
@@ -66,7 +64,7 @@ pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
 }
 
 /// Passes that saw an object, and that covered its place.
-pub(super) fn passes_of(from: &ReportData<'_>, object: &SurveyObject) -> PassCount {
+pub(super) fn passes_of(from: &ReportData<'_>, object: &Object) -> PassCount {
     let objects = from.objects.as_ref();
     let counted = objects.and_then(|objects| objects.passes.get(&object.number));
     counted.copied().unwrap_or_default()
@@ -77,7 +75,7 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
     let Some(objects) = &from.objects else {
         return Ok(String::new());
     };
-    let (boxes, count) = (objects.rows.len(), objects.listed.len());
+    let (boxes, count) = (objects.boxes.len(), objects.listed.len());
     let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
     html += &not_listed(from);
     if boxes == 0 {
@@ -144,7 +142,7 @@ fn object_rows(
         let cells = columns.iter().map(|column| cell(from, column, of));
         let cells: Vec<String> = cells.collect();
         let (number, rest) = cells.split_at(1.min(cells.len()));
-        let best = objects.list.members(of.object).nth(of.object.summary.best);
+        let best = objects.list.members(of.object).nth(of.object.best);
         let picture = best.map_or_else(String::new, |best| picture(from, best, LISTED_WIDTH));
         html += &format!(
             "<tr>{}<td class=\"text\">{picture}</td>{}</tr>\n",
@@ -187,7 +185,7 @@ fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> 
 
 /// The boxes of targets that have no position, with their pictures; empty where all have one.
 fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
-    let unplaced = || rows(from).iter().filter(|row| row.of.object.is_none());
+    let unplaced = || boxes(from).iter().filter(|of| of.object.is_none());
     let count = unplaced().count();
     if count == 0 {
         return Ok(String::new());
@@ -197,7 +195,7 @@ fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancel
         plural(count, "box", "boxes"),
         first_of(count)
     );
-    for ObjectRow { of, .. } in unplaced().take(MOST_ROWS) {
+    for of in unplaced().take(MOST_ROWS) {
         progress.check()?;
         let one = &of.one;
         html += &format!(

@@ -8,7 +8,7 @@ use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::ObjectExtent;
-use bathyscope_objects::objects::{ObjectBox, SurveyObject};
+use bathyscope_objects::objects::{Object, ObjectBox};
 use bathyscope_objects::review::Confidence;
 use bathyscope_objects::targets::{ObjectHeight, Target};
 
@@ -52,13 +52,13 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
 
 /// A target with the boxes that show it.
 struct Shown<'a> {
-    object: &'a SurveyObject,
+    object: &'a Object,
     /// The one that tells its size best first.
     sightings: Vec<&'a ObjectBox>,
 }
 
 impl<'a> Shown<'a> {
-    fn new(from: &'a ReportData<'_>, object: &'a SurveyObject) -> Option<Self> {
+    fn new(from: &'a ReportData<'_>, object: &'a Object) -> Option<Self> {
         let list = from.objects.as_ref()?.list;
         let boxes = list.members(object).filter(|of| list.is_target(of));
         let mut sightings: Vec<&ObjectBox> = boxes.collect();
@@ -89,17 +89,17 @@ impl Facts {
 fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
     let Shown { object, sightings } = shown;
     let (best, number) = (sightings[0], object.number);
-    let class = xml(&object.joint.class);
-    let title = match object.summary.name.as_str() {
+    let class = xml(&object.class);
+    let title = match object.name.as_str() {
         "" => format!("{number}. {class}"),
         name => format!("{number}. {} ({class})", xml(name)),
     };
     let mut facts = Facts::default();
     facts.add("Class", &class);
     facts.add("Position", &position(object.position));
-    facts.add("Within", &Units::default().measure(object.joint.sigma_m, 2));
+    facts.add("Within", &Units::default().measure(object.sigma_m, 2));
     if let Some(target) = &best.target {
-        sizes(&mut facts, target, object.joint.height);
+        sizes(&mut facts, target, object.height);
     }
     let passes = passes_of(from, object);
     let seen = format!(

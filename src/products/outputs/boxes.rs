@@ -2,7 +2,7 @@
 //! with labels, for training.
 
 use super::logs::{log_names, survey_name};
-use super::objects::{all_rows, find_shapes, listed, target_rows};
+use super::objects::{find_shapes, listed};
 use super::order::check_logs;
 use super::training_tiles::TrainingTiles;
 use crate::export::{self, DatasetPart, ObjectLog, make_folder};
@@ -12,7 +12,7 @@ use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::Raster;
-use bathyscope_objects::objects::{LogReview, ObjectList, SurveyReview};
+use bathyscope_objects::objects::{LogReview, ObjectBox, ObjectList, SurveyReview};
 use bathyscope_objects::review::{PIXEL_M, Review, ReviewedTile};
 use std::path::Path;
 
@@ -132,7 +132,8 @@ fn tables(
         .map(|(name, log)| ObjectLog { name, survey: &log.survey })
         .collect();
     let shapes = find_shapes(list, logs, progress)?;
-    export::box_table(&folder.join("detections.csv"), &named, &all_rows(list, &shapes))?;
+    let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
+    export::box_table(&folder.join("detections.csv"), &named, &boxes, &shapes)?;
     let objects = listed(list.objects().iter(), (list, &shapes), logs, names);
     export::object_table(&folder.join("objects.csv"), &objects)?;
     export::objects_geojson(&folder.join("objects.geojson"), &objects)?;
@@ -141,6 +142,6 @@ fn tables(
     export::objects_gpx(&folder.join("objects.gpx"), &targets)?;
     let first = logs.first().and_then(|log| log.survey.start_unix_s);
     export::objects_gpkg(&folder.join("objects.gpkg"), &targets, first.unwrap_or(0.0))?;
-    export::shapes_ply(&folder.join("shapes.ply"), &target_rows(list, &shapes))?;
+    export::shapes_ply(&folder.join("shapes.ply"), &targets)?;
     Ok(())
 }

@@ -2,11 +2,11 @@
 //! a folder that may hold the files of one.
 
 use super::content::{FileContent, FileResult};
-use super::objects::{all_rows, listed};
+use super::objects::{Shapes, listed};
 use super::results::Results;
-use crate::export::{self, ChipLog, ObjectRow, Summary};
+use crate::export::{self, ChipLog, Summary};
 use crate::outputs::OutputError;
-use bathyscope_objects::objects::ListedObject;
+use bathyscope_objects::objects::{ListedObject, ObjectBox};
 use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
 
@@ -35,13 +35,7 @@ impl Proposed {
     }
 }
 
-/// The boxes that a search found.
-fn rows<'a>(results: &'a Results<'_>) -> Result<Vec<ObjectRow<'a>>, OutputError> {
-    let (list, shapes) = results.shaped_found()?;
-    Ok(all_rows(list, shapes))
-}
-
-/// The objects that they show.
+/// The objects that a search found.
 fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
     let found = results.shaped_found()?;
     Ok(listed(found.0.objects().iter(), found, results.order.logs, &results.names))
@@ -49,7 +43,9 @@ fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Output
 
 /// Writes `detections.csv`: a row for each box.
 pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
-    box_table(results, path, &rows(results)?)
+    let (list, shapes) = results.shaped_found()?;
+    let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
+    box_table(results, path, &boxes, shapes)
 }
 
 /// Writes `detections.geojson`: a point for each object.
@@ -73,7 +69,7 @@ pub(super) fn all_objects(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `shapes.ply`.
 pub(super) fn shapes(results: &Results<'_>, path: &Path) -> FileResult {
-    let summary = export::shapes_ply(path, &rows(results)?)?;
+    let summary = export::shapes_ply(path, &objects(results)?)?;
     let origin = results.survey.track.frame.origin();
     Ok(FileContent::in_metres(origin, summary))
 }
@@ -96,18 +92,16 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes boxes as a table.
-pub(super) fn box_table(results: &Results<'_>, path: &Path, rows: &[ObjectRow<'_>]) -> FileResult {
-    let summary = Summary { count: rows.len(), ..placed_in(rows) };
-    export::box_table(path, &results.object_logs(), rows)?;
-    Ok(FileContent::in_degrees(summary))
-}
-
-/// The places of the boxes, counted.
-fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
+pub(super) fn box_table(
+    results: &Results<'_>,
+    path: &Path,
+    boxes: &[&ObjectBox],
+    shapes: &Shapes,
+) -> FileResult {
     let mut summary = Summary::default();
-    for target in rows.iter().filter_map(|row| row.of.target.as_ref()) {
-        let at = target.position;
-        summary.add([at.lon_deg, at.lat_deg], f64::NAN);
+    for target in boxes.iter().filter_map(|one| one.target.as_ref()) {
+        summary.add([target.position.lon_deg, target.position.lat_deg], f64::NAN);
     }
-    summary
+    export::box_table(path, &results.object_logs(), boxes, shapes)?;
+    Ok(FileContent::in_degrees(Summary { count: boxes.len(), ..summary }))
 }

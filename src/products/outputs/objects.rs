@@ -1,12 +1,11 @@
 //! The list of objects as rows of tables, with the shapes of what it shows.
 
-use crate::export::ObjectRow;
 use crate::pipeline::object_shape;
 use crate::pipeline::{ProcessedLog, Products};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::Mark;
-use bathyscope_objects::objects::{ListedObject, ObjectBox, ObjectList, SurveyObject};
+use bathyscope_objects::objects::{ListedObject, Object, ObjectBox, ObjectList};
 use bathyscope_objects::targets::{FittedShape, Target};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -20,7 +19,7 @@ pub(super) fn find_shapes(
     logs: &[ProcessedLog],
     progress: &Progress,
 ) -> Result<Shapes, Cancelled> {
-    let shape = |object: &&SurveyObject| {
+    let shape = |object: &&Object| {
         progress.check()?;
         let boxes: Vec<(&ProcessedLog, &Target)> = (list.members(object))
             .filter_map(|one| Some((logs.get(one.log)?, one.target.as_ref()?)))
@@ -28,7 +27,7 @@ pub(super) fn find_shapes(
         let shape = object_shape(&boxes).ok();
         Ok(shape.map(|shape| (object.number, shape)))
     };
-    let targets: Vec<&SurveyObject> = list.targets().collect();
+    let targets: Vec<&Object> = list.targets().collect();
     let shapes = targets.par_iter().map(shape);
     let shapes: Result<Vec<_>, Cancelled> = shapes.collect();
     Ok(shapes?.into_iter().flatten().collect())
@@ -36,13 +35,13 @@ pub(super) fn find_shapes(
 
 /// Objects as rows of tables, with their shapes and footprints.
 pub(super) fn listed<'a>(
-    objects: impl Iterator<Item = &'a SurveyObject>,
+    objects: impl Iterator<Item = &'a Object>,
     (list, shapes): (&ObjectList, &'a Shapes),
     logs: &[ProcessedLog],
     names: &'a [String],
 ) -> Vec<ListedObject<'a>> {
-    let outline = |object: &SurveyObject| {
-        let best = list.members(object).nth(object.summary.best)?;
+    let outline = |object: &Object| {
+        let best = list.members(object).nth(object.best)?;
         outline(logs.get(best.log)?, best.target.as_ref()?)
     };
     let listed = objects.map(|object| ListedObject {
@@ -54,20 +53,9 @@ pub(super) fn listed<'a>(
     listed.collect()
 }
 
-/// A row for every box.
-pub(super) fn all_rows<'a>(list: &'a ObjectList, shapes: &'a Shapes) -> Vec<ObjectRow<'a>> {
-    list.boxes().iter().map(|one| row(list, one, shapes)).collect()
-}
-
-/// A row for every box of a target.
-pub(super) fn target_rows<'a>(list: &'a ObjectList, shapes: &'a Shapes) -> Vec<ObjectRow<'a>> {
-    let boxes = list.boxes().iter().filter(|one| list.is_target(one));
-    boxes.map(|one| row(list, one, shapes)).collect()
-}
-
-fn row<'a>(list: &ObjectList, one: &'a ObjectBox, shapes: &'a Shapes) -> ObjectRow<'a> {
-    let number = one.object.filter(|_| list.is_target(one));
-    ObjectRow { of: one, shape: number.and_then(|number| shapes.get(&number)) }
+/// The boxes of targets.
+pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
+    list.boxes().iter().filter(|one| list.is_target(one)).collect()
 }
 
 /// The footprint in WGS84; `None` where the size is not known.

@@ -1,6 +1,6 @@
 //! `report.html`: what was made, on one page.
 
-use super::objects::{Shapes, target_rows};
+use super::objects::target_boxes;
 use super::order::When;
 use super::results::Results;
 use super::run::OutputRun;
@@ -10,7 +10,7 @@ use crate::html_report::{self, FileLine, ReportData, ReportObjects};
 use crate::outputs::OutputError;
 use crate::pipeline::{Crosslines, ProcessedLog};
 use bathyscope_objects::Raster;
-use bathyscope_objects::objects::{ObjectList, SurveyObject};
+use bathyscope_objects::objects::{Object, ObjectList};
 use bathyscope_objects::review::{PIXEL_M, Review, State};
 use bathyscope_objects::targets::{PassCount, PassLog};
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
     let listed = targets(results)?;
     let objects = boxes.as_ref().map(|boxes| ReportObjects {
         list: boxes.list,
-        rows: target_rows(boxes.list, boxes.shapes),
+        boxes: target_boxes(boxes.list),
         listed,
         rasters: &boxes.rasters,
         passes: &boxes.passes,
@@ -61,7 +61,6 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
 /// The boxes of all logs, as the page shows them.
 struct Boxes<'a> {
     list: &'a ObjectList,
-    shapes: &'a Shapes,
     /// Of each log that has boxes, what its pictures are cut from.
     rasters: Vec<Option<Raster>>,
     /// Passes of the boat that saw each target, and that covered its place.
@@ -77,7 +76,7 @@ impl<'a> Boxes<'a> {
         if results.objects()?.is_none() {
             return Ok(None);
         }
-        let (list, shapes) = results.shaped_objects()?;
+        let (list, _) = results.shaped_objects()?;
         let mut rasters = Vec::with_capacity(order.logs.len());
         let mut reviews: Vec<(&str, &Review)> = Vec::new();
         for (index, log) in order.logs.iter().enumerate() {
@@ -92,12 +91,11 @@ impl<'a> Boxes<'a> {
             });
         }
         let pass_logs: Vec<PassLog<'_>> = order.logs.iter().map(ProcessedLog::pass_log).collect();
-        let passes = |object: &SurveyObject| (object.number, object.joint.passes(&pass_logs));
+        let passes = |object: &Object| (object.number, object.passes(&pass_logs));
         Ok(Some(Self {
             passes: list.targets().map(passes).collect(),
             origin: origin(&reviews, order.logs.len(), model.is_some()),
             list,
-            shapes,
             rasters,
         }))
     }

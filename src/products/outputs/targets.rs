@@ -3,22 +3,17 @@
 
 use super::content::{FileContent, FileResult};
 use super::detections::box_table;
-use super::objects::{listed, target_rows};
+use super::objects::{listed, target_boxes};
 use super::results::Results;
-use crate::export::{self, ObjectRow};
+use crate::export;
 use crate::outputs::OutputError;
 use bathyscope_objects::objects::ListedObject;
 use std::path::Path;
 
-/// The boxes of targets.
-pub(super) fn rows<'a>(results: &'a Results<'_>) -> Result<Vec<ObjectRow<'a>>, OutputError> {
-    let (list, shapes) = results.shaped_objects()?;
-    Ok(target_rows(list, shapes))
-}
-
 /// Writes `targets.csv`: a row for each box.
 pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
-    box_table(results, path, &rows(results)?)
+    let (list, shapes) = results.shaped_objects()?;
+    box_table(results, path, &target_boxes(list), shapes)
 }
 
 /// Writes `targets.geojson`: a point for each object.

@@ -11,7 +11,7 @@ use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Projection, Side};
-use bathyscope_objects::objects::{ObjectList, SurveyObject};
+use bathyscope_objects::objects::{Object, ObjectList};
 use std::f64::consts::FRAC_PI_3;
 
 /// Looks of one side are so far apart along the track at least, metres.
@@ -160,14 +160,14 @@ impl Log<'_> {
 /// The objects that were accepted or drawn by hand, with the headings of their sightings in all
 /// logs.
 fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
-    let is_decided = |object: &&SurveyObject| {
+    let is_decided = |object: &&Object| {
         let mut members = list.members(object);
         members.any(|one| one.one.state.is_object())
     };
     let seen = list.objects().iter().filter(is_decided).map(|object| {
         let targets = list.members(object).filter_map(|one| one.target.as_ref());
         let headings = targets.map(|target| target.heading_rad);
-        let [east_m, north_m] = object.joint.place_m;
+        let [east_m, north_m] = object.place_m;
         SeenObject {
             place: first.place(east_m, north_m),
             headings_rad: headings.filter(|heading| heading.is_finite()).collect(),

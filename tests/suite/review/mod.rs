@@ -163,7 +163,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
 
 /// Objects of the window in a state.
 fn objects(window: &Window, state: ObjectState) -> usize {
-    app(window).objects().iter().filter(|object| object.summary.state == state).count()
+    app(window).objects().iter().filter(|object| object.state == state).count()
 }
 
 #[test]

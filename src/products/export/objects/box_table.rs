@@ -1,9 +1,12 @@
 //! `detections.csv` and `targets.csv`: a row for each box.
 
-use super::{ObjectLog, ObjectRow, log_name, plain};
+use super::{ObjectLog, plain};
 use crate::export::{ExportError, write_atomically};
 use bathyscope_log::survey::Survey;
+use bathyscope_objects::objects::ObjectBox;
+use bathyscope_objects::review::Confidence;
 use bathyscope_objects::targets::{FittedShape, Target};
+use std::collections::BTreeMap;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
@@ -47,19 +50,22 @@ const HEADER: [&str; 30] = [
 pub(crate) fn box_table(
     path: &Path,
     logs: &[ObjectLog<'_>],
-    rows: &[ObjectRow<'_>],
+    boxes: &[&ObjectBox],
+    shapes: &BTreeMap<u32, FittedShape>,
 ) -> Result<(), ExportError> {
     let column = (logs.len() > 1).then_some("log");
     let files: Vec<String> = logs.iter().map(|log| log.survey.name()).collect();
     write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(BufWriter::new(out));
         table.write_record(column.into_iter().chain(HEADER))?;
-        for row in rows {
-            let (Some(log), Some(file)) = (logs.get(row.of.log), files.get(row.of.log)) else {
+        for of in boxes {
+            let (Some(log), Some(file)) = (logs.get(of.log), files.get(of.log)) else {
                 continue;
             };
-            let name = log_name(logs, row).map(plain);
-            let fields = record(row, file, log.survey);
+            // Where all boxes are of one log, nobody asks.
+            let name = column.map(|_| plain(log.name));
+            let shape = of.object.and_then(|number| shapes.get(&number));
+            let fields = record(of, shape, file, log.survey);
             table.write_record(name.into_iter().chain(fields))?;
         }
         table.flush()?;
@@ -67,8 +73,13 @@ pub(crate) fn box_table(
     })
 }
 
-fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
-    let (of, one) = (row.of, &row.of.one);
+fn record(
+    of: &ObjectBox,
+    shape: Option<&FittedShape>,
+    file: &str,
+    survey: &Survey,
+) -> [String; 30] {
+    let one = &of.one;
     let samples = one.mark.samples(survey);
     let target = of.target.as_ref();
     let number = |value: f64, decimals: usize| match value.is_finite() {
@@ -78,7 +89,6 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
     let of_target = |value: fn(&Target) -> f64, decimals| {
         target.map_or_else(String::new, |target| number(value(target), decimals))
     };
-    let shape = row.shape;
     let of_shape = |value: fn(&FittedShape) -> f64, decimals| {
         shape.map_or_else(String::new, |shape| number(value(shape), decimals))
     };
@@ -106,7 +116,7 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
         of.object.map_or_else(String::new, |object| object.to_string()),
         plain(&one.note),
         plain(&one.name),
-        row.confidence().to_owned(),
+        one.confidence.map_or("", Confidence::name).to_owned(),
         shape.map_or_else(String::new, |shape| shape.posed.solid.kind.name().to_owned()),
         of_shape(|shape| shape.posed.solid.length_m, 2),
         of_shape(|shape| shape.posed.solid.width_m, 2),

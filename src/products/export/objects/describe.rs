@@ -4,27 +4,27 @@
 use bathyscope_bottom::presentation::text::plural;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::printable::xml;
-use bathyscope_objects::objects::{ListedObject, OBJECT_COLUMNS, SurveyObject};
+use bathyscope_objects::objects::{ListedObject, OBJECT_COLUMNS, Object};
 use std::collections::HashMap;
 
 /// What a plotter shows beside the name; what is not known is left out.
-pub(super) fn description(object: &SurveyObject) -> String {
-    let (units, summary, joint) = (Units::default(), &object.summary, &object.joint);
-    let mut parts = vec![joint.class.clone(), summary.state.name().to_owned()];
-    if let Some(score) = summary.score {
+pub(super) fn description(object: &Object) -> String {
+    let units = Units::default();
+    let mut parts = vec![object.class.clone(), object.state.name().to_owned()];
+    if let Some(score) = object.score {
         parts.push(format!("score {score:.2}"));
     }
-    if let Some(confidence) = summary.confidence {
+    if let Some(confidence) = object.certainty {
         parts.push(confidence.name().to_owned());
     }
-    let (length_m, width_m) = (summary.length_m, summary.width_m);
+    let (length_m, width_m) = (object.length_m, object.width_m);
     if length_m.is_finite() && width_m.is_finite() {
         parts.push(format!("{length_m:.2} x {width_m:.2} m"));
     }
     let known = [
-        ("height", joint.height.mean_m, joint.height.sigma_m),
-        ("depth", summary.depth_m, f64::NAN),
-        ("position within", joint.sigma_m, f64::NAN),
+        ("height", object.height.mean_m, object.height.sigma_m),
+        ("depth", object.depth_m, f64::NAN),
+        ("position within", object.sigma_m, f64::NAN),
     ];
     let known = known.iter().filter(|(_, metres, _)| metres.is_finite());
     parts.extend(known.map(|(what, metres, sigma_m)| {
@@ -32,8 +32,8 @@ pub(super) fn description(object: &SurveyObject) -> String {
     }));
     let passes = plural(object.sightings, "pass", "passes");
     parts.push(format!("seen on {passes}"));
-    if !summary.notes.is_empty() {
-        parts.push(summary.notes.clone());
+    if !object.remarks.is_empty() {
+        parts.push(object.remarks.clone());
     }
     parts.join("; ")
 }
@@ -43,12 +43,12 @@ pub(super) fn description(object: &SurveyObject) -> String {
 pub(super) fn titles(objects: &[ListedObject<'_>]) -> Vec<String> {
     let mut times: HashMap<&str, usize> = HashMap::new();
     for ListedObject { object, .. } in objects {
-        *times.entry(&object.summary.name).or_default() += 1;
+        *times.entry(&object.name).or_default() += 1;
     }
     let title = |ListedObject { object, .. }: &ListedObject<'_>| {
-        let name = object.summary.name.as_str();
+        let name = object.name.as_str();
         match (name, times[name]) {
-            ("", _) => format!("{} {}", object.joint.class, object.number),
+            ("", _) => format!("{} {}", object.class, object.number),
             (name, 1) => name.to_owned(),
             (name, _) => format!("{name} {}", object.number),
         }

@@ -21,9 +21,9 @@ pub(crate) fn objects_gpx(
         let columns =
             elements(of, |name, text| format!("<bathyscope:{name}>{text}</bathyscope:{name}>"));
         let at = object.position;
-        let remarks = match object.summary.notes.is_empty() {
+        let remarks = match object.remarks.is_empty() {
             true => String::new(),
-            false => format!("<cmt>{}</cmt>", xml(&object.summary.notes)),
+            false => format!("<cmt>{}</cmt>", xml(&object.remarks)),
         };
         // Writing to a string does not fail.
         text += &format!(
@@ -32,7 +32,7 @@ pub(crate) fn objects_gpx(
             at.lon_deg,
             xml(&title),
             xml(&description(object)),
-            xml(&object.joint.class),
+            xml(&object.class),
         );
     }
     text.push_str("</gpx>\n");

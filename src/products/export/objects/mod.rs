@@ -23,9 +23,7 @@ pub(crate) use shapes_ply::shapes_ply;
 
 use crate::export::Summary;
 use bathyscope_log::survey::Survey;
-use bathyscope_objects::objects::{ListedObject, ObjectBox};
-use bathyscope_objects::review::Confidence;
-use bathyscope_objects::targets::FittedShape;
+use bathyscope_objects::objects::ListedObject;
 
 /// A log that boxes are of.
 #[derive(Clone, Copy, Debug)]
@@ -34,29 +32,6 @@ pub(crate) struct ObjectLog<'a> {
     pub name: &'a str,
     /// The recording.
     pub survey: &'a Survey,
-}
-
-/// What the log of a row is called; `None` where all boxes are of one log, so that nobody asks.
-fn log_name<'a>(logs: &[ObjectLog<'a>], row: &ObjectRow<'_>) -> Option<&'a str> {
-    let log = logs.get(row.of.log).filter(|_| logs.len() > 1);
-    log.map(|log| log.name)
-}
-
-/// A box to write.
-#[derive(Clone, Debug)]
-pub(crate) struct ObjectRow<'a> {
-    /// The box in the list of objects.
-    pub of: &'a ObjectBox,
-    /// The shape of the object that it shows, where one fits.
-    pub shape: Option<&'a FittedShape>,
-}
-
-impl ObjectRow<'_> {
-    /// The surest word of the analyst about the box: `unsure`, `probable` or `certain`; empty where
-    /// nobody has said.
-    fn confidence(&self) -> &'static str {
-        self.of.one.confidence.map_or("", Confidence::name)
-    }
 }
 
 /// Text that no spreadsheet takes for a formula.

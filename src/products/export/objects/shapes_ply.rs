@@ -1,7 +1,7 @@
 //! `shapes.ply`: the solids that objects are like, as bodies for 3D programs.
 
-use super::ObjectRow;
 use crate::export::{ExportError, Summary, write_summed};
+use bathyscope_objects::objects::ListedObject;
 use bathyscope_objects::targets::FittedShape;
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -65,9 +65,12 @@ impl Body {
 /// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up,
 /// metres from the survey's origin in the plane of the cloud, as doubles; red, green, blue as
 /// bytes; the object's number as `object`. Comments name the kind and the size of each.
-pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
+pub(crate) fn shapes_ply(
+    path: &Path,
+    objects: &[ListedObject<'_>],
+) -> Result<Summary, ExportError> {
     let shapes: BTreeMap<u32, &FittedShape> =
-        (rows.iter()).filter_map(|row| Some((row.of.object?, row.shape?))).collect();
+        (objects.iter()).filter_map(|of| Some((of.object.number, of.shape?))).collect();
     let bodies: Vec<(u32, Body)> =
         (shapes.iter()).map(|(number, shape)| (*number, Body::new(shape))).collect();
     write_summed(path, |out, summary| {

@@ -1,14 +1,14 @@
 use super::*;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::printable::xml;
-use bathyscope_log::survey::{Side, Survey};
+use bathyscope_log::survey::{Navigation, Side, Survey};
 use bathyscope_objects::Mark;
 use bathyscope_objects::objects::{
-    ListedObject, LogBox, LogId, OBJECT_COLUMNS, ObjectSummary, PlacedBox, SurveyObject,
-    joint_objects,
+    ListedObject, LogBox, LogId, OBJECT_COLUMNS, Object, ObjectBox, ObjectList, ObjectNumbers,
 };
 use bathyscope_objects::review::{BoxId, Reviewed, State};
-use bathyscope_objects::targets::{GroupSettings, PosedSolid, ShapeKind, Solid, Target};
+use bathyscope_objects::targets::{FittedShape, PosedSolid, ShapeKind, Solid, Target};
+use std::collections::BTreeMap;
 use std::fs;
 use std::sync::Arc;
 
@@ -71,11 +71,6 @@ fn changed(of: &ObjectBox, change: impl FnOnce(&mut Reviewed)) -> ObjectBox {
     of
 }
 
-fn rows(boxes: &[ObjectBox]) -> Vec<ObjectRow<'_>> {
-    let row = |of| ObjectRow { of, shape: None };
-    boxes.iter().map(row).collect()
-}
-
 /// Two logs of one recording.
 fn logs(survey: &Survey) -> [ObjectLog<'_>; 2] {
     ["first", "=second"].map(|name| ObjectLog { name, survey })
@@ -93,7 +88,8 @@ fn written(
 #[test]
 fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     let (boxes, survey) = (boxes(), Survey::default());
-    let text = written(|path| box_table(path, &logs(&survey)[..1], &rows(&boxes)));
+    let text =
+        written(|path| box_table(path, &logs(&survey)[..1], &boxes.each_ref(), &BTreeMap::new()));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(&table.headers().unwrap()[17], "depth_m");
     let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
@@ -106,28 +102,19 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
 }
 
 /// The object that some boxes show, number 3.
-fn object(boxes: &[ObjectBox]) -> SurveyObject {
-    let placed = boxes.iter().map(|of| PlacedBox {
-        log: of.log,
-        class: &of.class,
-        score: of.one.score,
-        target: of.target.as_ref().expect("a place"),
-    });
-    let placed: Vec<PlacedBox<'_>> = placed.collect();
-    let mut joint = joint_objects(&placed, &GroupSettings::default());
-    let shown = boxes.iter().zip(&placed);
-    SurveyObject {
-        number: 3,
-        boxes: boxes.iter().map(|of| of.key).collect(),
-        position: placed[0].target.position,
-        joint: joint.remove(0),
-        sightings: 2,
-        summary: ObjectSummary::of(shown.map(|(of, placed)| (&*of.one, placed.target))),
-    }
+fn object(boxes: &[ObjectBox]) -> Object {
+    let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
+    let boxes = boxes.to_vec();
+    let position = boxes[0].target.as_ref().expect("a place").position;
+    let list = ObjectList::join(boxes, &[(&survey, &navigation)], &ObjectNumbers::default());
+    let [object] = list.objects() else { panic!("one object") };
+    let mut object = object.clone();
+    (object.number, object.sightings, object.position) = (3, 2, position);
+    object
 }
 
 /// The same as a row of tables.
-fn listed<'a>(object: &'a SurveyObject, shape: Option<&'a FittedShape>) -> ListedObject<'a> {
+fn listed<'a>(object: &'a Object, shape: Option<&'a FittedShape>) -> ListedObject<'a> {
     ListedObject { object, shape, outline: None, log_names: &[] }
 }
 
@@ -175,8 +162,7 @@ fn boxes_of_several_logs_say_which() {
     let (mut boxes, survey) = (boxes(), Survey::default());
     let logs = logs(&survey);
     boxes[1] = ObjectBox { log: 1, ..boxes[0].clone() };
-    let rows = rows(&boxes);
-    let text = written(|path| box_table(path, &logs, &rows));
+    let text = written(|path| box_table(path, &logs, &boxes.each_ref(), &BTreeMap::new()));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let header = table.headers().unwrap().clone();
     assert_eq!((&header[0], &header[1]), ("log", "id"));
@@ -210,11 +196,10 @@ fn block() -> FittedShape {
 fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
     let (mut boxes, survey, block) = (boxes(), Survey::default(), block());
     boxes[1].object = Some(1);
-    let mut rows = rows(&boxes);
-    for row in &mut rows {
-        row.shape = Some(&block);
-    }
-    let text = written(|path| box_table(path, &logs(&survey)[..1], &rows));
+    let mut object = object(&boxes[..1]);
+    object.number = 1;
+    let shapes = BTreeMap::from([(1, block.clone())]);
+    let text = written(|path| box_table(path, &logs(&survey)[..1], &boxes.each_ref(), &shapes));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     for line in table.records().map(Result::unwrap) {
         let shape: Vec<&str> = line.iter().skip(24).collect();
@@ -222,7 +207,7 @@ fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("shapes.ply");
-    let summary = shapes_ply(&path, &rows).unwrap();
+    let summary = shapes_ply(&path, &[listed(&object, Some(&block))]).unwrap();
     assert_eq!(summary.count, 1);
     let bytes = fs::read(path).unwrap();
     let end = b"end_header\n";

@@ -3,7 +3,7 @@
 
 use super::super::parts::{fact, remark};
 use super::{button, size};
-use crate::app::{Action, App, Command, LogBox, SurveyObject};
+use crate::app::{Action, App, Command, LogBox, Object};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_products::pipeline::Background;
@@ -53,7 +53,7 @@ impl ObjectPictures {
         ui.add_space(4.0);
     }
 
-    fn pictures(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, object: &SurveyObject) {
+    fn pictures(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, object: &Object) {
         let app = context.app;
         let options = &app.view.options.waterfall;
         let picture = |id: &LogBox| {
@@ -131,13 +131,13 @@ fn swatch(ui: &mut Ui, [r, g, b]: [u8; 3]) {
     ui.painter().rect_filled(area, 2.0, colour);
 }
 
-fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
+fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &Object) {
     let app = context.app;
-    let name = match object.summary.name.as_str() {
+    let name = match object.name.as_str() {
         "" => String::new(),
         name => format!("{name}, "),
     };
-    let title = format!("Object {}, {name}{}", object.number, object.joint.class);
+    let title = format!("Object {}, {name}{}", object.number, object.class);
     let hint = "The class of most of its boxes.";
     ui.label(RichText::new(title).strong()).on_hover_text(hint);
     fact(ui, "Seen", SEEN, seen(app, object));
@@ -147,7 +147,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
         let at = RichText::new(place::written(app, object.position)).monospace();
         fact(ui, "Position", hint, at);
         let hint = "Standard deviation of the position, without the error of the receiver.";
-        let within = app.view.options.units.measure(object.joint.sigma_m, 2);
+        let within = app.view.options.units.measure(object.sigma_m, 2);
         fact(ui, "Uncertainty", hint, within);
     }
 }
@@ -155,7 +155,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
 const SEEN: &str = "Passes that saw the object, of those that covered its position. Few sightings of many passes suggest a false alarm.";
 
 /// `2 of 3 passes, in 1 log, 3 boxes`; the boxes where they are more than the passes.
-fn seen(app: &App, object: &SurveyObject) -> String {
+fn seen(app: &App, object: &Object) -> String {
     let mut seen = match app.selected_object_passes() {
         Some(passes) => {
             let covered = text::plural(passes.covered, "pass", "passes");

@@ -162,7 +162,7 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target:
 fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
     let log = app.log.id;
     match app.object_of(LogBox { log, id }) {
-        Some(object) => object.joint.height,
+        Some(object) => object.height,
         None => ObjectHeight::of(std::iter::once(target)),
     }
 }

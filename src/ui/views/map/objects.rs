@@ -93,7 +93,7 @@ fn sightings(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     let Some(object) = app.selected_object().filter(|object| object.boxes.len() > 1) else {
         return;
     };
-    let middle = scene.at(object.joint.place_m);
+    let middle = scene.at(object.place_m);
     let stroke = Stroke::new(1.0, theme::SELECTION_COLOUR);
     for id in &object.boxes {
         let placed = app.open_log(id.log);

@@ -1,6 +1,6 @@
 //! The widths of the columns, and the texts of their cells.
 
-use crate::app::{App, ObjectColumn, ObjectState, SurveyObject};
+use crate::app::{App, Object, ObjectColumn, ObjectState};
 use crate::ui::place;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::objects::ColumnValues;
@@ -104,7 +104,7 @@ pub(super) fn colour_of(state: ObjectState) -> State {
 }
 
 /// The text of a cell; empty for what is not known.
-pub(super) fn cell_text(app: &App, object: &SurveyObject, column: &ObjectColumn) -> String {
+pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> String {
     let (of, units) = (app.listed_object(object), app.view.options.units);
     let length = |value_m: f64| match value_m.is_finite() {
         true => units.number(value_m, 2),

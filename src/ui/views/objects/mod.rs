@@ -13,7 +13,7 @@ mod row;
 mod thumbnails;
 
 use super::empty;
-use crate::app::{Action, Command, LogBox, SurveyObject, View};
+use crate::app::{Action, Command, LogBox, Object, View};
 use crate::ui::list_keys::{self, keep_arrows};
 use crate::ui::{ViewContext, theme};
 use columns::ColumnWidths;
@@ -83,7 +83,7 @@ impl ObjectsView {
 
     fn rows(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
         let app = context.app;
-        let listed: Vec<&SurveyObject> =
+        let listed: Vec<&Object> =
             (app.listed_objects().iter()).filter_map(|number| app.object(*number)).collect();
         let selected = app.selected_object().map(|object| object.number);
         let selected = listed.iter().position(|one| Some(one.number) == selected);
@@ -152,7 +152,7 @@ impl ObjectsView {
         &self,
         ui: &Ui,
         context: &ViewContext<'_>,
-        listed: &[&SurveyObject],
+        listed: &[&Object],
         selected: Option<usize>,
         body: &Response,
     ) -> Vec<Command> {

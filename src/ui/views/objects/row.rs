@@ -3,7 +3,7 @@
 use super::columns::{ColumnWidths, LOGS, ROOM, cell_text, colour_of, is_number};
 use super::enlarged;
 use super::thumbnails::Thumbnails;
-use crate::app::{App, Command, ObjectColumn, SurveyObject};
+use crate::app::{App, Command, Object, ObjectColumn};
 use crate::ui::{text, theme};
 use bathyscope_objects::objects::ColumnValues;
 use egui::{
@@ -13,7 +13,7 @@ use egui::{
 
 /// A row to draw.
 pub(super) struct ObjectTableRow<'a> {
-    pub object: &'a SurveyObject,
+    pub object: &'a Object,
     pub is_selected: bool,
     pub is_odd: bool,
     pub place: Rect,
@@ -64,12 +64,12 @@ impl ObjectTableRow<'_> {
     fn name(&self) -> String {
         let object = self.object;
         let times = text::plural(object.sightings, "time", "times");
-        let called = match object.summary.name.as_str() {
+        let called = match object.name.as_str() {
             "" => String::new(),
             name => format!("{name}, "),
         };
-        let (number, class) = (object.number, &object.joint.class);
-        let state = object.summary.state.name();
+        let (number, class) = (object.number, &object.class);
+        let state = object.state.name();
         format!("Object {number}, {called}{class}, seen {times}, {state}")
     }
 
@@ -103,7 +103,7 @@ impl ObjectTableRow<'_> {
         }
         let colour = match column.values {
             ColumnValues::State(_) => {
-                let state = colour_of(self.object.summary.state);
+                let state = colour_of(self.object.state);
                 theme::box_colour_on_panel(app.view.options.theme, state)
             }
             _ if self.is_selected => ui.visuals().selection.stroke.color,
@@ -124,7 +124,7 @@ impl ObjectTableRow<'_> {
 }
 
 /// Squares in the colours of the logs that saw it.
-fn log_colours(ui: &Ui, app: &App, object: &SurveyObject, cell: Rect) {
+fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
     let painter = ui.painter_at(cell);
     let logs = object.logs();
     let colours = logs.iter().filter_map(|id| app.open_log(*id));

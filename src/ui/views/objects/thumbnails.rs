@@ -2,7 +2,7 @@
 //! use.
 
 use super::super::chip::{BoxChip, ChipKey};
-use crate::app::{App, LogBox, SurveyObject};
+use crate::app::{App, LogBox, Object};
 use bathyscope_products::pipeline::Background;
 use std::collections::HashMap;
 
@@ -34,9 +34,9 @@ impl Thumbnails {
         &mut self,
         app: &App,
         ctx: &egui::Context,
-        in_sight: impl Iterator<Item = &'a SurveyObject>,
+        in_sight: impl Iterator<Item = &'a Object>,
     ) {
-        let wanted = |object: &SurveyObject| -> Option<WantedThumbnail> {
+        let wanted = |object: &Object| -> Option<WantedThumbnail> {
             let id = app.best_box(object)?;
             let mark = &app.log_box(id)?.mark;
             let key = ChipKey::of(app.open_log(id.log)?, mark, &app.view.options.waterfall)?;
