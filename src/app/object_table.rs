@@ -116,7 +116,7 @@ mod tests {
     use bathyscope_log::survey::{Navigation, Survey};
     use bathyscope_objects::ObjectExtent;
     use bathyscope_objects::objects::{LogBox, LogId, ObjectBox, ObjectList, ObjectNumbers};
-    use bathyscope_objects::review::{BoxId, Confidence, Reviewed, State};
+    use bathyscope_objects::review::{BoxId, Certainty, Reviewed, State};
     use bathyscope_objects::targets::Target;
     use std::sync::Arc;
 
@@ -177,18 +177,18 @@ mod tests {
         let mut drawn = reviewed(State::Accepted, 0.3);
         drawn.extent = ObjectExtent::Drawn { border_m: 6.0 };
         drawn.name = "Anna".to_owned();
-        drawn.confidence = Some(Confidence::Probable);
+        drawn.certainty = Some(Certainty::Probable);
         drawn.note = "two".to_owned();
         let mut other = reviewed(State::Proposed, 0.8);
         other.note = "three".to_owned();
-        other.confidence = Some(Confidence::Unsure);
+        other.certainty = Some(Certainty::Unsure);
         let boxes = [(other, target(2.0)), (drawn, target(1.0))];
         let object = self::object(1, "rock", &boxes);
         assert_eq!(object.name, "Anna");
         assert_eq!(object.remarks, "three; two");
         assert_eq!(object.state, ObjectState::Accepted, "by one of them");
         assert_eq!(object.score, Some(0.8));
-        assert_eq!(object.certainty, Some(Confidence::Probable));
+        assert_eq!(object.certainty, Some(Certainty::Probable));
         assert_eq!(object.length_m, 1.0, "what was drawn counts");
         let rejected = [(reviewed(State::Rejected, 0.5), target(1.0))];
         assert_eq!(self::object(1, "rock", &rejected).state, ObjectState::Rejected);

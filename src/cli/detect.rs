@@ -38,10 +38,10 @@ pub(super) struct DetectArgs {
     /// too; the same as the setting `detector.model`
     #[arg(long, value_name = "MODEL.onnx")]
     model: Option<PathBuf>,
-    /// Least confidence of a box, 0 to 1; without it the model's own
+    /// Least score of a box, 0 to 1; without it the model's own
     #[arg(long, value_parser = share)]
     score: Option<f32>,
-    /// Overlap (IoU) above which the box of less confidence is dropped, 0 to 1; without it the
+    /// Overlap (IoU) above which the box of the lower score is dropped, 0 to 1; without it the
     /// model's own
     #[arg(long, value_parser = share)]
     iou: Option<f32>,

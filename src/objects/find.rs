@@ -23,12 +23,12 @@ const REPORTS: usize = 100;
 pub struct DetectorSettings {
     /// Another model than the one that comes with the program.
     pub model: Option<PathBuf>,
-    /// Least confidence, 0 to 1; without one the model's own.
+    /// Least score, 0 to 1; without one the model's own.
     pub score: Option<f32>,
-    /// Overlap above which the box of less confidence is dropped, 0 to 1; without one the model's
+    /// Overlap above which the box of the lower score is dropped, 0 to 1; without one the model's
     /// own.
     pub iou: Option<f32>,
-    /// Confidence from which a box is named, 0 to 1, and below which it is an object of whatever
+    /// Score from which a box is named, 0 to 1, and below which it is an object of whatever
     /// class; without one the model's own.
     pub name_score: Option<f32>,
 }

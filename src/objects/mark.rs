@@ -22,7 +22,7 @@ pub struct Mark {
 pub struct Detection {
     /// Index into the model's names ([`super::Model::names`]).
     pub class: usize,
-    /// Confidence, 0 to 1.
+    /// Score, 0 to 1.
     pub score: f32,
     /// Where.
     pub mark: Mark,

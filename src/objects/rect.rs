@@ -28,7 +28,7 @@ pub struct Labelled {
 pub struct Scored {
     /// Index into the class names.
     pub class: usize,
-    /// Confidence, 0 to 1.
+    /// Score, 0 to 1.
     pub score: f32,
     /// Where.
     pub rect: Rect,

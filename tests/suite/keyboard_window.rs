@@ -135,7 +135,7 @@ fn the_keyboard_goes_into_the_panels_and_back() {
     window.run();
     assert!(is_focused(&window, "Review section"));
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert!(window.query_by_label("Confidence").is_none(), "it is folded");
+    assert!(window.query_by_label("Least score").is_none(), "it is folded");
     press(&mut window, Modifiers::NONE, Key::F6);
     window.run();
     press(&mut window, Modifiers::NONE, Key::Tab);

@@ -341,7 +341,7 @@ impl App {
         let count = mistakes.len() as isize;
         if count == 0 || !self.log.reviewing.has_boxes() {
             let text = match judging.standing() {
-                Some(_) if count == 0 => "there are no mistakes at this confidence",
+                Some(_) if count == 0 => "there are no mistakes from this score on",
                 Some(_) => {
                     "there are no boxes yet to compare with known objects; find objects first"
                 }

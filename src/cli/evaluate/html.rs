@@ -29,7 +29,7 @@ pub(super) fn of(outcome: &Outcome) -> String {
 
 fn curves(outcome: &Outcome) -> String {
     let all = &outcome.darknet;
-    let at_score = format!("confidence {}", outcome.score);
+    let at_score = format!("score {}", outcome.score);
     let precision_recall = |name: String, points: &[CurvePoint]| PlotCurve {
         name,
         points: (points.iter()).map(|point| [point.recall, point.precision]).collect(),
@@ -50,18 +50,18 @@ fn curves(outcome: &Outcome) -> String {
         outcome.iou,
         plot.svg(PLOT_PX)
     );
-    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| PlotCurve {
+    let over_score = |name: &str, of: fn(&CurvePoint) -> f64| PlotCurve {
         name: name.to_owned(),
         points: steps(&all.curve, of),
     };
     let plot = Plot {
-        title: "F1, precision and recall over the confidence".to_owned(),
-        across: Axis::new("confidence from which boxes are shown", [0.0, 1.0]),
+        title: "F1, precision and recall over the score".to_owned(),
+        across: Axis::new("score from which boxes are shown", [0.0, 1.0]),
         up: Axis::new("share, all classes", [0.0, 1.0]),
         curves: vec![
-            over_confidence("F1", |point| point.f1),
-            over_confidence("precision", |point| point.precision),
-            over_confidence("recall", |point| point.recall),
+            over_score("F1", |point| point.f1),
+            over_score("precision", |point| point.precision),
+            over_score("recall", |point| point.recall),
         ],
         mark: None,
         limit: Some((outcome.score, at_score)),
@@ -69,7 +69,7 @@ fn curves(outcome: &Outcome) -> String {
     page + &format!("<figure>{}</figure>\n", plot.svg(PLOT_PX))
 }
 
-/// A share over the confidence: between two scores that occur, the boxes shown stay the same.
+/// A share over the score: between two scores that occur, the boxes shown stay the same.
 fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
     let mut points = Vec::with_capacity(2 * curve.len());
     for (index, point) in curve.iter().enumerate() {
@@ -86,7 +86,7 @@ fn confusion(outcome: &Outcome) -> String {
         classes.chain(["background"])
     };
     let mut page = format!(
-        "<h2>What was taken for what</h2>\n<p>Row background: false alarms; column background: missed.</p>\n<table><tr><th class=\"text\" rowspan=\"2\">truth</th><th colspan=\"{}\">proposed at confidence {}</th></tr><tr>\n",
+        "<h2>What was taken for what</h2>\n<p>Row background: false alarms; column background: missed.</p>\n<table><tr><th class=\"text\" rowspan=\"2\">truth</th><th colspan=\"{}\">proposed from score {} on</th></tr><tr>\n",
         names().count(),
         outcome.score
     );
@@ -164,7 +164,7 @@ fn mistakes(outcome: &Outcome) -> String {
     if all.len() > MOST_ROWS {
         page += &format!("<p>The first {MOST_ROWS} are listed; --json lists all.</p>\n");
     }
-    page += "<table><tr><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">what</th><th>confidence</th><th>left, top, right, bottom, pixels</th></tr>\n";
+    page += "<table><tr><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">what</th><th>score</th><th>left, top, right, bottom, pixels</th></tr>\n";
     let paired = &outcome.paired;
     for one in all.iter().take(MOST_ROWS) {
         let score = one.score.map_or(String::new(), |score| format!("{score:.3}"));

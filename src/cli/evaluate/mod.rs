@@ -41,7 +41,7 @@ pub(super) struct EvaluateArgs {
     /// Intersection over union that makes a match
     #[arg(long, default_value_t = 0.5, value_parser = parse_share)]
     iou: f64,
-    /// Confidence from which boxes are counted (average precision counts all); without it the
+    /// Score from which boxes are counted (average precision counts all); without it the
     /// model's own, of labels 0.25
     #[arg(long, value_parser = parse_share)]
     score: Option<f64>,

@@ -47,7 +47,7 @@ impl LabelFormat {
 pub struct Label {
     /// Index into the class names.
     pub class: usize,
-    /// Confidence, 0 to 1, of a predicted one.
+    /// Score, 0 to 1, of a predicted one.
     pub score: Option<f32>,
     /// Neither to be found nor to be missed (COCO's `iscrowd`).
     pub ignored: bool,

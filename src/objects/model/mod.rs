@@ -147,7 +147,7 @@ impl Model {
         self.score
     }
 
-    /// The overlap above which the box of less confidence is dropped, as its makers suggest.
+    /// The overlap above which the box of the lower score is dropped, as its makers suggest.
     pub fn iou(&self) -> f32 {
         self.iou
     }

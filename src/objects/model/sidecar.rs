@@ -154,7 +154,7 @@ fn one() -> f32 {
 pub(super) struct ThresholdEntry {
     /// Least confidence, 0 to 1.
     pub score: Option<f32>,
-    /// Overlap above which the box of less confidence is dropped, 0 to 1.
+    /// Overlap above which the box of the lower score is dropped, 0 to 1.
     pub iou: Option<f32>,
     /// Confidence from which a box is named, 0 to 1; without it every box is.
     pub name: Option<f32>,

@@ -2,7 +2,7 @@
 //! window and manual are made of this one table.
 
 use super::{Object, ObjectState};
-use crate::review::Confidence;
+use crate::review::Certainty;
 use crate::targets::FittedShape;
 use bathyscope_log::support::geo::LonLat;
 
@@ -173,7 +173,7 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
     shown(
         "certainty",
         "certainty",
-        Text(|of| of.object.certainty.map_or("", Confidence::name).to_owned()),
+        Text(|of| of.object.certainty.map_or("", Certainty::name).to_owned()),
         "Certainty of the analyst: unsure, probable or certain.",
     ),
     filed(

@@ -2,7 +2,7 @@
 
 use super::{LogBox, LogId};
 use crate::ObjectExtent;
-use crate::review::{Confidence, Reviewed, State};
+use crate::review::{Certainty, Reviewed, State};
 use crate::targets::{Group, LogPings, ObjectHeight, PassCount, PassLog, Target, count_seen};
 use bathyscope_log::named;
 use bathyscope_log::support::geo::LonLat;
@@ -24,7 +24,7 @@ pub struct ObjectBox {
     pub target: Option<Target>,
     /// Number of the object that it is a sighting of; `None` without a place.
     pub object: Option<u32>,
-    /// The confidence filter has it out of sight. It counts as a sighting all the same.
+    /// The filter by score has it out of sight. It counts as a sighting all the same.
     pub is_hidden: bool,
 }
 
@@ -68,7 +68,7 @@ pub struct Object {
     /// The highest score of the detector; `None` where nobody but the analyst saw it.
     pub score: Option<f32>,
     /// The certainty of the analyst: the surest word of its boxes.
-    pub certainty: Option<Confidence>,
+    pub certainty: Option<Certainty>,
     /// Mean of the places, weighted by the inverse of their covariances: metres east and north in
     /// the plane of the survey.
     pub place_m: [f64; 2],
@@ -121,7 +121,7 @@ impl Object {
             class: group.class.map_or(crate::NAMELESS_CLASS, |class| names[class]).to_owned(),
             state: state(said().map(|one| one.state)),
             score: said().filter_map(|one| one.score).max_by(f32::total_cmp),
-            certainty: said().filter_map(|one| one.confidence).max(),
+            certainty: said().filter_map(|one| one.certainty).max(),
             place_m: [group.east_m, group.north_m],
             position: navigation.to_lon_lat(&survey.track, group.east_m, group.north_m),
             sigma_m: group.sigma_m,

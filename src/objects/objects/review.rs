@@ -6,14 +6,14 @@ use crate::targets::Target;
 use bathyscope_log::survey::Exclusions;
 use std::sync::Arc;
 
-/// The boxes of a log, and from which confidence they are in sight.
+/// The boxes of a log, and from which score they are in sight.
 #[derive(Clone, Debug)]
 pub struct LogReview {
     /// The log.
     pub log: LogId,
     /// Its boxes with what was decided about each.
     pub review: Arc<Review>,
-    /// Undecided proposals of less confidence are out of sight.
+    /// Undecided proposals of a lower score are out of sight.
     pub threshold: f32,
 }
 
@@ -49,11 +49,11 @@ pub struct KeptReview {
     pub review: Arc<Review>,
     /// Numbers of the objects that they show.
     pub object_numbers: LogNumbers,
-    /// Undecided proposals of less confidence are out of sight.
+    /// Undecided proposals of a lower score are out of sight.
     pub threshold: f32,
 }
 
-/// A file of its own knows of no numbers, and of no confidence: all its boxes are in sight.
+/// A file of its own knows of no numbers, and of no least score: all its boxes are in sight.
 impl From<Review> for KeptReview {
     fn from(review: Review) -> Self {
         Self { review: Arc::new(review), object_numbers: LogNumbers::default(), threshold: 0.0 }

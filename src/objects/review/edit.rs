@@ -1,6 +1,6 @@
 //! What the analyst does to a box.
 
-use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
+use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
 use crate::{Mark, MeasuredShadow, ObjectExtent, class_index};
 use bathyscope_log::survey::Side;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ pub enum Edit {
     /// What it is called.
     Rename(BoxId, String),
     /// How sure the analyst is.
-    Rate(BoxId, Option<Confidence>),
+    Rate(BoxId, Option<Certainty>),
     /// A remark.
     Note(BoxId, String),
 }
@@ -83,7 +83,7 @@ impl Edit {
             Edit::SetShadow(..) => "height of box",
             Edit::Classify(..) => "class of box",
             Edit::Rename(..) => "name of box",
-            Edit::Rate(..) => "confidence of box",
+            Edit::Rate(..) => "certainty of box",
             Edit::Remove(_) => "remove box",
             Edit::Note(..) => "note on box",
         }
@@ -166,7 +166,7 @@ impl Review {
                 (name.is_empty() || is_name(name)).then_some(())?;
                 self.correct(*id, |one| name.clone_into(&mut one.name))
             }
-            Edit::Rate(id, confidence) => self.correct(*id, |one| one.confidence = *confidence),
+            Edit::Rate(id, certainty) => self.correct(*id, |one| one.certainty = *certainty),
             Edit::Remove(id) => self.remove(*id),
             Edit::Note(id, text) => self.correct(*id, |one| one.note.clone_from(text)),
         }

@@ -1,7 +1,7 @@
 //! A review as a JSON file. What is read may come from anywhere: every number is checked before it
 //! is believed.
 
-use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
+use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
 use crate::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::{Identity, Side, Survey};
@@ -108,9 +108,9 @@ pub struct BoxRow {
     /// [`Reviewed::name`].
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// [`Reviewed::confidence`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub confidence: Option<Confidence>,
+    /// [`Reviewed::certainty`], under the name that files have for it.
+    #[serde(default, rename = "confidence", skip_serializing_if = "Option::is_none")]
+    pub certainty: Option<Certainty>,
     /// Border between echo and shadow where the analyst has set it, metres of slant range:
     /// [`ObjectExtent::Drawn`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -175,7 +175,7 @@ impl Review {
             edited: one.edited,
             note: one.note.clone(),
             name: one.name.clone(),
-            confidence: one.confidence,
+            certainty: one.certainty,
             border_m: one.extent.border_m(),
             shadow: one.shadow,
             point: one.extent == ObjectExtent::Point,
@@ -350,7 +350,7 @@ impl Review {
                 edited: one.edited,
                 note: one.note,
                 name: one.name,
-                confidence: one.confidence,
+                certainty: one.certainty,
                 extent,
                 shadow: one.shadow,
                 model,

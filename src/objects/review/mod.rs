@@ -10,7 +10,7 @@
 //! never touched.
 
 mod adopt;
-mod confidence;
+mod certainty;
 mod edit;
 mod file;
 mod queue;
@@ -18,7 +18,7 @@ mod searched;
 mod tiles;
 
 use bathyscope_log::named;
-pub use confidence::Confidence;
+pub use certainty::Certainty;
 pub use edit::Edit;
 pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
 pub use queue::{DecisionCounts, Queue, Sort};
@@ -79,11 +79,11 @@ pub struct Reviewed {
     pub mark: Mark,
     /// Index into [`Review::classes`].
     pub class: usize,
-    /// Confidence of the last model that saw it, 0 to 1; `None` while none has.
+    /// Score of the last model that saw it, 0 to 1; `None` while none has.
     pub score: Option<f32>,
     /// Where it stands.
     pub state: State,
-    /// Class, place, edges, name, confidence or note were changed by hand: a new model does not
+    /// Class, place, edges, name, certainty or note were changed by hand: a new model does not
     /// take it away.
     pub edited: bool,
     /// The analyst's remark.
@@ -91,7 +91,7 @@ pub struct Reviewed {
     /// What the analyst calls it, beside its class; empty where it has no name.
     pub name: String,
     /// How sure the analyst is of it; `None` where nobody has said.
-    pub confidence: Option<Confidence>,
+    pub certainty: Option<Certainty>,
     /// How its extent is known.
     pub extent: ObjectExtent,
     /// The shadow that its height was measured by; `None` where it is the one of its extent.
@@ -113,7 +113,7 @@ impl Reviewed {
             edited: false,
             note: String::new(),
             name: String::new(),
-            confidence: None,
+            certainty: None,
             extent: ObjectExtent::Found,
             shadow: None,
             model: None,
@@ -131,7 +131,7 @@ impl Reviewed {
         self.state != State::Proposed || self.edited
     }
 
-    /// Whether it is in sight where undecided proposals of less confidence than `threshold` are
+    /// Whether it is in sight where undecided proposals of less score than `threshold` are
     /// hidden.
     pub(crate) fn is_shown_from(&self, threshold: f32) -> bool {
         self.is_kept() || self.score.is_none_or(|score| score >= threshold)

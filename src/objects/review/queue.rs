@@ -54,7 +54,7 @@ pub struct Queue {
     pub sort: Sort,
     /// Which.
     pub filter: Filter,
-    /// Undecided proposals of less confidence than this are out of sight; what was decided stays in
+    /// Undecided proposals of a lower score than this are out of sight; what was decided stays in
     /// sight.
     pub threshold: f32,
 }
@@ -66,7 +66,7 @@ impl Default for Queue {
 }
 
 impl Queue {
-    /// Whether the confidence threshold leaves a box in sight.
+    /// Whether the least score leaves a box in sight.
     pub fn shows(&self, one: &Reviewed) -> bool {
         one.is_shown_from(self.threshold)
     }
@@ -107,7 +107,7 @@ fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {
     place(a).cmp(&place(b))
 }
 
-/// How far the work is, over the boxes that the confidence threshold leaves in sight.
+/// How far the work is, over the boxes that the least score leaves in sight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecisionCounts {
     /// Undecided.

@@ -397,7 +397,7 @@ fn a_point_is_a_place_without_size() {
 }
 
 #[test]
-fn a_target_has_a_name_a_class_of_its_own_and_a_word_of_confidence() {
+fn a_target_has_a_name_a_class_of_its_own_and_a_word_of_certainty() {
     let (id, review) = (BoxId(2), proposed());
     for edit in [
         Edit::Rename(id, "two\nlines".into()),
@@ -411,19 +411,19 @@ fn a_target_has_a_name_a_class_of_its_own_and_a_word_of_confidence() {
         &[
             Edit::Rename(id, " Anna ".into()),
             Edit::Classify(id, "steam tug".into()),
-            Edit::Rate(id, Some(Confidence::Certain)),
+            Edit::Rate(id, Some(Certainty::Certain)),
         ],
     );
     let one = after.get(id).unwrap();
     assert_eq!((one.name.as_str(), one.class), ("Anna", 2));
     assert_eq!(after.classes(), names(&["rock", "tyre", "steam tug"]));
-    assert_eq!(one.confidence, Some(Confidence::Certain));
+    assert_eq!(one.certainty, Some(Certainty::Certain));
     assert_eq!(after.apply(&Edit::Classify(id, "steam tug".into())), None);
     let known = edited(&after, &[Edit::Classify(id, "rock".into())]);
     assert_eq!(known.classes(), after.classes());
     assert_eq!(known.get(id).unwrap().class, 0);
     let cleared = edited(&after, &[Edit::Rename(id, String::new()), Edit::Rate(id, None)]);
-    assert_eq!(cleared.get(id).unwrap().confidence, None);
+    assert_eq!(cleared.get(id).unwrap().certainty, None);
 }
 
 #[test]
@@ -438,7 +438,7 @@ fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
     };
     let point = Edit::AddPoint { side: Side::Starboard, ping: 321, range_m: 7.5, class: 1 };
     let named = Edit::Rename(id, "Anna".into());
-    let rated = Edit::Rate(id, Some(Confidence::Unsure));
+    let rated = Edit::Rate(id, Some(Certainty::Unsure));
     let after = edited(&review, &[set, point, named, rated]);
     let text = after.to_json();
     assert_eq!(Review::from_json(&text, review.identity()), Ok(after));

@@ -9,7 +9,7 @@ use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::ObjectExtent;
 use bathyscope_objects::objects::{Object, ObjectBox};
-use bathyscope_objects::review::Confidence;
+use bathyscope_objects::review::Certainty;
 use bathyscope_objects::targets::{ObjectHeight, Target};
 
 /// Most sections; the files of the run list all.
@@ -172,8 +172,8 @@ fn shadow(target: &Target) -> String {
 fn decided(facts: &mut Facts, sightings: &[&ObjectBox]) {
     let boxes = || sightings.iter().map(|of| &of.one);
     facts.add("State", sightings[0].one.state.name());
-    let confidence = boxes().filter_map(|one| one.confidence).max();
-    facts.add("Confidence", confidence.map_or("", Confidence::name));
+    let certainty = boxes().filter_map(|one| one.certainty).max();
+    facts.add("Certainty", certainty.map_or("", Certainty::name));
     if let Some(score) = boxes().filter_map(|one| one.score).max_by(f32::total_cmp) {
         facts.add("Score of the detector", &format!("{score:.2}"));
     }

@@ -3,7 +3,7 @@ use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Side;
 use bathyscope_objects::Mark;
-use bathyscope_objects::review::{BoxId, Confidence, Edit, Review};
+use bathyscope_objects::review::{BoxId, Certainty, Edit, Review};
 use change::Change;
 use std::process::Command;
 

@@ -34,7 +34,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
         0 => format!("{boxes} · all decided"),
         open => format!("{boxes} · {} undecided", text::count(open)),
     };
-    let hint = "Boxes of the confidence shown, and those that were decided.";
+    let hint = "Boxes from the least score on, and those that were decided.";
     fact(ui, "Found", hint, value);
     if all.logs > 1 {
         let logs = text::plural(all.logs, "log", "logs");

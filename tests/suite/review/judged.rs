@@ -50,7 +50,7 @@ fn missed(mistake: &Mistake) -> Option<usize> {
 }
 
 fn slide(window: &mut Window, confidence: f64) {
-    let slider = window.get_by_role_and_label(Role::Slider, "Confidence");
+    let slider = window.get_by_role_and_label(Role::Slider, "Least score");
     slider.set_value_accesskit(confidence);
     window.run();
 }
@@ -68,13 +68,13 @@ fn the_slider_runs_along_the_curve_and_every_figure_follows() {
     assert_eq!([false_alarms, missed], [2, 2]);
     let said = format!("{found} found, 2 false alarms, 2 missed");
     window.get_by_label_contains(&said);
-    window.get_by_label_contains("at confidence 0.25 precision 0.");
+    window.get_by_label_contains("at score 0.25 precision 0.");
     slide(&mut window, 0.5);
     let [fewer, ghosts, more_missed] = counts(&window);
     assert!(fewer < found && ghosts == 1);
     assert_eq!(fewer + more_missed, found + missed, "each object once");
     let precision = fewer as f64 / (fewer + 1) as f64;
-    window.get_by_label_contains(&format!("at confidence 0.50 precision {precision:.2}"));
+    window.get_by_label_contains(&format!("at score 0.50 precision {precision:.2}"));
     // A decision about a box is none about the model; another class is.
     let right = review_of(&window).boxes().find(|one| one.score > Some(0.9));
     let (id, class) = right.map(|one| (one.id, one.class)).expect("a sure box");

@@ -390,7 +390,7 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     window.run();
     window.get_by_label_contains("1 of 10 decided");
     window.get_by_label_contains(", 10 boxes in view");
-    let slider = window.get_by_role_and_label(Role::Slider, "Confidence");
+    let slider = window.get_by_role_and_label(Role::Slider, "Least score");
     slider.set_value_accesskit(0.62);
     window.run();
     let sure = found.iter().skip(1).filter(|found| found.score >= 0.62).count();
@@ -399,7 +399,7 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
     window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
     let below = bathyscope_bottom::presentation::text::plural(9 - sure, "proposal", "proposals");
-    window.get_by_label_contains(&format!("{below} below the minimum confidence"));
+    window.get_by_label_contains(&format!("{below} below the least score"));
 }
 
 fn app_mut(window: &mut Window) -> &mut bathyscope::app::App {

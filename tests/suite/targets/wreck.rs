@@ -3,7 +3,7 @@
 use super::{edit, level_scene, log_box, only_box, opened, see_far, settle, target, written};
 use bathyscope::app::{Action, App, Command, FileToWrite};
 use bathyscope_log::survey::{Identity, Side};
-use bathyscope_objects::review::{Confidence, Edit, Review, State};
+use bathyscope_objects::review::{Certainty, Edit, Review, State};
 use bathyscope_objects::{Mark, ObjectExtent};
 use bathyscope_simulation::{ObjectKind, ObjectSettings, Scene, Simulated};
 use std::path::Path;
@@ -119,7 +119,7 @@ fn described(app: &mut App, truth: &Simulated) {
     for one in [
         Edit::Rename(id, "Anna <Maria>".to_owned()),
         Edit::Classify(id, "steam tug".to_owned()),
-        Edit::Rate(id, Some(Confidence::Probable)),
+        Edit::Rate(id, Some(Certainty::Probable)),
         Edit::Note(id, "boiler amidships".to_owned()),
     ] {
         edit(app, one);
@@ -136,8 +136,8 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     let one = only_box(&app);
     assert_eq!(review.class_name(one.class), "steam tug");
     assert_eq!(
-        (one.name.as_str(), one.confidence, one.note.as_str()),
-        ("Anna <Maria>", Some(Confidence::Probable), "boiler amidships")
+        (one.name.as_str(), one.certainty, one.note.as_str()),
+        ("Anna <Maria>", Some(Certainty::Probable), "boiler amidships")
     );
     // The file of the review keeps all of it.
     let survey = app.log.survey.clone().expect("a survey");

@@ -4,7 +4,7 @@ use super::{ObjectLog, plain};
 use crate::export::{ExportError, write_atomically};
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::objects::ObjectBox;
-use bathyscope_objects::review::Confidence;
+use bathyscope_objects::review::Certainty;
 use bathyscope_objects::targets::{FittedShape, Target};
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Write as _};
@@ -116,7 +116,7 @@ fn record(
         of.object.map_or_else(String::new, |object| object.to_string()),
         plain(&one.note),
         plain(&one.name),
-        one.confidence.map_or("", Confidence::name).to_owned(),
+        one.certainty.map_or("", Certainty::name).to_owned(),
         shape.map_or_else(String::new, |shape| shape.posed.solid.kind.name().to_owned()),
         of_shape(|shape| shape.posed.solid.length_m, 2),
         of_shape(|shape| shape.posed.solid.width_m, 2),

@@ -251,7 +251,7 @@ rows! {
         "The network that searches for objects. Without one, the network of the program.",
         SettingKind::Text("a file, ONNX");
     DETECTOR_SCORE: "detector.score", "Score", "detector's score",
-        "Minimum confidence of a box.",
+        "Least score of a box.",
         number!(detector.score, "", [0.0, 1.0], 0.01, 2, Slider, Some("the model's own"));
     DETECTOR_IOU: "detector.iou", "Overlap", "detector's overlap",
         "Of two boxes that overlap by more than this (IoU), the one with the lower score is dropped.",

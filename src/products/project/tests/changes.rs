@@ -83,7 +83,7 @@ fn box_edit(a: usize, b: usize) -> Edit {
         },
         10 => Edit::Classify(id, format!("class {}", b % 4)),
         11 if b.is_multiple_of(2) => Edit::Rename(id, format!("name {b}")),
-        11 => Edit::Rate(id, (!b.is_multiple_of(3)).then_some(Confidence::ALL[b % 3])),
+        11 => Edit::Rate(id, (!b.is_multiple_of(3)).then_some(Certainty::ALL[b % 3])),
         _ if b.is_multiple_of(2) => Edit::Remove(id),
         _ => Edit::Note(id, format!("note\n{b} \"x\" \u{2028}")),
     }

@@ -30,7 +30,7 @@ fn one_decision_about_a_box_changes_one_line() {
         (Edit::Note(id, "a \"wreck\"\nor so".to_owned()), [1, 1]),
         (add, [0, 1]),
         (Edit::Rename(id, "Anna".to_owned()), [1, 1]),
-        (Edit::Rate(id, Some(Confidence::Probable)), [1, 1]),
+        (Edit::Rate(id, Some(Certainty::Probable)), [1, 1]),
         (set_edges, [1, 1]),
         (add_point, [0, 1]),
         // The class is one of the log's from then on.

@@ -3,7 +3,7 @@
 use super::super::parts::name_cell;
 use crate::app::{App, Command, LogBox};
 use crate::ui::{ViewContext, toggle};
-use bathyscope_objects::review::{Confidence, Edit, Reviewed};
+use bathyscope_objects::review::{Certainty, Edit, Reviewed};
 use egui::{TextEdit, Ui};
 
 /// A text of a box.
@@ -87,7 +87,7 @@ impl BoxTexts {
                 text.clone_from(&now);
             }
         }
-        confidence(ui, context, *id, one);
+        certainty(ui, context, *id, one);
     }
 
     /// Starts on the texts of another box; what was written on the last one is kept, also where
@@ -114,14 +114,14 @@ impl BoxTexts {
 }
 
 /// How sure the analyst is; the word that is chosen already is taken back by a click.
-fn confidence(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
-    let hint = "Your own confidence; the score is that of the detector.";
+fn certainty(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
+    let hint = "Your own certainty; the score is that of the detector.";
     ui.horizontal_wrapped(|ui| {
-        name_cell(ui, "Confidence", hint);
-        for word in Confidence::ALL {
-            let chosen = one.confidence == Some(word);
+        name_cell(ui, "Certainty", hint);
+        for word in Certainty::ALL {
+            let chosen = one.certainty == Some(word);
             let button = toggle::chip(ui, chosen, word.name());
-            let button = button.accessible_name(format!("Confidence {}", word.name()));
+            let button = button.accessible_name(format!("Certainty {}", word.name()));
             if button.clicked() {
                 let rated = (!chosen).then_some(word);
                 context.push(Command::EditIn(id.log, Edit::Rate(id.id, rated)));

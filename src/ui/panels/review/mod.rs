@@ -96,7 +96,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     remark(ui, parts.join(" · "));
     if counts.hidden > 0 {
         let proposals = text::plural(counts.hidden, "proposal", "proposals");
-        remark(ui, format!("{proposals} below the minimum confidence"));
+        remark(ui, format!("{proposals} below the least score"));
     }
     let app = context.app;
     // One line whatever it says: all that is clicked lies below it.

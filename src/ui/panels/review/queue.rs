@@ -1,4 +1,4 @@
-//! Order and filter of the boxes, and the confidence from which proposals are shown.
+//! Order and filter of the boxes, and the score from which proposals are shown.
 
 use super::super::parts::{remark, row};
 use crate::app::Command;
@@ -16,7 +16,7 @@ const ANY_M: f64 = 100.0;
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let before = &context.app.log.reviewing.queue;
     let mut queue = before.clone();
-    confidence(ui, &mut queue);
+    least_score(ui, &mut queue);
     sort(ui, &mut queue);
     class(ui, context, &mut queue);
     state(ui, &mut queue);
@@ -33,9 +33,9 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// The slider from which proposals are shown.
-pub(super) fn confidence(ui: &mut Ui, queue: &mut Queue) {
-    let hint = "Hides proposals below this confidence; decided boxes stay.";
-    row(ui, "Confidence", hint, |ui| {
+pub(super) fn least_score(ui: &mut Ui, queue: &mut Queue) {
+    let hint = "Hides proposals below this score of the detector; decided boxes stay.";
+    row(ui, "Least score", hint, |ui| {
         let value_width = 44.0;
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
         ui.spacing_mut().interact_size.x = value_width;

@@ -1,4 +1,4 @@
-//! The precision-recall curve with the point that the confidence slider stands at.
+//! The precision-recall curve with the point that the slider of the least score stands at.
 
 use super::share;
 use crate::app::{Command, ViewOptions};
@@ -46,7 +46,7 @@ pub(super) fn ui(
         response
             .on_hover_cursor(CursorIcon::PointingHand)
             .on_hover_text(
-                "Precision over recall at every confidence, as the boxes stand now. A click sets the confidence.",
+                "Precision over recall at every score, as the boxes stand now. A click sets the least score.",
             );
         ui.vertical(|ui| figures(ui, &standing.counts));
     });
@@ -56,7 +56,7 @@ pub(super) fn ui(
 fn said(standing: &Standing) -> String {
     let counts = &standing.counts;
     format!(
-        "Precision-recall curve: at confidence {:.2} precision {}, recall {}, F1 {}; {} found, {}, {} missed",
+        "Precision-recall curve: at score {:.2} precision {}, recall {}, F1 {}; {} found, {}, {} missed",
         standing.score,
         share(counts.precision()),
         share(counts.recall()),
@@ -88,7 +88,7 @@ fn figures(ui: &mut Ui, counts: &MatchCounts) {
     let hint = "Objects that a box of their class overlaps by more than half (IoU).";
     let value = format!("{} of {}", counts.found, counts.truths);
     line("Found", value, hint);
-    let hint = "Shown boxes that found no object, or one that a box of more confidence found.";
+    let hint = "Shown boxes that found no object, or one that a box of a higher score found.";
     line("False", text::count(counts.false_alarms), hint);
     let hint = "Objects that no box shown has found.";
     line("Missed", text::count(counts.missed()), hint);

@@ -98,7 +98,7 @@ pub(super) fn ui(
         class(row).zip(class(column))
     });
     let text = under.map_or_else(
-        || "Rows: what is there. Columns: what was proposed at this confidence.".to_owned(),
+        || "Rows: what is there. Columns: what was proposed from this score on.".to_owned(),
         |(truth, predicted)| grid.said(truth, predicted),
     );
     response.on_hover_text(text);

@@ -13,7 +13,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthC
     let reviewing = &context.app.log.reviewing;
     let mistakes = reviewing.judging.mistakes();
     if mistakes.is_empty() {
-        return remark(ui, "No mistake at this confidence.");
+        return remark(ui, "No mistake from this score on.");
     }
     let mut sort = reviewing.judging.sort();
     let before = sort;

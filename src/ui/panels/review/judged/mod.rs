@@ -1,4 +1,4 @@
-//! The boxes against the truth, where it is known: the precision-recall curve that the confidence
+//! The boxes against the truth, where it is known: the precision-recall curve that the least score
 //! slider runs along, the list of mistakes, and what was taken for what.
 //!
 //! In: the state. Out: a curve, lists and a table, and commands.

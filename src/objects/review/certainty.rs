@@ -1,13 +1,13 @@
-//! How sure the analyst is of an object.
+//! The certainty of the analyst.
 
 use bathyscope_log::named;
 use serde::{Deserialize, Serialize};
 
-/// How sure the analyst is that there is an object, and of what it is: a word of their own, beside
-/// the score of a model.
+/// The certainty of the analyst that there is an object, and of what it is: a word of their own,
+/// beside the score of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Confidence {
+pub enum Certainty {
     /// It may be something else, or nothing.
     Unsure,
     /// More likely than not.
@@ -18,7 +18,7 @@ pub enum Confidence {
 
 named! {
     /// All of them, the least sure first.
-    pub Confidence {
+    pub Certainty {
         Unsure: "unsure",
         Probable: "probable",
         Certain: "certain",
