@@ -174,9 +174,9 @@ fn state(boxes: impl Iterator<Item = State> + Clone) -> ObjectState {
     }
 }
 
-/// The place of the box that tells the size best: an accepted one before an undecided one, one whose
-/// edges were drawn before another, and then the surest, who drew one being sure. Of equals the
-/// first.
+/// The place of the box that tells the size best: an accepted one before an undecided one, one
+/// whose edges were drawn before another, and then the surest, who drew one being sure. Of equals
+/// the first.
 fn best<'a>(boxes: impl Iterator<Item = &'a ObjectBox>) -> usize {
     let rank = |one: &ObjectBox| {
         let is_drawn = matches!(one.one.extent, ObjectExtent::Drawn { .. });

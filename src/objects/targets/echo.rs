@@ -15,10 +15,13 @@ pub struct Parts {
     /// Start and end of the shadow behind it, where there is one; the end is NaN where it runs off
     /// the range.
     pub shadow_m: Option<[f64; 2]>,
-    /// The longest shadow but for a tenth behind a few neighbouring pings: that of the object's
-    /// top. Where the top is round, or the object lies askew, [`Parts::shadow_m`] ends before it,
-    /// where half of the pings receive the bottom again.
+    /// The shadow of the object's top, where it is whole: dark, and behind most of the pings. Where
+    /// the top is round, or the object lies askew, [`Parts::shadow_m`] ends before it, where half of
+    /// the pings receive the bottom again.
     pub longest: Option<Shadow>,
+    /// Standard deviation of the shadows of neighbouring pings about it, as shares of the altitude;
+    /// 0 where the edges are set by hand.
+    pub spread: f64,
 }
 
 /// A shadow in a few pings, metres of slant range.
@@ -47,9 +50,23 @@ const CORE_PINGS: usize = 6;
 const SLICE_PINGS: usize = 2;
 const SLICE: f64 = 0.1;
 const SLICES: usize = 24;
-/// The share of those places whose shadow is no longer than the one taken for the longest: speckle
-/// lengthens some of so few pings. Heights of simulated objects then have no bias.
-const LONGEST: f64 = 0.9;
+/// The share of those places whose shadow is no longer than the one taken for that of the top:
+/// speckle lengthens some of so few pings. A flat top casts the same shadow everywhere, a round one
+/// its longest in the middle, and the walls of a large object are of different heights. Heights of
+/// simulated objects then have no bias.
+const FLAT_TOP: f64 = 0.65;
+const ROUND_TOP: f64 = 0.75;
+const LARGE: f64 = 0.9;
+/// A shadow is whole where it lies behind so large a share of those places, and is darker than the
+/// background by so many standard deviations of its samples: what is lit in part, or broken, casts
+/// no shadow that tells a height.
+const WHOLE: f64 = 0.7;
+const DARK_SPECKLES: f64 = 0.58;
+/// A flat top that is no brighter than the bottom lies between what is bright and the shadow. It is
+/// told apart where two levels explain what lies there so many times better than what is left
+/// beside them, and the top is at most so large a share as dark as the shadow.
+const TOP_GAIN: f64 = 10.0;
+const TOP_DARKNESS: f64 = 0.7;
 /// A shadow is at least this share of the background's level darker than it; the bytes are
 /// decibels, more or less.
 const DARKER: f64 = 0.12;
@@ -96,15 +113,21 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     // Where most of the box ends in echo, a hollow in the rest is no shadow.
     let start_m = start_m.filter(|start_m| *start_m < mark.far_m && 2 * shadows.len() > all.len());
     let Some(start_m) = start_m else {
-        return Some(Parts { echo_m: [mark.near_m, mark.far_m], shadow_m: None, longest: None });
+        return Some(Parts {
+            echo_m: [mark.near_m, mark.far_m],
+            shadow_m: None,
+            longest: None,
+            spread: 0.0,
+        });
     };
     let ends = shadows.iter().map(|one| one.end_m);
-    let longest = longest(shadows.iter().copied());
+    let (longest, spread) = longest(shadows.clone(), LARGE).unzip();
     Some(Parts {
         echo_m: [mark.near_m, start_m],
         // NaN is the larger: a shadow that runs off the range is longer than any.
         shadow_m: ends.max_by(f64::total_cmp).map(|end_m| [start_m, end_m]),
         longest,
+        spread: spread.unwrap_or(0.0),
     })
 }
 
@@ -123,6 +146,7 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
         echo_m: [mark.near_m, border_m],
         shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]),
         longest: shadow,
+        spread: 0.0,
     }
 }
 
@@ -133,11 +157,14 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
 pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
     let (echo_m, shadow) = look.at(core(&mark.pings))?;
-    let longest = shadow.and_then(|shadow| {
-        let slices = slices(&mark.pings).filter_map(|pings| look.at(pings)?.1);
-        longest(slices.filter(|slice| slice.end_m.is_finite() || shadow.end_m.is_nan()))
-    });
-    Some(Parts { echo_m, shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]), longest })
+    let top = shadow.and_then(|shadow| look.top_shadow(&mark.pings, &shadow));
+    let (longest, spread) = top.unzip();
+    Some(Parts {
+        echo_m,
+        shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]),
+        longest,
+        spread: spread.unwrap_or(0.0),
+    })
 }
 
 /// A box, ready to be looked at in some of its pings.
@@ -205,20 +232,52 @@ impl<'a> Look<'a> {
         Some(both.map(|(echo, quiet)| echo - quiet).collect())
     }
 
+    /// The shadow of the top of an object, by places of its box, and the spread of these; `None`
+    /// where it is not whole.
+    fn top_shadow(&self, pings: &Range<usize>, core: &Shadow) -> Option<(Shadow, f64)> {
+        let places: Vec<Range<usize>> = slices(pings).collect();
+        let mut darkness = Vec::with_capacity(places.len());
+        let (mut shadows, mut flat) = (Vec::with_capacity(places.len()), 0);
+        for pings in &places {
+            let Some((contrast, dark, shadow)) = self.dark_at(pings.clone()) else {
+                continue;
+            };
+            darkness.push(darkness_of(&contrast[dark.clone()]));
+            if shadow.end_m.is_nan() && core.end_m.is_finite() {
+                continue;
+            }
+            let end = dark.end.max(self.step_of(shadow.end_m)).min(contrast.len());
+            let from = self.step_of(shadow.bright_end_m).min(end);
+            let top = flat_top(&contrast[from..end]);
+            flat += usize::from(top.is_some());
+            let start_m = top.map_or(shadow.start_m, |steps| self.range_m(from + steps));
+            shadows.push(Shadow { start_m, ..shadow });
+        }
+        let is_whole = darkness.len() as f64 >= WHOLE * places.len() as f64
+            && (self.background.speckle.is_nan()
+                || median(&mut darkness) >= DARK_SPECKLES * self.background.speckle);
+        let share = if 2 * flat >= shadows.len() { FLAT_TOP } else { ROUND_TOP };
+        longest(shadows, share).filter(|_| is_whole)
+    }
+
+    /// The step that holds a slant range.
+    fn step_of(&self, range_m: f64) -> usize {
+        ((range_m - self.grid.from_m) / self.grid.step_m).round().max(0.0) as usize
+    }
+
     /// The shadow in some pings behind which nothing of the object comes any more up to the end of
     /// its box.
     fn behind_all(&self, pings: Range<usize>, far_m: f64) -> Option<Shadow> {
         let contrast = self.contrast(pings.clone())?;
         let (echo_m, shadow) = self.at(pings)?;
         let shadow = shadow?;
-        let step_of = |range_m: f64| ((range_m - self.grid.from_m) / self.grid.step_m).round();
         // A shadow that runs off the range has nothing behind it.
         let from = match shadow.end_m.is_nan() {
             true => return Some(shadow),
-            false => step_of(shadow.end_m) as usize,
+            false => self.step_of(shadow.end_m),
         };
-        let behind = from..(step_of(far_m) as usize).min(contrast.len());
-        let echo = step_of(echo_m[0]) as usize..step_of(echo_m[1]) as usize;
+        let behind = from..self.step_of(far_m).min(contrast.len());
+        let echo = self.step_of(echo_m[0])..self.step_of(echo_m[1]);
         let echo_gain = runs::gain(contrast.get(echo)?);
         let goes_on = (contrast.get(behind))
             .is_some_and(|behind| runs::brightest(behind) > GOES_ON * echo_gain);
@@ -230,24 +289,65 @@ impl<'a> Look<'a> {
         let contrast = self.contrast(pings)?;
         let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
         let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
-        let shadow = shadow.and_then(|dark| {
-            let darkness = -contrast[dark.clone()].iter().sum::<f64>() / dark.len() as f64;
-            let dark_m = dark.len() as f64 * self.grid.step_m;
-            if darkness < DARKER * self.level || dark_m < self.shortest_m {
-                return None;
-            }
-            // NaN gives half of the darkness.
-            let lit = (HALF_POWER * self.background.speckle).min(0.5 * darkness);
-            let end_m = self.range_m(last_below(&contrast, dark.start, -lit));
-            let ends = end_m < self.end_m - 2.0 * self.grid.step_m;
-            Some(Shadow {
-                bright_end_m: echo_m[1],
-                start_m: self.range_m(dark.start),
-                end_m: if ends { end_m } else { f64::NAN },
-            })
-        });
-        Some((echo_m, shadow))
+        Some((echo_m, shadow.and_then(|dark| self.shadow(&contrast, echo_m[1], dark))))
     }
+
+    /// The contrast of some pings, the steps of the dark run behind their echo, and the shadow that
+    /// it is of.
+    fn dark_at(&self, pings: Range<usize>) -> Option<(Vec<f64>, Range<usize>, Shadow)> {
+        let contrast = self.contrast(pings)?;
+        let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
+        let dark = shadow?;
+        let shadow = self.shadow(&contrast, self.range_m(echo.end), dark.clone())?;
+        Some((contrast, dark, shadow))
+    }
+
+    /// The shadow of a dark run behind what is bright; `None` where it is speckle.
+    fn shadow(&self, contrast: &[f64], bright_end_m: f64, dark: Range<usize>) -> Option<Shadow> {
+        let darkness = darkness_of(&contrast[dark.clone()]);
+        let dark_m = dark.len() as f64 * self.grid.step_m;
+        if darkness < DARKER * self.level || dark_m < self.shortest_m {
+            return None;
+        }
+        // NaN gives half of the darkness.
+        let lit = (HALF_POWER * self.background.speckle).min(0.5 * darkness);
+        let end_m = self.range_m(last_below(contrast, dark.start, -lit));
+        let ends = end_m < self.end_m - 2.0 * self.grid.step_m;
+        Some(Shadow {
+            bright_end_m,
+            start_m: self.range_m(dark.start),
+            end_m: if ends { end_m } else { f64::NAN },
+        })
+    }
+}
+
+/// How much darker than the background a run is, in the mean.
+fn darkness_of(contrast: &[f64]) -> f64 {
+    -contrast.iter().sum::<f64>() / contrast.len() as f64
+}
+
+/// Steps of a flat top before its shadow, in what lies between the bright face and the end of the
+/// shadow: those before the split that explains the levels best, where it does so clearly. `None`
+/// where all of it is one shadow.
+fn flat_top(contrast: &[f64]) -> Option<usize> {
+    let count = contrast.len() as f64;
+    let total: f64 = contrast.iter().sum();
+    let squares: f64 = contrast.iter().map(|level| level * level).sum();
+    let mut before = 0.0;
+    let mut best: Option<(f64, usize, [f64; 2])> = None;
+    for (step, level) in contrast.iter().enumerate().take(contrast.len().saturating_sub(1)) {
+        before += level;
+        let steps = (step + 1) as f64;
+        let means = [before / steps, (total - before) / (count - steps)];
+        let explained = means[0] * means[0] * steps + means[1] * means[1] * (count - steps);
+        if best.is_none_or(|(most, ..)| explained > most) {
+            best = Some((explained, step + 1, means));
+        }
+    }
+    let (explained, steps, [top, shadow]) = best?;
+    let gain = explained - total * total / count;
+    let residual = (squares - explained) / count;
+    (shadow < 0.0 && top > TOP_DARKNESS * shadow && gain >= TOP_GAIN * residual).then_some(steps)
 }
 
 /// The step up to which a profile stays below a level from a step on: where the sum of what is
@@ -278,17 +378,20 @@ fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
     (0..=last).step_by(stride).map(move |first| start + first..start + first + count)
 }
 
-/// The shadow of the highest top: by `(end - start) / end`, where the height is in proportion to
-/// it. One that runs off the range is longer than any.
-fn longest(shadows: impl Iterator<Item = Shadow>) -> Option<Shadow> {
-    let share = |one: &Shadow| match one.end_m.is_nan() {
+/// The shadow of the top among those of several places: so large a share of them is no longer, by
+/// `(end - start) / end`, which the height is in proportion to. One that runs off the range is
+/// longer than any. With it the standard deviation of the others about it, in that measure.
+fn longest(mut shadows: Vec<Shadow>, share: f64) -> Option<(Shadow, f64)> {
+    let length = |one: &Shadow| match one.end_m.is_nan() {
         true => 1.0,
         false => 1.0 - one.start_m / one.end_m,
     };
-    let mut all: Vec<Shadow> = shadows.collect();
-    all.sort_by(|a, b| share(a).total_cmp(&share(b)));
-    let last = all.len().checked_sub(1)?;
-    all.get((LONGEST * last as f64).round() as usize).copied()
+    shadows.sort_by(|a, b| length(a).total_cmp(&length(b)));
+    let last = shadows.len().checked_sub(1)?;
+    let at = |share: f64| shadows.get((share * last as f64).round() as usize);
+    let ends = at(0.16).zip(at(0.84));
+    let spread = ends.map_or(0.0, |(short, long)| 0.5 * (length(long) - length(short)));
+    Some((*at(share)?, spread))
 }
 
 #[cfg(test)]

@@ -13,6 +13,9 @@ use std::sync::OnceLock;
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
+/// Slant range in altitudes up to which a shadow begins where the echo ends: under the boat a flat
+/// top lies within a few samples, and what follows the echo is dark at once.
+const UNDER: f64 = 1.1;
 /// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a
 /// line along the grid is off by the same all the way.
 const FIX_SIGMA_M: f64 = 0.25;
@@ -252,11 +255,17 @@ impl<'a> Placer<'a> {
                 true => DRAWN_SIGMA_M,
                 false => EDGE_SIGMA_M,
             },
-            longest: longest.map(|shadow| Shadow {
-                bright_end_m: calibrated(shadow.bright_end_m),
-                start_m: calibrated(shadow.start_m),
-                end_m: end(shadow.end_m),
+            longest: longest.map(|shadow| {
+                let bright_end_m = calibrated(shadow.bright_end_m);
+                let start_m = calibrated(shadow.start_m);
+                let is_under = !is_drawn && start_m < UNDER * altitude_m;
+                Shadow {
+                    bright_end_m,
+                    start_m: if is_under { bright_end_m } else { start_m },
+                    end_m: end(shadow.end_m),
+                }
             }),
+            spread: found.map_or(0.0, |found| found.spread),
         }
     }
 
@@ -279,6 +288,7 @@ impl<'a> Placer<'a> {
         MeasuredObject {
             box_end_m: last_m,
             longest: Some(Shadow { bright_end_m: start_m, start_m, end_m }),
+            spread: 0.0,
             ..seen
         }
     }

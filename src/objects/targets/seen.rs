@@ -51,6 +51,8 @@ pub(super) struct MeasuredObject {
     pub(super) edge_sigma_m: f64,
     /// The longest shadow.
     pub(super) longest: Option<Shadow>,
+    /// Standard deviation of the shadows of neighbouring pings, as shares of the altitude.
+    pub(super) spread: f64,
 }
 
 impl MeasuredObject {
@@ -65,6 +67,7 @@ impl MeasuredObject {
             box_end_m: range_m,
             edge_sigma_m: DRAWN_SIGMA_M,
             longest: None,
+            spread: 0.0,
         }
     }
 
@@ -87,7 +90,7 @@ impl MeasuredObject {
     }
 
     /// Standard deviation of the height: of both ends of the shadow, of the altitude, of the slope,
-    /// and of the shape.
+    /// of the shape, and of how the shadows of neighbouring pings differ.
     ///
     /// The shadow starts somewhere between what is bright and what is dark, and its end is off by
     /// half of what it differs from the box's. The last ray over a round top touches its far flank:
@@ -114,6 +117,7 @@ impl MeasuredObject {
                 .hypot(ALTITUDE_SIGMA * height_m)
                 .hypot(SLOPE_SIGMA * shadow_m)
                 .hypot(flank * height_m)
+                .hypot(self.altitude_m * self.spread)
         })
     }
 
@@ -209,6 +213,7 @@ mod tests {
             edge_sigma_m: EDGE_SIGMA_M,
             bounded: true,
             longest: Some(Shadow { bright_end_m: start_m, start_m, end_m }),
+            spread: 0.0,
         }
     }
 

@@ -11,6 +11,9 @@ const HEADINGS: usize = 8;
 /// How far from where the box says, outward, a search begins, in shares of the box.
 const OUTWARD: [f64; 3] = [-0.15, 0.0, 0.15];
 
+/// Logarithm of the ratio of two steepnesses from which on a search begins with both.
+const STEEPNESS_APART: f64 = 0.3;
+
 /// What is known of an object before, from one of its boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InitialGuess {
@@ -25,7 +28,7 @@ pub(super) struct InitialGuess {
     pub(super) box_m: f64,
     /// Unit vector across the track to the side of the look, east and north.
     pub(super) outward: [f64; 2],
-    /// Height, metres; NaN where it is not known.
+    /// Height, metres; NaN where no shadow is seen.
     pub(super) height_m: f64,
 }
 
@@ -39,7 +42,7 @@ impl InitialGuess {
             across_m: target.width_m,
             box_m: look.across_m(),
             outward: look.pings.first().map_or([0.0; 2], |ping| ping.outward),
-            height_m: target.height_m,
+            height_m: height_m(target),
         }
     }
 
@@ -47,6 +50,19 @@ impl InitialGuess {
     pub(super) fn of_look(&self) -> [f64; OF_LOOK] {
         let [east_m, north_m] = self.place_m;
         [east_m, north_m, STRENGTH[0], DARKNESS, 0.0]
+    }
+}
+
+/// The height to begin with: that of the object, or that of the shadow in the middle of the box where
+/// it is not whole enough to tell one.
+fn height_m(target: &Target) -> f64 {
+    let in_middle_m = || {
+        let [start_m, end_m] = target.parts?.shadow_m?;
+        Some(target.altitude_m * (end_m - start_m) / end_m)
+    };
+    match target.height_m.is_finite() {
+        true => target.height_m,
+        false => in_middle_m().unwrap_or(f64::NAN),
     }
 }
 
@@ -72,14 +88,10 @@ pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> 
         let both_m = (by_along_m * by_across_m).sqrt();
         for length_m in [by_along_m, by_across_m, both_m, by_box_m] {
             let length_m = length_m.clamp(usual.length_m[0], usual.length_m[1]);
-            let [low, high] = usual.steepness;
-            let steepness = match start.height_m > 0.0 {
-                true => (start.height_m * slenderness / length_m).clamp(low, high),
-                false => (low * high).sqrt(),
-            };
             let heading_rad = start.heading_rad + off_rad;
-            let sizes = [length_m.ln(), slenderness.ln(), steepness.ln()];
-            for out in OUTWARD {
+            let steepnesses = steepnesses(kind, start.height_m * slenderness / length_m);
+            for (steepness, out) in steepnesses.flat_map(|one| OUTWARD.map(|out| (one, out))) {
+                let sizes = [length_m.ln(), slenderness.ln(), steepness.ln()];
                 let mut of_look = start.of_look();
                 let out_m = out * start.box_m;
                 of_look[0] += out_m * start.outward[0];
@@ -89,4 +101,17 @@ pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> 
         }
     }
     all
+}
+
+/// Steepnesses to begin with: that of the shadow, where it is known. The shadow of a boat may be
+/// that of a thwart or of one end, so a search for one begins with a usual steepness as well.
+fn steepnesses(kind: ShapeKind, by_shadow: f64) -> impl Iterator<Item = f64> {
+    let [low, high] = kind.usual().steepness;
+    let usual = (low * high).sqrt();
+    let known = (by_shadow > 0.0).then(|| by_shadow.clamp(low, high));
+    let is_other = match known {
+        Some(known) => kind.is_boat() && (known / usual).ln().abs() > STEEPNESS_APART,
+        None => true,
+    };
+    known.into_iter().chain(is_other.then_some(usual))
 }
