@@ -228,6 +228,11 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
         "Sighting that the height rests on, and how many sightings contradict it.",
     ),
     shown("depth_m", "depth", Length(|of| of.object.depth_m), "Depth of the bottom at the object."),
+    filed(
+        "course_deg",
+        Number(0, |of| of.object.course_rad.to_degrees().round().rem_euclid(360.0)),
+        "Course of the boat over ground at the sighting that tells the size best, degrees clockwise from north.",
+    ),
     shown(
         "sightings",
         "seen",

@@ -86,6 +86,8 @@ pub struct Object {
     pub height: ObjectHeight,
     /// Depth of the bottom there by the box that tells its size best.
     pub depth_m: f64,
+    /// Course of the boat over ground at that box, radians clockwise from north.
+    pub course_rad: f64,
     /// Passes of the boat that saw it: at most as many as boxes, since both sides may see it in one
     /// pass, and two recorders too.
     pub sightings: usize,
@@ -130,6 +132,7 @@ impl Object {
             width_m: target.map_or(f64::NAN, |target| target.width_m),
             height: group.height,
             depth_m: target.map_or(f64::NAN, |target| target.depth_m),
+            course_rad: target.map_or(f64::NAN, |target| target.heading_rad),
             sightings: count_seen(seen_on.iter().cloned(), logs),
             remarks: remarks.join("; "),
             seen_on,
