@@ -56,8 +56,13 @@ fn propose(window: &mut Window, folder: &Path) {
 
 /// Two logs with their boxes.
 pub(super) fn proposed() -> (tempfile::TempDir, Window) {
+    proposed_of(2)
+}
+
+/// So many logs with their boxes.
+pub(super) fn proposed_of(logs: usize) -> (tempfile::TempDir, Window) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut window = opened(folder.path(), 2);
+    let mut window = opened(folder.path(), logs);
     propose(&mut window, folder.path());
     (folder, window)
 }

@@ -2,12 +2,13 @@
 //! same in every column.
 
 use crate::logs_window::{ids, settle};
-use crate::objects_window::{object_of, proposed};
+use crate::objects_window::{object_of, proposed, proposed_of};
 use crate::project_window::{open, save_as};
-use crate::window::{Window, app};
+use crate::window::{Window, app, press};
 use bathyscope::app::{Command, FileToWrite, LogBox, Object, ObjectState};
 use bathyscope_objects::objects::OBJECT_COLUMNS;
 use bathyscope_objects::review::{Edit, Queue};
+use egui::{Key, Modifiers};
 use rusqlite::Connection;
 use rusqlite::types::ValueRef;
 use serde_json::Value;
@@ -258,5 +259,26 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
         for (number, object) in left {
             assert_eq!(object, all[&number], "{threshold}");
         }
+    }
+}
+
+#[test]
+fn thirty_decisions_by_keys_change_no_object_but_the_one_that_is_decided() {
+    let (_folder, mut window) = proposed_of(3);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    settle(&mut window);
+    for index in 0..30 {
+        let here = app(&window).selected_log_box().expect("a selected box");
+        let object = |window: &Window| app(window).object_of(here).expect("an object").number;
+        let (before, of) = (shown(&window, false), object(&window));
+        let key = if index % 4 == 3 { Key::R } else { Key::A };
+        press(&mut window, Modifiers::NONE, key);
+        settle(&mut window);
+        // A rejected box is no sighting of its object any more, but shows nothing by itself.
+        let decided = [of, object(&window)];
+        let (mut before, mut after) = (before, shown(&window, false));
+        before.retain(|number, _| !decided.contains(number));
+        after.retain(|number, _| !decided.contains(number));
+        assert_eq!(before, after, "decision {index}");
     }
 }

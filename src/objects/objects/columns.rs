@@ -79,9 +79,11 @@ pub enum ColumnValue {
 }
 
 impl ObjectColumn {
-    /// The columns of the window and the report.
+    /// The columns of the window and the report. Those of the place, which are wide, come last.
     pub fn shown() -> impl Iterator<Item = &'static Self> {
-        OBJECT_COLUMNS.iter().filter(|column| !column.heading.is_empty())
+        let shown = || OBJECT_COLUMNS.iter().filter(|column| !column.heading.is_empty());
+        let is_of_place = |column: &&Self| matches!(column.name, "lat" | "sigma_m");
+        shown().filter(move |column| !is_of_place(column)).chain(shown().filter(is_of_place))
     }
 
     /// The column of a name.

@@ -16,8 +16,8 @@ pub struct Parts {
     /// the range.
     pub shadow_m: Option<[f64; 2]>,
     /// The shadow of the object's top, where it is whole: dark, and behind most of the pings. Where
-    /// the top is round, or the object lies askew, [`Parts::shadow_m`] ends before it, where half of
-    /// the pings receive the bottom again.
+    /// the top is round, or the object lies askew, [`Parts::shadow_m`] ends before it, where half
+    /// of the pings receive the bottom again.
     pub longest: Option<Shadow>,
     /// Standard deviation of the shadows of neighbouring pings about it, as shares of the altitude;
     /// 0 where the edges are set by hand.

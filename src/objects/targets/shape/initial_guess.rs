@@ -53,8 +53,8 @@ impl InitialGuess {
     }
 }
 
-/// The height to begin with: that of the object, or that of the shadow in the middle of the box where
-/// it is not whole enough to tell one.
+/// The height to begin with: that of the object, or that of the shadow in the middle of the box
+/// where it is not whole enough to tell one.
 fn height_m(target: &Target) -> f64 {
     let in_middle_m = || {
         let [start_m, end_m] = target.parts?.shadow_m?;
