@@ -55,7 +55,7 @@ def expected(newer, older, systematic):
     return rise, 1.96 * numpy.hypot(sigma, systematic), measured, abs(area)
 
 
-def places(rise, level, measured, cell_m2, systematic):
+def places(rise, level, measured, cell_m2, systematic, range_m):
     """The cells of each place that changed, its sign, and the standard deviation of the rise of each for what is drawn between measured cells."""
     known, cell = numpy.isfinite(rise), math.sqrt(cell_m2)
     side = 2 * min(10, max(1, round(1 / cell))) + 1
@@ -70,12 +70,22 @@ def places(rise, level, measured, cell_m2, systematic):
     middle = numpy.median(quiet)
     noise = 1.4826 * numpy.median(numpy.abs(quiet - middle))
     away = cell * numpy.maximum(*[scipy.ndimage.distance_transform_edt(~one) for one in measured])
+    offset = numpy.median(rise[known & ~detected])
+    together = max(math.pi * range_m**2 / 5, cell_m2)
+    largest = max(1.96, math.sqrt(2 * math.log(max(1, known.sum() * cell_m2 / together) / 0.05)))
     found = []
     for sign in (1, -1):
         above = known & (sign * (smooth - middle) > 1.5 * noise)
         labels, _ = scipy.ndimage.label(above)
         for label in numpy.unique(labels[above & seeds & (sign * numpy.nan_to_num(rise) > 0)]):
             cells = labels == label
+            # Its detected cells stand out of the largest of the independent errors, and are no few wrong depths.
+            sure = cells & detected
+            area = sure.sum() * cell_m2
+            random = math.sqrt(area * cell_m2 * ((own[sure] / 1.96) ** 2).sum() * min(1, together / max(area, 1e-9)))
+            volume = abs((rise[sure] - offset).sum()) * cell_m2
+            if sure.sum() < 4 or area < 2 or volume <= largest * random:
+                continue
             rows, columns = numpy.nonzero(cells & (measured[0] | measured[1]))
             weights = rise[rows, columns] ** 2
             moment = 0
@@ -100,11 +110,17 @@ def check(newer, older, folder):
         assert stops == sorted(stops) and (name != "difference" or abs(stops[0] + stops[-1]) < 1e-9)
     both = numpy.isfinite(rise)
     assert (numpy.isfinite(written["difference"]) == both).all(), "cells that only one of the two knows"
-    for name, own in (("difference", rise), ("detection_level", level)):
-        off = numpy.abs(written[name] - own)[both].max()
-        assert off < 1e-4, f"{name} is off by {off} m"
+    off = numpy.abs(written["difference"] - rise)[both].max()
+    assert off < 1e-4, f"difference is off by {off} m"
+    # What both maps err alike is not in their difference: of the stated errors a share is, which quiet cells show by groups.
+    stated = numpy.sqrt((level / 1.96) ** 2 - record["systematic_m"] ** 2)[both]
+    shown = numpy.sqrt(numpy.maximum((written["detection_level"] / 1.96) ** 2 - record["systematic_m"] ** 2, 0))[both]
+    assert (shown <= stated * (1 + 1e-4) + 1e-4).all(), "an error is larger than both maps state"
+    share = numpy.median(shown / stated)
+    assert abs(share - record["error_share"]) < 0.01, f"error_share is {share}, not {record['error_share']}"
+    level = numpy.where(both, written["detection_level"], level)
     # Its distances are by steps to neighbouring cells, at most 8 % too long.
-    regions = places(rise, level, measured, cell_m2, record["systematic_m"])
+    regions = places(rise, level, measured, cell_m2, record["systematic_m"], record["error_range_m"])
     inside = {part: [one for one in regions if one[0] in signs] for part, signs in (("fill", (1,)), ("cut", (-1,)), ("net", (1, -1)))}
     for part in ("fill", "cut", "net", "all"):
         own = inside.get(part, regions)
