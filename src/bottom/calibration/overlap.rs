@@ -24,9 +24,10 @@ const LEAST: usize = 12;
 /// Pings of a block lie within this time, seconds.
 const LONGEST_S: f64 = 4.0;
 /// Slopes that count as level, that tell of the overlap, and the fewest blocks of each; tangents of
-/// the angle. On steeper ones the echo from the edge of the beam is weak, and comes late.
+/// the angle. On steeper ones the echo from the edge of the beam is weak, and comes late: from 0.3
+/// on, blocks of `reach.py` show a third of the overlap, or none.
 const LEVEL: Range<f64> = 0.0..0.04;
-const TELLING: Range<f64> = 0.05..0.45;
+const TELLING: Range<f64> = 0.05..0.3;
 const LEAST_BLOCKS: usize = 8;
 /// Beams look no farther past the nadir than this, degrees: what seems more is of something else,
 /// boulders that both sides see, or depths that are wrong.
