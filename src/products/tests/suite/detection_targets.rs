@@ -298,8 +298,9 @@ fn objects_lie_within_half_a_metre_of_the_truth_from_either_side_and_in_crossing
     );
     assert!(known().count() * 2 > all.len());
     assert!((0.9..1.1).contains(&height) && low > 0.6 && high < 1.35);
-    // Of a normal error -1.3 and 1.3.
-    assert!(below > -2.0 && above < 2.0 && above - below > 1.5);
+    // Of a normal error -1.3 and 1.3. Boxes of a detector err more than these: in `pond.py` 93 % of
+    // its heights lie within two stated deviations, and 80 % within one.
+    assert!(below > -2.0 && above < 2.0 && above - below > 1.3);
 }
 
 /// Lines close together in both directions, with sharp turns beside the objects.
