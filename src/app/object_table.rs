@@ -34,7 +34,7 @@ impl ObjectTable {
         column.name.clone_into(&mut self.sort);
     }
 
-    /// Whether it is sorted by a column.
+    /// Returns true for the column that the table is sorted by.
     pub fn is_sorted_by(&self, column: &ObjectColumn) -> bool {
         match ObjectColumn::named(&self.sort) {
             Some(by) => by.name == column.name,
@@ -66,14 +66,14 @@ impl ObjectTable {
     }
 }
 
-/// Whether a first click on the heading of a column sorts from the largest down: what is seen most
-/// often and what is largest comes first.
+/// Returns true for a column that a first click sorts from the largest down: objects that are large
+/// or seen often come first.
 fn begins_with_largest(column: &ObjectColumn) -> bool {
     let is_text = matches!(column.values, ColumnValues::Text(_) | ColumnValues::State(_));
     !is_text && column.name != NUMBER
 }
 
-/// What objects are sorted by.
+/// The value of an object by which the table is sorted.
 enum SortKey {
     Text(String),
     Number(f64),

@@ -72,6 +72,9 @@ type ShapeOf = Vec<(LogBox, Same<LocatedObject>)>;
 /// Its shape, and the boxes that it is of.
 type ShapeFound = (Vec<LogBox>, Result<FittedShape, ShapeError>);
 
+/// The objects, the order of the table, and the names of the logs: what its rows are made of.
+type Listed = (Same<ObjectList>, ObjectTable, Same<Vec<String>>);
+
 /// The objects, and the work on them.
 #[derive(Default)]
 pub(super) struct Objects {
@@ -80,9 +83,9 @@ pub(super) struct Objects {
     list: Background<Vec<LogBoxes>, Arc<ObjectList>>,
     passes: Background<PassesOf, (u32, PassCount)>,
     shape: Background<ShapeOf, ShapeFound>,
-    listing: Background<(Same<ObjectList>, ObjectTable, Vec<String>), Vec<u32>>,
+    listing: Background<Listed, Vec<u32>>,
     /// Names of the logs that the objects are of; empty where it is one.
-    log_names: Vec<String>,
+    log_names: Arc<Vec<String>>,
 }
 
 impl Objects {
@@ -198,7 +201,10 @@ impl App {
         let (names, logs): (Vec<String>, Vec<LogBoxes>) =
             self.visible_logs().filter_map(|log| Some((log.name(), boxes(log)?))).unzip();
         let Objects { list, first, log_names, .. } = &mut self.findings.objects;
-        *log_names = if names.len() > 1 { names } else { Vec::new() };
+        let names = if names.len() > 1 { names } else { Vec::new() };
+        if **log_names != names {
+            *log_names = Arc::new(names);
+        }
         let (before, first) = (list.result().cloned(), first.clone());
         let of = logs.clone();
         list.ask(logs.clone(), &self.jobs, move |_| {
@@ -218,7 +224,7 @@ impl App {
         };
         let table = self.view.options.objects.clone();
         let names = log_names.clone();
-        let key = (Same(list.clone()), table.clone(), names.clone());
+        let key = (Same(list.clone()), table.clone(), Same(names.clone()));
         listing.ask(key, &self.jobs, move |_| Some(table.list(list.objects(), &names)));
     }
 
@@ -255,17 +261,17 @@ impl App {
             }
             return;
         };
-        let object = object.clone();
+        let (number, list) = (object.number, self.findings.objects.list.result().cloned());
         let track = |one: &LogBoxes| (one.review.log, Same(one.navigation.clone()));
         let of = PassesOf {
-            number: object.number,
+            number,
             boxes: object.boxes.clone(),
             place_m: object.place_m,
             logs: logs.iter().map(track).collect(),
         };
         self.findings.objects.passes.ask(of, &self.jobs, move |_| {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
-            Some((object.number, object.passes(&logs)))
+            Some((number, list?.object(number)?.passes(&logs)))
         });
     }
 }

@@ -43,12 +43,17 @@ pub enum ColumnValues {
     Number(usize, fn(&ListedObject<'_>) -> f64),
     /// Lengths, metres; NaN where one is not known.
     Length(fn(&ListedObject<'_>) -> f64),
+    /// Lengths and their standard deviations, metres: the window and the report show both, files
+    /// have a column for each.
+    Measured(fn(&ListedObject<'_>) -> [f64; 2]),
     /// Decisions.
     State(fn(&ListedObject<'_>) -> ObjectState),
     /// Positions: the latitude in files, beside a column of longitudes.
     Position(fn(&ListedObject<'_>) -> LonLat),
 }
 
+/// The name of the column of logs, which the window shows by their colours.
+pub const LOGS_COLUMN: &str = "logs";
 /// Decimals of lengths in files: millimetres.
 const LENGTH_DECIMALS: usize = 3;
 /// Decimals of degrees in files: about a millimetre.
@@ -63,7 +68,7 @@ pub struct ObjectColumn {
     pub heading: &'static str,
     /// Its values.
     pub values: ColumnValues,
-    /// What they are, in a sentence.
+    /// Meaning of the values, in a sentence.
     pub meaning: &'static str,
 }
 
@@ -79,9 +84,13 @@ pub enum ColumnValue {
 }
 
 impl ObjectColumn {
-    /// The columns of the window and the report. Those of the place, which are wide, come last.
-    pub fn shown() -> impl Iterator<Item = &'static Self> {
-        let shown = || OBJECT_COLUMNS.iter().filter(|column| !column.heading.is_empty());
+    /// The columns of the window and the report for so many logs: one log needs no column of logs.
+    /// Those of the place, which are wide, come last.
+    pub fn shown(logs: usize) -> impl Iterator<Item = &'static Self> {
+        let is_shown = move |column: &&Self| {
+            !column.heading.is_empty() && (logs > 1 || column.name != LOGS_COLUMN)
+        };
+        let shown = move || OBJECT_COLUMNS.iter().filter(is_shown);
         let is_of_place = |column: &&Self| matches!(column.name, "lat" | "sigma_m");
         shown().filter(move |column| !is_of_place(column)).chain(shown().filter(is_of_place))
     }
@@ -104,6 +113,7 @@ impl ObjectColumn {
             Count(value) => Some(ColumnValue::Count(value(of))),
             Number(decimals, value) => number(value(of), decimals),
             Length(value) => number(value(of), LENGTH_DECIMALS),
+            Measured(value) => number(value(of)[0], LENGTH_DECIMALS),
             Position(value) => number(value(of).lat_deg, DEGREE_DECIMALS),
         }
     }
@@ -117,18 +127,9 @@ impl ObjectColumn {
             Some(ColumnValue::Number(decimals, value)) => format!("{value:.decimals$}"),
         }
     }
-
-    /// The standard deviation that the window and the report show beside a length, metres; NaN
-    /// where there is none.
-    pub fn sigma_m(&self, of: &ListedObject<'_>) -> f64 {
-        match self.name {
-            "height_m" => of.object.height.sigma_m,
-            _ => f64::NAN,
-        }
-    }
 }
 
-use ColumnValues::{Count, Length, Number, Position, State, Text};
+use ColumnValues::{Count, Length, Measured, Number, Position, State, Text};
 
 /// A column of the window, the report and all files.
 const fn shown(
@@ -216,7 +217,7 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
     shown(
         "height_m",
         "height",
-        Length(|of| of.object.height.mean_m),
+        Measured(|of| [of.object.height.mean_m, of.object.height.sigma_m]),
         "Height above the bottom, from the shadows that agree with the surest one.",
     ),
     filed(
@@ -243,7 +244,7 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
     ),
     filed("boxes", Count(|of| of.object.boxes.len()), "Boxes that show the object."),
     shown(
-        "logs",
+        LOGS_COLUMN,
         "logs",
         Text(|of| {
             let logs = of.object.log_indices().into_iter();

@@ -14,7 +14,9 @@ mod numbers;
 mod object;
 mod review;
 
-pub use columns::{ColumnValue, ColumnValues, ListedObject, OBJECT_COLUMNS, ObjectColumn};
+pub use columns::{
+    ColumnValue, ColumnValues, LOGS_COLUMN, ListedObject, OBJECT_COLUMNS, ObjectColumn,
+};
 pub use list::ObjectList;
 pub use numbers::{LogNumbers, ObjectNumbers};
 pub use object::{Object, ObjectBox, ObjectState};

@@ -12,15 +12,15 @@ use std::sync::Arc;
 /// A box with its place, and the object that it is a sighting of.
 #[derive(Clone, Debug)]
 pub struct ObjectBox {
-    /// Which log of the survey it is of.
+    /// Index of its log in the survey.
     pub log: usize,
-    /// The same, and its number there.
+    /// Its log and its number there.
     pub key: LogBox,
     /// The box, and what was decided about it.
     pub one: Arc<Reviewed>,
     /// Name of its class.
     pub class: String,
-    /// Where it lies in the world; `None` where that cannot be known.
+    /// Its place in the world; `None` where that cannot be known.
     pub target: Option<Target>,
     /// Number of the object that it is a sighting of; `None` without a place.
     pub object: Option<u32>,
@@ -59,7 +59,7 @@ pub struct Object {
     pub boxes: Vec<LogBox>,
     /// The places of these in the list of boxes, growing.
     pub members: Vec<usize>,
-    /// What the analyst calls it: the first of its boxes that has a name; empty where none has.
+    /// Name that the analyst gave: that of the first box that has one; empty where none has.
     pub name: String,
     /// The class with the largest sum of scores, of the boxes that have a name.
     pub class: String,
@@ -162,8 +162,8 @@ impl Object {
         Some(*log)
     }
 
-    /// How many passes of the boat saw it, of those over these logs that covered its place. It goes
-    /// through all pings.
+    /// Counts the passes of the boat over these logs that covered its place, and those that saw it.
+    /// It goes through all pings.
     pub fn passes(&self, logs: &[PassLog<'_>]) -> PassCount {
         PassCount::new(&self.seen_on, self.place_m, logs)
     }

@@ -131,8 +131,7 @@ impl Reviewed {
         self.state != State::Proposed || self.edited
     }
 
-    /// Whether it is in sight where undecided proposals of less score than `threshold` are
-    /// hidden.
+    /// Returns true where it is in sight: where it is kept, or has no lower score than `threshold`.
     pub(crate) fn is_shown_from(&self, threshold: f32) -> bool {
         self.is_kept() || self.score.is_none_or(|score| score >= threshold)
     }

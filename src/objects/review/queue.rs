@@ -66,7 +66,7 @@ impl Default for Queue {
 }
 
 impl Queue {
-    /// Whether the least score leaves a box in sight.
+    /// Returns true for a box that the least score leaves in sight.
     pub fn shows(&self, one: &Reviewed) -> bool {
         one.is_shown_from(self.threshold)
     }
@@ -107,7 +107,7 @@ fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {
     place(a).cmp(&place(b))
 }
 
-/// How far the work is, over the boxes that the least score leaves in sight.
+/// Counts of decisions about the boxes that the least score leaves in sight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecisionCounts {
     /// Undecided.

@@ -321,7 +321,7 @@ impl<'a> Look<'a> {
     }
 }
 
-/// How much darker than the background a run is, in the mean.
+/// Mean darkness of a run: the level of the background less that of the run.
 fn darkness_of(contrast: &[f64]) -> f64 {
     -contrast.iter().sum::<f64>() / contrast.len() as f64
 }

@@ -1,4 +1,4 @@
-//! What unit tests of several modules need.
+//! Targets for the unit tests of several modules.
 
 use super::Target;
 use crate::{Mark, ObjectExtent};

@@ -120,11 +120,11 @@ fn object_rows(
     objects: &ReportObjects<'_>,
     progress: &Progress,
 ) -> Result<String, Cancelled> {
-    let columns: Vec<&ObjectColumn> = ObjectColumn::shown()
-        .filter(|column| column.name != "logs" || from.logs.len() > 1)
-        .collect();
+    let columns: Vec<&ObjectColumn> = ObjectColumn::shown(from.logs.len()).collect();
     let heading = |column: &&ObjectColumn| match column.values {
-        ColumnValues::Length(_) => format!("<th>{}, m</th>", column.heading),
+        ColumnValues::Length(_) | ColumnValues::Measured(_) => {
+            format!("<th>{}, m</th>", column.heading)
+        }
         ColumnValues::Count(_) | ColumnValues::Number(..) => {
             format!("<th>{}</th>", column.heading)
         }
@@ -156,19 +156,19 @@ fn object_rows(
 /// A cell of an object: lengths to the centimetre, with their standard deviation where there is
 /// one.
 fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
+    let number = |value: f64| match value.is_finite() {
+        true => format!("<td>{value:.2}</td>"),
+        false => "<td></td>".to_owned(),
+    };
     match column.values {
-        ColumnValues::Length(value) => {
-            let (length_m, sigma_m) = (value(of), column.sigma_m(of));
-            match (length_m.is_finite(), sigma_m.is_finite()) {
-                (true, true) => format!("<td>{length_m:.2} ± {sigma_m:.2}</td>"),
-                (true, false) => format!("<td>{length_m:.2}</td>"),
-                (false, _) => "<td></td>".to_owned(),
+        ColumnValues::Measured(value) => {
+            let [length_m, sigma_m] = value(of);
+            match sigma_m.is_finite() {
+                true => format!("<td>{length_m:.2} ± {sigma_m:.2}</td>"),
+                false => number(length_m),
             }
         }
-        ColumnValues::Number(_, value) if value(of).is_finite() => {
-            format!("<td>{:.2}</td>", value(of))
-        }
-        ColumnValues::Number(..) => "<td></td>".to_owned(),
+        ColumnValues::Length(value) | ColumnValues::Number(_, value) => number(value(of)),
         ColumnValues::Count(_) if column.name == "sightings" => {
             let PassCount { seen, covered } = passes_of(from, of.object);
             format!("<td>{seen} of {}</td>", plural(covered, "pass", "passes"))
@@ -191,7 +191,7 @@ fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancel
         return Ok(String::new());
     }
     let mut html = format!(
-        "{} without a position, since the log has none there.{}</p>\n<table><tr><th>box</th><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">state</th><th>score</th><th class=\"text\">remarks</th></tr>\n",
+        "{} without a position: the log has no position, heading or depth there.{}</p>\n<table><tr><th>box</th><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">state</th><th>score</th><th class=\"text\">remarks</th></tr>\n",
         plural(count, "box", "boxes"),
         first_of(count)
     );

@@ -70,7 +70,7 @@ fn is_of_search(name: &str) -> bool {
     row.is_some_and(|row| is_asked(row.when))
 }
 
-/// Whether a search alone writes what is written at such a time.
+/// Returns true for files that a search alone writes.
 fn is_asked(when: When) -> bool {
     matches!(when, When::Searched | When::Listed)
 }

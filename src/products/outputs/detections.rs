@@ -1,5 +1,5 @@
-//! What a search for objects proposes: `detections.*`, `objects.csv` and `chips`, with a run or
-//! into a folder that may hold the files of one.
+//! Files of a search for objects: `detections.*`, `objects.csv` and `chips`, with a run or into a
+//! folder that may hold the files of one.
 
 use super::content::{FileContent, FileResult};
 use super::objects::{Shapes, listed};

@@ -14,8 +14,8 @@ pub(super) fn description(object: &Object) -> String {
     if let Some(score) = object.score {
         parts.push(format!("score {score:.2}"));
     }
-    if let Some(confidence) = object.certainty {
-        parts.push(confidence.name().to_owned());
+    if let Some(certainty) = object.certainty {
+        parts.push(certainty.name().to_owned());
     }
     let (length_m, width_m) = (object.length_m, object.width_m);
     if length_m.is_finite() && width_m.is_finite() {

@@ -73,9 +73,10 @@ fn columns() -> String {
         let kind = match column.values {
             ColumnValues::Text(_) | ColumnValues::State(_) => "TEXT",
             ColumnValues::Count(_) => "INTEGER",
-            ColumnValues::Number(..) | ColumnValues::Length(_) | ColumnValues::Position(_) => {
-                "DOUBLE"
-            }
+            ColumnValues::Number(..)
+            | ColumnValues::Length(_)
+            | ColumnValues::Measured(_)
+            | ColumnValues::Position(_) => "DOUBLE",
         };
         format!("{} {kind}", column.name)
     };

@@ -3,7 +3,7 @@
 use crate::app::{App, Object, ObjectColumn, ObjectState};
 use crate::ui::place;
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_objects::objects::ColumnValues;
+use bathyscope_objects::objects::{ColumnValues, LOGS_COLUMN};
 use bathyscope_objects::review::State;
 use egui::{Rect, pos2, vec2};
 
@@ -18,11 +18,9 @@ pub(super) struct ColumnWidths {
 }
 
 impl ColumnWidths {
-    /// Those of a table as wide as there is room: what is left goes to the columns of text. One log
-    /// needs no column of logs.
+    /// Those of a table as wide as there is room: what is left goes to the columns of text.
     pub(super) fn fit(room: f32, app: &App) -> Self {
-        let is_shown = |column: &&ObjectColumn| column.name != LOGS || app.log_count() > 1;
-        let shown: Vec<&ObjectColumn> = ObjectColumn::shown().filter(is_shown).collect();
+        let shown: Vec<&ObjectColumn> = ObjectColumn::shown(app.log_count()).collect();
         let least: f32 = shown.iter().map(|column| least_width(column)).sum();
         let shares: f32 = shown.iter().map(|column| share(column)).sum();
         let left = (room - PICTURE_WIDTH - least).max(0.0);
@@ -52,19 +50,16 @@ impl ColumnWidths {
     }
 }
 
-/// The column of the logs, which are shown by their colours.
-pub(super) const LOGS: &str = "logs";
-
 /// Least width of a column, points.
 fn least_width(column: &ObjectColumn) -> f32 {
     match column.values {
-        ColumnValues::Text(_) if column.name == LOGS => 56.0,
+        ColumnValues::Text(_) if column.name == LOGS_COLUMN => 56.0,
         ColumnValues::Text(_) => 84.0,
         ColumnValues::State(_) => 92.0,
         ColumnValues::Count(_) => 50.0,
         ColumnValues::Number(..) => 56.0,
-        ColumnValues::Length(_) if column.name == "height_m" => 98.0,
         ColumnValues::Length(_) => 72.0,
+        ColumnValues::Measured(_) => 98.0,
         ColumnValues::Position(_) => 176.0,
     }
 }
@@ -72,7 +67,7 @@ fn least_width(column: &ObjectColumn) -> f32 {
 /// Share of a column in the room that is left.
 fn share(column: &ObjectColumn) -> f32 {
     match column.values {
-        ColumnValues::Text(_) if column.name == LOGS => 0.0,
+        ColumnValues::Text(_) if column.name == LOGS_COLUMN => 0.0,
         ColumnValues::Text(_) => 1.0,
         _ => 0.0,
     }
@@ -82,14 +77,19 @@ fn share(column: &ObjectColumn) -> f32 {
 pub(super) fn is_number(column: &ObjectColumn) -> bool {
     matches!(
         column.values,
-        ColumnValues::Count(_) | ColumnValues::Number(..) | ColumnValues::Length(_)
+        ColumnValues::Count(_)
+            | ColumnValues::Number(..)
+            | ColumnValues::Length(_)
+            | ColumnValues::Measured(_)
     )
 }
 
 /// Its heading with the unit: `length, m`.
 pub(super) fn heading(column: &ObjectColumn, units: Units) -> String {
     match column.values {
-        ColumnValues::Length(_) => format!("{}, {}", column.heading, units.symbol()),
+        ColumnValues::Length(_) | ColumnValues::Measured(_) => {
+            format!("{}, {}", column.heading, units.symbol())
+        }
         _ => column.heading.to_owned(),
     }
 }
@@ -111,13 +111,13 @@ pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> St
         false => String::new(),
     };
     match column.values {
-        ColumnValues::Length(value) => {
-            let sigma_m = column.sigma_m(&of);
-            match sigma_m.is_finite() {
-                true => format!("{} ± {}", length(value(&of)), length(sigma_m)),
-                false => length(value(&of)),
+        ColumnValues::Length(value) => length(value(&of)),
+        ColumnValues::Measured(value) => match value(&of) {
+            [value_m, sigma_m] if sigma_m.is_finite() => {
+                format!("{} ± {}", length(value_m), length(sigma_m))
             }
-        }
+            [value_m, _] => length(value_m),
+        },
         ColumnValues::Number(_, value) => match value(&of) {
             known if known.is_finite() => format!("{known:.2}"),
             _ => String::new(),

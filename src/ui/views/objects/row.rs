@@ -1,11 +1,11 @@
 //! One row: picture, texts, and what a click on it asks for.
 
-use super::columns::{ColumnWidths, LOGS, ROOM, cell_text, colour_of, is_number};
+use super::columns::{ColumnWidths, ROOM, cell_text, colour_of, is_number};
 use super::enlarged;
 use super::thumbnails::Thumbnails;
 use crate::app::{App, Command, Object, ObjectColumn};
 use crate::ui::{text, theme};
-use bathyscope_objects::objects::ColumnValues;
+use bathyscope_objects::objects::{ColumnValues, LOGS_COLUMN};
 use egui::{
     Align2, Color32, Id, Rect, Response, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, pos2, vec2,
@@ -97,7 +97,7 @@ impl ObjectTableRow<'_> {
     /// Writes a cell; whether its text is longer than there is room.
     fn cell(&self, ui: &Ui, app: &App, column: &ObjectColumn, cell: Rect) -> bool {
         let inner = cell.shrink2(vec2(ROOM, 0.0));
-        if column.name == LOGS {
+        if column.name == LOGS_COLUMN {
             log_colours(ui, app, self.object, inner);
             return false;
         }
