@@ -22,10 +22,13 @@ impl ObjectList {
     /// which the boxes count. A rejected box shows nothing: it is no sighting of the object beside
     /// it, and rejected boxes are objects of their own, as they can be decided otherwise. An object
     /// keeps the number that it had in `before`. Objects of which all boxes are hidden are numbered
-    /// and left out; of the others every box counts.
+    /// after the others, and left out; of the others every box counts.
     pub fn join(boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
         let mut objects = joined(&boxes, logs, false);
         objects.extend(joined(&boxes, logs, true));
+        // What is in sight is numbered first: numbers then begin with one.
+        let is_hidden = |object: &Object| object.members.iter().all(|one| boxes[*one].is_hidden);
+        objects.sort_by_key(is_hidden);
         let keys: Vec<Vec<LogBox>> = objects.iter().map(|object| object.boxes.clone()).collect();
         let mut numbers = before.clone();
         for (object, number) in objects.iter_mut().zip(numbers.give(&keys)) {
@@ -188,8 +191,8 @@ mod tests {
     type Boxes = Vec<(u32, Option<u32>)>;
 
     /// The objects where undecided boxes of less score are hidden: number and place of each, and
-    /// the boxes that are left.
-    fn objects_from(threshold: f32) -> (Objects, Boxes) {
+    /// the boxes that are left; `numbers` are those that objects had before, and have then.
+    fn objects_from(threshold: f32, numbers: &mut ObjectNumbers) -> (Objects, Boxes) {
         let boxes = [seen(1, 0, 40.0, 0.1), seen(2, 0, 0.0, 0.3), seen(3, 1, 0.4, 0.8)];
         let boxes = boxes.map(|one| {
             let is_hidden = one.one.score < Some(threshold);
@@ -197,7 +200,8 @@ mod tests {
         });
         let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
         let log: PassLog<'_> = (&survey, &navigation);
-        let list = ObjectList::join(boxes.to_vec(), &[log], &ObjectNumbers::default());
+        let list = ObjectList::join(boxes.to_vec(), &[log], numbers);
+        *numbers = list.numbers().clone();
         let objects = list.objects().iter().map(|one| (one.number, one.place_m[0]));
         let left = list.boxes().iter().map(|one| (one.key.id.0, one.object));
         let members = list.objects().iter().flat_map(|object| list.members(object));
@@ -207,15 +211,16 @@ mod tests {
 
     #[test]
     fn a_filter_hides_objects_and_changes_none() {
-        let (all, boxes) = objects_from(0.0);
-        assert_eq!(all.iter().map(|one| one.0).collect::<Vec<u32>>(), [1, 2]);
-        assert!((all[1].1 - 0.2).abs() < 1e-9, "{all:?}");
-        assert_eq!(boxes, [(1, Some(1)), (2, Some(2)), (3, Some(2))]);
-        for threshold in [0.2, 0.5] {
-            let (left, boxes) = objects_from(threshold);
-            assert_eq!(left, all[1..]);
-            assert_eq!(boxes, [(2, Some(2)), (3, Some(2))]);
-        }
-        assert_eq!(objects_from(0.9), (Vec::new(), Vec::new()));
+        let mut numbers = ObjectNumbers::default();
+        let first = objects_from(0.2, &mut numbers);
+        assert_eq!(first.0.len(), 1);
+        assert_eq!(first.1, [(2, Some(1)), (3, Some(1))], "what is in sight comes first");
+        let (number, east_m) = first.0[0];
+        assert!(number == 1 && (east_m - 0.2).abs() < 1e-9, "{east_m}");
+        let (all, boxes) = objects_from(0.0, &mut numbers);
+        assert_eq!(all, [first.0[0], (2, 40.0)]);
+        assert_eq!(boxes, [(1, Some(2)), (2, Some(1)), (3, Some(1))]);
+        assert_eq!(objects_from(0.5, &mut numbers), first);
+        assert_eq!(objects_from(0.9, &mut numbers), (Vec::new(), Vec::new()));
     }
 }
