@@ -1,14 +1,18 @@
 //! Which first returns above the recorded depth are no bottom, and how far along the track they go
 //! on.
 //!
-//! A clump of weed, a fish and an object are soon passed; a field of boulders or the foot of a bank
-//! goes on. Since the echo does not distinguish weed from boulders, their length along the track
-//! has to. A recorder that smooths its depth, or writes it in steps of 10 cm, departs from a rough
-//! bed all along: there only what stands out of that is above the bottom.
+//! A clump of weed, a fish and an object are soon passed; a bank or the edge of a scarp goes on, on
+//! the side where it lies. What both sides see above the recorded depth is the top of weed or of
+//! boulders, however long it goes on: the ground below the boat is between them, where the sounder
+//! sees it. On the river of the tests the first returns of the boulder reach follow hyperbolas of
+//! boulders beside the boat in the recording of the wide beam, 0.3 to 0.9 m above the echo of the
+//! narrow one. A recorder that smooths its depth, or writes it in steps of 10 cm, departs from a
+//! rough bed to both sides: there only what stands out of that is above the bottom.
 
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Navigation, PingNav, Side, Survey};
+use std::ops::Range;
 
 /// Way to both sides of a ping over which most first returns of a side must lie above the recorded
 /// depth for the ping to belong to a stretch of them, metres.
@@ -21,36 +25,159 @@ const SHARED_M: f64 = 2.0;
 /// A first return above the recorded depth by more standard deviations than this is above the
 /// bottom.
 const SIGMAS: f64 = 3.0;
+/// The sides see the same where the lower one stands above the depth by more than this share of the
+/// higher one.
+const LEAST_ALIKE: f64 = 0.5;
+/// They do not where the lower one stands above the depth by no more than this share of it: on a
+/// bank of 20 degrees beams that look 8 degrees past the nadir are nearer by a twenty-fifth.
+const LEAST_HIGH: f64 = 0.06;
 /// Steps longer than this are gaps of the log: a stretch ends there, metres.
 const LONGEST_STEP_M: f64 = 5.0;
 
-/// For every ping, how far a first return has to lie above the recorded depth so as not to be what
-/// this departs from the bed by nearby, metres.
-pub(super) fn usual_departures_m(
-    survey: &Survey,
-    navigation: &Navigation,
-    returns: &FirstReturns,
-) -> Vec<f64> {
-    let way_m = way_m(&navigation.pings);
-    let pings = way_m.len().min(survey.side_scan.len());
-    let heights_m: Vec<[f64; 2]> = (0..pings)
-        .map(|ping| Side::BOTH.map(|side| height_m(survey, returns, ping, side)))
-        .collect();
-    let mut usual_m = Vec::with_capacity(pings);
-    while usual_m.len() < pings {
-        let from = usual_m.len();
-        let at_m = way_m[from];
-        let around = way_m.partition_point(|way| *way < at_m - FOLLOWED_M)
-            ..way_m.partition_point(|way| *way <= at_m + FOLLOWED_M).min(pings);
-        let heights = heights_m[around].as_flattened().iter().copied();
-        let mut heights: Vec<f64> = heights.filter(|height| !height.is_nan()).collect();
-        let middle_m = median(&mut heights);
-        let sigma_m = spread_about(&mut heights, middle_m);
-        let shared = way_m.partition_point(|way| *way < at_m + SHARED_M);
-        usual_m.resize(shared.clamp(from + 1, pings), SIGMAS * sigma_m);
+/// First returns of a log against its recorded depths.
+pub(super) struct AboveDepth {
+    /// Way up to each ping, metres.
+    way_m: Vec<f64>,
+    /// [`height_m`] of both sides of every ping; NaN of clutter.
+    heights_m: Vec<[f64; 2]>,
+    sums: Sums,
+}
+
+impl AboveDepth {
+    /// Of a survey's first returns; `is_clutter` says by side and ping which of them are clutter.
+    pub(super) fn new(
+        survey: &Survey,
+        navigation: &Navigation,
+        returns: &FirstReturns,
+        is_clutter: &[Vec<bool>; 2],
+    ) -> Self {
+        let height_m = |ping: usize, side: Side| match is_clutter[side as usize].get(ping) {
+            Some(true) => f64::NAN,
+            _ => height_m(survey, returns, ping, side),
+        };
+        let mut way_m = way_m(&navigation.pings);
+        way_m.truncate(survey.side_scan.len());
+        let pings = 0..survey.side_scan.len();
+        let heights_m: Vec<[f64; 2]> =
+            pings.map(|ping| Side::BOTH.map(|side| height_m(ping, side))).collect();
+        Self { way_m, sums: Sums::new(survey, returns, &heights_m), heights_m }
     }
-    usual_m.resize(survey.side_scan.len(), f64::NAN);
-    usual_m
+
+    /// Pings that lie within a way of one, `at_m` along the track.
+    fn around(&self, at_m: f64, reach_m: f64) -> Range<usize> {
+        self.way_m.partition_point(|way| *way < at_m - reach_m)
+            ..self.way_m.partition_point(|way| *way <= at_m + reach_m)
+    }
+
+    /// For every ping, how far a first return has to lie above the recorded depth so as not to be
+    /// what this departs from the bed by nearby, metres; 0 where both sides see the same above it.
+    pub(super) fn usual_departures_m(&self) -> Vec<f64> {
+        let pings = self.way_m.len();
+        let mut usual_m = Vec::with_capacity(self.heights_m.len());
+        while let Some(&at_m) = self.way_m.get(usual_m.len()) {
+            let around = self.around(at_m, FOLLOWED_M);
+            let sigma_m = match self.sums.are_mostly_alike(&around) {
+                true => 0.0,
+                false => self.scatter_m(around),
+            };
+            let shared = self.way_m.partition_point(|way| *way < at_m + SHARED_M);
+            usual_m.resize(shared.clamp(usual_m.len() + 1, pings), SIGMAS * sigma_m);
+        }
+        usual_m.resize(self.heights_m.len(), f64::NAN);
+        usual_m
+    }
+
+    /// Robust standard deviation of the heights on some pings, metres.
+    fn scatter_m(&self, pings: Range<usize>) -> f64 {
+        let heights_m = self.heights_m[pings].as_flattened().iter().copied();
+        let mut heights_m: Vec<f64> = heights_m.filter(|height_m| !height_m.is_nan()).collect();
+        let middle_m = median(&mut heights_m);
+        spread_about(&mut heights_m, middle_m)
+    }
+
+    /// For every ping, the length of the stretch of a side that it belongs to, metres; 0 outside of
+    /// any. A bank and the edge of a scarp lie on one side.
+    pub(super) fn stretches_m(&self, side: Side) -> Vec<f32> {
+        let Self { way_m, .. } = self;
+        let pings = way_m.len();
+        let belongs =
+            |ping: usize| self.sums.are_mostly_apart(side, &self.around(way_m[ping], AROUND_M));
+        let mut lengths_m = vec![0.0; self.heights_m.len()];
+        let mut ping = 0;
+        while ping < pings {
+            let end = (ping..pings).find(|at| !belongs(*at)).unwrap_or(pings);
+            if end > ping {
+                lengths_m[ping..end].fill((way_m[end - 1] - way_m[ping]) as f32);
+            }
+            ping = end + 1;
+        }
+        lengths_m
+    }
+}
+
+/// First returns above the recorded depth up to each ping: differences of these sums are counts.
+struct Sums {
+    /// Pings with a depth and a first return of any side.
+    pings: Vec<u32>,
+    /// Of these, pings on which all sides see the same above the depth.
+    alike: Vec<u32>,
+    /// First returns at a depth, port and starboard.
+    judged: [Vec<u32>; 2],
+    /// Of these, first returns above it of pings on which the sides differ.
+    apart: [Vec<u32>; 2],
+}
+
+impl Sums {
+    /// Of a survey's first returns with their heights above the recorded depth.
+    fn new(survey: &Survey, returns: &FirstReturns, heights_m: &[[f64; 2]]) -> Self {
+        let start = || vec![0];
+        let mut sums = Self {
+            pings: start(),
+            alike: start(),
+            judged: [start(), start()],
+            apart: [start(), start()],
+        };
+        let add = |sums: &mut Vec<u32>, is_one: bool| {
+            sums.push(sums.last().copied().unwrap_or_default() + u32::from(is_one));
+        };
+        for (ping, heights_m) in heights_m.iter().enumerate() {
+            let depth_m = f64::from(survey.side_scan[ping].locked_depth_m());
+            // True where the first return of a side lies above the depth; `None` without either.
+            let sides = Side::BOTH.map(|side| {
+                let pick = returns.side(side).get(ping).filter(|_| depth_m > 0.0);
+                let pick = pick.filter(|_| !heights_m[side as usize].is_nan());
+                pick.map(|pick| pick.above_bottom)
+            });
+            let is_alike = sides == [Some(true); 2] && are_alike(*heights_m, depth_m);
+            add(&mut sums.pings, sides != [None; 2]);
+            add(&mut sums.alike, is_alike);
+            for (side, is_above) in sides.into_iter().enumerate() {
+                add(&mut sums.judged[side], is_above.is_some());
+                add(&mut sums.apart[side], is_above == Some(true) && !is_alike);
+            }
+        }
+        sums
+    }
+
+    /// True where on most of some pings the sides see the same above the depth.
+    fn are_mostly_alike(&self, pings: &Range<usize>) -> bool {
+        let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
+        2 * count(&self.alike) > count(&self.pings)
+    }
+
+    /// True where most first returns of a side lie above the depth and the sides differ.
+    fn are_mostly_apart(&self, side: Side, pings: &Range<usize>) -> bool {
+        let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
+        2 * count(&self.apart[side as usize]) > count(&self.judged[side as usize])
+    }
+}
+
+/// True where both sides see the same above the depth, so that it lies below the boat. Over a bank
+/// the lower side, whose beam looks past the nadir, lies above the depth, too, by much less than
+/// the upper side.
+fn are_alike([port_m, starboard_m]: [f64; 2], depth_m: f64) -> bool {
+    let lower_m = port_m.min(starboard_m);
+    lower_m > LEAST_ALIKE * port_m.max(starboard_m) && lower_m > LEAST_HIGH * depth_m
 }
 
 /// How far a first return lies above the recorded depth, by the recorder's own scale, metres; NaN
@@ -59,42 +186,6 @@ pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, sid
     let found = survey.span(ping, side).zip(returns.side(side).get(ping));
     let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));
     f64::from(survey.locked_depth_m(ping)) - range_m
-}
-
-/// For every ping, the length of the stretch of a side that it belongs to, metres; 0 outside of
-/// any. A bank and the edge of a scarp lie on one side.
-pub(super) fn stretches_m(
-    survey: &Survey,
-    navigation: &Navigation,
-    returns: &FirstReturns,
-    side: Side,
-) -> Vec<f32> {
-    let way_m = way_m(&navigation.pings);
-    // First returns that can be judged, and those of them that lie above: sums up to each ping.
-    let (mut judged, mut above) = (vec![0_u32], vec![0_u32]);
-    for (ping, recorded) in survey.side_scan.iter().enumerate() {
-        let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
-        let has_depth = recorded.locked_depth_m() > 0.0;
-        judged.push(judged[ping] + u32::from(pick.is_some() && has_depth));
-        above.push(above[ping] + u32::from(pick.is_some_and(|pick| pick.above_bottom)));
-    }
-    let pings = way_m.len().min(survey.side_scan.len());
-    let belongs = |ping: usize| {
-        let from = way_m.partition_point(|at| *at < way_m[ping] - AROUND_M);
-        let to = way_m.partition_point(|at| *at <= way_m[ping] + AROUND_M).min(pings);
-        let (judged, above) = (judged[to] - judged[from], above[to] - above[from]);
-        2 * above > judged
-    };
-    let mut lengths_m = vec![0.0; survey.side_scan.len()];
-    let mut ping = 0;
-    while ping < pings {
-        let end = (ping..pings).find(|at| !belongs(*at)).unwrap_or(pings);
-        if end > ping {
-            lengths_m[ping..end].fill((way_m[end - 1] - way_m[ping]) as f32);
-        }
-        ping = end + 1;
-    }
-    lengths_m
 }
 
 /// Way up to each ping, metres. Over a gap it jumps by more than a stretch looks around.
@@ -124,11 +215,12 @@ mod tests {
     use bathyscope_log::survey::{SidePing, SideSpan};
     use std::sync::Arc;
 
-    /// Heights of first returns above recorded depths, and how far above them is usual, along 120 m
-    /// of a bed with a clump of weed of 0.4 m at 60 m. `bed_m` and `recorded_m` are depths at a
-    /// way, metres.
-    fn clump(bed_m: impl Fn(f64) -> f64, recorded_m: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
-        let pings = 1200;
+    /// A log of 120 m, with a ping each 0.1 m, of which `bed_m` and `recorded_m` are depths at a
+    /// way, metres: of the first returns of port and starboard, and of the recorder.
+    fn log(
+        bed_m: impl Fn(f64) -> [f64; 2],
+        recorded_m: impl Fn(f64) -> f64,
+    ) -> (Survey, Navigation, FirstReturns) {
         let way_m = |ping: usize| 0.1 * ping as f64;
         let span = SideSpan::of_bytes(1000, [0.0, 10.0]);
         let ping = |ping: usize| SidePing {
@@ -136,23 +228,64 @@ mod tests {
             starboard: Some(span),
             ..SidePing::with_depth(0.05 * ping as f64, recorded_m(way_m(ping)) as f32)
         };
-        let pick = |ping: usize| {
-            let weed_m = if (590..610).contains(&ping) { 0.4 } else { 0.0 };
-            Pick {
-                sample: span.sample_at(bed_m(way_m(ping)) - weed_m) as f32,
-                confidence: 1.0,
-                above_bottom: false,
-            }
+        let picks = |side: Side| {
+            let pick = |ping: usize| {
+                let range_m = bed_m(way_m(ping))[side as usize];
+                Pick {
+                    sample: span.sample_at(range_m) as f32,
+                    confidence: 1.0,
+                    above_bottom: range_m < recorded_m(way_m(ping)) - 0.15,
+                }
+            };
+            Arc::new((0..PINGS).map(pick).collect())
         };
-        let survey = Survey::of_pings((0..pings).map(ping));
-        let picks = Arc::new((0..pings).map(pick).collect());
-        let returns =
-            FirstReturns { port: Arc::clone(&picks), starboard: picks, ..FirstReturns::default() };
+        let returns = FirstReturns {
+            port: picks(Side::Port),
+            starboard: picks(Side::Starboard),
+            ..FirstReturns::default()
+        };
         let place = |ping: usize| PingNav::northbound([0.0, way_m(ping)], 2.0);
-        let navigation = Navigation::of_pings((0..pings).map(place));
-        let usual_m = usual_departures_m(&survey, &navigation, &returns);
+        let navigation = Navigation::of_pings((0..PINGS).map(place));
+        (Survey::of_pings((0..PINGS).map(ping)), navigation, returns)
+    }
+
+    const PINGS: usize = 1200;
+    const NO_CLUTTER: [Vec<bool>; 2] = [Vec::new(), Vec::new()];
+
+    /// Heights of first returns above recorded depths, and how far above them is usual, of a bed
+    /// with a clump of weed of 0.4 m at 60 m.
+    fn clump(bed_m: impl Fn(f64) -> f64, recorded_m: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let weed_m = |way_m: f64| if (58.95..60.95).contains(&way_m) { 0.4 } else { 0.0 };
+        let (survey, navigation, returns) =
+            log(|way_m| [bed_m(way_m) - weed_m(way_m); 2], recorded_m);
+        let above = AboveDepth::new(&survey, &navigation, &returns, &NO_CLUTTER);
         let height = |ping| height_m(&survey, &returns, ping, Side::Port);
-        (0..pings).map(height).zip(usual_m).collect()
+        (0..PINGS).map(height).zip(above.usual_departures_m()).collect()
+    }
+
+    #[test]
+    fn a_bank_of_one_side_is_a_stretch_and_what_both_sides_see_is_none() {
+        let lengths_m = |bed_m: [f64; 2]| {
+            let (survey, navigation, returns) = log(|_| bed_m, |_| 3.0);
+            let above = AboveDepth::new(&survey, &navigation, &returns, &NO_CLUTTER);
+            (Side::BOTH.map(|side| above.stretches_m(side)[600]), above.usual_departures_m()[600])
+        };
+        let whole_m = 0.1 * (PINGS - 1) as f32;
+        let is = |length_m: f32, other_m: f32| (length_m - other_m).abs() < 0.1;
+        let ([port_m, starboard_m], _) = lengths_m([2.4, 3.0]);
+        assert!(is(port_m, whole_m) && is(starboard_m, 0.0), "{port_m} {starboard_m}");
+        // The lower side looks past the nadir.
+        let ([port_m, starboard_m], _) = lengths_m([2.4, 2.84]);
+        assert!(is(port_m, whole_m) && is(starboard_m, whole_m), "{port_m} {starboard_m}");
+        // Boulders.
+        assert_eq!(lengths_m([2.4, 2.5]), ([0.0; 2], 0.0));
+    }
+
+    #[test]
+    fn boulders_that_the_sounder_sees_between_are_not_usual() {
+        let bed_m = |way_m: f64| 3.0 - 0.5 - 0.2 * (1.7 * way_m).sin();
+        let pings = clump(bed_m, |_| 3.0);
+        assert!(pings[200..1000].iter().all(|(height_m, usual_m)| height_m > usual_m));
     }
 
     #[test]
@@ -165,12 +298,12 @@ mod tests {
 
     #[test]
     fn a_rough_bed_that_the_recorder_smooths_is_no_weed() {
-        // Boulders of half a metre, of which the recorder writes the depth between them in steps.
-        let bed_m = |way_m: f64| 3.0 - 0.25 - 0.25 * (1.7 * way_m).sin();
+        // Boulders of half a metre, of which the recorder writes the mean depth in steps.
+        let bed_m = |way_m: f64| 3.0 - 0.25 * (1.7 * way_m).sin();
         let recorded_m = |way_m: f64| 3.0 + 0.1 * ((0.1 * way_m).round() % 2.0);
         let pings = clump(bed_m, recorded_m);
         let (rough, _) = pings.split_at(580);
-        assert!(rough.iter().any(|(height_m, _)| *height_m > 0.4));
+        assert!(rough.iter().any(|(height_m, _)| *height_m > 0.3));
         assert!(rough.iter().all(|(height_m, usual_m)| height_m < usual_m));
     }
 }

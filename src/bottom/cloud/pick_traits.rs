@@ -1,6 +1,6 @@
 //! What a point has of its first return, whatever the geometry and the calibration.
 
-use super::above_bottom::{height_m, stretches_m, usual_departures_m, way_m};
+use super::above_bottom::{AboveDepth, height_m, way_m};
 use super::clutter::{Clutter, clutter};
 use super::level::echo_level;
 use crate::first_return::{FirstReturns, Pick, ground_confidence};
@@ -33,9 +33,10 @@ pub struct PickTraits {
 impl PickTraits {
     /// Of a survey's first returns.
     pub fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
-        let lengths_m = Side::BOTH.map(|side| stretches_m(survey, navigation, returns, side));
-        let usual_m = usual_departures_m(survey, navigation, returns);
         let (is_clutter, clutter) = clutter(survey, returns, &way_m(&navigation.pings));
+        let above = AboveDepth::new(survey, navigation, returns, &is_clutter);
+        let lengths_m = Side::BOTH.map(|side| above.stretches_m(side));
+        let usual_m = above.usual_departures_m();
         let of_pick = |side: Side, ping: usize, pick: &Pick| {
             let is_clutter = is_clutter[side as usize].get(ping) == Some(&true);
             let high_m = height_m(survey, returns, ping, side);

@@ -377,7 +377,7 @@ rows! {
             "true", "used", "All of them are used.";
         ]);
     LONGEST_ABOVE_BOTTOM: "surface.longest_above_bottom_m", "Long stretch", "longest above-bottom stretch",
-        "Side-scan points above the recorded depth are used where most first returns of their side lie above it for longer than this.",
+        "Side-scan points above the recorded depth are used where most first returns of their side alone lie above it for longer than this.",
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
     SWATH: "surface.swath", "Echo levels", "depths from echo levels",
         "Whether depths between the lines come from echo levels: a bed that faces the boat is brighter. They are inferred, not measured.",
