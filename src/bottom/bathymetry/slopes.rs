@@ -34,6 +34,8 @@ const TIMES: f64 = 1.5;
 pub struct Bends {
     /// Side of the squares that slopes are taken over, metres.
     pub(super) square_m: f64,
+    /// The share of each bend that counts, up to 1: as left-out soundings show.
+    pub(super) share: f64,
     /// Root mean square of the errors of left-out soundings by straight triangles, and by bent
     /// ones, metres.
     pub left_out_m: [f64; 2],
@@ -42,7 +44,7 @@ pub struct Bends {
 impl Bends {
     /// The slopes of the ground around some nodes.
     pub(crate) fn slopes(self, nodes: &[Node]) -> NodeSlopes {
-        NodeSlopes::of(nodes, self.square_m)
+        NodeSlopes { share: self.share, ..NodeSlopes::of(nodes, self.square_m) }
     }
 
     /// A sentence for reports.
@@ -57,6 +59,8 @@ impl Bends {
 /// Slopes of the ground around nodes: metres of depth a metre to the east, and to the north.
 pub(crate) struct NodeSlopes {
     square_m: f64,
+    /// The share of each bend that counts.
+    share: f64,
     slopes: HashMap<[i64; 2], [f64; 2]>,
 }
 
@@ -174,7 +178,7 @@ impl NodeSlopes {
             })
         };
         let slopes = found.keys().map(|square| (*square, usual(*square))).collect();
-        Self { square_m, slopes }
+        Self { square_m, share: 1.0, slopes }
     }
 
     /// The slope at a place, between the middles of squares; `None` where no square around it has
@@ -224,7 +228,7 @@ pub(super) struct Bend {
 }
 
 impl Bend {
-    /// The ground's depth below the triangle, metres.
+    /// The ground's depth below the triangle where the whole bend counts, metres.
     pub(super) fn deeper_m(&self) -> f64 {
         (TIMES * self.patch_m).clamp(-self.least_m, self.least_m)
     }
@@ -293,7 +297,7 @@ impl<'a> BentSampler<'a> {
             BentTriangles::Straight(triangles) => triangles.depth_at(place),
             BentTriangles::Bent(bends) => {
                 let bend = bends.at(place)?;
-                Some(bend.straight_m + bend.deeper_m())
+                Some(bend.straight_m + bends.slopes.share * bend.deeper_m())
             }
         }
     }

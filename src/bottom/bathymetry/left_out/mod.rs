@@ -43,8 +43,11 @@ const LEAST_ALIGNED: f64 = 0.25;
 /// the corners: of bent triangles, and of straight ones.
 const BENT_ERROR: f64 = 0.2;
 const STRAIGHT_ERROR: f64 = 0.5;
-/// Triangles are bent where left-out soundings are then missed by at most this share.
-const MOST_RATIO: f64 = 0.95;
+/// Bends count in full where they predict left-out soundings best at this share or more, so that
+/// two surveys along the same lines bend alike.
+const FULL_SHARE: f64 = 0.8;
+/// They count where left-out soundings are then missed by at most this share.
+const MOST_RATIO: f64 = 0.98;
 /// Most cells whose distances say how large the large squares are.
 const MOST_CELLS_TRIED: usize = 10_000;
 
@@ -106,8 +109,8 @@ pub(super) fn bend_and_state_error(
     let Some(stated) = StatedError::of(&nodes, squares, between, progress)? else {
         return Ok(LeftOut::TooFew);
     };
-    let are_bent = stated.bends.is_some();
-    let error_share = if are_bent { BENT_ERROR } else { STRAIGHT_ERROR };
+    let share = stated.bends.map_or(0.0, |bends| bends.share);
+    let error_share = STRAIGHT_ERROR + share * (BENT_ERROR - STRAIGHT_ERROR);
     let slopes = NodeSlopes::of(&nodes, squares.slope_m());
     drop(nodes);
     let cells = spread_m.par_iter_mut().zip(depth_m).zip(distance_m);
@@ -122,9 +125,7 @@ pub(super) fn bend_and_state_error(
             let away_m = f64::from(*away_m);
             let mut bend_m = 0.0;
             if let Some(bend) = bends.at(place) {
-                if are_bent {
-                    *depth_m += bend.deeper_m() as f32;
-                }
+                *depth_m += (share * bend.deeper_m()) as f32;
                 if away_m > grid.cell_m {
                     bend_m = error_share * bend.least_m;
                 }
@@ -217,12 +218,12 @@ impl StatedError {
             return Ok(None);
         }
         let bends = match between {
-            Between::Linear => bends(&far, &strips, slope_m),
+            Between::Linear => bends(&far, &strips, squares),
             Between::NaturalNeighbour => None,
         };
-        if bends.is_some() {
+        if let Some(bends) = bends {
             for miss in [&mut near, &mut far, &mut strips].into_iter().flatten() {
-                miss.error_m += miss.bend.deeper_m();
+                miss.error_m += bends.share * miss.bend.deeper_m();
             }
         }
         let mut by_distance = SigmaByDistance::of(&near, &far);
@@ -336,16 +337,28 @@ fn predicted(out: &[Node], used: Vec<Node>, between: Between, slope_m: f64) -> V
 }
 
 /// The bends of the triangles; `None` where straight ones predict left-out soundings about as well.
-fn bends(squares: &[LeftOutMiss], strips: &[LeftOutMiss], square_m: f64) -> Option<Bends> {
-    let misses = || squares.iter().chain(strips);
-    let rms_m = |error_m: fn(&LeftOutMiss) -> f64| {
-        let squares = misses().map(|miss| error_m(miss).powi(2));
-        (squares.sum::<f64>() / misses().count() as f64).sqrt()
+///
+/// The share that counts is that of least squares. Errors and bends grow with the distance to the
+/// nearest sounding, so that the farthest would decide by themselves: they are weighed by its
+/// square.
+fn bends(far: &[LeftOutMiss], strips: &[LeftOutMiss], squares: Squares) -> Option<Bends> {
+    let misses = || far.iter().chain(strips);
+    let (mut product, mut square) = (0.0, 0.0);
+    for miss in misses() {
+        let deeper_m = miss.bend.deeper_m();
+        let weight = 1.0 / (miss.away_m.powi(2) + squares.small_m.powi(2));
+        product -= weight * miss.error_m * deeper_m;
+        square += weight * deeper_m.powi(2);
+    }
+    let share = (product / square / FULL_SHARE).min(1.0);
+    let rms_m = |share: f64| {
+        let errors_m = misses().map(|miss| miss.error_m + share * miss.bend.deeper_m());
+        (errors_m.map(|error_m| error_m.powi(2)).sum::<f64>() / misses().count() as f64).sqrt()
     };
-    let straight_m = rms_m(|miss| miss.error_m);
-    let bent_m = rms_m(|miss| miss.error_m + miss.bend.deeper_m());
-    (bent_m <= MOST_RATIO * straight_m)
-        .then_some(Bends { square_m, left_out_m: [straight_m, bent_m] })
+    let left_out_m = [rms_m(0.0), rms_m(share)];
+    // False without bends: then the share is no number.
+    let is_better = share > 0.0 && left_out_m[1] <= MOST_RATIO * left_out_m[0];
+    is_better.then(|| Bends { square_m: squares.slope_m(), share, left_out_m })
 }
 
 /// The square that a sounding lies in.
