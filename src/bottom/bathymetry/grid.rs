@@ -92,6 +92,30 @@ impl Grid {
         Some(row * self.columns + column)
     }
 
+    /// Indices of the cells whose centres lie within a distance of a place.
+    pub(super) fn cells_within(
+        &self,
+        [east_m, north_m]: [f64; 2],
+        reach_m: f64,
+    ) -> impl Iterator<Item = usize> {
+        let grid = *self;
+        let span = |least_m: f64, most_m: f64, count: usize| {
+            let cell = |metres: f64| ((metres / grid.cell_m).max(0.0) as usize).min(count);
+            cell(least_m)..cell(most_m + grid.cell_m)
+        };
+        let [east_m, south_m] = [east_m - self.west_m, self.north_m - north_m];
+        let columns = span(east_m - reach_m, east_m + reach_m, self.columns);
+        let rows = span(south_m - reach_m, south_m + reach_m, self.rows);
+        let cells = rows.flat_map(move |row| columns.clone().map(move |column| (row, column)));
+        let from = move |(row, column): (usize, usize)| {
+            let off_cells = [(east_m, column), (south_m, row)]
+                .map(|(metres, cell)| cell as f64 + 0.5 - metres / grid.cell_m);
+            off_cells[0].hypot(off_cells[1]) * grid.cell_m
+        };
+        let within = cells.filter(move |cell| from(*cell) <= reach_m);
+        within.map(move |(row, column)| row * grid.columns + column)
+    }
+
     /// The grid with cells `times` as long; its far edges may lie beyond.
     #[must_use]
     pub fn coarser(&self, times: usize) -> Self {

@@ -13,6 +13,7 @@ use bathyscope_log::support::statistics::{ends, quantile};
 use kiddo::ImmutableKdTree;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
 /// How the depth between soundings is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +44,9 @@ impl SurfaceMethod {
     }
 }
 
+/// Depths that were left out are doubts of cells within this, metres.
+const DOUBTED_M: f64 = 1.0;
+
 /// `surface.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -67,8 +71,9 @@ pub struct SurfaceSettings {
     /// Whether all side-scan points above the recorded depth count: their depth may be that of weed
     /// or fish.
     pub above_bottom: bool,
-    /// They count where most first returns of their side lie above the recorded depth for longer
-    /// than this along the track, metres: a field of boulders, no clump of weed, fish or object.
+    /// They count where most first returns of their side lie above the recorded depth, and those of
+    /// the other side do not, for longer than this along the track, metres: a bank, no clump of
+    /// weed, fish or object.
     pub longest_above_bottom_m: f64,
     /// Whether depths between the lines come from the levels of the echoes.
     pub swath: SwathDepth,
@@ -210,6 +215,37 @@ impl Surface {
                 self.spread_m[index] = node.spread_m as f32;
                 self.distance_m[index] = distance_m as f32;
             }
+        }
+    }
+
+    /// Widens the stated error beside depths that were left out and may be the ground, as a scarp
+    /// at one side of the boat that cannot be told from weed: by half of what cells near one are
+    /// deeper than it, as where the chance that it is the ground is a quarter.
+    pub fn doubt(&mut self, left_out: &[DepthPoint]) {
+        if self.spread_is != Spread::OfError {
+            return;
+        }
+        // The shoalest of each cell is enough.
+        let mut shoalest_m: HashMap<usize, f64> = HashMap::new();
+        for point in left_out {
+            if let Some(cell) = self.grid.index_at(point.east_m, point.north_m) {
+                let depth_m = shoalest_m.entry(cell).or_insert(f64::INFINITY);
+                *depth_m = depth_m.min(point.depth_m);
+            }
+        }
+        let mut deeper_m: HashMap<usize, f32> = HashMap::new();
+        for (at, shoalest_m) in shoalest_m {
+            for cell in self.grid.cells_within(self.grid.centre_of(at), DOUBTED_M) {
+                let more_m = self.depth_m[cell] - shoalest_m as f32;
+                // False where no depth is known.
+                if more_m > 0.0 {
+                    let most_m = deeper_m.entry(cell).or_default();
+                    *most_m = most_m.max(more_m);
+                }
+            }
+        }
+        for (cell, more_m) in deeper_m {
+            self.spread_m[cell] = self.spread_m[cell].hypot(0.5 * more_m);
         }
     }
 

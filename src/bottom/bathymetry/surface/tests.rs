@@ -217,3 +217,30 @@ fn known_depths_lie_within_their_outermost_cells() {
     assert_eq!(of(&[6]), Some([101.0, 49.0, 101.5, 49.5]));
     assert_eq!(of(&[3, 9, 10]), Some([100.5, 48.5, 102.0, 50.0]));
 }
+
+#[test]
+fn depths_that_were_left_out_widen_the_error_of_deeper_cells_beside_them() {
+    let points: Vec<_> = line(0.0, 3.0).chain(line(4.0, 3.0)).collect();
+    let mut map = made(points, 6.0);
+    assert_eq!(map.spread_is, Spread::OfError);
+    let before = map.clone();
+    map.doubt(&[[10.0, 0.5, 2.0], [30.0, 0.5, 3.5], [90.0, 0.0, 1.0]].map(
+        |[east_m, north_m, depth_m]| DepthPoint {
+            weight: 0.0,
+            is_sounding: false,
+            ..DepthPoint::of_sounding([east_m, north_m], depth_m)
+        },
+    ));
+    assert_eq!(map.depth_m.len(), before.depth_m.len());
+    let spread_m = |map: &Surface, [east_m, north_m]: [f64; 2]| {
+        map.spread_m[map.grid.index_at(east_m, north_m).unwrap()]
+    };
+    let widened_m = |place| spread_m(&map, place).powi(2) - spread_m(&before, place).powi(2);
+    for beside in [[10.0, 0.5], [9.6, 0.6], [10.2, 1.2]] {
+        assert!((widened_m(beside) - 0.25).abs() < 1e-3, "{beside:?}: {}", widened_m(beside));
+    }
+    // Farther away, and where the map is the shoaler.
+    for elsewhere in [[10.0, 2.5], [12.0, 0.5], [30.0, 0.5]] {
+        assert_eq!(widened_m(elsewhere), 0.0, "{elsewhere:?}");
+    }
+}

@@ -4,7 +4,7 @@ use super::points::{depth_points, is_finite};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
 use bathyscope_bottom::bathymetry::DepthPoint;
-use bathyscope_bottom::cloud::CloudPoint;
+use bathyscope_bottom::cloud::{CloudPoint, PointClass};
 use bathyscope_log::support::geo::{Crs, CrsError, LonLat, MapPlane};
 use bathyscope_log::survey::{Navigation, Survey, Track};
 
@@ -62,6 +62,24 @@ impl<'a> CloudPlane<'a> {
     pub(crate) fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let (cloud, classes) = (&products.cloud, &products.classes);
         depth_points(cloud, classes, &products.settings.surface, |p| self.place(p))
+    }
+
+    /// First returns that one side sees above the recorded depth for long and that do not count:
+    /// weed, a bank or a scarp.
+    pub(super) fn doubtful_points(&self, products: &Products) -> Vec<DepthPoint> {
+        let classed = products.cloud.points.iter().zip(products.classes.iter());
+        let doubtful = classed.filter(|(point, class)| {
+            **class == PointClass::AboveBottom && point.above_bottom_m > 0.0
+        });
+        let placed = doubtful.map(|(point, _)| self.place(point)).filter(is_finite);
+        let depth = |[east_m, north_m, z_m]: [f64; 3]| DepthPoint {
+            east_m,
+            north_m,
+            depth_m: -z_m,
+            weight: 0.0,
+            is_sounding: false,
+        };
+        placed.map(depth).collect()
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {

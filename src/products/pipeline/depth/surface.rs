@@ -26,15 +26,25 @@ pub fn joint_depth_surface(
     };
     let settings = &first.products.settings.surface;
     let points = joint_depth_points(logs, map, progress)?;
-    if settings.swath == SwathDepth::Off {
-        return surface(points, settings, progress);
-    }
-    let Some(mut made) = surface(points.clone(), settings, progress)? else {
-        return Ok(None);
+    let mut made = match settings.swath {
+        SwathDepth::Off => surface(points, settings, progress)?,
+        _ => {
+            let mut made = surface(points.clone(), settings, progress)?;
+            if let Some(made) = &mut made {
+                let echoes: Vec<LogEchoes<'_>> =
+                    logs.iter().map(|log| echoes_of(log, map)).collect();
+                correct(made, echoes, &points, progress, settings.swath)?;
+            }
+            made
+        }
     };
-    let echoes: Vec<LogEchoes<'_>> = logs.iter().map(|log| echoes_of(log, map)).collect();
-    correct(&mut made, echoes, &points, progress, settings.swath)?;
-    Ok(Some(made))
+    if let Some(made) = &mut made {
+        for log in logs {
+            let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
+            made.doubt(&plane.doubtful_points(&log.products));
+        }
+    }
+    Ok(made)
 }
 
 /// The kept points of all logs of a survey that count for its surface, in the plane of a map.
