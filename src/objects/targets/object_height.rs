@@ -6,6 +6,9 @@ use bathyscope_log::survey::Side;
 
 /// Joint standard deviations within which two sightings agree about a height.
 const AGREE_SIGMAS: f64 = 2.5;
+/// Standard deviations that a height found by the program exceeds: what does not may as well be
+/// none.
+const LEAST_SIGMAS: f64 = 1.0;
 /// Least standard deviation that a height counts with, metres.
 const LEAST_SIGMA_M: f64 = 0.01;
 
@@ -51,6 +54,10 @@ impl PartialEq for ObjectHeight {
 }
 
 impl ObjectHeight {
+    /// No height.
+    const UNKNOWN: Self =
+        Self { mean_m: f64::NAN, sigma_m: f64::NAN, source: None, counted: 0, contradicting: 0 };
+
     /// The source in words: `shadow, ping 895 port of lake-1; 1 sighting contradicts it`; empty
     /// without a height. `log` is the name of the log that saw it, where there are several.
     pub fn source_in_words(&self, log: Option<&str>) -> String {
@@ -78,13 +85,7 @@ impl ObjectHeight {
         let (set, found): (Vec<_>, Vec<_>) = known.partition(|(_, one)| is_by_hand(one));
         let told = if set.is_empty() { found } else { set };
         let Some((sighting, surest)) = surest(&told) else {
-            return Self {
-                mean_m: f64::NAN,
-                sigma_m: f64::NAN,
-                source: None,
-                counted: 0,
-                contradicting: 0,
-            };
+            return Self::UNKNOWN;
         };
         let agrees = |one: &&Target| {
             let apart_m = (one.height_m - surest.height_m).abs();
@@ -92,6 +93,10 @@ impl ObjectHeight {
         };
         let counted: Vec<&Target> = told.iter().map(|(_, one)| *one).filter(agrees).collect();
         let [mean_m, sigma_m] = mean(&counted);
+        // The mean is judged, not its parts: to leave out the small ones would make it too large.
+        if mean_m <= LEAST_SIGMAS * sigma_m && !is_by_hand(surest) {
+            return Self::UNKNOWN;
+        }
         Self {
             mean_m,
             sigma_m,
@@ -169,16 +174,26 @@ mod tests {
     }
 
     #[test]
+    fn a_height_no_larger_than_its_deviation_is_not_stated() {
+        assert_eq!(height(&[seen(1.0, 2.01)]).source, None);
+        let other = height(&[seen(0.1, 0.2), seen(0.5, 0.1)]);
+        assert_eq!(other.counted, 2, "{other:?}");
+    }
+
+    #[test]
     fn a_height_that_an_analyst_measured_counts_alone() {
-        let mut targets = [seen(0.5, 1.05), seen(1.3, 0.1)];
+        let mut targets = [seen(0.5, 0.45), seen(1.3, 0.1)];
         assert_eq!(height(&targets[..1]).mean_m, 0.5);
-        assert_eq!(height(&targets[..1]).sigma_m, 1.05);
+        assert!((height(&targets[..1]).sigma_m - 0.45).abs() < 1e-9);
         let both = height(&targets);
-        assert!((1.29..1.3).contains(&both.mean_m) && (0.09..0.1).contains(&both.sigma_m));
+        assert!((1.22..1.3).contains(&both.mean_m) && (0.09..0.25).contains(&both.sigma_m));
         targets[0].extent = ObjectExtent::Drawn { border_m: 1.5 };
         assert_eq!(height(&targets), height(&targets[..1]));
         let said = height(&targets).source_in_words(Some("lake-1"));
         assert_eq!(said, "by hand, ping 100 port of lake-1");
+        // By hand it counts however uncertain it is.
+        targets[0] = Target { height_sigma_m: 1.05, ..targets[0].clone() };
+        assert!((height(&targets[..1]).sigma_m - 1.05).abs() < 1e-9);
         let unknown = height(&[target()]);
         assert!(unknown.mean_m.is_nan() && unknown.sigma_m.is_nan());
         assert_eq!((unknown.source, unknown.source_in_words(None).as_str()), (None, ""));
