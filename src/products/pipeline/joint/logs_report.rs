@@ -6,6 +6,7 @@ use crate::pipeline::log_report::{CalibrationReport, RunCounts};
 use bathyscope_bottom::bathymetry::compare::Comparison;
 use bathyscope_bottom::bathymetry::height_offsets::{LogOffset, PairDifference};
 use bathyscope_bottom::cloud::{Residuals, TrackShare};
+use bathyscope_bottom::presentation::text;
 use bathyscope_log::survey::ExcludedStretch;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -66,14 +67,15 @@ impl LogsReport {
     pub fn summary(&self) -> String {
         let line = |log: &LogReport| {
             let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = log.offset;
+            let overlaps = text::plural(log_overlaps, "overlap", "overlaps");
             match (log_overlaps, log.offset.is_determined()) {
                 (0, _) => format!("{}: crosses no other log", log.log),
                 (_, false) => format!(
-                    "{}: height offset not determined by {log_overlaps} overlaps, where depths contradict each other; {:+.3} m in force",
+                    "{}: height offset not determined by {overlaps}, where depths contradict each other; {:+.3} m in force",
                     log.log, log.height_offset_in_force_m
                 ),
                 _ => format!(
-                    "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {log_overlaps} overlaps, {:+.3} m in force",
+                    "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {overlaps}, {:+.3} m in force",
                     log.log, log.height_offset_in_force_m
                 ),
             }

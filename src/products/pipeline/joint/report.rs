@@ -5,6 +5,7 @@ use super::{compare_logs, crossline_analysis, height_offsets};
 use crate::pipeline::{CommonUncertainty, ProcessedLog, Report, Settings, setting_values};
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, PairDifference};
 use bathyscope_bottom::cloud::{Residuals, same_ping_differences};
+use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Survey, apart};
 use std::collections::BTreeMap;
@@ -170,9 +171,9 @@ pub fn contradictions<'a>(
     let left = pairs.iter().filter(|pair| pair.is_contradiction());
     left.map(|pair| {
         let [one, other] = pair.logs.map(|log| names.get(log).map_or("", String::as_str));
-        let (left_m, places) = (pair.residual_m, pair.n);
+        let (left_m, places) = (pair.residual_m, text::plural(pair.n, "place", "places"));
         format!(
-            "{one} and {other} differ by {left_m:+.2} m at {places} places after all height offsets: look for a clock, a water level or a bottom that changed, and exclude what is wrong"
+            "{one} and {other} differ by {left_m:+.2} m at {places} after all height offsets: look for a clock, a water level or a bottom that changed, and exclude what is wrong"
         )
     })
 }
