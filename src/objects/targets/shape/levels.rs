@@ -123,6 +123,11 @@ impl BoxLevels {
         self.squares() / self.speckle_squares() - 1.0
     }
 
+    /// Its extent along the track, metres.
+    pub(super) fn along_m(&self) -> f64 {
+        self.ping_m * self.pings.len() as f64
+    }
+
     /// Its extent across the track on a level bottom, metres.
     pub(super) fn across_m(&self) -> f64 {
         let out_m = |bin: usize| {

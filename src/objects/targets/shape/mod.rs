@@ -58,6 +58,14 @@ pub enum ShapeError {
         /// How much, as [`FittedShape::explained`].
         explained: f64,
     },
+    /// The best reaches beyond the picture, where it was compared with nothing.
+    #[error("no shape: the best, a {} of {length_m:.1} m, is larger than its picture", kind.name())]
+    LargerThanPicture {
+        /// The kind that explains most.
+        kind: ShapeKind,
+        /// Its length, metres.
+        length_m: f64,
+    },
 }
 
 /// Share that a shape has to explain.
@@ -104,6 +112,10 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     if explained < LEAST_EXPLAINED {
         return Err(ShapeError::Unexplained { kind: fitted.kind, explained: explained.max(0.0) });
     }
+    if !is_within(&fitted.posed[0], &looks[0]) {
+        let length_m = fitted.posed[0].solid.length_m;
+        return Err(ShapeError::LargerThanPicture { kind: fitted.kind, length_m });
+    }
     let is_rival = |other: &&ShapeFit| gained(other) > (1.0 - RIVAL) * gained(fitted);
     let rivals = fits.iter().skip(1).take_while(is_rival);
     let on_pings = |(index, (target, look)): (usize, &(&Target, Option<BoxLevels>))| {
@@ -124,4 +136,57 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
         explained: explained.min(1.0),
         rivals: rivals.map(|rival| rival.kind).collect(),
     })
+}
+
+/// True where a solid is no larger than the picture along the track and across it. Its outline is
+/// taken for an ellipse.
+fn is_within(posed: &PosedSolid, look: &BoxLevels) -> bool {
+    let outward = look.pings.first().map_or([0.0; 2], |ping| ping.outward);
+    let (sin, cos) = posed.heading_rad.sin_cos();
+    let across = sin * outward[0] + cos * outward[1];
+    let along = cos * outward[0] - sin * outward[1];
+    let Solid { length_m, width_m, .. } = posed.solid;
+    let extent_m = |by_length: f64, by_width: f64| (by_length * length_m).hypot(by_width * width_m);
+    extent_m(along, across) <= look.along_m() && extent_m(across, along) <= look.across_m()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::levels::PingLevels;
+    use super::*;
+
+    #[test]
+    fn a_solid_that_reaches_beyond_its_picture_is_none_of_it() {
+        // 2 m along a track to the north, and 4 to 7.4 m to the east of it.
+        let ping = |ping: usize| PingLevels {
+            ping,
+            boat_m: [0.0, 0.1 * ping as f64],
+            outward: [1.0, 0.0],
+            levels: vec![0.0; 60],
+        };
+        let look = BoxLevels {
+            altitude_m: 3.0,
+            recorded_m: [5.0, 0.05],
+            from_m: 5.0,
+            step_m: 0.05,
+            bins: 60,
+            ping_m: 0.1,
+            pings: (0..20).map(ping).collect(),
+            noise: 1.0,
+            together: 1,
+        };
+        let is_within = |[length_m, width_m]: [f64; 2], heading_deg: f64| {
+            let solid =
+                Solid { kind: ShapeKind::Hull, length_m, width_m, height_m: 0.5, list: 0.0 };
+            let heading_rad = f64::to_radians(heading_deg);
+            super::is_within(&PosedSolid { solid, east_m: 5.5, north_m: 1.0, heading_rad }, &look)
+        };
+        assert!(is_within([1.8, 0.8], 0.0) && is_within([1.8, 0.8], 60.0));
+        // Outward there is more room than along the track.
+        assert!(is_within([3.2, 0.8], 90.0) && !is_within([3.2, 0.8], 0.0));
+        // The boulder of the river that was called a hull.
+        for heading_deg in [0.0, 45.0, 90.0, 200.0] {
+            assert!(!is_within([8.38, 1.87], heading_deg));
+        }
+    }
 }
