@@ -26,6 +26,10 @@ const SIDES_AGREE: f64 = 0.25;
 const SECOND_ECHO: Range<f64> = 1.75..2.6;
 /// The depth at both ends of a stretch leaps to as many times what it was.
 const LEAP: Range<f64> = 1.75..2.25;
+/// The same from one sounding to the next where no first return lies near the depth on more than a
+/// share of the soundings.
+const EXACT_LEAP: Range<f64> = 1.9..2.1;
+const MOST_SEEN: f64 = 0.1;
 /// The first returns stay within this share over such a leap.
 const STAYS: f64 = 0.25;
 /// Soundings to both sides of an end that are compared: on a steep bank only the next ones are
@@ -243,9 +247,64 @@ fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     found
 }
 
+/// The stretches by what both sides say together, by each side alone where the other tells of
+/// something nearer, as a wall, and those at whose depth no side sees anything.
 fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
-    let ranges_m: Vec<f64> =
-        (0..soundings.len()).map(|sounding| witnesses.below_m(sounding)).collect();
+    let all = 0..soundings.len();
+    let below_m = all.clone().map(|sounding| witnesses.below_m(sounding)).collect();
+    let mut found = second_echoes_by(soundings, below_m);
+    let alone_m = |side: Side| {
+        let [own_m, other_m] = [side, side.other()].map(|side| &witnesses.sides_m[side as usize]);
+        let range_m = |sounding: usize| match other_m[sounding] < own_m[sounding] {
+            true => own_m[sounding],
+            false => f64::NAN,
+        };
+        all.clone().map(range_m).collect()
+    };
+    let alone = Side::BOTH.map(|side| second_echoes_by(soundings, alone_m(side))).concat();
+    for alone in alone.into_iter().chain(unseen_second_echoes(soundings, witnesses)) {
+        let is_known = |one: &FalseSoundings| {
+            one.soundings.start < alone.soundings.end && alone.soundings.start < one.soundings.end
+        };
+        if !found.iter().any(is_known) {
+            found.push(alone);
+        }
+    }
+    found
+}
+
+/// The stretches between a leap to twice the depth and one back, of a sounding each, over which the
+/// sides have first returns and hardly any near the depth: a bottom there would be seen.
+fn unseen_second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
+    let depth_m = |index: usize| f64::from(soundings[index].depth_m);
+    let times = |index: usize| depth_m(index) / depth_m(index - 1);
+    let is_unseen = |stretch: &Range<usize>| {
+        let count = |is: &dyn Fn(usize, f64) -> bool| {
+            let is_any =
+                |index: usize| witnesses.sides_m.iter().any(|side_m| is(index, side_m[index]));
+            stretch.clone().filter(|&index| is_any(index)).count()
+        };
+        let near = count(&|index, range_m| (range_m / depth_m(index) - 1.0).abs() < SIDES_AGREE);
+        let any = count(&|_, range_m| range_m.is_finite());
+        2 * any > stretch.len() && (near as f64) < MOST_SEEN * stretch.len() as f64
+    };
+    let mut found = Vec::new();
+    let mut start = None;
+    for index in 1..soundings.len() {
+        if EXACT_LEAP.contains(&times(index)) {
+            start = Some(index);
+        } else if EXACT_LEAP.contains(&times(index).recip()) {
+            let stretch = start.take().map(|start| start..index);
+            let stretch = stretch.filter(|stretch| stretch.len() >= SHORTEST);
+            found.extend(stretch.filter(&is_unseen));
+        }
+    }
+    let fault = SounderFault::SecondEcho;
+    found.into_iter().map(|soundings| FalseSoundings { soundings, fault }).collect()
+}
+
+/// The stretches by ranges that are those of the bottom below the boat, metres, one a sounding.
+fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoundings> {
     let depth_m = |index: usize| f64::from(soundings[index].depth_m);
     let is_double = |index: usize| SECOND_ECHO.contains(&(depth_m(index) / ranges_m[index]));
     let mut found = Vec::new();
@@ -358,6 +417,32 @@ mod tests {
         let weedy = |index: usize| bed_m(index) * if doubled.contains(&index) { 0.5 } else { 1.0 };
         let ranges_m = seen((0..400).map(weedy));
         assert!(find(&soundings((0..400).map(|i| bed_m(i) + noise_m(i))), &ranges_m).is_empty());
+    }
+
+    #[test]
+    fn a_second_echo_beside_a_wall_is_found_by_the_other_side() {
+        let bed = |index: usize| 5.0 + 0.002 * index as f64;
+        let starboard_m: Vec<f64> = (0..400).map(bed).collect();
+        let wall = Witnesses { sides_m: [vec![2.5; 400], starboard_m] };
+        let doubled = 100..160;
+        let depths_m = |bed: &dyn Fn(usize) -> f64| {
+            let times = |index: usize| if doubled.contains(&index) { 2.0 } else { 1.0 };
+            soundings((0..400).map(|index| noise_m(index) + bed(index) * times(index)))
+        };
+        let found = find(&depths_m(&bed), &wall);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(
+            (found[0].soundings.clone(), found[0].fault),
+            (doubled.clone(), SounderFault::SecondEcho)
+        );
+        // Where the other side has none, nothing is seen at the depth.
+        let alone = Witnesses { sides_m: [vec![2.5; 400], vec![f64::NAN; 400]] };
+        assert_eq!(find(&depths_m(&bed), &alone), found);
+        // A basin that is twice as deep, as the other side sees.
+        let starboard_m =
+            (0..400).map(|index| bed(index) * if doubled.contains(&index) { 2.0 } else { 1.0 });
+        let basin = Witnesses { sides_m: [vec![2.5; 400], starboard_m.collect()] };
+        assert!(find(&depths_m(&bed), &basin).is_empty());
     }
 
     #[test]
