@@ -13,6 +13,9 @@ const LEAST_BEYOND_M: f64 = 0.2;
 /// other side bears the depth out: it lies within these shares of it, as on a bank.
 const CERTAIN: f32 = 0.6;
 const BEARS_OUT: Range<f64> = 0.75..1.0;
+/// On a bank of 35 degrees the lower side is as many times as far as the upper one. Sides that are
+/// farther apart do not bear each other out against the depth.
+const MOST_APART: f64 = 1.25;
 
 /// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
 /// scales of ranges and depths, their rounding and their noise make no more of a difference.
@@ -23,8 +26,8 @@ pub(super) fn farthest_m(depth_m: f64) -> f64 {
 }
 
 /// Takes the confidence from first returns farther away than the bottom below the boat. They keep
-/// it where the other side is beyond the depth too, for the depth may be wrong or the beams end
-/// beside the nadir, and where they are certain and the other side does not bear the depth out.
+/// it where the other side is beyond the depth too, and about as far, for the depth may be wrong or
+/// the beams end beside the nadir, and where they are certain and the other side does not bear the depth out.
 /// `sides` are port and starboard from the ping `first` on.
 pub(super) fn doubt(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
     for index in 0..sides[0].len() {
@@ -38,7 +41,8 @@ pub(super) fn doubt(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
             let is_certain =
                 pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
             let is_other_beyond = other_m > depth_m;
-            if is_beyond && !is_other_beyond && !is_certain {
+            let is_apart = is_other_beyond && own_m.max(other_m) > MOST_APART * own_m.min(other_m);
+            if is_beyond && (is_apart || !is_other_beyond && !is_certain) {
                 pick.confidence = 0.0;
             }
         }
