@@ -44,7 +44,8 @@ pub(super) struct AboveDepth {
 }
 
 impl AboveDepth {
-    /// Of a survey's first returns; `is_clutter` says by side and ping which of them are clutter.
+    /// Compares a survey's first returns with its depths. `is_clutter` is true by side and ping
+    /// where a first return is clutter, which is left out.
     pub(super) fn new(
         survey: &Survey,
         navigation: &Navigation,
@@ -69,8 +70,9 @@ impl AboveDepth {
             ..self.way_m.partition_point(|way| *way <= at_m + reach_m)
     }
 
-    /// For every ping, how far a first return has to lie above the recorded depth so as not to be
-    /// what this departs from the bed by nearby, metres; 0 where both sides see the same above it.
+    /// Returns for every ping the height above the recorded depth up to which a first return is the
+    /// bottom, metres: three standard deviations of the heights nearby, and 0 where both sides see
+    /// the same above the depth.
     pub(super) fn usual_departures_m(&self) -> Vec<f64> {
         let pings = self.way_m.len();
         let mut usual_m = Vec::with_capacity(self.heights_m.len());
@@ -95,8 +97,8 @@ impl AboveDepth {
         spread_about(&mut heights_m, middle_m)
     }
 
-    /// For every ping, the length of the stretch of a side that it belongs to, metres; 0 outside of
-    /// any. A bank and the edge of a scarp lie on one side.
+    /// Returns for every ping the length of the stretch of a side that it belongs to, metres; 0
+    /// outside of any. A bank and the edge of a scarp lie on one side.
     pub(super) fn stretches_m(&self, side: Side) -> Vec<f32> {
         let Self { way_m, .. } = self;
         let pings = way_m.len();
@@ -119,16 +121,16 @@ impl AboveDepth {
 struct Sums {
     /// Pings with a depth and a first return of any side.
     pings: Vec<u32>,
-    /// Of these, pings on which all sides see the same above the depth.
+    /// Pings on which both sides see the same above the depth.
     alike: Vec<u32>,
-    /// First returns at a depth, port and starboard.
+    /// First returns of pings with a depth, port and starboard.
     judged: [Vec<u32>; 2],
-    /// Of these, first returns above it of pings on which the sides differ.
+    /// First returns above the depth on pings where the sides differ, port and starboard.
     apart: [Vec<u32>; 2],
 }
 
 impl Sums {
-    /// Of a survey's first returns with their heights above the recorded depth.
+    /// Counts a survey's first returns by their heights above the recorded depth.
     fn new(survey: &Survey, returns: &FirstReturns, heights_m: &[[f64; 2]]) -> Self {
         let start = || vec![0];
         let mut sums = Self {

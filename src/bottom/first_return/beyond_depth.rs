@@ -27,8 +27,8 @@ pub(super) fn farthest_m(depth_m: f64) -> f64 {
 
 /// Takes the confidence from first returns farther away than the bottom below the boat. They keep
 /// it where the other side is beyond the depth too, and about as far, for the depth may be wrong or
-/// the beams end beside the nadir, and where they are certain and the other side does not bear the depth out.
-/// `sides` are port and starboard from the ping `first` on.
+/// the beams end beside the nadir, and where they are certain and the other side does not bear the
+/// depth out. `sides` are port and starboard from the ping `first` on.
 pub(super) fn doubt(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
     for index in 0..sides[0].len() {
         let depth_m = f64::from(survey.locked_depth_m(first + index));

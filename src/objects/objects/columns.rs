@@ -85,7 +85,7 @@ pub enum ColumnValue {
 
 impl ObjectColumn {
     /// The columns of the window and the report for so many logs: one log needs no column of logs.
-    /// Those of the place, which are wide, come last.
+    /// The columns of the place come last, since they are wide.
     pub fn shown(logs: usize) -> impl Iterator<Item = &'static Self> {
         let is_shown = move |column: &&Self| {
             !column.heading.is_empty() && (logs > 1 || column.name != LOGS_COLUMN)

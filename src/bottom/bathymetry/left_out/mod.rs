@@ -356,8 +356,8 @@ fn bends(far: &[LeftOutMiss], strips: &[LeftOutMiss], squares: Squares) -> Optio
         (errors_m.map(|error_m| error_m.powi(2)).sum::<f64>() / misses().count() as f64).sqrt()
     };
     let left_out_m = [rms_m(0.0), rms_m(share)];
-    // False without bends: then the share is no number.
-    let is_better = share > 0.0 && left_out_m[1] <= MOST_RATIO * left_out_m[0];
+    // A plane bed has no bends, and no share.
+    let is_better = square > 0.0 && share > 0.0 && left_out_m[1] <= MOST_RATIO * left_out_m[0];
     is_better.then(|| Bends { square_m: squares.slope_m(), share, left_out_m })
 }
 

@@ -190,17 +190,7 @@ mod tests {
             outward: [1.0, 0.0],
             levels: (0..BINS).map(|_| speckle()).collect(),
         };
-        BoxLevels {
-            altitude_m: 3.0,
-            recorded_m: [4.0, 0.06],
-            from_m: 4.0,
-            step_m: 0.06,
-            bins: BINS,
-            ping_m: 0.14,
-            noise: 1.0,
-            together: 1,
-            pings: (0..41).map(&mut ping).collect(),
-        }
+        BoxLevels::of_pings((0..41).map(&mut ping).collect(), 0.14, [4.0, 0.06])
     }
 
     #[test]

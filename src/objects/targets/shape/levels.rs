@@ -266,6 +266,29 @@ fn groups(pings: Range<usize>) -> Vec<Range<usize>> {
 }
 
 #[cfg(test)]
+impl BoxLevels {
+    /// A picture of some pings, `ping_m` apart, of a bottom 3 m below, with bins of `step_m` from
+    /// `from_m` on.
+    pub(super) fn of_pings(
+        pings: Vec<PingLevels>,
+        ping_m: f64,
+        [from_m, step_m]: [f64; 2],
+    ) -> Self {
+        Self {
+            altitude_m: 3.0,
+            recorded_m: [from_m, step_m],
+            from_m,
+            step_m,
+            bins: pings[0].levels.len(),
+            ping_m,
+            pings,
+            noise: 1.0,
+            together: 1,
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -277,17 +300,7 @@ mod tests {
             outward: [1.0, 0.0],
             levels: (0..8).map(|bin| (10 * index + bin) as f32).collect(),
         };
-        let look = BoxLevels {
-            altitude_m: 3.0,
-            recorded_m: [4.0, 0.1],
-            from_m: 4.0,
-            step_m: 0.1,
-            bins: 8,
-            ping_m: 0.1,
-            pings: (0..5).map(ping).collect(),
-            noise: 1.0,
-            together: 1,
-        };
+        let look = BoxLevels::of_pings((0..5).map(ping).collect(), 0.1, [4.0, 0.1]);
         let coarse = look.coarser([2, 4]);
         assert_eq!((coarse.bins, coarse.pings.len(), coarse.together), (4, 3, 4));
         assert_eq!(coarse.pings[1].levels, [25.5, 27.5, 29.5, 31.5]);

@@ -164,17 +164,7 @@ mod tests {
             outward: [1.0, 0.0],
             levels: vec![0.0; 60],
         };
-        let look = BoxLevels {
-            altitude_m: 3.0,
-            recorded_m: [5.0, 0.05],
-            from_m: 5.0,
-            step_m: 0.05,
-            bins: 60,
-            ping_m: 0.1,
-            pings: (0..20).map(ping).collect(),
-            noise: 1.0,
-            together: 1,
-        };
+        let look = BoxLevels::of_pings((0..20).map(ping).collect(), 0.1, [5.0, 0.05]);
         let is_within = |[length_m, width_m]: [f64; 2], heading_deg: f64| {
             let solid =
                 Solid { kind: ShapeKind::Hull, length_m, width_m, height_m: 0.5, list: 0.0 };

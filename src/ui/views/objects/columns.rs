@@ -18,7 +18,7 @@ pub(super) struct ColumnWidths {
 }
 
 impl ColumnWidths {
-    /// Those of a table as wide as there is room: what is left goes to the columns of text.
+    /// Returns the widths for the room there is; what is left goes to the columns of text.
     pub(super) fn fit(room: f32, app: &App) -> Self {
         let shown: Vec<&ObjectColumn> = ObjectColumn::shown(app.log_count()).collect();
         let least: f32 = shown.iter().map(|column| least_width(column)).sum();
