@@ -208,6 +208,7 @@ actions! {
     RemovePlan, "Remove the planned lines", None, "Removes all planned lines.";
     SavePlan, "Save the planned lines…", None, "Writes the planned lines for a plotter or an autopilot: GPX, KML, .plan (QGroundControl) or .waypoints (Mission Planner).";
     ApplyHeights, "Apply heights", None, "Levels the logs: adds the height offsets that crossings show to their elevations (height_offset_m).";
+    LeaveOutContradicted, "Leave out contradicted soundings", None, "Excludes the soundings that other logs show to be false.";
     ComparePositions, "Compare positions", None, "Finds from crossings over slopes how far the positions of each log are off, and how late they are.";
     ApplyPositions, "Apply positions", None, "Applies shifts (position_shift) and latencies (mounting.latency_s) that exceed twice their standard error.";
     ApplySoundingLag, "Apply the sounding lag", None, "Takes soundings as much earlier as the first returns show them to be late (mounting.sounding_lag_s).";

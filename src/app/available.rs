@@ -26,6 +26,9 @@ impl App {
             Action::RemovePlan | Action::SavePlan => self.map.planning.lines.is_some(),
             Action::RemoveLine => self.map.planning.selected.is_some(),
             Action::ApplyHeights => self.height_offsets().is_some(),
+            Action::LeaveOutContradicted => {
+                self.height_offsets().is_some_and(super::heights::FoundHeights::is_contradicted)
+            }
             Action::ApplyPositions => {
                 (self.position_offsets()).is_some_and(super::FoundPositions::tells)
             }

@@ -1,13 +1,15 @@
-//! Height differences between logs: found where their tracks meet whenever several logs have
-//! results, and taken off their depths when the analyst asks for it.
+//! Height differences between logs, and soundings that other logs show to be false: found where
+//! their tracks meet whenever several logs have results, and taken off or left out when the analyst
+//! asks for it.
 
 use super::{Action, App, LogId, OpenLog};
-use bathyscope_bottom::bathymetry::height_offsets::{
-    Datum, HeightDifference, HeightOffsets, LogOffset,
-};
+use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, LogOffset};
 use bathyscope_bottom::cloud::PingDepth;
-use bathyscope_products::pipeline::joint::{contradictions, height_offsets, heights_differ};
-use bathyscope_products::pipeline::{Background, LogSettings, ProcessedLog, Same};
+use bathyscope_bottom::presentation::text;
+use bathyscope_products::pipeline::joint::{
+    HeightComparison, compare_heights, contradictions, heights_differ,
+};
+use bathyscope_products::pipeline::{Background, LogSettings, ProcessedLog, Same, Settings};
 use std::sync::Arc;
 use toml::Value;
 
@@ -18,18 +20,23 @@ const KEY: &str = "height_offset_m";
 #[derive(Clone, Debug)]
 pub struct FoundHeights {
     ids: Vec<LogId>,
-    offsets: HeightOffsets,
+    compared: HeightComparison,
 }
 
 impl FoundHeights {
     /// Every log with its offset, in the order of the list when they were found.
     pub fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
-        self.ids.iter().copied().zip(&self.offsets.logs)
+        self.ids.iter().copied().zip(&self.compared.offsets.logs)
+    }
+
+    /// Returns true where other logs show soundings to be false.
+    pub(super) fn is_contradicted(&self) -> bool {
+        !self.compared.contradicted.is_empty()
     }
 
     /// How many groups of connected logs there are.
     pub fn groups(&self) -> usize {
-        self.offsets.groups()
+        self.compared.offsets.groups()
     }
 }
 
@@ -42,8 +49,9 @@ pub(super) struct Heights {
     found: Background<HeightsKey, FoundHeights>,
     /// The log whose height stays; of none the mean of all stays.
     held: Option<LogId>,
-    /// The last sentence about logs that differ.
+    /// The last sentence about logs that differ, and about soundings that are false.
     said: Option<String>,
+    said_false: Option<String>,
 }
 
 impl Heights {
@@ -82,7 +90,7 @@ impl App {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };
-        contradictions(&found.offsets.pairs, &self.names_of(&found.ids)).collect()
+        contradictions(&found.compared.offsets.pairs, &self.names_of(&found.ids)).collect()
     }
 
     /// The sentence about the two logs whose depths differ the most with the offsets in force, and
@@ -94,8 +102,17 @@ impl App {
             products.map_or(0.0, |products| products.correction.height_offset_m())
         };
         let in_force_m: Vec<f64> = found.ids.iter().map(in_force_m).collect();
-        let difference: HeightDifference = found.offsets.unlevelled(&in_force_m)?;
+        let difference: HeightDifference = found.compared.offsets.unlevelled(&in_force_m)?;
         Some(format!("{}.", heights_differ(&difference, &self.names_of(&found.ids))))
+    }
+
+    /// A sentence about each stretch of soundings that other logs show to be false.
+    pub(crate) fn contradicted_soundings(&self) -> Vec<String> {
+        let Some(found) = self.height_offsets() else {
+            return Vec::new();
+        };
+        let names = self.names_of(&found.ids);
+        found.compared.contradicted.iter().map(|one| format!("{}.", one.summary(&names))).collect()
     }
 
     fn names_of(&self, ids: &[LogId]) -> Vec<String> {
@@ -125,20 +142,30 @@ impl App {
         let logs: Vec<ProcessedLog> = logs.into_iter().map(|(_, log)| log).collect();
         self.findings.heights.found.ask(key, &self.jobs, move |progress| {
             let datum = held.map_or(Datum::Mean, Datum::Log);
-            let mut offsets = height_offsets(&logs, datum, progress).ok()?;
+            let mut compared = compare_heights(&logs, datum, progress).ok()?;
             if let Some(held) = held {
                 let in_force_m = logs[held].products.correction.height_offset_m();
-                offsets.raise(held, in_force_m);
+                compared.offsets.raise(held, in_force_m);
             }
-            Some(FoundHeights { ids, offsets })
+            Some(FoundHeights { ids, compared })
         });
         if !self.findings.heights.is_busy() {
             self.say_heights();
         }
     }
 
-    /// Says once that heights differ, with the command that levels them.
+    /// Says once that soundings are false and that heights differ, with the commands that leave
+    /// out the ones and level the others.
     fn say_heights(&mut self) {
+        let found = self.contradicted_soundings();
+        let is_said = self.findings.heights.said_false.as_ref() == found.first();
+        if !is_said {
+            self.withdraw(Action::LeaveOutContradicted);
+            if let Some(text) = found.first() {
+                self.offer(text.clone(), Action::LeaveOutContradicted);
+            }
+            self.findings.heights.said_false = found.into_iter().next();
+        }
         let unlevelled = self.unlevelled();
         if self.findings.heights.said == unlevelled {
             return;
@@ -148,6 +175,40 @@ impl App {
             self.offer(text.clone(), Action::ApplyHeights);
         }
         self.findings.heights.said = unlevelled;
+    }
+
+    /// Excludes the soundings that other logs show to be false, as one undo step.
+    pub(super) fn leave_out_contradicted(&mut self) {
+        let Some(found) = self.height_offsets().filter(|found| found.is_contradicted()).cloned()
+        else {
+            let text = "no soundings are shown to be false by other logs: that takes two logs that contradict them";
+            return self.notify(text.to_owned(), true);
+        };
+        let before = self.step_now();
+        let mut left_out = 0;
+        for one in &found.compared.contradicted {
+            let id = found.ids[one.log];
+            let Some((log, survey)) =
+                self.open_log(id).and_then(|log| Some((log, log.survey.clone()?)))
+            else {
+                continue;
+            };
+            let mut settings = Settings::clone(&log.settings);
+            settings.excluded = settings.excluded.excluding(&survey, one.part());
+            let (shared, own) = match log.own.change(&self.document.shared, &settings) {
+                Ok(parts) => parts,
+                Err(error) => return self.notify(error.to_string(), true),
+            };
+            self.document.shared = Arc::new(shared);
+            self.set_own(id, Arc::new(own), false);
+            left_out += one.count;
+        }
+        let after = self.step_now();
+        self.record_step(&before, &after, "false soundings", false);
+        self.withdraw(Action::LeaveOutContradicted);
+        let left_out = text::plural(left_out, "sounding was", "soundings were");
+        self.offer_undo(format!("{left_out} left out"));
+        self.process();
     }
 
     /// Adds the offsets to the elevations of their logs, as one undo step.

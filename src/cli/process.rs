@@ -32,7 +32,8 @@ pub(super) struct ProcessArgs {
     #[arg(long)]
     each: bool,
     /// Apply the height offsets that the crossings of several logs show, so that their depths
-    /// agree; report.json lists them either way
+    /// agree, and leave out soundings that other logs show to be false; report.json lists both
+    /// either way
     #[arg(long, conflicts_with = "each")]
     adjust: bool,
     /// With --adjust: the log whose height stays, by the name of its file; without it the mean of

@@ -27,6 +27,7 @@ mod same_bytes;
 // Whole runs: several logs, archives, projects, real recordings.
 mod archive;
 mod changed_log;
+mod contradicted_logs;
 mod many_logs;
 mod many_logs_files;
 mod new_survey;

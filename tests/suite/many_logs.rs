@@ -14,7 +14,7 @@ use bathyscope_objects::Mark;
 use bathyscope_objects::objects::{LogBox, LogId, ObjectBox, ObjectList, ObjectNumbers};
 use bathyscope_objects::review::{BoxId, Reviewed};
 use bathyscope_objects::targets::{PassLog, Target};
-use bathyscope_products::pipeline::joint::{crossline_analysis, height_offsets};
+use bathyscope_products::pipeline::joint::{compare_heights, crossline_analysis};
 use bathyscope_products::pipeline::{
     self, Derived, Mosaic, MosaicPlane, ObjectLocator, ProcessedLog, Settings, joint_depth_surface,
     mosaic_layout,
@@ -165,7 +165,8 @@ fn crossings_of_ten_logs_give_their_heights_to_a_centimetre() {
     let progress = Progress::new();
     let steep = Lake::new(BedKind::Steep, 4);
     for (kind, lake) in [("gentle", Lake::gentle()), ("steep", &steep)] {
-        let found = height_offsets(&lake.logs, Datum::Mean, &progress).expect("nobody cancels");
+        let found =
+            compare_heights(&lake.logs, Datum::Mean, &progress).expect("nobody cancels").offsets;
         assert_eq!(found.groups(), 1);
         for (log, (offset, true_m)) in
             found.logs.iter().zip(true_offsets_m(lake.logs.len())).enumerate()
@@ -183,7 +184,8 @@ fn crossings_of_ten_logs_give_their_heights_to_a_centimetre() {
         }
         let adjusted = lake.adjusted(&found);
         // What is in force is part of what is found.
-        let again = height_offsets(&adjusted, Datum::Mean, &progress).expect("nobody cancels");
+        let again =
+            compare_heights(&adjusted, Datum::Mean, &progress).expect("nobody cancels").offsets;
         for (one, other) in found.logs.iter().zip(&again.logs) {
             assert!((one.offset_m - other.offset_m).abs() < 1e-6);
         }
@@ -284,7 +286,8 @@ pub(super) fn rms(values: &[f64]) -> f64 {
 fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
     let lake = Lake::gentle();
     let progress = Progress::new();
-    let offsets = height_offsets(&lake.logs, Datum::Mean, &progress).expect("nobody cancels");
+    let offsets =
+        compare_heights(&lake.logs, Datum::Mean, &progress).expect("nobody cancels").offsets;
     let frame = &lake.logs[0].survey.track.frame;
     let mean_m = HIGHER_M.iter().sum::<f64>() / HIGHER_M.len() as f64;
     let adjusted = Maps::of(&lake.adjusted(&offsets));

@@ -62,8 +62,13 @@ impl egui::DroppedFile for Dropped {
 }
 
 pub(crate) fn drop_file(window: &mut Window, path: PathBuf) {
-    let file = Arc::new(Dropped(path));
-    window.input_mut().dropped_files.push(file);
+    drop_files(window, [path]);
+}
+
+pub(crate) fn drop_files(window: &mut Window, paths: impl IntoIterator<Item = PathBuf>) {
+    for path in paths {
+        window.input_mut().dropped_files.push(Arc::new(Dropped(path)));
+    }
     window.run();
 }
 

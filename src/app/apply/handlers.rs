@@ -56,6 +56,7 @@ const SURVEY: &[(Action, Handler)] = &[
     (Action::RemoveTrack, App::remove_track),
     (Action::CloseBaseMap, App::close_base_map),
     (Action::ApplyHeights, App::apply_heights),
+    (Action::LeaveOutContradicted, App::leave_out_contradicted),
     (Action::ComparePositions, App::match_positions),
     (Action::ApplyPositions, App::apply_positions),
     (Action::Calibrate, App::take_calibration_tool),

@@ -68,8 +68,9 @@ impl Crossing {
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
 pub const REACH_M: f64 = 0.5;
 /// Depths within this distance of a crossing, along their own track, give the slope there, metres,
-/// and how many at least.
+/// or within so many usual pieces of a coarser track; and how many at least.
 const SLOPE_REACH_M: f64 = 3.0;
+const SLOPE_REACH: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
 /// Tracks that cross at a smaller angle run along each other: where they cross is chance, degrees.
 pub const LEAST_ANGLE_DEG: f64 = 20.0;
@@ -79,9 +80,13 @@ const LEAST_WAY_M: f64 = 10.0;
 /// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point
 /// anywhere.
 const PIECE_M: f64 = 0.5;
-/// Longer pieces, and those that took longer, span a gap in the track, metres and seconds.
+/// Longer pieces, and those that took longer, span a gap in the track, metres and seconds; or so
+/// many times the usual piece of a track whose depths lie farther apart.
 const LONGEST_PIECE_M: f64 = 5.0;
 const LONGEST_PIECE_S: f64 = 5.0;
+const LONGEST_PIECE: f64 = 3.0;
+/// No piece is longer, metres: it would lie in too many squares.
+const MOST_PIECE_M: f64 = 100.0;
 /// Places give a velocity where they are so far apart in time at least, and at most, seconds.
 const VELOCITY_S: [f64; 2] = [1.0, 10.0];
 /// Side of the squares that pieces are sorted into, metres.
@@ -143,9 +148,55 @@ pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     }
 }
 
+/// Longest way and time from one depth of a track to the next that is no gap in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gaps {
+    /// Metres.
+    pub(super) longest_m: f64,
+    /// Seconds.
+    longest_s: f64,
+    /// Depths this far away tell the slope, metres.
+    slope_reach_m: f64,
+}
+
+impl Gaps {
+    /// Returns those of a track by its usual piece.
+    pub(super) fn of(depths: &[TrackDepth]) -> Self {
+        let (mut ways_m, mut times_s) = (Vec::new(), Vec::new());
+        let mut from = depths.first();
+        for here in depths {
+            let Some(before) = from.filter(|before| way_m(before, here) >= PIECE_M) else {
+                continue;
+            };
+            ways_m.push(way_m(before, here));
+            times_s.push(here.time_s - before.time_s);
+            from = Some(here);
+        }
+        let usual = |values: &mut [f64]| if values.is_empty() { 0.0 } else { median(values) };
+        let (usual_m, usual_s) = (usual(&mut ways_m), usual(&mut times_s));
+        Self {
+            longest_m: LONGEST_PIECE_M.max((LONGEST_PIECE * usual_m).min(MOST_PIECE_M)),
+            longest_s: LONGEST_PIECE_S.max(LONGEST_PIECE * usual_s),
+            slope_reach_m: SLOPE_REACH_M.max((SLOPE_REACH * usual_m).min(MOST_PIECE_M)),
+        }
+    }
+
+    /// Returns true where the track is not known from one depth to another.
+    pub(super) fn is_gap(&self, from: &TrackDepth, to: &TrackDepth) -> bool {
+        way_m(from, to) > self.longest_m || to.time_s - from.time_s > self.longest_s
+    }
+}
+
+/// Way from one depth to another, metres.
+pub(super) fn way_m(from: &TrackDepth, to: &TrackDepth) -> f64 {
+    (to.east_m - from.east_m).hypot(to.north_m - from.north_m)
+}
+
 /// A straight piece of a track, between two of its depths.
 struct Piece {
     track: usize,
+    /// Depths this far away tell the slope, metres.
+    slope_reach_m: f64,
     /// Indices of the depths at its ends.
     ends: [usize; 2],
     from: [f64; 2],
@@ -156,6 +207,7 @@ struct Piece {
 
 /// The pieces of a track, without those that span a gap.
 fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
+    let gaps = Gaps::of(depths);
     let mut found = Vec::new();
     let mut along_m = 0.0;
     let mut start: Option<usize> = None;
@@ -164,13 +216,14 @@ fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
             start = Some(index);
             continue;
         };
-        let length_m = (here.east_m - before.east_m).hypot(here.north_m - before.north_m);
+        let length_m = way_m(before, here);
         if length_m < PIECE_M {
             continue;
         }
-        if length_m <= LONGEST_PIECE_M && here.time_s - before.time_s <= LONGEST_PIECE_S {
+        if !gaps.is_gap(before, here) {
             found.push(Piece {
                 track,
+                slope_reach_m: gaps.slope_reach_m,
                 ends: [start.unwrap_or(index), index],
                 from: [before.east_m, before.north_m],
                 to: [here.east_m, here.north_m],
@@ -284,7 +337,7 @@ impl TrackCrossing<'_> {
         let [along_a, along_b] = [0, 1].map(|index| {
             let (piece, share) = (self.pieces[index], self.shares[index]);
             let middle = piece.ends[usize::from(share >= 0.5)];
-            let near = self.within(SLOPE_REACH_M, &tracks[piece.track], middle);
+            let near = self.within(piece.slope_reach_m, &tracks[piece.track], middle);
             slope_along(near, self.place, piece.direction())
         });
         let cross = a[0] * b[1] - a[1] * b[0];
@@ -380,6 +433,37 @@ mod tests {
             assert!((one.difference_m() - expected_m).abs() < 0.006, "{one:?}");
             // The bed falls 5 in the hundred to the east and rises 2 to the north.
             assert!((one.slope() - 0.0539).abs() < 0.004, "{one:?}");
+        }
+    }
+
+    #[test]
+    fn tracks_of_slow_recorders_cross_and_tell_the_slope() {
+        // A depth each 5 s and 10 m; and one of a fast recorder.
+        let line = |step_m: f64, along: fn(f64) -> [f64; 2]| -> Vec<TrackDepth> {
+            let ways_m = (0..).map(|index| step_m * f64::from(index) - 61.0);
+            let depth = |way_m: f64| {
+                let place = along(way_m);
+                TrackDepth::new(0.5 * way_m, place, bed_m(place[0], place[1]))
+            };
+            ways_m.take_while(|way_m| *way_m < 60.0).map(depth).collect()
+        };
+        for steps_m in [[10.0, 10.0], [0.1, 10.0], [10.0, 2.0]] {
+            let tracks =
+                [line(steps_m[0], |way_m| [way_m, 1.0]), line(steps_m[1], |way_m| [2.0, way_m])];
+            let found = crossings(&tracks, &Progress::new()).unwrap();
+            assert_eq!(found.len(), 1, "{steps_m:?}");
+            assert!(found[0].difference_m().abs() < 0.03, "{steps_m:?} {:?}", found[0]);
+            assert!(
+                (found[0].slope() - 0.05f64.hypot(0.02)).abs() < 1e-6,
+                "{steps_m:?} {:?}",
+                found[0]
+            );
+            // Over a gap the track is not known.
+            let mut cut = tracks;
+            for track in &mut cut {
+                track.retain(|depth| depth.east_m.abs().max(depth.north_m.abs()) > 25.0);
+            }
+            assert!(crossings(&cut, &Progress::new()).unwrap().is_empty(), "{steps_m:?}");
         }
     }
 

@@ -10,8 +10,8 @@
 //! `slopes` bend it between the lines; `local` fills a part of a larger map. `spot_soundings`
 //! chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` compares points with a reference, `crosslines` compares the passes of a survey with
-//! each other and `crossing_error` says what a depth is worth by that, `height_offsets` finds what
-//! sets the depths of one log off from those of others, `position_offsets` how far its positions
+//! each other and `crossing_error` says what a depth is worth by that, `contradicted` finds the
+//! stretches that other logs show to be false, `height_offsets` finds what sets the depths of one log off from those of others, `position_offsets` how far its positions
 //! are off and how late they are, `transect` looks at them along a line; `coarser` gives it larger
 //! cells, `flat_extrapolation` more ground, `change` says what changed between two of them,
 //! `cell_source` says what was measured in each.
@@ -20,6 +20,7 @@ mod cell_source;
 pub mod change;
 mod coarser;
 pub mod compare;
+mod contradicted;
 mod crossing_error;
 pub mod crosslines;
 mod flat_extrapolation;
@@ -45,6 +46,7 @@ mod transect;
 mod triangle_walk;
 
 pub use cell_source::CellSource;
+pub use contradicted::{ContradictedStretch, Contradiction, contradicted};
 pub use crossing_error::CrossingError;
 pub use from_levels::{FromLevels, LevelsRefused, SwathDepth};
 pub use grid::Grid;

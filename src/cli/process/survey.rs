@@ -4,14 +4,14 @@ use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
 use crate::cli::{Failure, detection_summary, output};
 use bathyscope_bottom::bathymetry::compare::Matching;
-use bathyscope_bottom::bathymetry::height_offsets::{Datum, LogOffset};
+use bathyscope_bottom::bathymetry::height_offsets::Datum;
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{MountingSettings, Survey};
 use bathyscope_objects::Model;
 use bathyscope_products::outputs::{self, Order, Product};
 use bathyscope_products::pipeline::joint::{
-    LogPositions, RequestedCorrection, height_offsets, position_offsets,
+    LogPositions, RequestedCorrection, compare_heights, position_offsets,
 };
 use bathyscope_products::pipeline::{self, Derived, ProcessedLog, Settings};
 use std::ffi::OsStr;
@@ -69,7 +69,7 @@ impl How<'_> {
         }
         if self.adjust && logs.len() > 1 {
             status.step("height offsets");
-            logs = adjusted(&logs, datum, &status, &progress)?;
+            logs = adjusted(&logs, datum, &mut corrections, &status, &progress)?;
         }
         let review = survey_review(opened);
         let max_gap_m = first.settings.surface.max_gap_m;
@@ -214,23 +214,31 @@ fn datum(held: Option<&str>, opened: &[OpenedLog]) -> Result<Datum, Failure> {
     })
 }
 
-/// The logs with the height offsets that their overlaps show.
+/// The logs with the height offsets that their overlaps show, and without the soundings that others
+/// show to be false; these go to `corrections`.
 fn adjusted(
     logs: &[ProcessedLog],
     datum: Datum,
+    corrections: &mut Vec<RequestedCorrection>,
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Cancelled> {
-    let mut found = height_offsets(logs, datum, progress)?;
+    let mut found = compare_heights(logs, datum, progress)?;
     if let Datum::Log(held) = datum {
-        found.raise(held, logs[held].products.correction.height_offset_m());
+        found.offsets.raise(held, logs[held].products.correction.height_offset_m());
     }
-    let with = |(log, offset): (&ProcessedLog, &LogOffset)| {
+    let names = outputs::log_names(logs);
+    let mut with = |(index, log): (usize, &ProcessedLog)| {
         let mut settings = Settings::clone(&log.products.settings);
+        let offset = &found.offsets.logs[index];
         if offset.log_overlaps == 0 || offset.is_determined() {
             settings.height_offset_m = offset.applied_m();
         }
+        for one in found.contradicted.iter().filter(|one| one.log == index) {
+            settings.excluded = settings.excluded.excluding(&log.survey, one.part());
+            corrections.push(RequestedCorrection::of_false_soundings(&names[index], one));
+        }
         processed(&log.survey, &settings, Some(log), status, progress)
     };
-    logs.iter().zip(&found.logs).map(with).collect()
+    logs.iter().enumerate().map(&mut with).collect()
 }

@@ -137,10 +137,7 @@ impl ExclusionSettings {
     /// The survey with the soundings of trusted stretches taken for right, and so the depths of its
     /// pings; `None` where all of them are, or no stretch is trusted.
     pub fn trusted(&self, survey: &Survey) -> Option<Survey> {
-        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-        let spans = self.stretches_of(survey);
-        let spans = spans.iter().filter(|stretch| stretch.trusted);
-        let spans: Vec<[f64; 2]> = spans.filter_map(|one| one.span_s(&ping_times)).collect();
+        let spans = self.trusted_spans_s(survey);
         let inside =
             |time_s: f64| spans.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s));
         let is_false = |one: &Sounding| !one.locked && inside(one.time_s);
@@ -155,6 +152,23 @@ impl ExclusionSettings {
             ping.depth_locked |= inside(ping.time_s) && ping.depth_m > 0.0;
         }
         Some(trusted)
+    }
+
+    /// Returns true where a trusted stretch meets a time span of the log, seconds.
+    pub fn trusts(&self, survey: &Survey, [from_s, to_s]: [f64; 2]) -> bool {
+        let spans = self.trusted_spans_s(survey);
+        spans.iter().any(|[first_s, last_s]| *first_s <= to_s && from_s <= *last_s)
+    }
+
+    /// From and to of each trusted stretch, seconds of the log.
+    fn trusted_spans_s(&self, survey: &Survey) -> Vec<[f64; 2]> {
+        if !self.stretches.iter().any(|stretch| stretch.trusted) {
+            return Vec::new();
+        }
+        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
+        let spans = self.stretches_of(survey);
+        let spans = spans.iter().filter(|stretch| stretch.trusted);
+        spans.filter_map(|one| one.span_s(&ping_times)).collect()
     }
 
     /// Whether nothing can be excluded.

@@ -55,8 +55,8 @@ pub use navigation::{
     navigate_with,
 };
 pub use nearest::nearest_in_time;
-pub use observations::mark_bottom_lock;
 pub(crate) use observations::{NEAREST_SOUNDING_S, drop_false_fixes, give_depths};
+pub use observations::{differ_as_no_bed, is_step_of_no_bed, mark_bottom_lock};
 pub use pairs::SidePair;
 pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};

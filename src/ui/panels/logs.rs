@@ -168,6 +168,13 @@ fn hold(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Height differences between the logs, where their tracks meet.
 fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
+    let contradicted = app.contradicted_soundings();
+    for text in &contradicted {
+        warning(ui, context, &app.view.options.units.sentence(text));
+    }
+    if !contradicted.is_empty() {
+        press(ui, context, Action::LeaveOutContradicted, true);
+    }
     if let Some(text) = app.unlevelled() {
         warning(ui, context, &app.view.options.units.sentence(&text));
     }

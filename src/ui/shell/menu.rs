@@ -106,6 +106,7 @@ const PROCESSING: &[Action] = &[
     Action::UseScale,
     Action::KeepRecordedRange,
     Action::DropProposal,
+    Action::LeaveOutContradicted,
     Action::ApplyHeights,
     Action::ComparePositions,
     Action::ApplyPositions,

@@ -413,8 +413,10 @@ fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<Pair
                 _ => spread_about(&mut differences, difference_m),
             };
             let n = found.len();
+            let sigmas_m = found.iter().map(|one| difference_sigma_m(one.slope));
+            let sigma_m = median(&mut sigmas_m.collect::<Vec<f64>>());
             // Few differences may agree by chance.
-            let sigma_m = spread_m.max(DEPTH_SIGMA_M / (n as f64).sqrt());
+            let sigma_m = spread_m.max(sigma_m / (n as f64).sqrt());
             PairDifference {
                 logs: [a, b],
                 kind: found[0].kind,

@@ -10,5 +10,5 @@ mod fixes;
 mod soundings;
 
 pub(crate) use fixes::drop_false_fixes;
-pub use soundings::mark_bottom_lock;
 pub(crate) use soundings::{NEAREST_SOUNDING_S, give_depths, mark_bottom_lock_from};
+pub use soundings::{differ_as_no_bed, is_step_of_no_bed, mark_bottom_lock};

@@ -210,21 +210,31 @@ struct Jump {
     is_deeper: bool,
 }
 
+/// Returns true where two depths differ by more than those of one place do, metres.
+pub fn differ_as_no_bed([one_m, other_m]: [f32; 2]) -> bool {
+    (one_m - other_m).abs() > JUMP_M.max(JUMP_SHARE * one_m.min(other_m))
+}
+
+/// Returns true where two depths differ by more than a bed does over some way, metres.
+pub fn is_step_of_no_bed(depths_m: [f32; 2], way_m: f64) -> bool {
+    let [one_m, other_m] = depths_m;
+    differ_as_no_bed(depths_m) && f64::from((one_m - other_m).abs()) > STEEPEST * way_m
+}
+
 fn differ(a: &Sounding, b: &Sounding) -> bool {
-    (a.depth_m - b.depth_m).abs() > JUMP_M.max(JUMP_SHARE * a.depth_m.min(b.depth_m))
+    differ_as_no_bed([a.depth_m, b.depth_m])
 }
 
 /// The jump to a sounding from an earlier one, if there is one.
 fn jump(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize) -> Option<Jump> {
     let (before, here) = (&soundings[earlier], &soundings[index]);
     let is_jump = here.time_s - before.time_s < NEIGHBOURS_S
-        && differ(before, here)
-        && is_steep(before, here, travelled_m(fixes, before.time_s, here.time_s));
+        && is_step(before, here, travelled_m(fixes, before.time_s, here.time_s));
     is_jump.then_some(Jump { index, is_deeper: here.depth_m > before.depth_m })
 }
 
-fn is_steep(a: &Sounding, b: &Sounding, travelled_m: f64) -> bool {
-    f64::from((a.depth_m - b.depth_m).abs()) > STEEPEST * travelled_m
+fn is_step(a: &Sounding, b: &Sounding, travelled_m: f64) -> bool {
+    is_step_of_no_bed([a.depth_m, b.depth_m], travelled_m)
 }
 
 /// Whether a sounding departs from the median of those around it, which were taken soon before or
@@ -245,7 +255,7 @@ fn is_glitch(soundings: &[Sounding], fixes: &[Fix], index: usize) -> bool {
             let to = &soundings[(index + REACH / 2).min(soundings.len() - 1)];
             let behind_m = travelled_m(fixes, from.time_s, here.time_s);
             let ahead_m = travelled_m(fixes, here.time_s, to.time_s);
-            is_steep(&median, here, behind_m.max(ahead_m))
+            is_step(&median, here, behind_m.max(ahead_m))
         }
     })
 }

@@ -1,7 +1,7 @@
 //! Corrections of a log's positions and heights that were asked for: what was found, and why it is
 //! not in force where it is not.
 
-use super::LogPositions;
+use super::{ContradictedSoundings, LogPositions};
 use bathyscope_bottom::bathymetry::position_offsets::{Shift, Wanted};
 use bathyscope_bottom::calibration::SoundingLag;
 use serde::Serialize;
@@ -21,7 +21,7 @@ pub struct RequestedCorrection {
 }
 
 /// What crossings show of a correction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "setting")]
 pub enum FoundCorrection {
     /// A shift of all positions.
@@ -50,6 +50,9 @@ pub enum FoundCorrection {
         /// Its standard error, seconds.
         standard_error_s: f64,
     },
+    /// Soundings that other logs show to be false, left out.
+    #[serde(rename = "excluded.stretches")]
+    FalseSoundings(ContradictedSoundings),
     /// Nothing of the correction that a setting holds.
     #[serde(untagged)]
     Nothing {
@@ -89,6 +92,12 @@ impl RequestedCorrection {
             },
             refused: None,
         }
+    }
+
+    /// Soundings that were left out, since other logs contradict them.
+    pub fn of_false_soundings(log: &str, found: &ContradictedSoundings) -> Self {
+        let found = FoundCorrection::FalseSoundings(found.clone());
+        Self { log: log.to_owned(), found, refused: None }
     }
 
     /// What a single log cannot show.
@@ -141,7 +150,7 @@ fn of_latency(log: &str, positions: &LogPositions) -> RequestedCorrection {
 impl Display for RequestedCorrection {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.log)?;
-        match self.found {
+        match &self.found {
             FoundCorrection::Shift { east_m, north_m, standard_error_m } => write!(
                 f,
                 "position_shift of {east_m:+.2} m east, {north_m:+.2} m north, standard error {standard_error_m:.2} m"
@@ -154,6 +163,9 @@ impl Display for RequestedCorrection {
                 f,
                 "mounting.sounding_lag_s of {sounding_lag_s:+.2} s, standard error {standard_error_s:.2} s"
             ),
+            FoundCorrection::FalseSoundings(found) => {
+                write!(f, "excluded.stretches of {}, false by other logs", found.which())
+            }
             FoundCorrection::Nothing { setting } => write!(f, "{setting}"),
         }?;
         match self.refused {

@@ -3,7 +3,6 @@
 use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::CrossingError;
 use bathyscope_bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
-use bathyscope_bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
 use bathyscope_bottom::bathymetry::position_offsets::{
     CorrectedLog, FoundShift, Shift, Wanted, settled_offsets, shifted,
 };
@@ -48,29 +47,6 @@ pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
 
 fn is_finite(depth: &TrackDepth) -> bool {
     [depth.east_m, depth.north_m, depth.depth_m].iter().all(|value| value.is_finite())
-}
-
-/// The height offset of every log (`height_offset_m`) by the overlaps of their tracks, whatever
-/// offset is in force: what a log has already is part of what is found, so that applying it and
-/// asking again gives the same.
-///
-/// # Errors
-/// When the work was cancelled.
-pub fn height_offsets(
-    logs: &[ProcessedLog],
-    datum: Datum,
-    progress: &Progress,
-) -> Result<HeightOffsets, Cancelled> {
-    let without_offset = |log: &ProcessedLog| {
-        let in_force_m = log.products.correction.height_offset_m();
-        let mut depths = track_depths(log);
-        for depth in &mut depths {
-            depth.depth_m += in_force_m;
-        }
-        depths
-    };
-    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(without_offset).collect();
-    offsets::height_offsets(&tracks, datum, progress)
 }
 
 /// The error of a depth by the crossings of all tracks; `None` without any.

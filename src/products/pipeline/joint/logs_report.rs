@@ -1,6 +1,6 @@
 //! How a report lists the logs of a survey of several.
 
-use super::CrosslineAnalysis;
+use super::{ContradictedSoundings, CrosslineAnalysis};
 use crate::pipeline::Input;
 use crate::pipeline::log_report::{CalibrationReport, RunCounts};
 use bathyscope_bottom::bathymetry::compare::Comparison;
@@ -18,6 +18,8 @@ pub struct LogsReport {
     pub datum: &'static str,
     /// Every log.
     pub logs: Vec<LogReport>,
+    /// Soundings that count although other logs show them to be false.
+    pub contradicted: Vec<ContradictedSoundings>,
     /// How every two logs differ that cross or overlap, before any offset is applied; `residual_m`
     /// is what the offsets found leave of it.
     pub pairs: Vec<PairDifference>,

@@ -4,22 +4,23 @@
 //!
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the
 //! frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their
-//! results together. `crossline` compares logs with each other where their tracks meet, and finds
-//! their height offsets, `corrections` says what became of those that were asked for, `comparison`
+//! results together. `crossline` compares logs with each other where their tracks meet, `contradicted`
+//! finds their height offsets and the soundings that others show to be false, `corrections` says what became of those that were asked for, `comparison`
 //! compares them with each other by their points, `report` sums them up and lists them
 //! (`logs_report`).
 
 mod comparison;
+mod contradicted;
 mod corrections;
 mod crossline;
 mod logs_report;
 mod report;
 
 pub(crate) use comparison::compare_logs;
+pub use contradicted::{ContradictedSoundings, HeightComparison, compare_heights};
 pub use corrections::RequestedCorrection;
 pub use crossline::{
-    CrosslineAnalysis, LogPositions, crossline_analysis, height_offsets, latencies,
-    position_offsets,
+    CrosslineAnalysis, LogPositions, crossline_analysis, latencies, position_offsets,
 };
 pub(crate) use crossline::{crossing_error, track_depths};
 pub use logs_report::{LogReport, LogsReport};

@@ -1,7 +1,7 @@
 //! What `report.json` says of a survey of several logs.
 
 use super::logs_report::{LogReport, LogsReport};
-use super::{compare_logs, crossline_analysis, height_offsets};
+use super::{HeightComparison, compare_heights, compare_logs, crossline_analysis};
 use crate::pipeline::{CommonUncertainty, ProcessedLog, Report, Settings, setting_values};
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, PairDifference};
 use bathyscope_bottom::cloud::{Residuals, same_ping_differences};
@@ -29,7 +29,8 @@ pub(crate) fn joint_report(
     let Some(mut all) = singles.first().cloned() else {
         return Ok(None);
     };
-    let found = height_offsets(logs, Datum::Mean, progress)?;
+    let HeightComparison { contradicted, offsets: found } =
+        compare_heights(logs, Datum::Mean, progress)?;
     all.inputs = Vec::new();
     all.excluded = Vec::new();
     all.residuals = Residuals::of(&mut same_ping(logs));
@@ -78,11 +79,14 @@ pub(crate) fn joint_report(
     all.statement = statement(&listed);
     all.warnings.extend(not_one_survey(logs, names));
     all.warnings.extend(not_connected(&listed));
+    let left_in = contradicted.iter().map(|one| one.summary(names));
+    all.warnings.extend(left_in.map(|said| format!("{said}; --adjust leaves them out")));
     all.warnings.extend(unlevelled);
     all.warnings.extend(contradictions(&found.pairs, names));
     all.logs = Some(LogsReport {
         datum: DATUM,
         logs: listed,
+        contradicted,
         pairs: found.pairs,
         crosslines: crossline_analysis(logs, progress)?,
     });

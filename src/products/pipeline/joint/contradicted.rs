@@ -1,0 +1,137 @@
+//! Soundings of a log that other logs show to be false.
+
+use super::track_depths;
+use crate::pipeline::ProcessedLog;
+use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
+use bathyscope_bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
+use bathyscope_bottom::bathymetry::{Contradiction, contradicted};
+use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::ends;
+use bathyscope_log::survey::LogPart;
+use serde::Serialize;
+
+/// A stretch of soundings that other logs contradict.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContradictedSoundings {
+    /// Index of the log.
+    pub log: usize,
+    /// Number of soundings.
+    pub count: usize,
+    /// First and last time, seconds of the log.
+    pub time_s: [f64; 2],
+    /// Least and greatest depth, metres.
+    pub depth_m: [f64; 2],
+    /// What contradicts them, the nearest place of each other log.
+    pub against: Vec<Contradiction>,
+}
+
+impl ContradictedSoundings {
+    /// The part of the log.
+    pub fn part(&self) -> LogPart {
+        LogPart::Time(self.time_s)
+    }
+
+    /// Their number and times.
+    pub(super) fn which(&self) -> String {
+        let count = text::plural(self.count, "sounding", "soundings");
+        match self.time_s.map(|time_s| format!("{time_s:.0} s")) {
+            [from, to] if from == to => format!("{count} at {from}"),
+            [from, to] => format!("{count} between {from} and {to}"),
+        }
+    }
+
+    /// Says which they are and why they are false; `names` are what the logs are called.
+    pub fn summary(&self, names: &[String]) -> String {
+        let name = |log: usize| names.get(log).map_or("", String::as_str);
+        let [least_m, most_m] = self.depth_m;
+        let against = self.against.iter().map(|one| {
+            let [own_m, other_m] = one.depths_m;
+            format!(
+                "{} has {other_m:.2} m, {:.1} m away from a sounding of {own_m:.2} m",
+                name(one.track),
+                one.apart_m
+            )
+        });
+        format!(
+            "{}: {} ({least_m:.2} to {most_m:.2} m), false by other logs: {}",
+            name(self.log),
+            self.which(),
+            against.collect::<Vec<_>>().join("; ")
+        )
+    }
+}
+
+/// How the heights of several logs compare.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightComparison {
+    /// Soundings that other logs show to be false: the offsets are found without them.
+    pub contradicted: Vec<ContradictedSoundings>,
+    /// The height offset of every log (`height_offset_m`), whatever offset is in force: what a log
+    /// has already is part of what is found, so that applying it and asking again gives the same.
+    pub offsets: HeightOffsets,
+}
+
+/// Compares the heights of logs where their tracks meet.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn compare_heights(
+    logs: &[ProcessedLog],
+    datum: Datum,
+    progress: &Progress,
+) -> Result<HeightComparison, Cancelled> {
+    let without_offset = |log: &ProcessedLog| {
+        let in_force_m = log.products.correction.height_offset_m();
+        let mut depths = track_depths(log);
+        for depth in &mut depths {
+            depth.depth_m += in_force_m;
+        }
+        depths
+    };
+    let mut tracks: Vec<Vec<TrackDepth>> = logs.iter().map(without_offset).collect();
+    let mut offsets = offsets::height_offsets(&tracks, datum, progress)?;
+    let contradicted = contradicted_soundings(logs, &tracks, &offsets, progress)?;
+    if !contradicted.is_empty() {
+        for one in &contradicted {
+            let [from_s, to_s] = one.time_s;
+            tracks[one.log].retain(|depth| !(from_s..=to_s).contains(&depth.time_s));
+        }
+        offsets = offsets::height_offsets(&tracks, datum, progress)?;
+    }
+    Ok(HeightComparison { contradicted, offsets })
+}
+
+/// The soundings that other logs contradict once all logs are levelled. First returns judge those
+/// of a log with side-scan, and the analyst those of a stretch that is trusted.
+fn contradicted_soundings(
+    logs: &[ProcessedLog],
+    tracks: &[Vec<TrackDepth>],
+    offsets: &HeightOffsets,
+    progress: &Progress,
+) -> Result<Vec<ContradictedSoundings>, Cancelled> {
+    let may_be_false = |log: usize, depths: &[TrackDepth]| {
+        let ProcessedLog { survey, products } = &logs[log];
+        let span_s = ends(depths.iter().map(|depth| depth.time_s));
+        !survey.has_side_scan() && !products.settings.excluded.trusts(survey, span_s)
+    };
+    let levelled = |(track, offset): (&Vec<TrackDepth>, &offsets::LogOffset)| {
+        let offset_m = if offset.is_determined() { offset.offset_m } else { 0.0 };
+        let mut depths = track.clone();
+        depths.iter_mut().for_each(|depth| depth.depth_m -= offset_m);
+        depths
+    };
+    let levelled: Vec<Vec<TrackDepth>> = tracks.iter().zip(&offsets.logs).map(levelled).collect();
+    let found = contradicted(&levelled, &may_be_false, progress)?;
+    let of_log = found.into_iter().map(|one| {
+        let depths = &tracks[one.track][one.depths];
+        ContradictedSoundings {
+            log: one.track,
+            count: depths.len(),
+            time_s: ends(depths.iter().map(|depth| depth.time_s)),
+            depth_m: ends(depths.iter().map(|depth| depth.depth_m)),
+            against: one.against,
+        }
+    });
+    Ok(of_log.collect())
+}
