@@ -49,16 +49,19 @@ impl App {
     }
 
     /// Offers the best-ranked stretch of a log that has grown where its scale is another than the
-    /// one in force.
+    /// one in force, and takes back what was offered of a shorter log.
     pub(super) fn offer_flatter(&mut self, id: LogId) {
         let Some(log) = self.log_mut(id) else {
             return;
         };
-        let Some((pings, text)) = log.products.as_ref().and_then(flatter) else {
+        let found = log.products.as_ref().and_then(flatter);
+        let offered = found.as_ref().map(|(pings, _)| *pings);
+        if log.calibrating.offered == offered {
             return;
-        };
-        if log.calibrating.offered.replace(pings) != Some(pings) {
-            self.withdraw(Action::UseFlatterStretch);
+        }
+        log.calibrating.offered = offered;
+        self.withdraw(Action::UseFlatterStretch);
+        if let Some((_, text)) = found {
             self.offer(text, Action::UseFlatterStretch);
         }
     }
