@@ -123,7 +123,9 @@ fn angles_rad(
     reduction: Reduction<'_>,
     overlap_rad: f64,
 ) -> Vec<[f64; 2]> {
-    let bottom_m = |(range_m, traits): (&f64, &PickTrait)| match traits.is_clutter {
+    let bottom_m = |(range_m, traits): (&f64, &PickTrait)| match traits.is_clutter
+        || traits.confidence == 0.0
+    {
         true => f64::NAN,
         false => *range_m,
     };
@@ -139,10 +141,7 @@ fn angles_rad(
             altitude_m: reduction.altitude_m(f64::from(ping.locked_depth_m())),
         })
         .collect();
-    (0..pairs.len())
-        .into_par_iter()
-        .map(|ping| beam_angles_rad(&pairs, ping, overlap_rad))
-        .collect()
+    beam_angles_rad(&pairs, overlap_rad)
 }
 
 fn sounding_points(

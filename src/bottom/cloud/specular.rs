@@ -12,10 +12,12 @@
 //! bands, windows, smoothers and the recorded depth as reference, this measured best on simulated
 //! gentle, steep and rough beds alike.
 //!
-//! Where only one side has first returns, the recorded depth stands for `d`.
+//! Where only one side has first returns, the recorded depth stands for `d`, and where that is not
+//! known either, the slopes before and behind.
 
 use super::geometry::BottomPoint;
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};
+use rayon::prelude::*;
 
 /// Pings on each side of a ping that its slope is measured over.
 const REACH: usize = 10;
@@ -26,6 +28,8 @@ const MAX_AWAY_S: f64 = 2.0;
 /// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its
 /// bottom point far out.
 const MAX_SLOPE_DEG: f64 = 35.0;
+/// A slope is bridged over so long at most, seconds.
+const BRIDGED_S: f64 = 15.0;
 /// Share by which a range and a recorded depth differ on level ground, by their calibration.
 const CALIBRATED: f64 = 0.01;
 
@@ -79,11 +83,48 @@ impl<'a> Around<'a> {
     }
 }
 
-/// Angles of the first returns to port and to starboard at a ping from straight below, outwards,
-/// radians, from the pings around it: the slope on the side to which the bottom rises, and less
-/// than 0 on the other side, whose beam looks past the nadir by `overlap_rad`. Both are 0 on level
-/// ground and where there are too few pings.
-pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
+/// Angles of the first returns to port and to starboard from straight below, outwards, radians, at
+/// every ping: the slope on the side to which the bottom rises, and less than 0 on the other side,
+/// whose beam looks past the nadir by `overlap_rad`. Both are 0 on level ground. Where neither the
+/// other side nor a depth tells the slope of a side for a while, as over a bank whose depth the
+/// recorder has lost, it goes over evenly from the slope before to that behind; elsewhere it is 0.
+pub(super) fn beam_angles_rad(pairs: &[Pair], overlap_rad: f64) -> Vec<[f64; 2]> {
+    let known = (0..pairs.len()).into_par_iter().map(|ping| known_rad(pairs, ping, overlap_rad));
+    let mut angles_rad: Vec<[f64; 2]> = known.collect();
+    for side in [0, 1] {
+        bridge(pairs, &mut angles_rad, side);
+    }
+    angles_rad
+}
+
+/// Gives the pings between two whose angle is known, and that are near in time, what lies between.
+fn bridge(pairs: &[Pair], angles_rad: &mut [[f64; 2]], side: usize) {
+    let mut known: Option<usize> = None;
+    for ping in 0..angles_rad.len() {
+        if angles_rad[ping][side].is_nan() {
+            continue;
+        }
+        if let Some(before) = known.filter(|before| before + 1 < ping) {
+            let span_s = pairs[ping].time_s - pairs[before].time_s;
+            let [from_rad, to_rad] = [before, ping].map(|at| angles_rad[at][side]);
+            for between in before + 1..ping {
+                let share = (pairs[between].time_s - pairs[before].time_s) / span_s;
+                if span_s <= BRIDGED_S {
+                    angles_rad[between][side] = from_rad + share * (to_rad - from_rad);
+                }
+            }
+        }
+        known = Some(ping);
+    }
+    for angles_rad in angles_rad {
+        if angles_rad[side].is_nan() {
+            angles_rad[side] = 0.0;
+        }
+    }
+}
+
+/// The angles at a ping from the pings around it; NaN where too few of them tell.
+fn known_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
     let mut around = Around::new(pairs, ping);
     let steepest = MAX_SLOPE_DEG.to_radians();
     if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
@@ -107,9 +148,10 @@ pub(super) fn beam_angles_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> 
     let ranges_m = [|pair: &Pair| pair.port_m, |pair: &Pair| pair.starboard_m];
     ranges_m.map(|range_m| {
         let nearer = around.middle(|pair| 1.0 - range_m(pair) / pair.altitude_m);
-        let nearer = nearer.filter(|(nearer, _)| *nearer > 0.0);
-        let certain = nearer.map_or(0.0, |(_, certain)| (certain - CALIBRATED).max(0.0));
-        (1.0 - certain).max(steepest.cos()).acos()
+        nearer.map_or(f64::NAN, |(nearer, certain)| match nearer > 0.0 {
+            true => (1.0 - (certain - CALIBRATED).max(0.0)).max(steepest.cos()).acos(),
+            false => 0.0,
+        })
     })
 }
 
@@ -162,7 +204,7 @@ mod tests {
         {
             let pairs = plane(slope_deg, overlap_deg);
             let overlap_rad = f64::to_radians(overlap_deg);
-            let [port_rad, starboard_rad] = beam_angles_rad(&pairs, 30, overlap_rad);
+            let [port_rad, starboard_rad] = beam_angles_rad(&pairs, overlap_rad)[30];
             assert!((port_rad.to_degrees() - slope_deg).abs() < 0.8, "{slope_deg}: {port_rad}");
             assert_eq!(starboard_rad, -overlap_rad);
             // Both points lie on the plane; starboard's own side is the other one.
@@ -174,8 +216,8 @@ mod tests {
                 assert!(off_m.abs() < 0.01, "{slope_deg}, {overlap_deg}: {point:?} {off_m}");
             }
         }
-        assert_eq!(beam_angles_rad(&plane(0.0, 3.0), 30, 0.05), [0.0; 2]);
-        assert_eq!(beam_angles_rad(&plane(12.0, 0.0)[..5], 2, 0.0), [0.0; 2]);
+        assert_eq!(beam_angles_rad(&plane(0.0, 3.0), 0.05)[30], [0.0; 2]);
+        assert_eq!(beam_angles_rad(&plane(12.0, 0.0)[..5], 0.0)[2], [0.0; 2]);
     }
 
     #[test]
@@ -184,12 +226,23 @@ mod tests {
         for pair in &mut pairs {
             pair.starboard_m = f64::NAN;
         }
-        let [port_rad, starboard_rad] = beam_angles_rad(&pairs, 30, 0.05);
+        let [port_rad, starboard_rad] = beam_angles_rad(&pairs, 0.05)[30];
         assert!((port_rad.to_degrees() - 32.0).abs() < 1.5, "{port_rad}");
         assert_eq!(starboard_rad, 0.0);
+        // The depth is lost for a while, and for longer than a slope is bridged.
+        let mut lost = pairs.clone();
+        for pair in &mut lost[15..45] {
+            pair.altitude_m = f64::NAN;
+        }
+        let bridged_rad = beam_angles_rad(&lost, 0.05)[30][0];
+        assert!((bridged_rad - port_rad).abs() < 0.03, "{bridged_rad}");
+        for (ping, pair) in lost.iter_mut().enumerate() {
+            pair.time_s = ping as f64;
+        }
+        assert_eq!(beam_angles_rad(&lost, 0.05)[30], [0.0; 2]);
         for pair in &mut pairs {
             pair.altitude_m = f64::NAN;
         }
-        assert_eq!(beam_angles_rad(&pairs, 30, 0.05), [0.0; 2]);
+        assert_eq!(beam_angles_rad(&pairs, 0.05)[30], [0.0; 2]);
     }
 }

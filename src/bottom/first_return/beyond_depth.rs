@@ -1,10 +1,13 @@
 //! First returns beyond the recorded depth: the bottom below the boat returns at that range, so
 //! that nothing farther can be the first one, unless the depth is wrong.
 
-use super::Pick;
 use super::false_soundings::pick_range_m;
+use super::{FirstReturns, Pick};
+use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Side, Survey};
+use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A first return has to lie beyond the depth by so much to be doubted, metres: depths may be
 /// rounded to 0.1 m.
@@ -16,6 +19,12 @@ const BEARS_OUT: Range<f64> = 0.75..1.0;
 /// On a bank of 35 degrees the lower side is as many times as far as the upper one. Sides that are
 /// farther apart do not bear each other out against the depth.
 const MOST_APART: f64 = 1.25;
+/// Sides of a level bottom differ by less than this share. So many pings show how far its first
+/// returns lie from the depth, and how far they scatter about that: not more than so many standard
+/// deviations.
+const LEVEL: f64 = 0.03;
+const FEWEST_LEVEL: usize = 200;
+const OWN_SIGMAS: f64 = 4.0;
 
 /// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
 /// scales of ranges and depths, their rounding and their noise make no more of a difference.
@@ -30,6 +39,49 @@ pub(super) fn farthest_m(depth_m: f64) -> f64 {
 /// the beams end beside the nadir, and where they are certain and the other side does not bear the
 /// depth out. `sides` are port and starboard from the ping `first` on.
 pub(super) fn doubt(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
+    let [port, starboard] = sides;
+    doubt_beyond(survey, first, [port, starboard], &|depth_m| farthest_m(depth_m));
+}
+
+/// Doubts first returns as [`doubt`] does by the scale of this log: where both sides see a level
+/// bottom, they show how ranges and depths differ.
+pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
+    let Some(farthest) = farthest_share(survey, returns) else {
+        return;
+    };
+    let FirstReturns { port, starboard, .. } = returns;
+    let sides = [Arc::make_mut(port).as_mut_slice(), Arc::make_mut(starboard).as_mut_slice()];
+    doubt_beyond(survey, 0, sides, &|depth_m| farthest_m(depth_m).min(farthest * depth_m));
+}
+
+/// Largest share of the depth at which the first returns of a level bottom lie in this log; `None`
+/// where too few of them show it.
+fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
+    let share = |ping: usize| {
+        let picks = Side::BOTH.map(|side| &returns.side(side)[ping]);
+        let [port_m, starboard_m] =
+            Side::BOTH.map(|side| pick_range_m(survey, ping, side, picks[side as usize]));
+        let is_certain = picks.iter().all(|pick| pick.confidence >= CERTAIN);
+        let is_level = (port_m - starboard_m).abs() < LEVEL * port_m.max(starboard_m);
+        let share = port_m.max(starboard_m) / f64::from(survey.locked_depth_m(ping));
+        (is_certain && is_level && share.is_finite()).then_some(share)
+    };
+    let mut shares: Vec<f64> =
+        (0..survey.side_scan.len()).into_par_iter().filter_map(share).collect();
+    if shares.len() < FEWEST_LEVEL {
+        return None;
+    }
+    let middle = median(&mut shares);
+    Some(middle + OWN_SIGMAS * spread_about(&mut shares, middle))
+}
+
+/// Doubts first returns beyond what a function of the depth says.
+fn doubt_beyond(
+    survey: &Survey,
+    first: usize,
+    sides: [&mut [Pick]; 2],
+    farthest_m: &dyn Fn(f64) -> f64,
+) {
     for index in 0..sides[0].len() {
         let depth_m = f64::from(survey.locked_depth_m(first + index));
         let ranges_m = Side::BOTH

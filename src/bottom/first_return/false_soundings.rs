@@ -309,6 +309,7 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
     let is_double = |index: usize| SECOND_ECHO.contains(&(depth_m(index) / ranges_m[index]));
     let mut found = Vec::new();
     for stretch in stretches((0..soundings.len()).filter(|&index| is_double(index))) {
+        let stretch = stretch.start..unseen_end(soundings, &ranges_m, stretch.end);
         let leaps_at = |inside: Range<usize>, outside: Range<usize>| {
             let middle = |of: &dyn Fn(usize) -> f64, at: Range<usize>| {
                 let mut values: Vec<f64> = at.map(of).filter(|value| value.is_finite()).collect();
@@ -317,7 +318,9 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
             let ratio = middle(&depth_m, inside.clone()) / middle(&depth_m, outside.clone());
             let ranges = |at| middle(&|index: usize| ranges_m[index], at);
             let (here_m, there_m) = (ranges(inside), ranges(outside));
-            LEAP.contains(&ratio) && (here_m - there_m).abs() <= STAYS * here_m.max(there_m)
+            let stays = (here_m - there_m).abs() <= STAYS * here_m.max(there_m);
+            let is_unseen = here_m.is_nan() && there_m.is_nan() && EXACT_LEAP.contains(&ratio);
+            LEAP.contains(&ratio) && (stays || is_unseen)
         };
         let (start, end, last) = (stretch.start, stretch.end, soundings.len());
         let at_start = BESIDE.into_iter().any(|beside| {
@@ -339,6 +342,15 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
         }
     }
     found
+}
+
+/// The sounding at which the depth leaps back to half, where no first return is seen from `end` up
+/// to there, as over a shallow bottom; `end` where it does not.
+fn unseen_end(soundings: &[Sounding], ranges_m: &[f64], end: usize) -> usize {
+    let unseen = ranges_m[end..].iter().take_while(|range_m| range_m.is_nan()).count();
+    let depth_m = |index: usize| f64::from(soundings[index].depth_m);
+    let mut unseen = end.max(1)..end + unseen;
+    unseen.find(|&index| EXACT_LEAP.contains(&(depth_m(index - 1) / depth_m(index)))).unwrap_or(end)
 }
 
 /// Stretches of indices that follow each other with short pauses.
@@ -443,6 +455,22 @@ mod tests {
             (0..400).map(|index| bed(index) * if doubled.contains(&index) { 2.0 } else { 1.0 });
         let basin = Witnesses { sides_m: [vec![2.5; 400], starboard_m.collect()] };
         assert!(find(&depths_m(&bed), &basin).is_empty());
+    }
+
+    #[test]
+    fn a_second_echo_that_ends_where_no_side_sees_the_bottom_is_found() {
+        // A bank up to half a metre, over which the sides lose the bottom.
+        let bank_m = |index: usize| (4.0 - 0.1 * index.saturating_sub(90) as f64).max(0.5);
+        let ranges_m = seen((0..400).map(|i| if i < 110 { bank_m(i) } else { f64::NAN }));
+        let depth_m = |doubled: Range<usize>| {
+            let times = move |index: usize| if doubled.contains(&index) { 2.0 } else { 1.0 };
+            soundings((0..400).map(|index| bank_m(index) * times(index)))
+        };
+        let found = find(&depth_m(95..160), &ranges_m);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].soundings, 95..160);
+        // Without a leap back, nothing tells how long it goes on.
+        assert!(find(&depth_m(95..400), &ranges_m).iter().all(|one| one.soundings.end <= 120));
     }
 
     #[test]

@@ -245,7 +245,9 @@ pub fn detect_with(
         }
         Method::Tracker => {
             let pings = 0..survey.side_scan.len();
-            track_range(survey, normalisation, settings, pings, progress)?
+            let mut returns = track_range(survey, normalisation, settings, pings, progress)?;
+            beyond_depth::doubt_by_own_scale(survey, &mut returns);
+            returns
         }
     };
     false_soundings::judge(survey, &mut returns);
