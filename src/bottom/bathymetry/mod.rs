@@ -11,10 +11,11 @@
 //! chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` compares points with a reference, `crosslines` compares the passes of a survey with
 //! each other and `crossing_error` says what a depth is worth by that, `contradicted` finds the
-//! stretches that other logs show to be false, `height_offsets` finds what sets the depths of one log off from those of others, `position_offsets` how far its positions
-//! are off and how late they are, `transect` looks at them along a line; `coarser` gives it larger
-//! cells, `flat_extrapolation` more ground, `change` says what changed between two of them,
-//! `cell_source` says what was measured in each.
+//! stretches that other logs show to be false, `height_offsets` finds what sets the depths of one
+//! log off from those of others, `position_offsets` how far its positions are off and how late they
+//! are, `transect` looks at them along a line; `coarser` gives it larger cells,
+//! `flat_extrapolation` more ground, `change` says what changed between two of them, `cell_source`
+//! says what was measured in each.
 
 mod cell_source;
 pub mod change;

@@ -4,10 +4,10 @@
 //!
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the
 //! frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their
-//! results together. `crossline` compares logs with each other where their tracks meet, `contradicted`
-//! finds their height offsets and the soundings that others show to be false, `corrections` says what became of those that were asked for, `comparison`
-//! compares them with each other by their points, `report` sums them up and lists them
-//! (`logs_report`).
+//! results together. `crossline` compares logs with each other where their tracks meet,
+//! `contradicted` finds their height offsets and the soundings that others show to be false,
+//! `corrections` says what became of those that were asked for, `comparison` compares them with
+//! each other by their points, `report` sums them up and lists them (`logs_report`).
 
 mod comparison;
 mod contradicted;
