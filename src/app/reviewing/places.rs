@@ -4,7 +4,7 @@
 use super::Reviewing;
 use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
 use bathyscope_objects::review::{BoxId, Reviewed};
-use bathyscope_objects::targets::Target;
+use bathyscope_objects::targets::{Target, TopShape};
 use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_products::pipeline::{ObjectLocator, Products};
 use rayon::prelude::*;
@@ -37,8 +37,8 @@ impl PlaceInputs {
     }
 }
 
-/// What of a box says where it lies.
-type BoxExtent = (Mark, ObjectExtent, Option<MeasuredShadow>);
+/// What of a box says where it lies and how high it is.
+type BoxExtent = (Mark, ObjectExtent, Option<MeasuredShadow>, TopShape);
 
 /// A box as it was placed; `None` where it has no place.
 pub(in crate::app) type LocatedBox = (BoxExtent, Option<Arc<LocatedObject>>);
@@ -123,16 +123,21 @@ impl OpenLog {
         let ground = PlaceInputs(products.clone());
         let places = &mut reviewing.places;
         let is_same = places.ground.as_ref().is_some_and(|known| known.is_same(&ground));
+        let review = &reviewing.review;
+        let top = |one: &Reviewed| TopShape::of_class(review.class_name(one.class));
         let is_known = |one: &Reviewed| {
             let known = places.known.get(&one.id);
-            let is_as_placed = |(mark, extent, shadow): &BoxExtent| {
-                *mark == one.mark && *extent == one.extent && *shadow == one.shadow
+            let is_as_placed = |(mark, extent, shadow, placed_top): &BoxExtent| {
+                *mark == one.mark
+                    && *extent == one.extent
+                    && *shadow == one.shadow
+                    && *placed_top == top(one)
             };
             is_same && known.is_some_and(|(known, _)| is_as_placed(known))
         };
-        let missing: Vec<(BoxId, BoxExtent)> = (reviewing.review.boxes())
+        let missing: Vec<(BoxId, BoxExtent)> = (review.boxes())
             .filter(|one| !is_known(one))
-            .map(|one| (one.id, (one.mark.clone(), one.extent, one.shadow)))
+            .map(|one| (one.id, (one.mark.clone(), one.extent, one.shadow, top(one))))
             .collect();
         if missing.is_empty() {
             return;
@@ -140,12 +145,12 @@ impl OpenLog {
         let (survey, from) = (survey.clone(), ground.clone());
         let task = Task::start(jobs, move |progress| {
             let locator = ObjectLocator::new(&survey, &from.0);
-            let entry = |(id, (mark, extent, shadow)): (BoxId, BoxExtent)| {
-                let placed = locator.place_as(&mark, extent, shadow).map(|target| {
+            let entry = |(id, (mark, extent, shadow, top)): (BoxId, BoxExtent)| {
+                let placed = locator.place_as(&mark, extent, shadow, top).map(|target| {
                     let corners = target.corners();
                     Arc::new(LocatedObject { target, corners })
                 });
-                (id, ((mark, extent, shadow), placed))
+                (id, ((mark, extent, shadow, top), placed))
             };
             let requested = missing.into_par_iter();
             requested.filter_map(|one| (!progress.is_cancelled()).then(|| entry(one))).collect()

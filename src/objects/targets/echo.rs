@@ -51,11 +51,14 @@ const SLICE_PINGS: usize = 2;
 const SLICE: f64 = 0.1;
 const SLICES: usize = 24;
 /// The share of those places whose shadow is no longer than the one taken for that of the top:
-/// speckle lengthens some of so few pings. A flat top casts the same shadow everywhere, a round one
-/// its longest in the middle, and the walls of a large object are of different heights. Heights of
+/// speckle lengthens some of so few pings. An even top casts the same shadow everywhere, a peaked
+/// one its longest in the middle, and the walls of a large object are of different heights. Where
+/// the class does not say which it is, a flat top that is seen stands for an even one. Heights of
 /// simulated objects then have no bias.
+const EVEN_TOP: f64 = 0.5;
+const PEAKED_TOP: f64 = 0.85;
 const FLAT_TOP: f64 = 0.65;
-const ROUND_TOP: f64 = 0.75;
+const OTHER_TOP: f64 = 0.75;
 const LARGE: f64 = 0.9;
 /// A shadow is whole where it lies behind so large a share of those places, and is darker than the
 /// background by so many standard deviations of its samples: what is lit in part, or broken, casts
@@ -92,6 +95,29 @@ const GAP_M: f64 = 3.0;
 
 /// A border so near the far edge of a box leaves no shadow, metres.
 const LEAST_DRAWN_M: f64 = 0.02;
+
+/// The height of an object along the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TopShape {
+    /// Not known.
+    #[default]
+    Unknown,
+    /// The same all along, as of a pipe.
+    Even,
+    /// Highest in the middle, as of a rock.
+    Peaked,
+}
+
+impl TopShape {
+    /// Returns that of a class by its name.
+    pub fn of_class(name: &str) -> Self {
+        match name {
+            "block" | "cylinder" | "pipe" => Self::Even,
+            "rock" => Self::Peaked,
+            _ => Self::Unknown,
+        }
+    }
+}
 
 /// Whether a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its extent
 /// along the track.
@@ -154,11 +180,11 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
 /// levels in the middle pings of the box best (least squares about the background, which is what
 /// the pings before and behind the box receive at the same range). `None` where the box holds no
 /// samples.
-pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
+pub fn parts(survey: &Survey, mark: &Mark, top: TopShape) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
     let (echo_m, shadow) = look.at(core(&mark.pings))?;
-    let top = shadow.and_then(|shadow| look.top_shadow(&mark.pings, &shadow));
-    let (longest, spread) = top.unzip();
+    let of_top = shadow.and_then(|shadow| look.top_shadow(&mark.pings, &shadow, top));
+    let (longest, spread) = of_top.unzip();
     Some(Parts {
         echo_m,
         shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]),
@@ -234,7 +260,12 @@ impl<'a> Look<'a> {
 
     /// The shadow of the top of an object, by places of its box, and the spread of these; `None`
     /// where it is not whole.
-    fn top_shadow(&self, pings: &Range<usize>, core: &Shadow) -> Option<(Shadow, f64)> {
+    fn top_shadow(
+        &self,
+        pings: &Range<usize>,
+        core: &Shadow,
+        top: TopShape,
+    ) -> Option<(Shadow, f64)> {
         let places: Vec<Range<usize>> = slices(pings).collect();
         let mut darkness = Vec::with_capacity(places.len());
         let (mut shadows, mut flat) = (Vec::with_capacity(places.len()), 0);
@@ -248,15 +279,20 @@ impl<'a> Look<'a> {
             }
             let end = dark.end.max(self.step_of(shadow.end_m)).min(contrast.len());
             let from = self.step_of(shadow.bright_end_m).min(end);
-            let top = flat_top(&contrast[from..end]);
-            flat += usize::from(top.is_some());
-            let start_m = top.map_or(shadow.start_m, |steps| self.range_m(from + steps));
+            let level = flat_top(&contrast[from..end]);
+            flat += usize::from(level.is_some());
+            let start_m = level.map_or(shadow.start_m, |steps| self.range_m(from + steps));
             shadows.push(Shadow { start_m, ..shadow });
         }
         let is_whole = darkness.len() as f64 >= WHOLE * places.len() as f64
             && (self.background.speckle.is_nan()
                 || median(&mut darkness) >= DARK_SPECKLES * self.background.speckle);
-        let share = if 2 * flat >= shadows.len() { FLAT_TOP } else { ROUND_TOP };
+        let share = match top {
+            TopShape::Even => EVEN_TOP,
+            TopShape::Peaked => PEAKED_TOP,
+            TopShape::Unknown if 2 * flat >= shadows.len() => FLAT_TOP,
+            TopShape::Unknown => OTHER_TOP,
+        };
         longest(shadows, share).filter(|_| is_whole)
     }
 
@@ -397,7 +433,19 @@ fn longest(mut shadows: Vec<Shadow>, share: f64) -> Option<(Shadow, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ReviewSettings;
     use bathyscope_log::survey::Side;
+
+    #[test]
+    fn some_usual_classes_tell_the_shape_of_the_top() {
+        let classes = ReviewSettings::default().classes;
+        let of_class = |top| classes.iter().filter(|name| TopShape::of_class(name) == top).count();
+        assert_eq!([TopShape::Even, TopShape::Peaked].map(of_class), [3, 1], "{classes:?}");
+        let shadow = |end_m: f64| Shadow { bright_end_m: 6.0, start_m: 6.0, end_m };
+        let shadows: Vec<Shadow> = [7.0, 7.4, 7.8, 8.2, 8.6].map(shadow).to_vec();
+        let end_m = |share: f64| longest(shadows.clone(), share).unwrap().0.end_m;
+        assert_eq!([EVEN_TOP, FLAT_TOP, PEAKED_TOP].map(end_m), [7.8, 8.2, 8.2]);
+    }
 
     #[test]
     fn drawn_edges_are_the_parts_and_a_shadow_to_the_end_has_no_end() {

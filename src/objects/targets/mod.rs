@@ -29,7 +29,7 @@ mod spread;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub use echo::{Parts, parts};
+pub use echo::{Parts, TopShape, parts};
 pub use group::Group;
 pub use group::group;
 pub use object_height::{HeightSource, ObjectHeight};

@@ -3,7 +3,7 @@
 use super::echo::Shadow;
 use super::heading::heading_sigma_rad;
 use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, MeasuredObject, PART_SIGMA};
-use super::{Parts, Target, altitude::altitude_m, echo, parts};
+use super::{Parts, Target, TopShape, altitude::altitude_m, echo, parts};
 use crate::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_bottom::first_return::FirstReturns;
@@ -74,21 +74,23 @@ impl<'a> Placer<'a> {
     /// Where a box's object lies; `None` where the boat has no position or heading there, nothing
     /// was recorded, or the altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
-        self.place_as(mark, ObjectExtent::Found, None)
+        self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
     }
 
     /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a
-    /// place and no size; and with the height of a shadow that the analyst has measured.
+    /// place and no size; with the height of a shadow that the analyst has measured; and with what
+    /// its class says of its top.
     pub fn place_as(
         &self,
         mark: &Mark,
         extent: ObjectExtent,
         measured: Option<MeasuredShadow>,
+        top: TopShape,
     ) -> Option<Target> {
         let middle = self.middle(mark);
         let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_m(mark)?;
-        let found = self.parts(mark, extent, span);
+        let found = self.parts(mark, extent, span, top);
         // The box begins where the echo does, and holds more shadow than echo.
         let near_m = self.calibrated_m(span, mark.near_m);
         let altitude_there_m = self.altitude_at_m(mark.side, middle, altitude_m, near_m);
@@ -199,7 +201,13 @@ impl<'a> Placer<'a> {
 
     /// Echo and shadow of a box: as the analyst has set them, or as they are found; `None` of a
     /// point.
-    fn parts(&self, mark: &Mark, extent: ObjectExtent, span: &SideSpan) -> Option<Parts> {
+    fn parts(
+        &self,
+        mark: &Mark,
+        extent: ObjectExtent,
+        span: &SideSpan,
+        top: TopShape,
+    ) -> Option<Parts> {
         match extent {
             ObjectExtent::Point => None,
             ObjectExtent::Drawn { border_m } => {
@@ -208,7 +216,7 @@ impl<'a> Placer<'a> {
             ObjectExtent::Found if echo::is_large(mark, self.sailed_over_m(mark)) => {
                 echo::drawn_parts(self.survey, mark)
             }
-            ObjectExtent::Found => parts(self.survey, mark),
+            ObjectExtent::Found => parts(self.survey, mark, top),
         }
     }
 

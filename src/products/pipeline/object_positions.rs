@@ -4,7 +4,7 @@
 use super::Products;
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_log::survey::Survey;
-use bathyscope_objects::targets::{Placer, Target};
+use bathyscope_objects::targets::{Placer, Target, TopShape};
 use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
 
 /// Places boxes of one survey.
@@ -27,17 +27,19 @@ impl<'a> ObjectLocator<'a> {
     /// Where a box's object lies, its depth below the level that depths count from; `None` as
     /// [`Placer::place`].
     pub fn place(&self, mark: &Mark) -> Option<Target> {
-        self.place_as(mark, ObjectExtent::Found, None)
+        self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
     }
 
-    /// As [`ObjectLocator::place`], with what the analyst has drawn: [`Placer::place_as`].
+    /// As [`ObjectLocator::place`], with what the analyst has drawn and what the class says:
+    /// [`Placer::place_as`].
     pub fn place_as(
         &self,
         mark: &Mark,
         extent: ObjectExtent,
         measured: Option<MeasuredShadow>,
+        top: TopShape,
     ) -> Option<Target> {
-        let target = self.placer.place_as(mark, extent, measured)?;
+        let target = self.placer.place_as(mark, extent, measured, top)?;
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
         Some(Target { depth_m: -self.correction.z_m(ping.time_s, target.depth_m), ..target })

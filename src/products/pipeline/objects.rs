@@ -5,7 +5,9 @@ use crate::pipeline::{ObjectLocator, ProcessedLog};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::ObjectExtent;
 use bathyscope_objects::objects::{ObjectList, SurveyReview};
-use bathyscope_objects::targets::{BoxLevels, FittedShape, PassLog, ShapeError, Target, fit_shape};
+use bathyscope_objects::targets::{
+    BoxLevels, FittedShape, PassLog, ShapeError, Target, TopShape, fit_shape,
+};
 
 /// Places the boxes of the logs, and joins those that show one object.
 ///
@@ -24,7 +26,8 @@ pub fn list_objects(
         let locator = ObjectLocator::new(&log.survey, &log.products);
         for one in review.boxes(&log.products.exclusions) {
             progress.check()?;
-            let target = locator.place_as(&one.mark, one.extent, one.shadow);
+            let top = TopShape::of_class(review.review.class_name(one.class));
+            let target = locator.place_as(&one.mark, one.extent, one.shadow, top);
             boxes.push(review.object_box(index, one, target));
             progress.advance(1);
         }

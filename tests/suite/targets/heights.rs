@@ -165,6 +165,8 @@ impl Found {
             };
             let id = app.log.reviewing.review.next_id();
             edit(&mut app, Edit::Add { mark, class: 0 });
+            let name = truth.objects[index].kind.name();
+            edit(&mut app, Edit::Classify(id, name.to_owned()));
             let error = target(&app, id).height_m / height_m - 1.0;
             match error.is_nan() {
                 true => unknown += 1,
