@@ -158,20 +158,35 @@ pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Opt
     Some(judged)
 }
 
-/// The pings whose depth is a second echo.
-pub(super) fn second_echo_pings(survey: &Survey, found: &[FalseSoundings]) -> Vec<usize> {
-    let doubled = found.iter().filter(|one| one.fault == SounderFault::SecondEcho);
-    pings_of(survey, &doubled.cloned().collect::<Vec<_>>())
+/// The survey with the depths that false soundings leave to expect: half of a second echo, and over
+/// a held depth what lies evenly between the soundings before and behind; and these pings.
+pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, Vec<usize>) {
+    let mut explained = survey.clone();
+    let pings: &mut Vec<SidePing> = Arc::make_mut(&mut explained.side_scan);
+    for one in found {
+        let ends = (one.soundings.start.checked_sub(1)).zip(Some(one.soundings.end));
+        let ends = ends.and_then(|(before, after)| {
+            Some((survey.soundings.get(before)?, survey.soundings.get(after)?))
+        });
+        for ping in pings_of(survey, std::slice::from_ref(one)) {
+            let ping = &mut pings[ping];
+            match (one.fault, ends) {
+                (SounderFault::SecondEcho, _) => ping.depth_m *= 0.5,
+                (SounderFault::Held, Some((before, after))) => {
+                    let share = (ping.time_s - before.time_s) / (after.time_s - before.time_s);
+                    ping.depth_m += share as f32 * (after.depth_m - ping.depth_m);
+                }
+                (SounderFault::Held, None) => {}
+            }
+        }
+    }
+    (explained, pings_of(survey, found))
 }
 
-/// The survey with half the depth at some pings: what a second echo means.
-pub(super) fn halved(survey: &Survey, doubled: &[usize]) -> Survey {
-    let mut halved = survey.clone();
-    let pings: &mut Vec<SidePing> = Arc::make_mut(&mut halved.side_scan);
-    for &ping in doubled {
-        pings[ping].depth_m *= 0.5;
-    }
-    halved
+/// The pings whose depth was held.
+pub(super) fn held_pings(survey: &Survey, found: &[FalseSoundings]) -> Vec<usize> {
+    let held = found.iter().filter(|one| one.fault == SounderFault::Held);
+    pings_of(survey, &held.cloned().collect::<Vec<_>>())
 }
 
 /// The sounding that a ping has its depth from.

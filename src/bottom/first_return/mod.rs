@@ -245,9 +245,7 @@ pub fn detect_with(
         }
         Method::Tracker => {
             let pings = 0..survey.side_scan.len();
-            let mut returns = track_range(survey, normalisation, settings, pings, progress)?;
-            beyond_depth::doubt_by_own_scale(survey, &mut returns);
-            returns
+            track_range(survey, normalisation, settings, pings, progress)?
         }
     };
     false_soundings::judge(survey, &mut returns);
@@ -257,9 +255,10 @@ pub fn detect_with(
     Ok(returns)
 }
 
-/// Searches again where soundings are of the second echo: they had drawn the line to themselves,
-/// and half of them bounds it. A held depth tells nothing of where the bottom is, so that the line
-/// found with it stays.
+/// Searches again where soundings are false: they had drawn the line to themselves, or took the
+/// confidence from what is right. What they leave to expect bounds it, and with it and the scale of
+/// the log all first returns are judged again. Over a held depth, what is nearer is the bottom all
+/// the same.
 fn track_again(
     survey: &Survey,
     normalisation: &Normalisation,
@@ -267,15 +266,21 @@ fn track_again(
     returns: &mut FirstReturns,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
-    let doubled = false_soundings::second_echo_pings(survey, &returns.false_soundings);
-    if doubled.is_empty() {
+    if returns.false_soundings.is_empty() {
+        beyond_depth::doubt_by_own_scale(survey, returns);
         return Ok(());
     }
-    let explained = false_soundings::halved(survey, &doubled);
-    for pings in false_soundings::ranges_around(survey, &doubled) {
+    let (explained, pings) = false_soundings::explained(survey, &returns.false_soundings);
+    for pings in false_soundings::ranges_around(survey, &pings) {
         let found = track_range(&explained, normalisation, settings, pings.clone(), progress)?;
         for side in Side::BOTH {
             returns.side_mut(side)[pings.clone()].copy_from_slice(found.side(side));
+        }
+    }
+    beyond_depth::doubt_by_own_scale(&explained, returns);
+    for ping in false_soundings::held_pings(survey, &returns.false_soundings) {
+        for side in Side::BOTH {
+            returns.side_mut(side)[ping].accept();
         }
     }
     Ok(())
