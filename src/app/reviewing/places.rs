@@ -37,7 +37,7 @@ impl PlaceInputs {
     }
 }
 
-/// What of a box says where it lies and how high it is.
+/// The properties of a box that its place and its height depend on.
 type BoxExtent = (Mark, ObjectExtent, Option<MeasuredShadow>, TopShape);
 
 /// A box as it was placed; `None` where it has no place.

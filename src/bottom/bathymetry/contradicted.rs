@@ -34,7 +34,7 @@ pub struct ContradictedStretch {
     pub track: usize,
     /// Indices of its depths.
     pub depths: Range<usize>,
-    /// What contradicts it, once for each other track.
+    /// The depths that contradict it, the nearest of each other track.
     pub against: Vec<Contradiction>,
 }
 
@@ -73,8 +73,8 @@ pub fn contradicted(
     if !stretches.iter().any(|stretch| stretch.may_be_false) {
         return Ok(Vec::new());
     }
-    let meetings = meetings(tracks, &stretches, progress)?;
-    let is_false = false_stretches(&stretches, &meetings);
+    let approaches = approaches(tracks, &stretches, progress)?;
+    let is_false = false_stretches(&stretches, &approaches);
     let all: Vec<usize> = (0..stretches.len()).filter(|&index| is_false[index]).collect();
     let follows = |one: &usize, next: &usize| {
         *next == one + 1 && stretches[*one].track == stretches[*next].track
@@ -84,7 +84,7 @@ pub fn contradicted(
         ContradictedStretch {
             track: stretches[first].track,
             depths: stretches[first].depths.start..stretches[last].depths.end,
-            against: against(first..=last, &stretches, &meetings, &is_false),
+            against: against(first..=last, &stretches, &approaches, &is_false),
         }
     });
     Ok(joined.collect())
@@ -138,15 +138,15 @@ fn means(stretch: usize, depths: &[TrackDepth]) -> impl Iterator<Item = Mean> {
     })
 }
 
-/// Two stretches of different tracks where they come nearest each other.
-struct Meeting {
+/// The closest approach of two stretches of different tracks.
+struct Approach {
     /// Indices of the stretches, the smaller first.
     stretches: [usize; 2],
     apart_m: f64,
     depths_m: [f64; 2],
 }
 
-impl Meeting {
+impl Approach {
     /// True where the depths differ by more than a bed does over the way between them.
     fn is_contradiction(&self) -> bool {
         is_step_of_no_bed(self.depths_m.map(|depth_m| depth_m as f32), self.apart_m)
@@ -159,15 +159,15 @@ impl Meeting {
     }
 }
 
-/// Where stretches of different tracks meet.
+/// Returns the closest approach of every two stretches of different tracks within [`REACH_M`].
 ///
 /// # Errors
 /// When the work was cancelled.
-fn meetings(
+fn approaches(
     tracks: &[Vec<TrackDepth>],
     stretches: &[Stretch],
     progress: &Progress,
-) -> Result<Vec<Meeting>, Cancelled> {
+) -> Result<Vec<Approach>, Cancelled> {
     let of_stretch = |(index, stretch): (usize, &Stretch)| {
         means(index, &tracks[stretch.track][stretch.depths.clone()])
     };
@@ -177,7 +177,7 @@ fn meetings(
     for (index, mean) in means.iter().enumerate() {
         squares.entry(square(mean.place)).or_default().push(index);
     }
-    let mut nearest: BTreeMap<[usize; 2], Meeting> = BTreeMap::new();
+    let mut nearest: BTreeMap<[usize; 2], Approach> = BTreeMap::new();
     for mean in means.iter().filter(|mean| stretches[mean.stretch].may_be_false) {
         progress.check()?;
         let [east, north] = square(mean.place);
@@ -197,7 +197,7 @@ fn meetings(
             let pair = [first.stretch, second.stretch];
             if nearest.get(&pair).is_none_or(|found| apart_m < found.apart_m) {
                 let depths_m = [first.depth_m, second.depth_m];
-                nearest.insert(pair, Meeting { stretches: pair, apart_m, depths_m });
+                nearest.insert(pair, Approach { stretches: pair, apart_m, depths_m });
             }
         }
     }
@@ -207,13 +207,13 @@ fn meetings(
 /// Says of each stretch whether it is false. The track that most others contradict is false where
 /// they do, but for stretches that as many others confirm; then the same without these, for as long
 /// as one is contradicted by more than each that contradicts it.
-fn false_stretches(stretches: &[Stretch], meetings: &[Meeting]) -> Vec<bool> {
+fn false_stretches(stretches: &[Stretch], approaches: &[Approach]) -> Vec<bool> {
     let mut is_false = vec![false; stretches.len()];
     let track = |stretch: usize| stretches[stretch].track;
-    let confirmed = confirmations(stretches, meetings);
+    let confirmed = confirmations(stretches, approaches);
     loop {
         let open = || {
-            let open = meetings.iter().filter(|one| one.is_contradiction());
+            let open = approaches.iter().filter(|one| one.is_contradiction());
             open.filter(|one| !one.stretches.iter().any(|&stretch| is_false[stretch]))
         };
         let mut against: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
@@ -248,35 +248,36 @@ fn false_stretches(stretches: &[Stretch], meetings: &[Meeting]) -> Vec<bool> {
 }
 
 /// The tracks that measured the same as each stretch.
-fn confirmations(stretches: &[Stretch], meetings: &[Meeting]) -> Vec<BTreeSet<usize>> {
+fn confirmations(stretches: &[Stretch], approaches: &[Approach]) -> Vec<BTreeSet<usize>> {
     let mut confirmed = vec![BTreeSet::new(); stretches.len()];
-    for meeting in meetings.iter().filter(|one| one.agrees()) {
-        let [one, other] = meeting.stretches;
+    for approach in approaches.iter().filter(|one| one.agrees()) {
+        let [one, other] = approach.stretches;
         confirmed[one].insert(stretches[other].track);
         confirmed[other].insert(stretches[one].track);
     }
     confirmed
 }
 
-/// What contradicts some stretches, without what is false itself, the nearest of each track.
+/// Returns the depths that contradict some stretches, the nearest of each track, without those of
+/// false stretches.
 fn against(
     of: RangeInclusive<usize>,
     stretches: &[Stretch],
-    meetings: &[Meeting],
+    approaches: &[Approach],
     is_false: &[bool],
 ) -> Vec<Contradiction> {
     let mut nearest: BTreeMap<usize, Contradiction> = BTreeMap::new();
-    for meeting in meetings.iter().filter(|one| one.is_contradiction()) {
-        let Some(own) = meeting.stretches.iter().position(|one| of.contains(one)) else {
+    for approach in approaches.iter().filter(|one| one.is_contradiction()) {
+        let Some(own) = approach.stretches.iter().position(|one| of.contains(one)) else {
             continue;
         };
-        let other = meeting.stretches[1 - own];
+        let other = approach.stretches[1 - own];
         if is_false[other] {
             continue;
         }
         let track = stretches[other].track;
-        let depths_m = [own, 1 - own].map(|pass| meeting.depths_m[pass]);
-        let found = Contradiction { track, depths_m, apart_m: meeting.apart_m };
+        let depths_m = [own, 1 - own].map(|pass| approach.depths_m[pass]);
+        let found = Contradiction { track, depths_m, apart_m: approach.apart_m };
         let known = nearest.entry(track).or_insert(found);
         if found.apart_m < known.apart_m {
             *known = found;

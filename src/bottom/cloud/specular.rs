@@ -12,8 +12,8 @@
 //! bands, windows, smoothers and the recorded depth as reference, this measured best on simulated
 //! gentle, steep and rough beds alike.
 //!
-//! Where only one side has first returns, the recorded depth stands for `d`, and where that is not
-//! known either, the slopes before and behind.
+//! With first returns of one side alone, the recorded depth stands for `d`; where that is not known
+//! either, the slope lies between those before and behind.
 
 use super::geometry::BottomPoint;
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};

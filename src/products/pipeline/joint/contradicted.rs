@@ -22,7 +22,7 @@ pub struct ContradictedSoundings {
     pub time_s: [f64; 2],
     /// Least and greatest depth, metres.
     pub depth_m: [f64; 2],
-    /// What contradicts them, the nearest place of each other log.
+    /// The depths that contradict them, the nearest of each other log.
     pub against: Vec<Contradiction>,
 }
 
@@ -110,6 +110,9 @@ fn contradicted_soundings(
     offsets: &HeightOffsets,
     progress: &Progress,
 ) -> Result<Vec<ContradictedSoundings>, Cancelled> {
+    if logs.iter().all(|log| log.survey.has_side_scan()) {
+        return Ok(Vec::new());
+    }
     let may_be_false = |log: usize, depths: &[TrackDepth]| {
         let ProcessedLog { survey, products } = &logs[log];
         let span_s = ends(depths.iter().map(|depth| depth.time_s));
