@@ -7,7 +7,7 @@ use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, Log
 use bathyscope_bottom::cloud::PingDepth;
 use bathyscope_bottom::presentation::text;
 use bathyscope_products::pipeline::joint::{
-    HeightComparison, compare_heights, contradictions, heights_differ,
+    HeightComparison, compare_heights, contradictions, depths_scale, heights_differ,
 };
 use bathyscope_products::pipeline::{Background, LogSettings, ProcessedLog, Same, Settings};
 use std::sync::Arc;
@@ -85,12 +85,16 @@ impl App {
         self.findings.heights.held = held;
     }
 
-    /// A warning for every two logs that no height offsets bring together.
+    /// A warning for every two logs that no height offsets bring together, and for every two whose
+    /// depths differ by a share of the depth.
     pub(crate) fn height_contradictions(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };
-        contradictions(&found.compared.offsets.pairs, &self.names_of(&found.ids)).collect()
+        let names = self.names_of(&found.ids);
+        let offsets = &found.compared.offsets;
+        let scales = offsets.scales.iter().map(|scale| format!("{}.", depths_scale(scale, &names)));
+        scales.chain(contradictions(&offsets.pairs, &names)).collect()
     }
 
     /// The sentence about the two logs whose depths differ the most with the offsets in force, and

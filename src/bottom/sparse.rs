@@ -6,6 +6,7 @@ mod order;
 use order::Neighbours;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -382,6 +383,16 @@ impl Normal {
         mixed ^= mixed >> 31;
         ((mixed >> 11) as f64 + 1.0) / (1_u64 << 53) as f64
     }
+}
+
+/// Returns the solution of a few equations whose matrix is symmetric and positive definite; `None`
+/// where it is not.
+pub(crate) fn solve_dense(normal: &Mat<f64>, right: &[f64]) -> Option<Vec<f64>> {
+    let factor = normal.llt(Triangle::Lower).ok()?;
+    let column = Mat::from_fn(right.len(), 1, |row, _| right[row]);
+    let solution = factor.solve(&column);
+    let values: Vec<f64> = (0..right.len()).map(|row| solution[(row, 0)]).collect();
+    values.iter().all(|value| value.is_finite()).then_some(values)
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ mod many_logs;
 mod many_logs_files;
 mod new_survey;
 mod residuals;
+mod scaled_logs;
 mod shifted_logs;
 mod survey_run;
 mod targets;

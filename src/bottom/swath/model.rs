@@ -7,7 +7,8 @@
 //! = n + m ln(r / r0) + b (r / r0 - 1)`: a floor that the gain raises with range. The beam's curve
 //! takes up what the law lacks.
 
-use faer::{Mat, linalg::solvers::Solve};
+use crate::sparse::solve_dense;
+use faer::Mat;
 
 /// Angles from straight down at which the beam's curve has a value, degrees: every 5 from 15 to 90.
 const KNOTS: usize = 16;
@@ -296,15 +297,6 @@ pub(super) struct FitPlace {
     pub ln_power: f64,
     /// Its standard deviation.
     pub sd: f64,
-}
-
-/// The solution of symmetric, positive definite equations; `None` where they are not.
-pub(super) fn solve_dense(normal: &Mat<f64>, right: &[f64]) -> Option<Vec<f64>> {
-    let factor = normal.llt(faer::Side::Lower).ok()?;
-    let column = Mat::from_fn(right.len(), 1, |row, _| right[row]);
-    let solution = factor.solve(&column);
-    let values: Vec<f64> = (0..right.len()).map(|row| solution[(row, 0)]).collect();
-    values.iter().all(|value| value.is_finite()).then_some(values)
 }
 
 #[cfg(test)]

@@ -9,10 +9,11 @@
 
 use super::elimination;
 use super::looks::SideChunk;
-use super::model::{LawCurves, PARAMETERS, solve_dense};
+use super::model::{LawCurves, PARAMETERS};
 use super::nodes::{Nodes, Shares};
 use super::observations::{Bed, SlopeObservation};
 use crate::bathymetry::{Bends, Node};
+use crate::sparse::solve_dense;
 use crate::sparse::{Equations, Factor, Normal, Pattern};
 use bathyscope_log::support::statistics::median;
 use faer::Mat;

@@ -59,6 +59,7 @@ pub fn crossing_overlaps(
         let logs = one.passes.map(|pass| pass.track);
         let (place, difference_m) = (one.place, one.difference_m());
         LogOverlap {
+            depth_m: 0.5 * (one.passes[0].depth_m + one.passes[1].depth_m),
             gradient: one.gradient,
             lines: Some(one.passes.map(line)),
             ..LogOverlap::new(logs, OverlapKind::Crossing, place, difference_m, one.slope())

@@ -9,17 +9,20 @@
 //! by the difference of these heights, so all overlaps together give the height of every log, but
 //! for one that they all share: the datum. `overlaps` finds the places, `network` solves for the
 //! heights, and with them for how far the positions of each log are off, since that moves depths on
-//! a slope.
+//! a slope. `depth_scales` finds logs whose depths differ by a share of the depth instead.
 
+mod depth_scales;
 mod log_overlaps;
 mod network;
 
+pub use depth_scales::DepthScale;
 pub use log_overlaps::{FEW_CROSSINGS, crossing_overlaps, log_overlaps, overlaps};
 pub use network::adjust;
 pub(super) use network::{difference_sigma_m, groups, robust_shares};
 
 use super::crosslines::TrackDepth;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use depth_scales::depth_scales;
 use serde::Serialize;
 
 /// What the heights of the logs count from: their differences say nothing about what all of them
@@ -52,6 +55,8 @@ pub struct LogOverlap {
     pub kind: OverlapKind,
     /// East and north, metres.
     pub place: [f64; 2],
+    /// Depth there, the mean of both logs, metres; NaN where it is not known.
+    pub depth_m: f64,
     /// Elevation by the second log minus that by the first, metres.
     pub difference_m: f64,
     /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN
@@ -66,7 +71,7 @@ pub struct LogOverlap {
 }
 
 impl LogOverlap {
-    /// Of a slope without a direction, on lines that are not known.
+    /// Of a slope without a direction, at a depth and on lines that are not known.
     pub fn new(
         logs: [usize; 2],
         kind: OverlapKind,
@@ -74,7 +79,16 @@ impl LogOverlap {
         difference_m: f64,
         slope: f64,
     ) -> Self {
-        Self { logs, kind, place, difference_m, slope, gradient: [f64::NAN; 2], lines: None }
+        Self {
+            logs,
+            kind,
+            place,
+            depth_m: f64::NAN,
+            difference_m,
+            slope,
+            gradient: [f64::NAN; 2],
+            lines: None,
+        }
     }
 
     /// Whether the direction of the slope is known.
@@ -154,6 +168,8 @@ pub struct HeightOffsets {
     pub logs: Vec<LogOffset>,
     /// Every pair of logs that cross or overlap, in order.
     pub pairs: Vec<PairDifference>,
+    /// Pairs of logs whose depths differ by a share of the depth.
+    pub scales: Vec<DepthScale>,
 }
 
 /// Least difference of heights that is worth a warning, metres: drafts and water levels are read no
@@ -224,7 +240,8 @@ pub fn height_offsets(
     progress: &Progress,
 ) -> Result<HeightOffsets, Cancelled> {
     let log_overlaps = log_overlaps(tracks, progress)?;
-    Ok(adjust(tracks.len(), &log_overlaps, datum))
+    let scales = depth_scales(&log_overlaps);
+    Ok(HeightOffsets { scales, ..adjust(tracks.len(), &log_overlaps, datum) })
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
         pairs.extend(pair_differences(inside, &logs));
     }
     pairs.sort_by_key(|pair: &PairDifference| pair.logs);
-    HeightOffsets { logs, pairs }
+    HeightOffsets { logs, pairs, scales: Vec::new() }
 }
 
 /// Standard deviation of the difference between two depths at one place, metres, where the bottom

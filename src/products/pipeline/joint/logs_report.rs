@@ -4,7 +4,7 @@ use super::{ContradictedSoundings, CrosslineAnalysis};
 use crate::pipeline::Input;
 use crate::pipeline::log_report::{CalibrationReport, RunCounts};
 use bathyscope_bottom::bathymetry::compare::Comparison;
-use bathyscope_bottom::bathymetry::height_offsets::{LogOffset, PairDifference};
+use bathyscope_bottom::bathymetry::height_offsets::{DepthScale, LogOffset, PairDifference};
 use bathyscope_bottom::cloud::{Residuals, TrackShare};
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::survey::ExcludedStretch;
@@ -23,6 +23,8 @@ pub struct LogsReport {
     /// How every two logs differ that cross or overlap, before any offset is applied; `residual_m`
     /// is what the offsets found leave of it.
     pub pairs: Vec<PairDifference>,
+    /// Pairs of logs whose depths differ by a share of the depth, as by another sound speed.
+    pub scales: Vec<DepthScale>,
     /// Crossings of all tracks, with the offsets in force; `None` where none crosses another or
     /// itself.
     pub crosslines: Option<CrosslineAnalysis>,

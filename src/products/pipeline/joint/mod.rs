@@ -25,4 +25,4 @@ pub use crossline::{
 pub(crate) use crossline::{crossing_error, track_depths};
 pub use logs_report::{LogReport, LogsReport};
 pub(crate) use report::joint_report;
-pub use report::{contradictions, heights_differ};
+pub use report::{contradictions, depths_scale, heights_differ};

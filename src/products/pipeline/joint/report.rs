@@ -3,7 +3,9 @@
 use super::logs_report::{LogReport, LogsReport};
 use super::{HeightComparison, compare_heights, compare_logs, crossline_analysis};
 use crate::pipeline::{CommonUncertainty, ProcessedLog, Report, Settings, setting_values};
-use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, PairDifference};
+use bathyscope_bottom::bathymetry::height_offsets::{
+    Datum, DepthScale, HeightDifference, PairDifference,
+};
 use bathyscope_bottom::cloud::{Residuals, same_ping_differences};
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -82,12 +84,14 @@ pub(crate) fn joint_report(
     let left_in = contradicted.iter().map(|one| one.summary(names));
     all.warnings.extend(left_in.map(|said| format!("{said}; --adjust leaves them out")));
     all.warnings.extend(unlevelled);
+    all.warnings.extend(found.scales.iter().map(|scale| depths_scale(scale, names)));
     all.warnings.extend(contradictions(&found.pairs, names));
     all.logs = Some(LogsReport {
         datum: DATUM,
         logs: listed,
         contradicted,
         pairs: found.pairs,
+        scales: found.scales,
         crosslines: crossline_analysis(logs, progress)?,
     });
     Ok(Some(all))
@@ -139,6 +143,22 @@ pub fn heights_differ(difference: &HeightDifference, names: &[String]) -> String
         difference.difference_m, difference.standard_error_m
     )
 }
+
+/// Says by what share the depths of two logs differ; `names` are what the logs are called.
+pub fn depths_scale(scale: &DepthScale, names: &[String]) -> String {
+    let [deeper, other] = scale.logs.map(|log| names.get(log).map_or("", String::as_str));
+    let [least_m, most_m] = scale.depth_m;
+    format!(
+        "Depths of {deeper} are {:.1} +- {:.1} % greater than those of {other} at {}, {least_m:.1} m to {most_m:.1} m deep: sound speeds that differ by {:.0} m/s do that; set the sound speed or the temperature of the water for each log",
+        100.0 * scale.share,
+        100.0 * scale.standard_error,
+        text::plural(scale.n, "place", "places"),
+        scale.share * SOUND_SPEED_M_S
+    )
+}
+
+/// A usual speed of sound in fresh water, metres a second: of the difference that a share makes.
+const SOUND_SPEED_M_S: f64 = 1480.0;
 
 /// Says which logs cannot be compared in height with the first.
 fn not_connected(logs: &[LogReport]) -> Option<String> {
