@@ -139,7 +139,7 @@ fn of_side(survey: &Survey, products: &Products, side: Side) -> Vec<Above> {
 fn height_m(survey: &Survey, products: &Products, point: &CloudPoint) -> f64 {
     let ping = survey.side_scan.get(point.ping as usize);
     ping.map_or(f64::NAN, |ping| {
-        let depth_m = f64::from(ping.locked_depth_m());
+        let depth_m = f64::from(ping.good_depth_m());
         point.z_m + products.correction.depth_m(ping.time_s, depth_m)
     })
 }

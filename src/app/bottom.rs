@@ -161,7 +161,7 @@ impl App {
         let pick = self.bottom_line().and_then(|all| all.side(side).get(mark.ping));
         let found_m =
             pick.filter(|pick| pick.is_some()).map(|pick| span.range_m(f64::from(pick.sample)));
-        let recorded_m = Some(f64::from(survey.locked_depth_m(mark.ping)));
+        let recorded_m = Some(f64::from(survey.good_depth_m(mark.ping)));
         drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
     }
 

@@ -4,7 +4,7 @@ use super::above_bottom::AboveBottom;
 use bathyscope_bottom::cloud::{ClassCounts, Residuals, residuals};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{Side, Survey};
+use bathyscope_log::survey::{FaultCounts, Side, Survey};
 use bathyscope_products::pipeline::Products;
 
 /// How much of everything there is in a result.
@@ -16,6 +16,8 @@ pub struct Figures {
     pub starboard_picks: usize,
     /// The first returns above the recorded depth.
     pub above_bottom: AboveBottom,
+    /// Soundings with a fault, whether or not a first return confirms them.
+    pub faults: FaultCounts,
     /// Points of the cloud by their classes.
     pub classes: ClassCounts,
     /// Elevation of side-scan points minus that of the recorded depth at the same ping.
@@ -35,6 +37,7 @@ impl Figures {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
             above_bottom: AboveBottom::of(survey, products),
+            faults: FaultCounts::of(survey.soundings.iter().filter_map(|one| one.fault)),
             classes: ClassCounts::of(&products.cloud, &products.classes),
             residuals: residuals(survey, &products.cloud, &products.correction, &products.classes),
         })

@@ -49,10 +49,8 @@ pub struct OpenLog {
     pub is_visible: bool,
     /// Why it was left off the map when it was opened, until the analyst decides.
     pub apart: Option<Apart>,
-    /// Shallowest and deepest sounding that the recorder had the bottom for, metres.
+    /// Shallowest and deepest sounding without a fault, metres.
     pub depth_span_m: Option<[f32; 2]>,
-    /// Soundings after the recorder had lost the bottom.
-    pub lost_soundings: usize,
     /// The file of the recording, while it is kept in a project.
     pub(super) file: Option<LogFile>,
     /// What is set for this log only.
@@ -92,7 +90,6 @@ impl Default for OpenLog {
             is_visible: true,
             apart: None,
             depth_span_m: None,
-            lost_soundings: 0,
             file: None,
             own: Arc::default(),
             settings: Arc::default(),
@@ -120,9 +117,8 @@ impl OpenLog {
 
     /// Takes a later state of the recording.
     pub(super) fn replace_survey(&mut self, survey: Arc<Survey>) {
-        let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
-        let depths_m = locked().map(|sounding| [sounding.depth_m, sounding.depth_m]);
-        self.lost_soundings = survey.soundings.len() - locked().count();
+        let good = survey.soundings.iter().filter(|sounding| sounding.is_good());
+        let depths_m = good.map(|sounding| [sounding.depth_m, sounding.depth_m]);
         self.depth_span_m = depths_m.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         self.survey = Some(survey);
     }
@@ -222,7 +218,6 @@ impl OpenLog {
             is_visible: self.is_visible,
             apart: self.apart,
             depth_span_m: self.depth_span_m,
-            lost_soundings: self.lost_soundings,
             file: self.file,
             own: self.own,
             settings: self.settings,
@@ -243,7 +238,6 @@ impl OpenLog {
             is_visible: self.is_visible,
             apart: self.apart,
             depth_span_m: self.depth_span_m,
-            lost_soundings: self.lost_soundings,
             own: self.own.clone(),
             settings: self.settings.clone(),
             products: self.products.clone(),

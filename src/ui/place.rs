@@ -95,7 +95,7 @@ pub(super) struct BottomBelow {
 pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     let recorded = app.log.judged()?.side_scan.get(ping)?;
     let reduction = reduction(app);
-    let sounded_m = reduction.altitude_m(f64::from(recorded.locked_depth_m()));
+    let sounded_m = reduction.altitude_m(f64::from(recorded.good_depth_m()));
     let (altitude_m, by) = match sounded_m > 0.0 {
         true => (sounded_m, DepthBy::Sounding),
         false => {
@@ -224,7 +224,7 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
 pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);
-    let recorded_m = f64::from(app.log.judged()?.side_scan.get(mark.ping)?.locked_depth_m());
+    let recorded_m = f64::from(app.log.judged()?.side_scan.get(mark.ping)?.good_depth_m());
     let sounded_m = reduction(app).altitude_m(recorded_m);
     let altitude_m = match sounded_m > 0.0 {
         true => sounded_m,

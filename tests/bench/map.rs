@@ -117,15 +117,11 @@ fn app(count: usize) -> App {
     let side_scan = (0..count).map(|ping| SidePing {
         time_s: ping as f64 * 0.1,
         depth_m: depth_m(ping),
-        depth_locked: true,
+        depth_fault: None,
         port: None,
         starboard: None,
     });
-    let soundings = (0..count).map(|ping| Sounding {
-        time_s: ping as f64 * 0.1,
-        depth_m: depth_m(ping),
-        locked: true,
-    });
+    let soundings = (0..count).map(|ping| Sounding::new(ping as f64 * 0.1, depth_m(ping)));
     let mut app = App::new(Jobs::Inline);
     let survey = Arc::new(Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),

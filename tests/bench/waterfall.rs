@@ -121,7 +121,7 @@ fn survey(pings: usize) -> Survey {
     let side_scan = (0..pings).map(|ping| SidePing {
         time_s: ping as f64 * 0.05,
         depth_m: 5.0,
-        depth_locked: true,
+        depth_fault: None,
         port: Some(span(ping, SampleOrder::FarToNear)),
         starboard: Some(span(ping, SampleOrder::NearToFar)),
     });

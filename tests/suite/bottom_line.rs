@@ -65,7 +65,7 @@ fn it_lies_at_the_recorded_depth_and_moves_neither_points_nor_scales() {
                 };
                 let line = recorded.bottom_line.side(side)[ping];
                 let found = recorded.returns.side(side)[ping];
-                let depth_m = f64::from(survey.locked_depth_m(ping));
+                let depth_m = f64::from(survey.good_depth_m(ping));
                 let is_taken = line.sample.to_bits() != found.sample.to_bits();
                 if !is_taken {
                     without += 1;

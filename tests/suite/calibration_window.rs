@@ -117,8 +117,9 @@ fn a_stretch_that_is_worse_says_so_and_one_without_scale_cannot_be_used() {
     let river = data.join("humminbird-glen-canyon/Rec00001.DAT");
     drop_file(&mut window, river);
     let survey = app(&window).log.survey.clone().expect("the river");
-    let lost: Vec<usize> =
-        (0..survey.side_scan.len()).filter(|&ping| !survey.side_scan[ping].depth_locked).collect();
+    let lost: Vec<usize> = (0..survey.side_scan.len())
+        .filter(|&ping| survey.side_scan[ping].depth_fault.is_some())
+        .collect();
     let run = lost.chunk_by(|a, b| b - a == 1).max_by_key(|run| run.len());
     let run = run.expect("the recorder lost the bottom");
     let stretch = PingRange { start: run[0], end: run[run.len() - 1] + 1 };
@@ -268,7 +269,7 @@ fn pictures_of_the_step() {
     apply(&mut window, Command::ProposeStretch(start));
     save(&mut window, "calibration_3_worse");
     let survey = app(&window).log.survey.clone().expect("a log");
-    if let Some(lost) = survey.side_scan.iter().position(|ping| !ping.depth_locked) {
+    if let Some(lost) = survey.side_scan.iter().position(|ping| ping.depth_fault.is_some()) {
         let stretch = PingRange { start: lost, end: lost + 60 };
         apply(&mut window, Command::ProposeStretch(stretch));
         apply(&mut window, Command::Reveal(LogPlace::ping(lost)));

@@ -5,6 +5,8 @@ use crate::cli::{refusal, run};
 use crate::window::{app, empty_window, press};
 use bathyscope::app::Action;
 use bathyscope::app::manual::{Topic, whole};
+use bathyscope_bottom::cloud::PointClass;
+use bathyscope_log::survey::SoundingFault;
 use bathyscope_products::outputs::{OUTPUT_FILES, row_of};
 use bathyscope_products::pipeline::settings::rows::ROWS;
 use egui::accesskit::Role;
@@ -106,6 +108,19 @@ fn every_file_of_a_run_is_in_it_and_every_record_that_it_names_exists() {
     };
     for name in page.iter().filter(is_file) {
         assert!(row_of(name).is_some(), "{name} is no file of a run");
+    }
+}
+
+#[test]
+fn every_class_of_points_and_every_fault_of_soundings_is_in_its_tables() {
+    let page = Topic::Files.text();
+    for class in PointClass::ALL {
+        let row = format!("| {} {} |", class.code(), class.name());
+        assert!(page.contains(&row), "{row}");
+    }
+    for fault in SoundingFault::ALL {
+        let row = format!("| {} |", fault.name());
+        assert!(page.contains(&row), "{row}");
     }
 }
 

@@ -480,7 +480,7 @@ fn marked_river(mut window: Window, folder: &Path) -> Option<Window> {
     settle(&mut window);
     for (ping, side) in [(1344, Side::Port), (1345, Side::Starboard)] {
         let survey = app(&window).log.survey.clone().expect("a log");
-        let depth_m = f64::from(survey.locked_depth_m(ping));
+        let depth_m = f64::from(survey.good_depth_m(ping));
         let edit = Edit::AddPoint { side, ping, range_m: 1.01 * depth_m, class: 0 };
         let live = false;
         (window.state_mut().app).apply(Command::Edit { edit, live });

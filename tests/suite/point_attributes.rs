@@ -125,7 +125,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
     let mut lines = table.lines();
     assert_eq!(
         lines.next(),
-        Some("source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m")
+        Some("source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault")
     );
     for (line, point) in lines.zip(&products.cloud.points) {
         let fields: Vec<&str> = line.split(',').collect();

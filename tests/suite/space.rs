@@ -54,15 +54,12 @@ fn pond() -> (Survey, Products) {
     let side_scan = nav.iter().enumerate().map(|(index, nav)| SidePing {
         time_s: 0.4 * index as f64,
         depth_m: depth_m(nav),
-        depth_locked: true,
+        depth_fault: None,
         port: None,
         starboard: None,
     });
-    let soundings = nav.iter().enumerate().map(|(index, nav)| Sounding {
-        time_s: 0.4 * index as f64,
-        depth_m: depth_m(nav),
-        locked: true,
-    });
+    let soundings =
+        nav.iter().enumerate().map(|(index, nav)| Sounding::new(0.4 * index as f64, depth_m(nav)));
     let survey = Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
@@ -90,7 +87,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
             source,
             ping: ping as u32,
             record: RecordIndex::new(ping).filter(|_| source == PointSource::DownScan),
-            reliable: true,
+            fault: None,
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,
@@ -143,7 +140,7 @@ fn products(
         ppd: None,
         factor: None,
     };
-    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
     let depth_range_m = depth_range(locked.map(|sounding| sounding.depth_m));
     // The second one lies in the middle of the pond, so that the test finds it in the middle of the
     // map.

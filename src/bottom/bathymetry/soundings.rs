@@ -35,7 +35,7 @@ impl DepthPoint {
 pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed
-        .filter(|(sounding, _)| sounding.locked)
+        .filter(|(sounding, _)| sounding.is_good())
         .map(|(sounding, place)| {
             DepthPoint::of_sounding(place.place(), f64::from(sounding.depth_m))
         })

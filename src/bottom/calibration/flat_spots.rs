@@ -122,10 +122,10 @@ fn of_stretch(
     let (slope, scatter_m) = profile.line(&pings);
     let recorded = survey.side_scan.get(pings.clone()).unwrap_or_default();
     let with_depth = || recorded.iter().filter(|ping| ping.depth_m > 0.0);
-    let locked = with_depth().filter(|ping| ping.depth_locked).count();
+    let locked = with_depth().filter(|ping| ping.depth_fault.is_none()).count();
     // A false value of a recorder that lost the bottom is the depth of a stretch only where there
     // is no other.
-    let depths = with_depth().filter(|ping| ping.depth_locked || locked == 0);
+    let depths = with_depth().filter(|ping| ping.depth_fault.is_none() || locked == 0);
     let mut depths_m: Vec<f64> = depths.map(|ping| f64::from(ping.depth_m)).collect();
     let least_m = depths_m.iter().copied().reduce(f64::min);
     let greatest_m = depths_m.iter().copied().reduce(f64::max);

@@ -122,7 +122,7 @@ pub(super) fn beam_widths(
         let pings = pings.map(|ping| PingRanges {
             time_s: survey.side_scan[ping].time_s,
             sides_m: Side::BOTH.map(|side| range_m(ping, side)),
-            depth_m: f64::from(survey.locked_depth_m(ping)),
+            depth_m: f64::from(survey.good_depth_m(ping)),
         });
         Block::of(&pings.collect::<Vec<_>>())
     };

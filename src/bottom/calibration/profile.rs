@@ -41,7 +41,7 @@ impl Profile {
         }
         let usable = |index: usize| {
             let pause_s = pings[index].time_s - pings[index.saturating_sub(1)].time_s;
-            pings[index].locked_depth_m() > 0.0
+            pings[index].good_depth_m() > 0.0
                 && pause_s < MAX_PAUSE_S
                 && navigation.pings[index].speed_mps >= MIN_SPEED_MPS
         };

@@ -82,7 +82,7 @@ pub(super) fn picks_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<Us
 fn pick_at_depth(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<Usable> {
     let recorded = survey.side_scan.get(ping)?;
     let span = recorded.side(side)?;
-    let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.locked_depth_m()));
+    let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.good_depth_m()));
     let inside = sample > 0.0 && sample < f64::from(span.count) - 1.0;
     (inside && depth_m > 0.0).then(|| Usable {
         ping,

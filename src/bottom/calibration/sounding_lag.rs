@@ -169,7 +169,7 @@ fn sounding_m(survey: &Survey, time_s: f64) -> Option<f64> {
     let next = soundings.partition_point(|sounding| sounding.time_s < time_s);
     let (before, after) = (soundings.get(next.checked_sub(1)?)?, soundings.get(next)?);
     let span_s = after.time_s - before.time_s;
-    if !(before.locked && after.locked) || span_s > 2.0 * REACH_S {
+    if !(before.is_good() && after.is_good()) || span_s > 2.0 * REACH_S {
         return None;
     }
     let share = if span_s > 0.0 { (time_s - before.time_s) / span_s } else { 0.0 };
@@ -231,10 +231,9 @@ mod tests {
             starboard: Some(span),
             ..SidePing::with_depth(time_s(ping), 6.0)
         });
-        let sounding = |ping: usize| Sounding {
-            time_s: time_s(ping),
-            depth_m: (bed_m(time_s(ping) - lag_s) + noise_m(ping)) as f32,
-            locked: true,
+        let sounding = |ping: usize| {
+            let depth_m = bed_m(time_s(ping) - lag_s) + noise_m(ping);
+            Sounding::new(time_s(ping), depth_m as f32)
         };
         let survey = Survey {
             soundings: Arc::new((0..count).map(sounding).collect()),

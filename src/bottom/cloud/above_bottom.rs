@@ -143,7 +143,7 @@ impl Sums {
             sums.push(sums.last().copied().unwrap_or_default() + u32::from(is_one));
         };
         for (ping, heights_m) in heights_m.iter().enumerate() {
-            let depth_m = f64::from(survey.side_scan[ping].locked_depth_m());
+            let depth_m = f64::from(survey.side_scan[ping].good_depth_m());
             // True where the first return of a side lies above the depth; `None` without either.
             let sides = Side::BOTH.map(|side| {
                 let pick = returns.side(side).get(ping).filter(|_| depth_m > 0.0);
@@ -187,7 +187,7 @@ fn are_alike([port_m, starboard_m]: [f64; 2], depth_m: f64) -> bool {
 pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
     let found = survey.span(ping, side).zip(returns.side(side).get(ping));
     let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));
-    f64::from(survey.locked_depth_m(ping)) - range_m
+    f64::from(survey.good_depth_m(ping)) - range_m
 }
 
 /// Way up to each ping, metres. Over a gap it jumps by more than a stretch looks around.

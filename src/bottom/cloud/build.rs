@@ -54,11 +54,11 @@ pub fn place(
     progress.start(3);
     let reduction = Reduction::new(calibration, correction);
     let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
-    let is_reliable = match settings.down_scan {
+    let counts = match settings.down_scan {
         DownScan::All => vec![true; survey.soundings.len()],
         DownScan::Locked => confirmed(survey, &ranges, |depth_m| reduction.altitude_m(depth_m)),
     };
-    let soundings = Arc::new(sounding_points(survey, navigation, &is_reliable, correction));
+    let soundings = Arc::new(sounding_points(survey, navigation, &counts, correction));
     progress.advance(1);
     let angles_rad = match settings.geometry {
         Geometry::Slope => {
@@ -138,7 +138,7 @@ fn angles_rad(
             time_s: ping.time_s,
             port_m,
             starboard_m,
-            altitude_m: reduction.altitude_m(f64::from(ping.locked_depth_m())),
+            altitude_m: reduction.altitude_m(f64::from(ping.good_depth_m())),
         })
         .collect();
     beam_angles_rad(&pairs, overlap_rad)
@@ -147,7 +147,7 @@ fn angles_rad(
 fn sounding_points(
     survey: &Survey,
     navigation: &Navigation,
-    is_reliable: &[bool],
+    counts: &[bool],
     correction: &Correction,
 ) -> Vec<CloudPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
@@ -160,7 +160,7 @@ fn sounding_points(
             source: PointSource::DownScan,
             ping: nearest_ping(sounding.time_s) as u32,
             record: RecordIndex::new(index),
-            reliable: sounding.locked || is_reliable[index],
+            fault: sounding.fault.filter(|_| !counts[index]),
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,
@@ -203,7 +203,7 @@ fn side_points<'a>(
             source,
             ping: ping as u32,
             record: None,
-            reliable: true,
+            fault: None,
             above_bottom: traits.above_bottom,
             level: traits.level,
             above_bottom_m: traits.above_bottom_m,

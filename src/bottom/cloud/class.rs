@@ -20,7 +20,7 @@ pub enum PointClass {
     /// The bottom: the map, the figures of agreement and all that rests on depths take these points
     /// and no others.
     Bottom = 40,
-    /// A sounding written while the recorder had lost the bottom.
+    /// A sounding with a fault.
     NoBottom = 45,
     /// A first return of weed, fish or an object above the bottom.
     AboveBottom = 64,
@@ -74,7 +74,7 @@ impl ClassRules<'_> {
     fn class(&self, point: &CloudPoint, is_outlier: bool) -> PointClass {
         let is_long = f64::from(point.above_bottom_m) > self.longest_above_bottom_m;
         match point.source {
-            PointSource::DownScan if point.reliable => PointClass::Bottom,
+            PointSource::DownScan if point.fault.is_none() => PointClass::Bottom,
             PointSource::DownScan => PointClass::NoBottom,
             _ if self.has_low_confidence(point) => PointClass::Unclassified,
             _ if is_outlier && point.above_bottom => PointClass::HighNoise,

@@ -94,7 +94,7 @@ impl Stretches {
                 all.starts_m.push(at_m);
                 all.up_to.push(sums);
             }
-            let deepest_m = (1.0 - HIGHEST) * f64::from(survey.locked_depth_m(ping));
+            let deepest_m = (1.0 - HIGHEST) * f64::from(survey.good_depth_m(ping));
             for &(height, range_m) in heights.iter().filter_map(|side| side.get(ping)) {
                 if let Some(range) = range_number(range_m) {
                     sums[range].bottom += u32::from(height == Height::Bottom);
@@ -194,7 +194,7 @@ fn heights(
     let of_pick = |(ping, pick): (usize, &crate::first_return::Pick)| {
         let span = survey.span(ping, side).filter(|_| pick.is_some());
         let range_m = span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)));
-        let depth_m = f64::from(survey.locked_depth_m(ping));
+        let depth_m = f64::from(survey.good_depth_m(ping));
         let height = match () {
             () if range_m.is_nan() => Height::Nothing,
             () if returns.is_drawn(side, ping) => Height::Bottom,

@@ -3,7 +3,7 @@
 
 use bathyscope_log::survey::{Sounding, Survey, nearest_in_time};
 
-/// More soundings than this in a row without bottom lock are a loss of the bottom, in which the
+/// More soundings than this in a row with a fault are a loss of the bottom, in which the
 /// depth may meet a first return by chance.
 const LONGEST: usize = 4;
 /// A first return is at the depth of a sounding within this, metres: a part of what a sounding
@@ -29,10 +29,10 @@ pub(super) fn confirmed(
     };
     let mut confirmed = vec![false; survey.soundings.len()];
     let mut start = 0;
-    for run in survey.soundings.chunk_by(|a, b| a.locked == b.locked) {
+    for run in survey.soundings.chunk_by(|a, b| a.is_good() == b.is_good()) {
         let end = start + run.len();
         let is_between = start > 0 && end < survey.soundings.len();
-        if !run[0].locked && is_between && run.len() <= LONGEST {
+        if !run[0].is_good() && is_between && run.len() <= LONGEST {
             for (sounding, confirmed) in run.iter().zip(&mut confirmed[start..end]) {
                 *confirmed = is_confirmed(sounding);
             }
@@ -45,20 +45,19 @@ pub(super) fn confirmed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bathyscope_log::survey::{SidePing, mark_bottom_lock};
+    use bathyscope_log::survey::{SidePing, mark_faults};
     use std::sync::Arc;
 
     /// Soundings of 3 m but for a stretch of them, at every other of pings whose port sees `port_m`
     /// there and whose starboard sees the bed.
     fn confirmed_at(stretch: std::ops::Range<usize>, depth_m: f32, port_m: f64) -> Vec<usize> {
         let mut soundings: Vec<Sounding> = (0..60)
-            .map(|index| Sounding {
-                time_s: 0.2 * index as f64,
-                depth_m: if stretch.contains(&index) { depth_m } else { 3.0 },
-                locked: false,
+            .map(|index| {
+                let depth_m = if stretch.contains(&index) { depth_m } else { 3.0 };
+                Sounding::new(0.2 * index as f64, depth_m)
             })
             .collect();
-        mark_bottom_lock(&mut soundings, &[], true);
+        mark_faults(&mut soundings, &[], true);
         let ping = |ping: usize| SidePing::with_depth(0.1 * ping as f64, 3.0);
         let survey =
             Survey { soundings: Arc::new(soundings), ..Survey::of_pings((0..120).map(ping)) };

@@ -53,7 +53,7 @@ mod tests {
             source,
             ping,
             record: None,
-            reliable: true,
+            fault: None,
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,

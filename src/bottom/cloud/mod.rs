@@ -6,7 +6,7 @@
 //!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular`
 //! for the one on a slope and `correction` for what depths count from, `confirmed` says which
-//! soundings without bottom lock count, `pick_traits` what a point has of its first return
+//! soundings with a fault count, `pick_traits` what a point has of its first return
 //! (`above_bottom` or `clutter`, and by `level` how strong its echo is), `swath` makes points of
 //! depths across the track, `record` says which record measured a point, `reduction` joins it to
 //! the calibration for every read-out; `class` says what each point is, `outliers` is the filter
@@ -49,7 +49,7 @@ pub use residuals::{Residuals, residuals, same_ping_differences};
 pub use scales::PointScales;
 
 use crate::first_return::ground_confidence;
-use bathyscope_log::survey::Exclusions;
+use bathyscope_log::survey::{Exclusions, SoundingFault};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -156,9 +156,9 @@ pub struct CloudPoint {
     /// The sounding for down-scan points, the ping of the swath for swath points
     /// ([`CloudPoint::record`]).
     pub record: Option<RecordIndex>,
-    /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first
-    /// return confirms it or [`DownScan::All`] asks for it.
-    pub reliable: bool,
+    /// The fault for which a sounding is not kept; `None` where a first return confirms it all the
+    /// same, or [`DownScan::All`] asks for it.
+    pub fault: Option<SoundingFault>,
     /// Whether it is an above-bottom return: its pick lies above the recorded depth
     /// ([`crate::first_return::Pick::above_bottom`]) by more than this departs from the bed nearby.
     pub above_bottom: bool,

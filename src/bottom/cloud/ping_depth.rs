@@ -36,7 +36,7 @@ pub fn ping_depths(
     correction: &Correction,
 ) -> Vec<PingDepth> {
     let recorded = survey.side_scan.iter().map(|ping| {
-        let recorded_m = ping.locked_depth_m();
+        let recorded_m = ping.good_depth_m();
         let depth_m = correction.depth_m(ping.time_s, f64::from(recorded_m)) as f32;
         match recorded_m > 0.0 {
             true => (depth_m, DepthSource::Sounding),

@@ -53,7 +53,7 @@ pub fn same_ping_differences(
         .filter(|(_, point)| point.source.is_side_scan())
         .filter_map(|(_, point)| {
             let ping = survey.side_scan.get(point.ping as usize)?;
-            let recorded_m = f64::from(ping.locked_depth_m());
+            let recorded_m = f64::from(ping.good_depth_m());
             (recorded_m > 0.0).then(|| point.z_m + correction.depth_m(ping.time_s, recorded_m))
         })
         .collect()

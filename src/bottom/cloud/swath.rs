@@ -57,7 +57,7 @@ fn add_points(
             source: PointSource::Swath,
             ping: nearest.unwrap_or(0) as u32,
             record: RecordIndex::new(index),
-            reliable: true,
+            fault: None,
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,

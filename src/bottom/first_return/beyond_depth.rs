@@ -63,7 +63,7 @@ fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
             Side::BOTH.map(|side| pick_range_m(survey, ping, side, picks[side as usize]));
         let is_certain = picks.iter().all(|pick| pick.confidence >= CERTAIN);
         let is_level = (port_m - starboard_m).abs() < LEVEL * port_m.max(starboard_m);
-        let share = port_m.max(starboard_m) / f64::from(survey.locked_depth_m(ping));
+        let share = port_m.max(starboard_m) / f64::from(survey.good_depth_m(ping));
         (is_certain && is_level && share.is_finite()).then_some(share)
     };
     let mut shares: Vec<f64> =
@@ -83,7 +83,7 @@ fn doubt_beyond(
     farthest_m: &dyn Fn(f64) -> f64,
 ) {
     for index in 0..sides[0].len() {
-        let depth_m = f64::from(survey.locked_depth_m(first + index));
+        let depth_m = f64::from(survey.good_depth_m(first + index));
         let ranges_m = Side::BOTH
             .map(|side| pick_range_m(survey, first + index, side, &sides[side as usize][index]));
         for side in Side::BOTH {

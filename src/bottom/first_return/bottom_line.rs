@@ -39,7 +39,7 @@ pub fn at_recorded_depth(
                 continue;
             };
             places += 1;
-            let depth_m = f64::from(survey.locked_depth_m(ping));
+            let depth_m = f64::from(survey.good_depth_m(ping));
             let sample = sample_at(span, depth_m);
             if (0.0..=f64::from(span.count)).contains(&sample) {
                 *pick = Pick { sample: sample as f32, confidence: 1.0, above_bottom: false };
@@ -71,26 +71,26 @@ fn drawn(returns: &FirstReturns, side: Side) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bathyscope_log::survey::SidePing;
+    use bathyscope_log::survey::{SidePing, SoundingFault};
     use std::sync::Arc;
 
     #[test]
     fn edits_stay_and_what_was_not_recorded_is_searched_and_said() {
         let span = SideSpan::of_bytes(1000, [0.0, 20.0]);
-        let ping = |depth_m: f32, depth_locked| SidePing {
+        let ping = |depth_m: f32, depth_fault| SidePing {
             time_s: 0.0,
             depth_m,
-            depth_locked,
+            depth_fault,
             port: Some(span),
             starboard: None,
         };
-        // A depth; one that was drawn over; one without bottom lock; none; one beyond the range.
+        // A depth; one that was drawn over; one with a fault; none; one beyond the range.
         let side_scan = vec![
-            ping(4.0, true),
-            ping(4.0, true),
-            ping(4.0, false),
-            ping(f32::NAN, true),
-            ping(30.0, true),
+            ping(4.0, None),
+            ping(4.0, None),
+            ping(4.0, Some(SoundingFault::LostBottom)),
+            ping(f32::NAN, None),
+            ping(30.0, None),
         ];
         let survey = Survey::of_pings(side_scan);
         let pick = |sample| Pick { sample, confidence: 0.5, above_bottom: true };

@@ -9,7 +9,7 @@
 
 use super::{FirstReturns, Pick};
 use bathyscope_log::support::statistics::{median, quantile};
-use bathyscope_log::survey::{Side, SidePing, Sounding, Survey, nearest_in_time};
+use bathyscope_log::survey::{Side, SidePing, Sounding, SoundingFault, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -46,22 +46,13 @@ const HELD_TIMES: usize = 3;
 /// The first returns move by so much meanwhile, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
 
-/// The fault of a sounder that explains a stretch of false depths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SounderFault {
-    /// It took the echo that went to the bottom twice.
-    SecondEcho,
-    /// It wrote the last depth again.
-    Held,
-}
-
 /// A stretch of soundings that do not count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FalseSoundings {
     /// Indices in [`Survey::soundings`].
     pub soundings: Range<usize>,
     /// The fault.
-    pub fault: SounderFault,
+    pub fault: SoundingFault,
 }
 
 impl FalseSoundings {
@@ -69,16 +60,11 @@ impl FalseSoundings {
     fn summary(&self, survey: &Survey) -> String {
         let time_s = |index: usize| survey.soundings.get(index).map_or(f64::NAN, |one| one.time_s);
         let [from_s, to_s] = [self.soundings.start, self.soundings.end - 1].map(time_s);
-        let which =
-            format!("{} soundings between {from_s:.0} s and {to_s:.0} s", self.soundings.len());
-        match self.fault {
-            SounderFault::SecondEcho => format!(
-                "{which} are twice as deep as the first returns of both sides: the recorder took the second echo of the bottom; they do not count"
-            ),
-            SounderFault::Held => format!(
-                "{which} stay the same while the first returns of both sides move: the recorder had lost the bottom and wrote its last depth; they do not count"
-            ),
-        }
+        format!(
+            "{} soundings between {from_s:.0} s and {to_s:.0} s {}; they do not count",
+            self.soundings.len(),
+            self.fault.sentence()
+        )
     }
 }
 
@@ -133,27 +119,28 @@ pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick
     span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
 }
 
-/// The survey with the soundings that do not count marked as those of a lost bottom; `None` where
-/// all are marked already.
+/// The survey with their fault given to the soundings that do not count; `None` where all have one
+/// already.
 pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Option<Survey> {
     let is_marked = |one: &FalseSoundings| {
         let soundings = survey.soundings.get(one.soundings.clone()).unwrap_or_default();
-        soundings.iter().all(|sounding| !sounding.locked)
+        soundings.iter().all(|sounding| !sounding.is_good())
     };
     if false_soundings.iter().all(is_marked) {
         return None;
     }
     let mut judged = survey.clone();
     let soundings = Arc::make_mut(&mut judged.soundings);
-    for sounding in false_soundings.iter().flat_map(|one| one.soundings.clone()) {
-        if let Some(sounding) = soundings.get_mut(sounding) {
-            sounding.locked = false;
+    for one in false_soundings {
+        for sounding in soundings.get_mut(one.soundings.clone()).unwrap_or_default() {
+            sounding.fault.get_or_insert(one.fault);
         }
     }
-    let lost = pings_of(survey, false_soundings);
+    let soundings = &judged.soundings;
     let pings = Arc::make_mut(&mut judged.side_scan);
-    for ping in lost {
-        pings[ping].depth_locked = false;
+    for ping in pings_of(survey, false_soundings) {
+        let sounding = sounding_of(survey, ping).and_then(|index| soundings.get(index));
+        pings[ping].depth_fault = sounding.and_then(|sounding| sounding.fault);
     }
     Some(judged)
 }
@@ -171,12 +158,12 @@ pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, V
         for ping in pings_of(survey, std::slice::from_ref(one)) {
             let ping = &mut pings[ping];
             match (one.fault, ends) {
-                (SounderFault::SecondEcho, _) => ping.depth_m *= 0.5,
-                (SounderFault::Held, Some((before, after))) => {
+                (SoundingFault::SecondEcho, _) => ping.depth_m *= 0.5,
+                (SoundingFault::Held, Some((before, after))) => {
                     let share = (ping.time_s - before.time_s) / (after.time_s - before.time_s);
                     ping.depth_m += share as f32 * (after.depth_m - ping.depth_m);
                 }
-                (SounderFault::Held, None) => {}
+                _ => {}
             }
         }
     }
@@ -185,7 +172,7 @@ pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, V
 
 /// The pings whose depth was held.
 pub(super) fn held_pings(survey: &Survey, found: &[FalseSoundings]) -> Vec<usize> {
-    let held = found.iter().filter(|one| one.fault == SounderFault::Held);
+    let held = found.iter().filter(|one| one.fault == SoundingFault::Held);
     pings_of(survey, &held.cloned().collect::<Vec<_>>())
 }
 
@@ -255,7 +242,7 @@ fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     };
     for held in held_depths(soundings, witnesses) {
         if !is_known(&held, &found) {
-            found.push(FalseSoundings { soundings: held, fault: SounderFault::Held });
+            found.push(FalseSoundings { soundings: held, fault: SoundingFault::Held });
         }
     }
     found.sort_by_key(|one| one.soundings.start);
@@ -314,7 +301,7 @@ fn unseen_second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<Fa
             found.extend(stretch.filter(&is_unseen));
         }
     }
-    let fault = SounderFault::SecondEcho;
+    let fault = SoundingFault::SecondEcho;
     found.into_iter().map(|soundings| FalseSoundings { soundings, fault }).collect()
 }
 
@@ -353,7 +340,7 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
             (false, false) => false,
         };
         if is_bounded {
-            found.push(FalseSoundings { soundings: stretch, fault: SounderFault::SecondEcho });
+            found.push(FalseSoundings { soundings: stretch, fault: SoundingFault::SecondEcho });
         }
     }
     found
@@ -407,11 +394,8 @@ mod tests {
     use super::*;
 
     fn soundings(depths_m: impl Iterator<Item = f64>) -> Vec<Sounding> {
-        let one = |(index, depth_m): (usize, f64)| Sounding {
-            time_s: 0.125 * index as f64,
-            depth_m: depth_m as f32,
-            locked: true,
-        };
+        let one =
+            |(index, depth_m): (usize, f64)| Sounding::new(0.125 * index as f64, depth_m as f32);
         depths_m.enumerate().map(one).collect()
     }
 
@@ -438,7 +422,7 @@ mod tests {
         };
         let found = find(&soundings((0..400).map(depth_m)), &ranges_m);
         let expected =
-            FalseSoundings { soundings: doubled.clone(), fault: SounderFault::SecondEcho };
+            FalseSoundings { soundings: doubled.clone(), fault: SoundingFault::SecondEcho };
         assert_eq!(found, [expected]);
         // Weed as high as half the water: the sides leap, the depth does not.
         let weedy = |index: usize| bed_m(index) * if doubled.contains(&index) { 0.5 } else { 1.0 };
@@ -460,7 +444,7 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(
             (found[0].soundings.clone(), found[0].fault),
-            (doubled.clone(), SounderFault::SecondEcho)
+            (doubled.clone(), SoundingFault::SecondEcho)
         );
         // Where the other side has none, nothing is seen at the depth.
         let alone = Witnesses { sides_m: [vec![2.5; 400], vec![f64::NAN; 400]] };
@@ -498,7 +482,7 @@ mod tests {
         };
         let found = find(&soundings((0..400).map(depth_m)), &ranges_m);
         assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!((found[0].soundings.clone(), found[0].fault), (201..280, SounderFault::Held));
+        assert_eq!((found[0].soundings.clone(), found[0].fault), (201..280, SoundingFault::Held));
         // Steps of half a metre, and a bed that moves within one of them under weed.
         let coarse = (0..400).map(|index| 0.5 * (bed_m(index) / 0.5).round());
         assert!(find(&soundings(coarse), &ranges_m).is_empty());

@@ -24,7 +24,7 @@ mod tracker;
 pub use bottom_line::{BottomLine, at_recorded_depth};
 pub use confidence::Evidence;
 pub(crate) use confidence::ground_confidence;
-pub use false_soundings::{FalseSoundings, SounderFault};
+pub use false_soundings::FalseSoundings;
 pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
@@ -334,7 +334,7 @@ struct Settled {
 
 fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
     let pings = pings.into_par_iter();
-    pings.map(|ping| survey.locked_depth_m(ping)).collect()
+    pings.map(|ping| survey.good_depth_m(ping)).collect()
 }
 
 /// The tracker over some pings only; the same picks as over the whole survey.

@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub struct ThresholdIndex {
     normalisation: Normalisation,
     maxima: Maxima,
-    /// [`Survey::locked_depth_m`] of every ping.
+    /// [`Survey::good_depth_m`] of every ping.
     depths_m: Vec<f32>,
 }
 
@@ -70,7 +70,7 @@ impl ThresholdIndex {
             }
         };
         let pings = 0..survey.side_scan.len();
-        let depths_m = pings.into_par_iter().map(|ping| survey.locked_depth_m(ping));
+        let depths_m = pings.into_par_iter().map(|ping| survey.good_depth_m(ping));
         Ok(Self { normalisation, maxima, depths_m: depths_m.collect() })
     }
 

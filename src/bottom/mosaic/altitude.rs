@@ -50,7 +50,7 @@ fn altitude_m(
         }
         _ => f64::NAN,
     };
-    if picked_m > 0.0 { picked_m } else { f64::from(survey.locked_depth_m(ping)) }
+    if picked_m > 0.0 { picked_m } else { f64::from(survey.good_depth_m(ping)) }
 }
 
 /// Fills NaN linearly between its neighbours, and with the nearest value at both ends.

@@ -15,7 +15,7 @@ pub struct LineSpan {
     pub min_m: f32,
     /// Metres; minus infinity when the stretch has no value.
     pub max_m: f32,
-    /// All values of the stretch are doubtful: above-bottom returns, depths without bottom lock.
+    /// All values of the stretch are doubtful: above-bottom returns, depths with a fault.
     pub doubtful: bool,
 }
 
@@ -176,7 +176,7 @@ fn depth_at(survey: &Survey, ping: usize) -> LineSpan {
     survey
         .side_scan
         .get(ping)
-        .map_or(LineSpan::GAP, |ping| LineSpan::value(ping.depth_m, !ping.depth_locked))
+        .map_or(LineSpan::GAP, |ping| LineSpan::value(ping.depth_m, ping.depth_fault.is_some()))
 }
 
 #[cfg(test)]

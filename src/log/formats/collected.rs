@@ -169,7 +169,7 @@ impl Collected {
         if !(depth_m > 0.0 && depth_m < DEEPEST_M) {
             return;
         }
-        let sounding = Sounding { time_s, depth_m, locked: true };
+        let sounding = Sounding::new(time_s, depth_m);
         match self.depths.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, soundings)) => soundings.push(sounding),
             None => self.depths.push((kind, vec![sounding])),

@@ -1,7 +1,7 @@
 //! Which of the recorded depths are the soundings, and which of them each side-scan ping has.
 
 use super::report::WarningReport;
-use crate::survey::{ChannelKind, Fix, Sounding, mark_bottom_lock};
+use crate::survey::{ChannelKind, Fix, Sounding, SoundingFault, mark_faults};
 
 /// The depths of one channel, in time order: the traditional sonar's, unless another knows four
 /// times as many; of the tail of a log those of the channel that was chosen for the log. All
@@ -27,21 +27,22 @@ pub(super) fn choose(
     let (kind, mut soundings) =
         best.map_or((None, Vec::new()), |(kind, depths)| (Some(kind), depths));
     soundings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    mark_bottom_lock(&mut soundings, fixes, has_side_scan);
+    mark_faults(&mut soundings, fixes, has_side_scan);
     (kind, soundings)
 }
 
-/// Says where the recorder's depth cannot be believed.
+/// Says which of the recorder's depths are false: a warning for each fault.
 pub(super) fn warn_of_lost_bottom(soundings: &[Sounding], report: &WarningReport) {
-    let lost = || soundings.iter().filter(|sounding| !sounding.locked);
-    let (Some(first), Some(last)) = (lost().next(), lost().next_back()) else {
-        return;
-    };
-    report.log(format!(
-        "the recorder had lost the bottom at {} of {} soundings (between {:.0} s and {:.0} s its depth jumps): they are shown, and count only where a first return confirms them",
-        lost().count(),
-        soundings.len(),
-        first.time_s,
-        last.time_s
-    ));
+    for fault in SoundingFault::ALL {
+        let mut with = soundings.iter().filter(|sounding| sounding.fault == Some(fault));
+        let Some(first) = with.next() else { continue };
+        let (count, last) = with.fold((1, first), |(count, _), sounding| (count + 1, sounding));
+        report.log(format!(
+            "{count} of {} soundings between {:.0} s and {:.0} s {}: they are shown, and count only where a first return confirms them",
+            soundings.len(),
+            first.time_s,
+            last.time_s,
+            fault.sentence()
+        ));
+    }
 }

@@ -49,7 +49,7 @@ fn ping(port: Option<&HalfPing>, starboard: Option<&HalfPing>) -> SidePing {
     SidePing {
         time_s: port.or(starboard).map_or(f64::NAN, |half| half.time_s),
         depth_m: f32::NAN,
-        depth_locked: false,
+        depth_fault: None,
         port: port.map(|half| half.span),
         starboard: starboard.map(|half| half.span),
     }

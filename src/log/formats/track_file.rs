@@ -223,7 +223,7 @@ mod tests {
     use crate::survey::Sounding;
 
     fn survey() -> Survey {
-        let sounding = |time_s| Sounding { time_s, depth_m: 2.0, locked: true };
+        let sounding = |time_s| Sounding::new(time_s, 2.0);
         Survey {
             start_unix_s: Some(1_634_000_000.0),
             soundings: Arc::new((0..10).map(f64::from).map(sounding).collect()),

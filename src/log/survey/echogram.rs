@@ -66,7 +66,7 @@ impl Survey {
         SidePing {
             time_s: ping.time_s,
             depth_m: nearest.map_or(f32::NAN, |one| one.depth_m),
-            depth_locked: nearest.is_some_and(|one| one.locked),
+            depth_fault: nearest.and_then(|one| one.fault),
             port: None,
             starboard: Some(ping.span),
         }
@@ -93,7 +93,7 @@ mod tests {
         };
         Survey {
             side_scan: Arc::new((0..side_scan).map(ping).collect()),
-            soundings: Arc::new(vec![Sounding { time_s: 0.0, depth_m: 4.0, locked: true }]),
+            soundings: Arc::new(vec![Sounding::new(0.0, 4.0)]),
             echograms: vec![Echogram {
                 kind: ChannelKind::DownScan,
                 pings: Arc::new((0..8).map(below).collect()),

@@ -140,16 +140,16 @@ impl ExclusionSettings {
         let spans = self.trusted_spans_s(survey);
         let inside =
             |time_s: f64| spans.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s));
-        let is_false = |one: &Sounding| !one.locked && inside(one.time_s);
+        let is_false = |one: &Sounding| !one.is_good() && inside(one.time_s);
         if spans.is_empty() || !survey.soundings.iter().any(is_false) {
             return None;
         }
         let mut trusted = survey.clone();
         for sounding in Arc::make_mut(&mut trusted.soundings) {
-            sounding.locked |= inside(sounding.time_s);
+            sounding.fault = sounding.fault.filter(|_| !inside(sounding.time_s));
         }
         for ping in Arc::make_mut(&mut trusted.side_scan) {
-            ping.depth_locked |= inside(ping.time_s) && ping.depth_m > 0.0;
+            ping.depth_fault = ping.depth_fault.filter(|_| !inside(ping.time_s));
         }
         Some(trusted)
     }
@@ -422,7 +422,7 @@ mod tests {
             places.push(PingNav { east_m: at[0], north_m: at[1], heading_rad, speed_mps });
         }
         let ping = |&time_s: &f64| SidePing::with_depth(time_s, 3.0);
-        let sounding = |&time_s: &f64| Sounding { time_s, depth_m: 3.0, locked: true };
+        let sounding = |&time_s: &f64| Sounding::new(time_s, 3.0);
         let pings: Vec<SidePing> = match with_pings {
             true => times_s.iter().map(ping).collect(),
             false => Vec::new(),

@@ -2,7 +2,7 @@
 //! a stretch of it as a log of its own.
 
 use super::NEAREST_SOUNDING_S;
-use super::observations::mark_bottom_lock_from;
+use super::observations::mark_faults_from;
 use super::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
     SideScanState, SideSpan, Sounding, Survey, SwathPing, give_depths,
@@ -163,7 +163,7 @@ impl Survey {
         let new = &tail.soundings[added..];
         let has_side_scan = !(self.side_scan.is_empty() && tail.side_scan.is_empty());
         let soundings = (versions.soundings).next_changed(&self.soundings, kept, new, |all| {
-            let marked = mark_bottom_lock_from(all, &fixes, has_side_scan, kept);
+            let marked = mark_faults_from(all, &fixes, has_side_scan, kept);
             from_s = all.get(marked).map_or(from_s, |one| from_s.min(one.time_s));
             marked
         });

@@ -55,8 +55,10 @@ pub use navigation::{
     navigate_with,
 };
 pub use nearest::nearest_in_time;
+pub use observations::{
+    FaultCounts, SoundingFault, differ_as_no_bed, is_step_of_no_bed, mark_faults,
+};
 pub(crate) use observations::{NEAREST_SOUNDING_S, drop_false_fixes, give_depths};
-pub use observations::{differ_as_no_bed, is_step_of_no_bed, mark_bottom_lock};
 pub use pairs::SidePair;
 pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};
@@ -178,8 +180,8 @@ pub struct SidePing {
     /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when
     /// there is none.
     pub depth_m: f32,
-    /// Whether the recorder had the bottom then ([`mark_bottom_lock`]).
-    pub depth_locked: bool,
+    /// The fault of that sounding ([`Sounding::fault`]).
+    pub depth_fault: Option<SoundingFault>,
     /// The port samples, if that side was recorded for this ping.
     pub port: Option<SideSpan>,
     /// The starboard samples, if that side was recorded for this ping.
@@ -187,15 +189,14 @@ pub struct SidePing {
 }
 
 impl SidePing {
-    /// A ping without echoes; the recorder had the bottom where there is a depth.
+    /// A ping without echoes, and a depth without a fault.
     pub fn with_depth(time_s: f64, depth_m: f32) -> Self {
-        Self { time_s, depth_m, depth_locked: !depth_m.is_nan(), port: None, starboard: None }
+        Self { time_s, depth_m, depth_fault: None, port: None, starboard: None }
     }
 
-    /// The recorded depth where it can be leaned on, metres; NaN without one, or where the recorder
-    /// had lost the bottom.
-    pub fn locked_depth_m(&self) -> f32 {
-        if self.depth_locked && self.depth_m > 0.0 { self.depth_m } else { f32::NAN }
+    /// The recorded depth, metres; NaN without one, or where it has a fault.
+    pub fn good_depth_m(&self) -> f32 {
+        if self.depth_fault.is_none() && self.depth_m > 0.0 { self.depth_m } else { f32::NAN }
     }
 
     /// The samples of one side.
@@ -216,8 +217,20 @@ pub struct Sounding {
     pub time_s: f64,
     /// Metres below the transducer (keel offset removed where the log states one).
     pub depth_m: f32,
-    /// Whether the recorder had the bottom ([`mark_bottom_lock`]).
-    pub locked: bool,
+    /// The fault that makes it false: found by [`mark_faults`], or by what the side-scan shows.
+    pub fault: Option<SoundingFault>,
+}
+
+impl Sounding {
+    /// Returns a sounding without a fault.
+    pub fn new(time_s: f64, depth_m: f32) -> Self {
+        Self { time_s, depth_m, fault: None }
+    }
+
+    /// Returns true where no fault of it is known.
+    pub fn is_good(&self) -> bool {
+        self.fault.is_none()
+    }
 }
 
 /// What can be done with the survey's side-scan.
@@ -362,9 +375,9 @@ impl Survey {
         fault.map_or(Ok(()), Err)
     }
 
-    /// [`SidePing::locked_depth_m`] of a ping; NaN beyond the last.
-    pub fn locked_depth_m(&self, ping: usize) -> f32 {
-        self.side_scan.get(ping).map_or(f32::NAN, SidePing::locked_depth_m)
+    /// [`SidePing::good_depth_m`] of a ping; NaN beyond the last.
+    pub fn good_depth_m(&self, ping: usize) -> f32 {
+        self.side_scan.get(ping).map_or(f32::NAN, SidePing::good_depth_m)
     }
 
     /// The survey's name for people: the opened file's stem.

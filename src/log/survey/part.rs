@@ -110,7 +110,7 @@ mod tests {
     /// every three seconds.
     fn log(has_sides: bool) -> (Survey, Navigation) {
         let times = (0..10).map(f64::from);
-        let sounding = |time_s: f64| Sounding { time_s: time_s + 0.5, depth_m: 3.0, locked: true };
+        let sounding = |time_s: f64| Sounding::new(time_s + 0.5, 3.0);
         let down = |time_s: f64| EchogramPing {
             time_s: time_s + 0.5,
             span: SideSpan::of_bytes(1, [0.0, 1.0]),

@@ -30,7 +30,7 @@ pub(super) fn altitude_m(
     let mut depths_m: Vec<f64> = drawn.collect();
     if depths_m.is_empty() {
         let recorded = pings.clone();
-        let recorded = recorded.map(|ping| f64::from(survey.locked_depth_m(ping)));
+        let recorded = recorded.map(|ping| f64::from(survey.good_depth_m(ping)));
         depths_m = recorded.filter(|depth_m| *depth_m > 0.0).collect();
     }
     if depths_m.is_empty() {

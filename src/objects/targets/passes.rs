@@ -164,7 +164,7 @@ fn abeam(
     let [dx, dy] = [east_m - boat.east_m, north_m - boat.north_m];
     let (across_m, along_m) = (dx * x + dy * y, (dy * x - dx * y).abs());
     let side = if across_m < 0.0 { Side::Port } else { Side::Starboard };
-    let depth_m = f64::from(survey.locked_depth_m(ping));
+    let depth_m = f64::from(survey.good_depth_m(ping));
     let slant_m = across_m.hypot(if depth_m > 0.0 { depth_m } else { 0.0 });
     let within = slant_m < f64::from(survey.span(ping, side)?.far_m);
     let askew_m = ABEAM_SIGMAS * heading_sigma_rad(navigation, &(ping..ping + 1)) * across_m.abs();

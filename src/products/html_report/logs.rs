@@ -69,7 +69,7 @@ fn recorded(survey: &Survey) -> String {
 
 /// Shallowest and deepest depth that the recorder had the bottom for.
 fn depths(survey: &Survey) -> String {
-    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
     let span = locked.fold(None, |span: Option<[f32; 2]>, one| {
         let [least, most] = span.unwrap_or([one.depth_m; 2]);
         Some([least.min(one.depth_m), most.max(one.depth_m)])

@@ -90,10 +90,11 @@ fn sentences(from: &ReportData<'_>) -> String {
         count(counts.side_scan_points),
         100.0 * counts.outliers_removed_share,
     );
-    if counts.soundings_without_bottom > 0 {
+    if counts.false_soundings.all() > 0 {
         text += &format!(
-            " The recorder had lost the bottom at {} soundings; these were not used.",
-            count(counts.soundings_without_bottom)
+            " {} soundings are false and were not used: {}.",
+            count(counts.false_soundings.all()),
+            counts.false_soundings.summary()
         );
     }
     let track = &from.report.track;

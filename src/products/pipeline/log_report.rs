@@ -2,7 +2,7 @@
 
 use bathyscope_bottom::calibration::{Calibration, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::ClassCounts;
-use bathyscope_log::survey::{Navigation, Survey, SwathPing};
+use bathyscope_log::survey::{FaultCounts, Navigation, Survey, SwathPing};
 use serde::Serialize;
 
 /// How many of everything.
@@ -12,9 +12,8 @@ pub struct RunCounts {
     pub pings: usize,
     /// Depths that the recorder gave.
     pub soundings: usize,
-    /// Of these, depths written while the recorder had lost the bottom, and confirmed by no first
-    /// return.
-    pub soundings_without_bottom: usize,
+    /// Of these, those that do not count, by their fault; those that a first return confirms count.
+    pub false_soundings: FaultCounts,
     /// Pings with a port first return.
     pub port_first_returns: usize,
     /// Pings with a starboard first return.
@@ -108,7 +107,7 @@ impl RunCounts {
     pub(super) fn add(&mut self, other: &Self) {
         self.pings += other.pings;
         self.soundings += other.soundings;
-        self.soundings_without_bottom += other.soundings_without_bottom;
+        self.false_soundings.add(&other.false_soundings);
         self.port_first_returns += other.port_first_returns;
         self.starboard_first_returns += other.starboard_first_returns;
         self.above_bottom += other.above_bottom;

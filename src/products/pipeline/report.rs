@@ -8,9 +8,10 @@ use bathyscope_bottom::cloud::{
     ClassCounts, PointClass, PointCloud, PointSource, Residuals, TrackShare, residuals,
 };
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{ExcludedStretch, HeadingSource, Side, Survey, Track};
+use bathyscope_log::survey::{ExcludedStretch, FaultCounts, HeadingSource, Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
+use std::collections::HashSet;
 
 /// Bytes of a hash that name a run.
 const RUN_BYTES: usize = 8;
@@ -103,7 +104,7 @@ impl Report {
             counts: RunCounts {
                 pings: survey.side_scan.len(),
                 soundings: survey.soundings.len(),
-                soundings_without_bottom: lost_soundings(survey, cloud),
+                false_soundings: faults(survey, cloud),
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 above_bottom: above_bottom.count(),
@@ -177,7 +178,7 @@ impl Report {
                 counts.above_bottom
             ),
             format!(
-                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} of low confidence, {} outliers ({:.1} % of {}), {} soundings without bottom; {} pings without heading",
+                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} of low confidence, {} outliers ({:.1} % of {}), {} false soundings; {} pings without heading",
                 counts.points,
                 counts.side_scan_points,
                 counts.kept,
@@ -228,14 +229,14 @@ impl Report {
     }
 }
 
-/// Soundings without bottom lock that do not count.
-fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
-    let lost = survey.soundings.iter().filter(|sounding| !sounding.locked);
-    let points = cloud.points.of(PointSource::DownScan).iter();
-    let counts = points.filter(|point| point.reliable);
-    let of_lost = counts
-        .filter(|point| point.sounding().is_some_and(|index| !survey.soundings[index].locked));
-    lost.count() - of_lost.count()
+/// The faults of soundings that do not count.
+fn faults(survey: &Survey, cloud: &PointCloud) -> FaultCounts {
+    let confirmed = cloud.points.of(PointSource::DownScan).iter();
+    let confirmed = confirmed.filter(|point| point.fault.is_none());
+    let confirmed: HashSet<usize> = confirmed.filter_map(|point| point.sounding()).collect();
+    let soundings = survey.soundings.iter().enumerate();
+    let left_out = soundings.filter(|(index, _)| !confirmed.contains(index));
+    FaultCounts::of(left_out.filter_map(|(_, sounding)| sounding.fault))
 }
 
 /// All warnings of the reader and the stages, for the report and the window.

@@ -378,7 +378,7 @@ fn depth_range_m(
     correction: &Correction,
     depths: &[PingDepth],
 ) -> Option<[f32; 2]> {
-    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
     let depth_m = |sounding: &Sounding| {
         correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
     };

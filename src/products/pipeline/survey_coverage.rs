@@ -137,7 +137,7 @@ impl Log<'_> {
             } else if turned < NEW_PASS_RAD.cos() {
                 (pass, begun_rad) = (pass + 1, boat.heading_rad);
             }
-            let depth_m = f64::from(survey.locked_depth_m(ping));
+            let depth_m = f64::from(survey.good_depth_m(ping));
             let depth_m = if depth_m > 0.0 { depth_m } else { 0.0 };
             for side in Side::BOTH {
                 let Some(span) = survey.span(ping, side) else {

@@ -53,10 +53,10 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let hint =
         "Depths that the recorder found, below the transducer; repeated ones are not counted.";
     fact(ui, "Soundings", hint, soundings(context, survey));
-    if context.app.log.lost_soundings > 0 {
-        let hint = "Soundings after the recorder lost the bottom: drawn faded, used only where a first return confirms them.";
-        let value = text::plural(context.app.log.lost_soundings, "sounding", "soundings");
-        fact(ui, "Bottom lost", hint, value);
+    let faults = context.app.log.figures.as_ref().map(|figures| figures.faults);
+    if let Some(faults) = faults.filter(|faults| faults.all() > 0) {
+        let hint = "Soundings with a fault, by its kind. They are drawn faded, and count only where a first return confirms them.";
+        fact(ui, "False soundings", hint, faults.summary());
     }
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
         let hint = "Start of the log by the recorder's clock, corrected by the clock offset.";

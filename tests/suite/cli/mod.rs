@@ -110,7 +110,7 @@ fn simulate_info_process_and_filter_work_together() {
     );
     assert_eq!(
         header(&out.join("points/cloud.csv")),
-        "source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m"
+        "source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault"
     );
     let rows = fs::read_to_string(out.join("points/first_returns.csv"))
         .expect("first returns")

@@ -51,8 +51,8 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
         let depths = [a, b].map(|ping| ping.depth_m.to_bits());
         assert_eq!(depths[0], depths[1], "depth of a ping, {what}");
         assert_eq!(
-            (a.time_s, a.depth_locked, a.port, a.starboard),
-            (b.time_s, b.depth_locked, b.port, b.starboard),
+            (a.time_s, a.depth_fault, a.port, a.starboard),
+            (b.time_s, b.depth_fault, b.port, b.starboard),
             "{what}"
         );
     }

@@ -27,7 +27,7 @@ fn resting(at: LonLat, heading_deg: f64) -> Survey {
         side_scan: Arc::new(vec![SidePing {
             time_s: 1.0,
             depth_m: 3.0,
-            depth_locked: true,
+            depth_fault: None,
             port: None,
             starboard: None,
         }]),

@@ -14,7 +14,7 @@ pub(super) fn survey_of(
     let side_scan = spans.enumerate().map(|(ping, [port, starboard])| SidePing {
         time_s: ping as f64 * 0.05,
         depth_m: 4.0,
-        depth_locked: true,
+        depth_fault: None,
         port,
         starboard,
     });

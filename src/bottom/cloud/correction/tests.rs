@@ -2,7 +2,7 @@ use super::*;
 use bathyscope_log::survey::{MountingSettings, Sounding};
 
 fn survey(start_unix_s: Option<f64>) -> Survey {
-    let sounding = |time_s| Sounding { time_s, depth_m: 3.0, locked: true };
+    let sounding = |time_s| Sounding::new(time_s, 3.0);
     Survey {
         start_unix_s,
         soundings: vec![sounding(0.0), sounding(1800.0)].into(),

@@ -24,7 +24,7 @@ impl Depths {
     /// The depths of a chunk's pings.
     pub(super) fn of(survey: &Survey, chunk: &TrackerChunk, cell_m: f64) -> Self {
         let depths = chunk.pings.iter().map(|&ping| {
-            let depth_m = f64::from(survey.locked_depth_m(ping as usize));
+            let depth_m = f64::from(survey.good_depth_m(ping as usize));
             if depth_m > 0.0 { depth_m / cell_m } else { f64::NAN }
         });
         Self { cells: depths.collect(), near: chunk.near_m / cell_m, cell_m }

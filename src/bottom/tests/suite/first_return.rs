@@ -27,7 +27,7 @@ fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
     let side_scan = (0..rows.len()).map(|row| SidePing {
         time_s: row as f64 * 0.05,
         depth_m,
-        depth_locked: true,
+        depth_fault: None,
         port: Some(span(row, Side::Port)),
         starboard: Some(span(row, Side::Starboard)),
     });

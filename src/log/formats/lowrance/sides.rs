@@ -31,7 +31,7 @@ pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame
         (ChannelKind::Composite, [port, starboard]) => log.composite.push(SidePing {
             time_s,
             depth_m: f32::NAN,
-            depth_locked: false,
+            depth_fault: None,
             port,
             starboard,
         }),

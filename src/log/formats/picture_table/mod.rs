@@ -240,7 +240,7 @@ fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
         log.composite.push(SidePing {
             time_s: ping.time_s,
             depth_m: f32::NAN,
-            depth_locked: false,
+            depth_fault: None,
             port: Some(port),
             starboard: Some(starboard),
         });

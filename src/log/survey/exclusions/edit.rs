@@ -59,11 +59,11 @@ impl LogPart {
         let soundings = &survey.soundings;
         let at = nearest_in_time(soundings, time_s, |one| one.time_s)?;
         let is_near = (soundings[at].time_s - time_s).abs() <= NEAREST_SOUNDING_S;
-        if soundings[at].locked || !is_near {
+        if soundings[at].is_good() || !is_near {
             return None;
         }
-        let first = soundings[..at].iter().rposition(|one| one.locked).map_or(0, |one| one + 1);
-        let after = soundings[at..].iter().position(|one| one.locked);
+        let first = soundings[..at].iter().rposition(|one| one.is_good()).map_or(0, |one| one + 1);
+        let after = soundings[at..].iter().position(|one| one.is_good());
         let last = after.map_or(soundings.len(), |after| at + after) - 1;
         Some(Self::Time([soundings[first].time_s, soundings[last].time_s]))
     }
@@ -235,6 +235,7 @@ fn cut<T: Copy + PartialOrd>(
 mod tests {
     use super::super::tests::{sailed, turns_and_stops};
     use super::*;
+    use crate::survey::SoundingFault;
 
     fn named(settings: &ExclusionSettings) -> Vec<([usize; 2], Option<ExclusionReason>)> {
         let stretches = settings.stretches.iter();
@@ -274,10 +275,11 @@ mod tests {
         assert_eq!(LogPart::of_false_soundings(&survey, 10.0), None);
         let soundings = std::sync::Arc::make_mut(&mut survey.soundings);
         let ends_s = [soundings[20].time_s, soundings[29].time_s];
-        soundings[20..30].iter_mut().for_each(|one| one.locked = false);
+        soundings[20..30].iter_mut().for_each(|one| one.fault = Some(SoundingFault::LostBottom));
         let pings = std::sync::Arc::make_mut(&mut survey.side_scan);
         for ping in pings.iter_mut() {
-            ping.depth_locked = !(ends_s[0]..=ends_s[1]).contains(&ping.time_s);
+            let is_lost = (ends_s[0]..=ends_s[1]).contains(&ping.time_s);
+            ping.depth_fault = is_lost.then_some(SoundingFault::LostBottom);
             ping.depth_m = 3.0;
         }
         let part = LogPart::of_false_soundings(&survey, 0.5 * (ends_s[0] + ends_s[1]));
@@ -288,8 +290,8 @@ mod tests {
         let text = toml::to_string(&settings).expect("settings are text");
         assert_eq!(toml::from_str::<ExclusionSettings>(&text), Ok(settings.clone()));
         let trusted = settings.trusted(&survey).expect("a change");
-        assert!(trusted.soundings.iter().all(|one| one.locked));
-        assert!(trusted.side_scan.iter().all(|ping| ping.depth_locked));
+        assert!(trusted.soundings.iter().all(|one| one.is_good()));
+        assert!(trusted.side_scan.iter().all(|ping| ping.depth_fault.is_none()));
         assert_eq!(settings.reset(&survey, part.unwrap()), none);
     }
 

@@ -6,9 +6,11 @@
 //! Rules are in metres of track and in the log's own intervals and speeds, so that they hold for a
 //! recorder of any rate; times in seconds only bound how long a memory or a gap may last.
 
+mod fault;
 mod fixes;
 mod soundings;
 
+pub use fault::{FaultCounts, SoundingFault};
 pub(crate) use fixes::drop_false_fixes;
-pub(crate) use soundings::{NEAREST_SOUNDING_S, give_depths, mark_bottom_lock_from};
-pub use soundings::{differ_as_no_bed, is_step_of_no_bed, mark_bottom_lock};
+pub(crate) use soundings::{NEAREST_SOUNDING_S, give_depths, mark_faults_from};
+pub use soundings::{differ_as_no_bed, is_step_of_no_bed, mark_faults};

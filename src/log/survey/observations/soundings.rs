@@ -1,4 +1,4 @@
-//! Where the recorder's own depth can be believed.
+//! Faults of soundings that their neighbours along the track show.
 //!
 //! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the
 //! last quarter of the log jumps between one and four times the depth within a second. Nothing may
@@ -6,7 +6,7 @@
 
 use crate::support::geo::distance_m;
 use crate::support::statistics::upper_median;
-use crate::survey::{Fix, SidePing, Sounding, nearest_in_time};
+use crate::survey::{Fix, SidePing, Sounding, SoundingFault, nearest_in_time};
 use Way::{Down, Up};
 use std::ops::RangeInclusive;
 
@@ -52,13 +52,13 @@ pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
             .map(|index| &soundings[index])
             .filter(|sounding| (sounding.time_s - ping.time_s).abs() <= NEAREST_SOUNDING_S);
         ping.depth_m = nearest.map_or(f32::NAN, |sounding| sounding.depth_m);
-        ping.depth_locked = nearest.is_some_and(|sounding| sounding.locked);
+        ping.depth_fault = nearest.and_then(|sounding| sounding.fault);
     }
 }
 
-/// As [`mark_bottom_lock`], where all before `from` was marked already and what follows is new.
+/// As [`mark_faults`], where all before `from` was marked already and what follows is new.
 /// Returns the first sounding that was marked anew.
-pub(crate) fn mark_bottom_lock_from(
+pub(crate) fn mark_faults_from(
     soundings: &mut [Sounding],
     fixes: &[Fix],
     has_side_scan: bool,
@@ -88,20 +88,20 @@ pub(crate) fn mark_bottom_lock_from(
     let counted = if has_side_scan { 0 } else { LONGEST_LOSS / LEAP_SHARE };
     let start = first.saturating_sub(2 * REACH + 1 + counted);
     let mut tail = soundings[start..].to_vec();
-    mark_bottom_lock(&mut tail, fixes, has_side_scan);
+    mark_faults(&mut tail, fixes, has_side_scan);
     // The first ones of the tail lack their neighbours.
     soundings[first..].copy_from_slice(&tail[first - start..]);
     first
 }
 
-/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the
+/// Sets [`Sounding::fault`]: from the first to the last jump of a loss of the bottom, to the
 /// end of a log that ends in one, between a leap far below the bottom and the leap back, and on
 /// single glitches. `fixes` tell how far the boat went from one sounding to the next; both are in
 /// time order. In a log that has side-scan first returns tell of a leap and of what follows it:
 /// leaps mark nothing there.
-pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: bool) {
+pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: bool) {
     for sounding in &mut *soundings {
-        sounding.locked = true;
+        sounding.fault = None;
     }
     let glitches: Vec<usize> =
         (0..soundings.len()).filter(|&index| is_glitch(soundings, fixes, index)).collect();
@@ -129,9 +129,15 @@ pub fn mark_bottom_lock(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan
         true => Vec::new(),
         false => leaps_below(soundings, fixes, &others),
     };
-    let lost = losses.into_iter().chain(below).flatten();
-    for index in lost.chain(glitches) {
-        soundings[index].locked = false;
+    let found = [
+        (SoundingFault::Glitch, glitches),
+        (SoundingFault::FarBelow, below.into_iter().flatten().collect()),
+        (SoundingFault::LostBottom, losses.into_iter().flatten().collect()),
+    ];
+    for (fault, indices) in found {
+        for index in indices {
+            soundings[index].fault = Some(fault);
+        }
     }
 }
 
@@ -285,10 +291,10 @@ mod tests {
     fn locked(depths: impl Iterator<Item = f32>) -> Vec<bool> {
         let mut soundings: Vec<Sounding> = depths
             .enumerate()
-            .map(|(index, depth_m)| Sounding { time_s: 0.1 * index as f64, depth_m, locked: false })
+            .map(|(index, depth_m)| Sounding::new(0.1 * index as f64, depth_m))
             .collect();
-        mark_bottom_lock(&mut soundings, &[], false);
-        soundings.iter().map(|sounding| sounding.locked).collect()
+        mark_faults(&mut soundings, &[], false);
+        soundings.iter().map(|sounding| sounding.is_good()).collect()
     }
 
     fn all_locked<'a>(locked: impl IntoIterator<Item = &'a bool>) -> bool {
@@ -334,18 +340,14 @@ mod tests {
             250 => 9.0,
             _ => 2.0,
         };
-        let sounding = |index: usize| Sounding {
-            time_s: 0.1 * index as f64,
-            depth_m: depth(index),
-            locked: false,
-        };
+        let sounding = |index: usize| Sounding::new(0.1 * index as f64, depth(index));
         let mut whole: Vec<Sounding> = (0..300).map(sounding).collect();
-        mark_bottom_lock(&mut whole, &[], false);
+        mark_faults(&mut whole, &[], false);
         for shorter in (1..300).step_by(3) {
             let mut grown = whole[..shorter].to_vec();
-            mark_bottom_lock(&mut grown, &[], false);
+            mark_faults(&mut grown, &[], false);
             grown.extend((shorter..300).map(sounding));
-            mark_bottom_lock_from(&mut grown, &[], false, shorter);
+            mark_faults_from(&mut grown, &[], false, shorter);
             assert_eq!(grown, whole, "grown from {shorter} soundings");
         }
     }
@@ -358,18 +360,19 @@ mod tests {
                 _ => 8.0,
             };
             let (mut soundings, fixes) = sailed(step_s, (0..400).map(second_echo));
-            mark_bottom_lock(&mut soundings, &fixes, false);
-            let marked: Vec<usize> = (0..400).filter(|&index| !soundings[index].locked).collect();
+            mark_faults(&mut soundings, &fixes, false);
+            let marked: Vec<usize> =
+                (0..400).filter(|&index| !soundings[index].is_good()).collect();
             assert_eq!(marked, (100..250).collect::<Vec<_>>(), "{step_s} s");
             // First returns judge it in a log that has them.
-            mark_bottom_lock(&mut soundings, &fixes, true);
-            assert!(soundings.iter().all(|sounding| sounding.locked), "{step_s} s");
+            mark_faults(&mut soundings, &fixes, true);
+            assert!(soundings.iter().all(|sounding| sounding.is_good()), "{step_s} s");
         }
         // Here the shallow ones are false.
         let clutter = |index: usize| if index % 100 < 9 { 1.8 } else { 20.0 };
         let (mut soundings, fixes) = sailed(1.0, (0..400).map(clutter));
-        mark_bottom_lock(&mut soundings, &fixes, false);
-        assert!(soundings.iter().all(|sounding| sounding.locked || sounding.depth_m < 2.0));
+        mark_faults(&mut soundings, &fixes, false);
+        assert!(soundings.iter().all(|sounding| sounding.is_good() || sounding.depth_m < 2.0));
         // A basin with one wall and a slope of 30 degrees.
         let basin = |index: usize| match index {
             100..200 => 16.0,
@@ -377,8 +380,8 @@ mod tests {
             _ => 8.0,
         };
         let (mut soundings, fixes) = sailed(0.1, (0..400).map(basin));
-        mark_bottom_lock(&mut soundings, &fixes, false);
-        assert!(soundings.iter().all(|sounding| sounding.locked));
+        mark_faults(&mut soundings, &fixes, false);
+        assert!(soundings.iter().all(|sounding| sounding.is_good()));
     }
 
     #[test]
@@ -393,7 +396,7 @@ mod tests {
         let time_s = |index: usize| step_s * index as f64;
         let soundings: Vec<Sounding> = depths
             .enumerate()
-            .map(|(index, depth_m)| Sounding { time_s: time_s(index), depth_m, locked: false })
+            .map(|(index, depth_m)| Sounding::new(time_s(index), depth_m))
             .collect();
         let north_deg = |time_s: f64| 47.5 + 2.0 * time_s / 111_180.0;
         let fix = |index| Fix::at(time_s(index), LonLat::new(8.5, north_deg(time_s(index))));
@@ -409,8 +412,9 @@ mod tests {
                 _ => 20.0,
             };
             let (mut soundings, fixes) = sailed(step_s, (0..300).map(depth_m));
-            mark_bottom_lock(&mut soundings, &fixes, false);
-            let marked: Vec<usize> = (0..300).filter(|&index| !soundings[index].locked).collect();
+            mark_faults(&mut soundings, &fixes, false);
+            let marked: Vec<usize> =
+                (0..300).filter(|&index| !soundings[index].is_good()).collect();
             assert_eq!(marked, (100..196).collect::<Vec<_>>(), "{step_s} s");
             // Up and down banks of 40 degrees.
             let bank = |index: usize| {
@@ -418,8 +422,8 @@ mod tests {
                 2.0 + 0.84 * (along_m % 20.0 - 10.0).abs() as f32
             };
             let (mut soundings, fixes) = sailed(step_s, (0..300).map(bank));
-            mark_bottom_lock(&mut soundings, &fixes, false);
-            assert!(soundings.iter().all(|sounding| sounding.locked), "{step_s} s");
+            mark_faults(&mut soundings, &fixes, false);
+            assert!(soundings.iter().all(|sounding| sounding.is_good()), "{step_s} s");
         }
     }
 
@@ -427,9 +431,9 @@ mod tests {
     fn single_spikes_of_a_slow_recorder_are_glitches() {
         let depth_m = |index: usize| if index % 5 == 3 { 7.5 } else { 20.0 };
         let (mut soundings, fixes) = sailed(1.0, (0..100).map(depth_m));
-        mark_bottom_lock(&mut soundings, &fixes, false);
+        mark_faults(&mut soundings, &fixes, false);
         for (index, sounding) in soundings.iter().enumerate() {
-            assert_eq!(sounding.locked, sounding.depth_m == 20.0, "sounding {index}");
+            assert_eq!(sounding.is_good(), sounding.depth_m == 20.0, "sounding {index}");
         }
     }
 }

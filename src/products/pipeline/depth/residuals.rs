@@ -108,7 +108,7 @@ fn points<T>(
 
 /// Which lists a point is in.
 fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
-    PointKind { source: point.source, is_lost: survey.locked_depth_m(point.ping as usize).is_nan() }
+    PointKind { source: point.source, is_lost: survey.good_depth_m(point.ping as usize).is_nan() }
 }
 
 /// Kept points of some sources, in the cloud's order.

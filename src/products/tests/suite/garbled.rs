@@ -211,7 +211,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         text.lines().count() - 1
     };
     assert_eq!(rows("points/first_returns.csv", 15), survey.side_scan.len());
-    assert_eq!(rows("points/cloud.csv", 11), products.cloud.points.len());
+    assert_eq!(rows("points/cloud.csv", 12), products.cloud.points.len());
     let all = products.cloud.points.len();
     for name in ["points/cloud.ply", "points/cloud.copc.laz"] {
         if products.kept_points().next().is_none() {

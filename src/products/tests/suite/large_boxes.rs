@@ -50,7 +50,7 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
         .map(|ping| SidePing {
             time_s: ping as f64 * 0.1,
             depth_m: ALTITUDE_M as f32,
-            depth_locked: true,
+            depth_fault: None,
             port: None,
             starboard: Some(span(ping)),
         })

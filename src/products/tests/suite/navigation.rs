@@ -37,7 +37,7 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
         side_scan.push(SidePing {
             time_s,
             depth_m: 3.0,
-            depth_locked: true,
+            depth_fault: None,
             port: None,
             starboard: None,
         });

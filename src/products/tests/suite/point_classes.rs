@@ -5,6 +5,7 @@ use crate::truth::KnownSurvey;
 use bathyscope_bottom::cloud::{ClassCounts, PointClass, PointSource};
 use bathyscope_bottom::presentation::text::typeset_count;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::SoundingFault;
 use bathyscope_objects::objects::SurveyReview;
 use bathyscope_products::outputs::{self, Order, Product, RunFolder};
 use bathyscope_products::pipeline::{
@@ -27,7 +28,7 @@ fn pond(settings: &Settings) -> (KnownSurvey, ProcessedLog) {
     scene.artefacts.weed_m = 12.0;
     let mut pond = KnownSurvey::new(&scene, 6);
     for sounding in &mut Arc::make_mut(&mut pond.survey.soundings)[20..40] {
-        sounding.locked = false;
+        sounding.fault = Some(SoundingFault::LostBottom);
     }
     let products = pipeline::run(&pond.survey, settings, None, &Progress::new(), |_| ());
     let log = ProcessedLog {

@@ -90,7 +90,7 @@ fn judged(survey: &Survey) -> (f64, [f64; 2]) {
         let [east_m, north_m] = frame.to_enu(position);
         let [x, y] = place(time_s);
         farthest_m = farthest_m.max((east_m - x).hypot(north_m - y));
-        if !sounding.locked {
+        if !sounding.is_good() {
             lost_s = [lost_s[0].min(time_s), lost_s[1].max(time_s)];
         }
     }

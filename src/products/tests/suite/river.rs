@@ -54,7 +54,7 @@ fn deeper_side_minus_depth(
 ) -> Vec<f64> {
     let [port, starboard] = Side::BOTH.map(|side| ranges(survey, products, side));
     let mut apart: Vec<f64> = pings
-        .map(|ping| port[ping].max(starboard[ping]) - f64::from(survey.locked_depth_m(ping)))
+        .map(|ping| port[ping].max(starboard[ping]) - f64::from(survey.good_depth_m(ping)))
         .filter(|apart| apart.is_finite())
         .collect();
     apart.sort_by(f64::total_cmp);

@@ -7,6 +7,7 @@ use bathyscope_bottom::cloud::{
 };
 use bathyscope_bottom::first_return::Method;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::SoundingFault;
 use bathyscope_products::pipeline::{self, Preset, Products, Report, Settings};
 use bathyscope_simulation::Scene;
 use std::sync::Arc;
@@ -22,11 +23,11 @@ fn pond_with_lost_bottom() -> KnownSurvey {
     let from = 3 * pings.len() / 4;
     let from_s = pings[from].time_s;
     for ping in &mut pings[from..] {
-        ping.depth_locked = false;
+        ping.depth_fault = Some(SoundingFault::LostBottom);
         ping.depth_m *= 2.3;
     }
     for sounding in Arc::make_mut(&mut pond.survey.soundings) {
-        sounding.locked = sounding.time_s < from_s;
+        sounding.fault = (sounding.time_s >= from_s).then_some(SoundingFault::LostBottom);
     }
     pond
 }

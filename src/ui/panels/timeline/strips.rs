@@ -39,8 +39,8 @@ impl Strips {
         let ends = [pings.last().map(|p| p.time_s), soundings.last().map(|s| s.time_s)];
         let from_s = starts.into_iter().flatten().reduce(f64::min)?;
         let to_s = ends.into_iter().flatten().reduce(f64::max)?;
-        let depths = |locked: bool| {
-            let some = soundings.iter().filter(move |s| s.locked == locked);
+        let depths = |is_good: bool| {
+            let some = soundings.iter().filter(move |s| s.is_good() == is_good);
             let count = column_count(soundings.len());
             let depth = |s: &Sounding| {
                 let depth_m = reduction.depth_m(s.time_s, f64::from(s.depth_m));

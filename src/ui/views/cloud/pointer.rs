@@ -259,7 +259,7 @@ mod tests {
             source: PointSource::DownScan,
             ping: index,
             record: None,
-            reliable: true,
+            fault: None,
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,

@@ -411,7 +411,7 @@ mod tests {
             source,
             ping,
             record: None,
-            reliable: true,
+            fault: None,
             above_bottom: false,
             level: 200,
             above_bottom_m: 0.0,

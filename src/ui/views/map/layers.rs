@@ -161,7 +161,7 @@ fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Recor
         let record = |(sounding, place): (&Sounding, &'a PingNav)| Record {
             time_s: sounding.time_s,
             place,
-            depth_m: match sounding.locked {
+            depth_m: match sounding.is_good() {
                 true => correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32,
                 false => f32::NAN,
             },

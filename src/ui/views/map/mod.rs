@@ -203,7 +203,8 @@ impl MapView {
             depth_map: (context.app.depth_map()).filter(|_| context.app.needs_depth_map()),
             isobaths: self.layers.isobaths(&context.options().map.layers),
             residuals: self.layers.residuals(&context.options().map.layers),
-            lost_soundings: context.app.log.lost_soundings,
+            has_faults: (context.app.log.figures.as_ref())
+                .is_some_and(|figures| figures.faults.all() > 0),
             made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
             has_excluded: exclusions::ping_count(context.app) > 0,
             has_swath: context.app.has_swath(),

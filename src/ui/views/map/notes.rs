@@ -73,7 +73,7 @@ fn grey_track(scene: &MapScene<'_>) -> Option<&'static str> {
         _ if !scene.shows(MapLayer::Track) || !scene.track.logs.is_empty() => None,
         None => Some("grey track:\nno depth"),
         Some(_) if scene.track.side_scan_only => Some("grey dashes: depth\nby side-scan only"),
-        Some(_) if scene.lost_soundings > 0 => Some("grey track:\nbottom lost"),
+        Some(_) if scene.has_faults => Some("grey track:\nfalse depth"),
         Some(_) => None,
     }
 }

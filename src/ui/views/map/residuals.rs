@@ -103,7 +103,7 @@ mod tests {
             source: PointSource::Port,
             ping: 0,
             record: None,
-            reliable: true,
+            fault: None,
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,

@@ -27,8 +27,8 @@ pub(super) struct MapScene<'a> {
     pub isobaths: Option<Arc<IsobathLayer>>,
     /// The residuals, while they are shown and once they are placed.
     pub residuals: Option<Arc<ResidualLayer>>,
-    /// Soundings after the recorder had lost the bottom: they leave the track grey.
-    pub lost_soundings: usize,
+    /// True where soundings have a fault: they leave the track grey.
+    pub has_faults: bool,
     /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more:
     /// it is followed.
     pub made_of: Option<usize>,

@@ -232,8 +232,9 @@ fn doubts(app: &App, number: usize, side: Side) -> String {
     let shown = &app.view.options.waterfall;
     let mut lines = String::new();
     let judged = app.log.judged().and_then(|survey| survey.side_scan.get(number));
-    if shown.depth_line && judged.is_some_and(|ping| ping.depth_m > 0.0 && !ping.depth_locked) {
-        lines += "\ndepth dashed: the recorder had lost the bottom";
+    let fault = judged.filter(|ping| ping.depth_m > 0.0).and_then(|ping| ping.depth_fault);
+    if let Some(fault) = fault.filter(|_| shown.depth_line) {
+        lines += &format!("\ndepth dashed: {}", fault.name());
     }
     let pick = app.bottom_line().and_then(|returns| returns.side(side).get(number));
     if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {

@@ -266,7 +266,7 @@ mod tests {
         let ping = SidePing {
             time_s: 0.0,
             depth_m: 3.0,
-            depth_locked: true,
+            depth_fault: None,
             port: Some(span),
             starboard: Some(span),
         };

@@ -47,9 +47,9 @@ fn the_bottom_is_lost_in_the_same_stretch_at_one_and_at_five_soundings_a_second(
     let mut stretches = Vec::new();
     for file in ["bottom_lost_1hz.nmea", "bottom_lost_5hz.nmea"] {
         let Some(survey) = case(file) else { return };
-        let lost = || survey.soundings.iter().filter(|one| !one.locked).map(|one| one.time_s);
+        let lost = || survey.soundings.iter().filter(|one| !one.is_good()).map(|one| one.time_s);
         stretches.push([lost().next().expect("lost"), lost().next_back().expect("lost")]);
-        let counted = survey.soundings.iter().filter(|one| one.locked);
+        let counted = survey.soundings.iter().filter(|one| one.is_good());
         assert!(counted.clone().all(|one| (19.0..21.0).contains(&one.depth_m)), "{file}");
         assert!(counted.count() > survey.soundings.len() / 2);
     }

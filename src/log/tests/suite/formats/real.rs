@@ -192,7 +192,7 @@ fn what_looks_down_has_its_bottom_at_the_recorded_depth() {
             let compared: Vec<bool> = pings
                 .iter()
                 .filter_map(|&ping| {
-                    let depth_m = f64::from(down.locked_depth_m(ping));
+                    let depth_m = f64::from(down.good_depth_m(ping));
                     let above = mean_between(&down, ping, 0.55 * depth_m, 0.85 * depth_m)?;
                     let below = mean_between(&down, ping, depth_m, 1.15 * depth_m)?;
                     Some(below > 1.5 * above)

@@ -1,0 +1,97 @@
+//! Faults that make a sounding false.
+
+use crate::named;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// The reason why a sounding does not count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SoundingFault {
+    /// The recorder had lost the bottom: its depth jumps up and down.
+    LostBottom,
+    /// It lies between a leap far below the bottom and the leap back.
+    FarBelow,
+    /// It alone departs from the soundings before and after it.
+    Glitch,
+    /// It is twice as deep as the first returns of both sides: the sounder took the echo that went
+    /// to the bottom twice.
+    SecondEcho,
+    /// The last depth is written again while the first returns of both sides move.
+    Held,
+}
+
+named! {
+    /// All of them.
+    pub SoundingFault {
+        LostBottom: "lost bottom",
+        FarBelow: "far below the bottom",
+        Glitch: "glitch",
+        SecondEcho: "second echo",
+        Held: "held depth",
+    }
+}
+
+impl SoundingFault {
+    /// Returns what shows it, as the end of a sentence about several soundings.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::LostBottom => "jump up and down (the recorder had lost the bottom)",
+            Self::FarBelow => "lie between a leap far below the bottom and the leap back",
+            Self::Glitch => "depart from those before and after them",
+            Self::SecondEcho => {
+                "are twice as deep as the first returns of both sides (the recorder took the second echo of the bottom)"
+            }
+            Self::Held => {
+                "stay the same while the first returns of both sides move (the recorder had lost the bottom and wrote its last depth)"
+            }
+        }
+    }
+}
+
+/// Numbers of soundings by their fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FaultCounts([usize; SoundingFault::ALL.len()]);
+
+impl FaultCounts {
+    /// Counts faults.
+    pub fn of(faults: impl IntoIterator<Item = SoundingFault>) -> Self {
+        let mut counts = Self::default();
+        for fault in faults {
+            counts.0[fault as usize] += 1;
+        }
+        counts
+    }
+
+    /// Adds those of another log.
+    pub fn add(&mut self, other: &Self) {
+        for (count, more) in self.0.iter_mut().zip(other.0) {
+            *count += more;
+        }
+    }
+
+    /// Returns the number of all of them.
+    pub fn all(&self) -> usize {
+        self.0.iter().sum()
+    }
+
+    /// Returns the faults that there are, with the number of each.
+    pub fn found(&self) -> impl Iterator<Item = (SoundingFault, usize)> + '_ {
+        SoundingFault::ALL.into_iter().zip(self.0).filter(|(_, count)| *count > 0)
+    }
+
+    /// Returns them in words: "83 lost bottom, 12 glitch".
+    pub fn summary(&self) -> String {
+        let each = self.found().map(|(fault, count)| format!("{count} {}", fault.name()));
+        each.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// The number of soundings by the name of their fault, of those that there are.
+impl Serialize for FaultCounts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (fault, count) in self.found() {
+            map.serialize_entry(fault.name(), &count)?;
+        }
+        map.end()
+    }
+}
