@@ -4,7 +4,7 @@ use crate::resources::processor_s;
 use bathyscope::app::{App, Jobs, MapLayer, View};
 use bathyscope::ui::ViewContext;
 use bathyscope::ui::views::MapView;
-use bathyscope_bottom::cloud::{Correction, PointCloud, ping_depths};
+use bathyscope_bottom::cloud::{Correction, Geometry, PointCloud, ping_depths};
 use bathyscope_bottom::first_return;
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -136,7 +136,7 @@ fn app(count: usize) -> App {
 
 fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
     let (cloud, correction) = (PointCloud::default(), Correction::default());
-    let depths = ping_depths(survey, &cloud, &[], &correction);
+    let depths = ping_depths(survey, &nav, (&cloud, Geometry::Slope), &[], &correction);
     Products {
         settings: Arc::default(),
         exclusions: Arc::default(),

@@ -8,7 +8,7 @@ use bathyscope::ui::{ViewContext, ViewRequest};
 use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
 use bathyscope_bottom::calibration::{Calibration, FlatSpot, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::{
-    CloudPoint, Correction, PointClass, PointCloud, PointSource, RecordIndex, ping_depths,
+    CloudPoint, Correction, Geometry, PointClass, PointCloud, PointSource, RecordIndex, ping_depths,
 };
 use bathyscope_log::formats;
 use bathyscope_log::support::geo::LonLat;
@@ -126,7 +126,7 @@ fn products(
     classes: Vec<PointClass>,
 ) -> Products {
     let correction = Correction::default();
-    let depths = ping_depths(survey, &cloud, &classes, &correction);
+    let depths = ping_depths(survey, &nav, (&cloud, Geometry::Slope), &classes, &correction);
     let spot = |start: usize, depth_m| FlatSpot {
         pings: start..start + 41,
         length_m: 10.2,

@@ -1,6 +1,6 @@
 //! The depth under the boat at every ping, and what it comes from.
 
-use super::{Correction, PointClass, PointCloud};
+use super::{CloudPoint, Correction, Geometry, PointClass, PointCloud};
 use bathyscope_log::survey::{Exclusions, PingNav, Survey};
 use serde::Serialize;
 
@@ -24,14 +24,24 @@ pub struct PingDepth {
     pub depth_m: f32,
     /// What it comes from.
     pub source: DepthSource,
+    /// True where the first return of one side alone lies up a slope, and the depth is that of the
+    /// same slope under the boat.
+    pub by_slope: bool,
 }
 
-/// One entry a side-scan ping: the recorded depth where the recorder had the bottom, else that of
-/// the deeper of the first returns that are kept. The other side detects a bank or a boulder to the
-/// side of the boat first.
+impl PingDepth {
+    const NONE: Self = Self { depth_m: f32::NAN, source: DepthSource::None, by_slope: false };
+}
+
+/// One entry a side-scan ping: the recorded depth where it has no fault, else that of the deeper of
+/// the first returns that are kept. The other side detects a bank or a boulder to the side of the
+/// boat first. A first return of one side alone that lies out by `y` at the altitude `a` is square
+/// to the beam on a slope of `y / a`, so that the bottom lies deeper by `y y / a` under the boat.
+/// That is so where the cloud is placed by slopes. `places` are those of the pings.
 pub fn ping_depths(
     survey: &Survey,
-    cloud: &PointCloud,
+    places: &[PingNav],
+    (cloud, geometry): (&PointCloud, Geometry),
     classes: &[PointClass],
     correction: &Correction,
 ) -> Vec<PingDepth> {
@@ -39,30 +49,56 @@ pub fn ping_depths(
         let recorded_m = ping.good_depth_m();
         let depth_m = correction.depth_m(ping.time_s, f64::from(recorded_m)) as f32;
         match recorded_m > 0.0 {
-            true => (depth_m, DepthSource::Sounding),
-            false => (f32::NAN, DepthSource::None),
+            true => PingDepth { depth_m, source: DepthSource::Sounding, by_slope: false },
+            false => PingDepth::NONE,
         }
     });
-    let mut depths: Vec<PingDepth> =
-        recorded.map(|(depth_m, source)| PingDepth { depth_m, source }).collect();
-    let kept = cloud.kept(classes);
-    for (_, point) in kept.filter(|(_, point)| point.source.is_side_scan()) {
-        if let Some(depth) = depths.get_mut(point.ping as usize)
-            && depth.source != DepthSource::Sounding
-        {
-            // Of NaN and a depth, this is the depth.
-            depth.depth_m = depth.depth_m.max(-point.z_m as f32);
-            depth.source = DepthSource::SideScan;
+    let mut depths: Vec<PingDepth> = recorded.collect();
+    let first_returns = || {
+        let kept = cloud.kept(classes).map(|(_, point)| point);
+        kept.filter(|point| point.source.is_side_scan())
+    };
+    let mut counts = vec![0_u8; depths.len()];
+    for point in first_returns() {
+        if let Some(count) = counts.get_mut(point.ping as usize) {
+            *count += 1;
         }
     }
+    for point in first_returns() {
+        let ping = point.ping as usize;
+        let Some(depth) =
+            depths.get_mut(ping).filter(|depth| depth.source != DepthSource::Sounding)
+        else {
+            continue;
+        };
+        let mut point_m = -point.z_m;
+        if geometry == Geometry::Slope && counts[ping] == 1 {
+            let surface_m = correction.depth_m(survey.side_scan[ping].time_s, 0.0);
+            let fall_m = fall_m(point, places.get(ping), point_m - surface_m);
+            depth.by_slope = fall_m > 0.0;
+            point_m += fall_m;
+        }
+        // Of NaN and a depth, this is the depth.
+        depth.depth_m = depth.depth_m.max(point_m as f32);
+        depth.source = DepthSource::SideScan;
+    }
     depths
+}
+
+/// How much deeper the bottom lies under the boat than at the first return of one side alone,
+/// metres; 0 where that is not known.
+fn fall_m(point: &CloudPoint, place: Option<&PingNav>, altitude_m: f64) -> f64 {
+    let out_m =
+        |place: &PingNav| (point.east_m - place.east_m).hypot(point.north_m - place.north_m);
+    let fall_m = place.map_or(0.0, |place| out_m(place).powi(2) / altitude_m);
+    if altitude_m > 0.0 && fall_m < altitude_m { fall_m } else { 0.0 }
 }
 
 /// Takes the depths from the pings that are excluded; `first` is the ping of the first of them.
 pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions: &Exclusions) {
     for (ping, depth) in (first..).zip(depths) {
         if exclusions.ping(ping).is_some() {
-            *depth = PingDepth { depth_m: f32::NAN, source: DepthSource::None };
+            *depth = PingDepth::NONE;
         }
     }
 }
@@ -121,5 +157,49 @@ impl TrackShare {
     /// The share of the track over which depth comes from side-scan only, 0 to 1.
     pub fn side_scan_only(&self) -> f64 {
         self.side_scan_only_m / self.track_m.max(f64::MIN_POSITIVE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::PointSource;
+    use bathyscope_log::survey::SidePing;
+
+    fn point(source: PointSource, out_m: f64, z_m: f64) -> CloudPoint {
+        CloudPoint {
+            source,
+            ping: 0,
+            record: None,
+            fault: None,
+            above_bottom: false,
+            level: 0,
+            above_bottom_m: 0.0,
+            confidence: 1.0,
+            sample: 1.0,
+            east_m: out_m,
+            north_m: 0.0,
+            z_m,
+        }
+    }
+
+    #[test]
+    fn a_slope_that_one_side_sees_goes_on_under_the_boat() {
+        let survey = Survey::of_pings([SidePing::with_depth(0.0, f32::NAN)]);
+        let place = PingNav::northbound([0.0; 2], 1.0);
+        let depth = |points: &[CloudPoint], geometry| {
+            let cloud = PointCloud { points: points.iter().copied().collect(), zero_heading: 0 };
+            let classes = vec![PointClass::Bottom; points.len()];
+            let correction = Correction::default();
+            ping_depths(&survey, &[place], (&cloud, geometry), &classes, &correction)[0]
+        };
+        let port = point(PointSource::Port, -2.0, -4.0);
+        let alone = depth(&[port], Geometry::Slope);
+        assert_eq!((alone.depth_m, alone.by_slope), (5.0, true));
+        let placed_by_an_angle = depth(&[port], Geometry::Published);
+        assert_eq!((placed_by_an_angle.depth_m, placed_by_an_angle.by_slope), (4.0, false));
+        let starboard = point(PointSource::Starboard, -0.3, -4.9);
+        let both = depth(&[port, starboard], Geometry::Slope);
+        assert_eq!((both.depth_m, both.by_slope), (4.9, false));
     }
 }

@@ -119,7 +119,13 @@ pub fn extend(
         progress,
     )?;
     let classes = cloud::classify(&cloud, &settings.class_rules(), progress)?;
-    let depths = cloud::ping_depths(&stretch, &cloud, &classes, correction);
+    let depths = cloud::ping_depths(
+        &stretch,
+        &navigation.pings,
+        (&cloud, settings.cloud.geometry),
+        &classes,
+        correction,
+    );
     let new_depths = &depths[part.first - part.context..];
     let all_depths =
         (versions.depths).next_changed(&before.depths, part.first, new_depths, |all| {

@@ -15,7 +15,7 @@ use bathyscope_bottom::cloud::{
 use bathyscope_bottom::first_return::{self, BottomLine, FirstReturns};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{
-    Exclusions, Navigation, Relief, SideSpan, Sounding, Survey, navigate_with,
+    Exclusions, Navigation, PingNav, Relief, SideSpan, Sounding, Survey, navigate_with,
 };
 use std::sync::Arc;
 
@@ -52,7 +52,8 @@ pub fn run(
     let bottom_line = run.bottom_line(&returns, &calibration, &reduction);
     let (cloud, clutter) =
         run.cloud(&navigation, &exclusions, &counted, &calibration, &correction)?;
-    let point_results = run.point_results(&cloud, &exclusions, &correction, &reduction)?;
+    let point_results =
+        run.point_results((&cloud, &navigation.pings), &exclusions, &correction, &reduction)?;
     let relief = run.relief(&navigation, &cloud, &point_results.classes)?;
     let known = run.reusable(Stage::Outliers).map(|old| (old.latency, old.repeatability));
     let mut products = Products {
@@ -304,7 +305,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
     /// colour scales.
     fn point_results(
         &mut self,
-        cloud: &PointCloud,
+        (cloud, places): (&PointCloud, &[PingNav]),
         exclusions: &Exclusions,
         correction: &Correction,
         reduction: &Reduction<'_>,
@@ -320,7 +321,13 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         self.begin(Stage::Outliers)?;
         let survey = self.survey;
         let classes = cloud::classify(cloud, &self.settings.class_rules(), self.progress)?;
-        let mut depths = cloud::ping_depths(survey, cloud, &classes, correction);
+        let mut depths = cloud::ping_depths(
+            survey,
+            places,
+            (cloud, self.settings.cloud.geometry),
+            &classes,
+            correction,
+        );
         cloud::clear_excluded_depths(&mut depths, 0, exclusions);
         Ok(PointResults {
             depth_range_m: depth_range_m(survey, correction, &depths),

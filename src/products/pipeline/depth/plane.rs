@@ -64,6 +64,28 @@ impl<'a> CloudPlane<'a> {
         depth_points(cloud, classes, &products.settings.surface, |p| self.place(p))
     }
 
+    /// The depths under the boat that the slope of a first return of one side alone gives, weighted
+    /// as first returns.
+    pub(super) fn slope_points(&self, products: &Products) -> Vec<DepthPoint> {
+        let weight = products.settings.surface.side_scan_weight;
+        let depths = products.depths.iter().zip(products.navigation.pings.iter());
+        let by_slope = depths.filter(|(depth, _)| depth.by_slope && weight > 0.0);
+        let placed = by_slope.map(|(depth, place)| {
+            let position = self.navigation.to_lon_lat(self.track, place.east_m, place.north_m);
+            (self.map.place(position), f64::from(depth.depth_m))
+        });
+        let known = placed.filter(|(place, _)| place.iter().all(|value| value.is_finite()));
+        known
+            .map(|([east_m, north_m], depth_m)| DepthPoint {
+                east_m,
+                north_m,
+                depth_m,
+                weight,
+                is_sounding: false,
+            })
+            .collect()
+    }
+
     /// First returns that one side sees above the recorded depth for long and that do not count:
     /// weed, a bank or a scarp.
     pub(super) fn doubtful_points(&self, products: &Products) -> Vec<DepthPoint> {

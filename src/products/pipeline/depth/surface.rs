@@ -10,9 +10,10 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 
 /// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*`
 /// settings of the first. Each log's points weigh what its own settings give them; where logs meet
-/// in a cell the weighted median stands, so that a log with many points there counts more. Depths
-/// between the lines come from the levels of the echoes of all logs where `surface.swath` says so.
-/// `None` where the depths span no surface.
+/// in a cell the weighted median stands, so that a log with many points there counts more. Where
+/// one side alone sees a slope, the depth under the boat that follows from it counts as well.
+/// Depths between the lines come from the levels of the echoes of all logs where `surface.swath`
+/// says so. `None` where the depths span no surface.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -25,7 +26,11 @@ pub fn joint_depth_surface(
         return Ok(None);
     };
     let settings = &first.products.settings.surface;
-    let points = joint_depth_points(logs, map, progress)?;
+    let mut points = joint_depth_points(logs, map, progress)?;
+    for log in logs {
+        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
+        points.append(&mut plane.slope_points(&log.products));
+    }
     let mut made = match settings.swath {
         SwathDepth::Off => surface(points, settings, progress)?,
         _ => {
