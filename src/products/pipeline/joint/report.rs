@@ -197,7 +197,7 @@ pub fn contradictions<'a>(
         let [one, other] = pair.logs.map(|log| names.get(log).map_or("", String::as_str));
         let (left_m, places) = (pair.residual_m, text::plural(pair.n, "place", "places"));
         format!(
-            "{one} and {other} differ by {left_m:+.2} m at {places} after all height offsets: look for a clock, a water level or a bottom that changed, and exclude what is wrong"
+            "{one} and {other} differ by {left_m:+.2} m at {places}, which no height offset explains: look for a clock, a water level or a bottom that changed, and exclude what is wrong"
         )
     })
 }
