@@ -19,7 +19,7 @@ const ONE_SIDED: f64 = 0.75;
 /// waterfall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AboveBottom {
-    /// How many, both sides.
+    /// Their number on both sides.
     pub count: usize,
     /// Those that stand out from the bed, which the recorder follows less closely elsewhere nearby.
     pub standing: usize,
@@ -135,7 +135,7 @@ fn of_side(survey: &Survey, products: &Products, side: Side) -> Vec<Above> {
         .collect()
 }
 
-/// How far a point lies above the recorded depth of its ping, metres; NaN without one.
+/// Returns the height of a point above the recorded depth of its ping, metres; NaN without one.
 fn height_m(survey: &Survey, products: &Products, point: &CloudPoint) -> f64 {
     let ping = survey.side_scan.get(point.ping as usize);
     ping.map_or(f64::NAN, |ping| {

@@ -67,8 +67,8 @@ impl App {
         true
     }
 
-    /// Whether no box is selected, or the selected one is not to be seen where the key was pressed;
-    /// then it comes into view.
+    /// Returns true if no box is selected, or the selected one is not to be seen where the key was
+    /// pressed; then it comes into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
         let Some(one) = self.log.reviewing.selected_box() else {
             self.ask_for_box();
@@ -98,7 +98,7 @@ impl App {
     }
 }
 
-/// Whether depths, places or decisions differ between two steps.
+/// Returns true if depths, places or decisions differ between two steps.
 fn changes_results(before: &UndoStep, after: &UndoStep) -> bool {
     let shared = !Arc::ptr_eq(&before.shared, &after.shared)
         && results_of(&setting_values(&before.shared))

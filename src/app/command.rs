@@ -89,7 +89,7 @@ pub enum Command {
     MatchBy {
         /// From where.
         by: ReferenceBy,
-        /// How far the nearest point may be, metres.
+        /// Largest distance of the nearest point, metres.
         radius_m: f64,
     },
     /// Bring the control of a setting into view, by its key, and move the keyboard to it.
@@ -146,7 +146,7 @@ pub enum Command {
         side: Side,
         /// First and last ping.
         pings: [usize; 2],
-        /// Whether they are accepted.
+        /// True if they are accepted.
         accept: bool,
     },
     /// Draw the bottom over the waterfall.

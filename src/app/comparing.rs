@@ -20,7 +20,7 @@ pub enum ReferenceBy {
     Nearest,
 }
 
-/// How far a nearest point may be at first, metres.
+/// Largest distance of a nearest point at first, metres.
 const RADIUS_M: f64 = 1.0;
 
 /// The reference, and how points find it.
@@ -49,7 +49,7 @@ impl Default for Comparing {
 }
 
 impl Comparing {
-    /// Whether a reference is being opened.
+    /// Returns true if a reference is being opened.
     pub fn is_opening(&self) -> bool {
         self.opening.is_some()
     }

@@ -227,8 +227,8 @@ impl App {
         logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
-    /// Whether something on the map is drawn or measured from the depth map; otherwise it may be
-    /// older than its settings.
+    /// Returns true if something on the map is drawn or measured from the depth map; otherwise it
+    /// may be older than its settings.
     pub(crate) fn needs_depth_map(&self) -> bool {
         let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);

@@ -79,7 +79,7 @@ pub(super) enum AppError {
     /// A file cannot be removed.
     #[error("{source}: {}", path.display())]
     Remove {
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
         /// Which file.
         path: PathBuf,

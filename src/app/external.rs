@@ -46,7 +46,7 @@ enum ExternalContent {
 pub struct External {
     /// The survey with the recorder's own track, while another lies over it.
     pub recorded: Option<Arc<Survey>>,
-    /// How far the two tracks lie apart.
+    /// Distance between the two tracks.
     pub apart: Arc<TracksApart>,
     /// The tracks read for the open survey: undo goes back to them.
     tracks: Vec<Arc<TrackFile>>,
@@ -54,7 +54,7 @@ pub struct External {
 }
 
 impl External {
-    /// Whether a file is being read.
+    /// Returns true if a file is being read.
     pub(crate) fn is_reading(&self) -> bool {
         self.reading.is_some()
     }

@@ -7,7 +7,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{FaultCounts, Side, Survey};
 use bathyscope_products::pipeline::Products;
 
-/// How much of everything there is in a result.
+/// Counts of a result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
     /// First returns found to port.

@@ -100,7 +100,7 @@ impl WatchedLog {
         Self { id, files: files.collect() }
     }
 
-    /// What is wrong with one of its files, in a sentence.
+    /// Returns the fault of one of its files, as a sentence.
     fn fault(&self) -> Option<(LogId, String)> {
         let fault =
             |(path, bytes): &(PathBuf, Bytes)| Some(FileError::new(bytes.fault(path)?, path));

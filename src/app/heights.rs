@@ -34,7 +34,7 @@ impl FoundHeights {
         !self.compared.contradicted.is_empty()
     }
 
-    /// How many groups of connected logs there are.
+    /// Returns the number of groups of connected logs.
     pub fn groups(&self) -> usize {
         self.compared.offsets.groups()
     }

@@ -17,7 +17,7 @@ const LABEL: &str = "isobath area";
 pub(super) struct ReadingArea(Option<Task<Result<WaterArea, AppError>>>);
 
 impl ReadingArea {
-    /// Whether one is.
+    /// Returns true if one is.
     pub(super) fn is_busy(&self) -> bool {
         self.0.is_some()
     }

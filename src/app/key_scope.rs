@@ -44,7 +44,7 @@ impl KeyScope {
         KeyScope::Cloud,
     ];
 
-    /// Whether the key acts while this has the keyboard.
+    /// Returns true if the key acts while this has the keyboard.
     pub fn holds(self, focus: KeyFocus) -> bool {
         use KeyFocus::{Review, View as In};
         use View::{Cloud, Map, Waterfall};
@@ -73,7 +73,7 @@ impl KeyScope {
     }
 }
 
-/// Whether a key of the table could be part of a text: no Ctrl, no Alt, no function key.
+/// Returns true if a key of the table could be part of a text: no Ctrl, no Alt, no function key.
 pub fn is_bare(keys: &str) -> bool {
     let is_function_key = |key: &str| {
         let number = key.strip_prefix('F');
@@ -118,13 +118,14 @@ impl Action {
         })
     }
 
-    /// Whether its bare key only offers it, with a button that does it: it changes depths or places
-    /// of the whole log, and a slip of the hand must not.
+    /// Returns true if its bare key only offers it, with a button that does it: it changes depths
+    /// or places of the whole log, and a slip of the hand must not.
     pub(crate) fn asks_by_key(self) -> bool {
         matches!(self, Action::SwapSides)
     }
 
-    /// Whether it decides about the selected box or changes it, so that the box must be in sight.
+    /// Returns true if it decides about the selected box or changes it, so that the box must be in
+    /// sight.
     pub(crate) fn is_about_selected_box(self) -> bool {
         use Action as A;
         matches!(

@@ -141,7 +141,7 @@ impl Loading {
     }
 }
 
-/// Whether two logs hold the same bytes, whatever their names.
+/// Returns true if two logs hold the same bytes, whatever their names.
 fn is_same_recording(one: &Survey, other: &Survey) -> bool {
     let is_same = Identity::of(one).is_same_log(&Identity::of(other));
     let [one, other] = [one, other].map(|survey| survey.bytes.iter());

@@ -91,7 +91,7 @@ impl App {
         self.logs().filter(|log| log.is_visible)
     }
 
-    /// Whether one of them has depths across the track.
+    /// Returns true if one of them has depths across the track.
     pub fn has_swath(&self) -> bool {
         let mut surveys = self.visible_logs().filter_map(|log| log.survey.as_ref());
         surveys.any(|survey| !survey.swath.is_empty())
@@ -128,7 +128,7 @@ impl App {
         self.visible_logs().filter_map(OpenLog::settled)
     }
 
-    /// How many logs are open.
+    /// Returns the number of open logs.
     pub fn log_count(&self) -> usize {
         self.logs.order.len()
     }
@@ -436,7 +436,7 @@ impl App {
         self.reveal(mark);
     }
 
-    /// Whether a log is being processed.
+    /// Returns true if a log is being processed.
     pub(crate) fn is_processing(&self, id: LogId) -> bool {
         let processed = self.pipeline.requested.as_ref().map(|(processed, ..)| *processed);
         processed == Some(id) && self.engine_status() != EngineStatus::Idle

@@ -27,7 +27,7 @@ impl<T> Default for LogsTask<T> {
 }
 
 impl<T: Send + 'static> LogsTask<T> {
-    /// Whether it is at work.
+    /// Returns true if it is at work.
     pub(super) fn is_busy(&self) -> bool {
         self.task.is_some()
     }

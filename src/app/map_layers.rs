@@ -78,7 +78,7 @@ impl MapLayer {
 pub struct LayerShown {
     /// The layer.
     pub layer: MapLayer,
-    /// Whether it is drawn.
+    /// True if it is drawn.
     pub visible: bool,
     /// 0 (not seen) to 1 (as it is).
     pub opacity: f32,
@@ -155,7 +155,7 @@ impl LayerStack {
         found.copied().unwrap_or(LayerShown::at_first(layer))
     }
 
-    /// Whether a layer is drawn and can be seen.
+    /// Returns true if a layer is drawn and can be seen.
     pub fn is_visible(&self, layer: MapLayer) -> bool {
         let shown = self.of(layer);
         shown.visible && shown.opacity > 0.0

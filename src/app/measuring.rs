@@ -64,7 +64,7 @@ impl Measuring {
         self.drawn.as_deref()
     }
 
-    /// Whether the plot of a depth profile is requested.
+    /// Returns true if the plot of a depth profile is requested.
     pub fn shows_profile(&self) -> bool {
         let drawn = self.figure.as_ref().map(|figure| figure.measurement.kind);
         self.tool.or(drawn) == Some(MeasurementKind::Profile)
@@ -77,7 +77,7 @@ impl Measuring {
         figure.map_or(&NONE, |figure| &figure.measurement.picks)
     }
 
-    /// Whether a corner would go on with the figure there is.
+    /// Returns true if a corner would go on with the figure there is.
     pub(crate) fn is_drawing(&self) -> bool {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
         open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)

@@ -99,7 +99,7 @@ impl Objects {
         list.map_or(&*self.first, |list| list.numbers())
     }
 
-    /// Whether objects are being put together.
+    /// Returns true if objects are being put together.
     pub(super) fn is_busy(&self) -> bool {
         self.list.is_running()
             || self.passes.is_running()

@@ -45,7 +45,7 @@ pub struct OpenLog {
     pub(super) source: SourceKey,
     /// Its colour where logs are told apart, red, green and blue.
     pub colour: [u8; 3],
-    /// Whether it takes part in maps, clouds and products.
+    /// True if it takes part in maps, clouds and products.
     pub is_visible: bool,
     /// Why it was left off the map when it was opened, until the analyst decides.
     pub apart: Option<Apart>,
@@ -175,7 +175,7 @@ impl OpenLog {
         Stage::first_stale(&products.settings, &self.settings)
     }
 
-    /// Whether results are missing or older than their settings.
+    /// Returns true if results are missing or older than their settings.
     pub fn is_behind(&self) -> bool {
         let is_current = |products: &Products| products.settings == self.settings;
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
@@ -197,7 +197,7 @@ impl OpenLog {
         products.settings == self.settings
     }
 
-    /// Whether something of it is being read, counted or searched.
+    /// Returns true if something of it is being read, counted or searched.
     pub(super) fn is_busy(&self) -> bool {
         self.counting.is_some()
             || self.external.is_reading()

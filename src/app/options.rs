@@ -462,7 +462,7 @@ impl ViewOptions {
         options
     }
 
-    /// Whether boxes are drawn in any view.
+    /// Returns true if boxes are drawn in any view.
     pub(crate) fn shows_boxes(&self) -> bool {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
     }

@@ -61,7 +61,7 @@ enum Goal {
 }
 
 impl Passes {
-    /// Whether passes are being looked for.
+    /// Returns true if passes are being looked for.
     pub(super) fn is_busy(&self) -> bool {
         self.fraction().is_some()
     }

@@ -68,7 +68,7 @@ pub struct Planning {
 }
 
 impl Planning {
-    /// Whether lines are being planned.
+    /// Returns true if lines are being planned.
     pub(crate) fn is_busy(&self) -> bool {
         self.task.is_some()
     }

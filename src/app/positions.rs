@@ -25,7 +25,8 @@ impl FoundPositions {
     /// What is said where nothing of it is worth applying.
     pub(crate) const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
 
-    /// Whether anything of it differs from what was in force by more than crossings leave open.
+    /// Returns true if anything of it differs from what was in force by more than crossings leave
+    /// open.
     pub fn tells(&self) -> bool {
         let of_log =
             |log: &LogPositions| log.told_shift().is_some() || log.told_latency_s().is_some();
@@ -37,7 +38,7 @@ impl FoundPositions {
 pub(super) type Positions = LogsTask<FoundPositions>;
 
 impl App {
-    /// Whether positions are being compared.
+    /// Returns true if positions are being compared.
     pub(crate) fn is_matching_positions(&self) -> bool {
         self.findings.positions.is_busy()
     }

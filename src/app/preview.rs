@@ -76,7 +76,7 @@ pub(super) struct Preview {
 }
 
 impl Preview {
-    /// Whether these are still the settings in force.
+    /// Returns true if these are still the settings in force.
     pub(super) fn is_for(&self, settings: &Settings) -> bool {
         self.image == settings.image && self.first_return.finds_the_same(&settings.first_return)
     }
@@ -104,7 +104,7 @@ impl Previewer {
         *self = Self::default();
     }
 
-    /// Whether an answer is still to come.
+    /// Returns true if an answer is still to come.
     pub(super) fn is_busy(&self) -> bool {
         self.running.is_some() || self.queued.is_some()
     }

@@ -22,7 +22,7 @@ pub struct ProfileLine {
 }
 
 impl ProfileLine {
-    /// Whether there is no depth map to look at.
+    /// Returns true if there is no depth map to look at.
     pub(crate) fn lacks_map(&self) -> bool {
         self.map.is_none()
     }

@@ -52,7 +52,7 @@ pub(super) struct ProjectSaving {
 }
 
 impl ProjectSaving {
-    /// Whether a project is being opened or written.
+    /// Returns true if a project is being opened or written.
     pub(super) fn is_busy(&self) -> bool {
         self.opening.is_some() || self.is_writing()
     }
@@ -94,7 +94,7 @@ struct OpenedLogs {
     notes: Vec<String>,
 }
 
-/// Whether a path is named as a project is.
+/// Returns true if a path is named as a project is.
 pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
 }
@@ -105,8 +105,8 @@ impl App {
         self.files.project_saving.store.as_ref().map(Store::path)
     }
 
-    /// Whether the project has changes that its file does not hold; they are in the journal beside
-    /// it.
+    /// Returns true if the project has changes that its file does not hold; they are in the journal
+    /// beside it.
     pub fn is_project_unsaved(&self) -> bool {
         let store = self.files.project_saving.store.as_ref();
         store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
@@ -199,7 +199,7 @@ impl App {
         }
     }
 
-    /// Whether the project is being written into its file.
+    /// Returns true if the project is being written into its file.
     pub fn is_keeping(&self) -> bool {
         self.files.project_saving.is_writing()
     }

@@ -67,7 +67,7 @@ impl PartialEq for Of {
 }
 
 impl ReferenceComparison {
-    /// Whether points are being compared.
+    /// Returns true if points are being compared.
     pub(super) fn is_busy(&self) -> bool {
         self.task.is_some()
     }
@@ -115,7 +115,7 @@ impl App {
         self.findings.reference_comparison.problem.as_deref()
     }
 
-    /// Whether depths are being compared with the reference.
+    /// Returns true if depths are being compared with the reference.
     pub(crate) fn is_comparing_with_reference(&self) -> bool {
         self.findings.reference_comparison.is_busy()
     }

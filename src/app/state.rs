@@ -247,8 +247,8 @@ impl App {
         self.log.stale()
     }
 
-    /// Whether results are missing or older than their settings and nothing is under way to change
-    /// that.
+    /// Returns true if results are missing or older than their settings and nothing is under way to
+    /// change that.
     pub(crate) fn is_stopped(&self) -> bool {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
@@ -273,7 +273,7 @@ impl App {
         self.files.exporting.as_ref().map(Exporting::fraction)
     }
 
-    /// Whether nothing is being opened, computed or written.
+    /// Returns true if nothing is being opened, computed or written.
     pub fn is_idle(&self) -> bool {
         let is_busy = self.pipeline.is_busy()
             || self.files.is_busy()

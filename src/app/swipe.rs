@@ -35,7 +35,7 @@ impl SwipeSide {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Swipe {
-    /// Whether the map is divided.
+    /// True if the map is divided.
     pub on: bool,
     /// Where the divider stands, as a share of the map's width.
     pub share: f32,

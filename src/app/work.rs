@@ -237,8 +237,8 @@ impl App {
         }
     }
 
-    /// Whether a file that is to be written is one of a log's, which nothing is written over; says
-    /// so.
+    /// Returns true if a file that is to be written is one of a log's, which nothing is written
+    /// over; says so.
     pub(super) fn refuses_log(&mut self, id: LogId, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
         let survey = self.open_log(id).and_then(|log| log.survey.as_ref());

@@ -123,7 +123,7 @@ impl Equations {
         self.weights.push(weight);
     }
 
-    /// How many there are.
+    /// Returns their number.
     pub(crate) fn len(&self) -> usize {
         self.goals.len()
     }

@@ -58,7 +58,7 @@ impl DefaultFolders {
     }
 }
 
-/// Whether a run may write into a folder that nobody has named.
+/// Returns true if a run may write into a folder that nobody has named.
 fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
     if folder.symlink_metadata().is_err() {
         return true;

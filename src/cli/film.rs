@@ -32,7 +32,7 @@ pub(super) struct FilmArgs {
     /// Frames a second
     #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=60))]
     fps: u32,
-    /// How many times faster than the boat
+    /// Times as fast as the boat
     #[arg(long, default_value_t = 8.0, value_name = "FACTOR")]
     speed: f64,
 }

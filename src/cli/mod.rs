@@ -194,7 +194,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Whether somebody may read what is printed: a program that a desktop starts has no terminal.
+/// Returns true if somebody may read what is printed: a program that a desktop starts has no
+/// terminal.
 fn is_printed_to_a_person() -> bool {
     let has_terminal =
         io::stdin().is_terminal() || io::stdout().is_terminal() || io::stderr().is_terminal();

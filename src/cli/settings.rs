@@ -27,7 +27,7 @@ pub(super) struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// Whether any of them was given: a project brings its own.
+    /// Returns true if any of them was given: a project brings its own.
     pub(super) fn are_given(&self) -> bool {
         self.preset != Preset::default()
             || !self.settings.is_empty()

@@ -41,7 +41,7 @@ struct Step {
 /// What the steps are done to.
 #[derive(Clone, Debug, Default)]
 struct Work {
-    /// What it is called before the step's name; empty where there is one thing only.
+    /// Name before the step's name; empty where there is one thing only.
     name: String,
     /// Its side-scan pings; 0 where it has none.
     pings: usize,

@@ -193,7 +193,7 @@ fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {
     opened.push(OpenedLog { survey, ..log });
 }
 
-/// Whether two logs are the same recording: byte for byte, whatever their names.
+/// Returns true if two logs are the same recording: byte for byte, whatever their names.
 fn is_same(one: &Survey, other: &Survey) -> bool {
     let own = |survey: &Survey| {
         let track = usize::from(survey.track.external.is_some());
@@ -205,7 +205,7 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
         && one.bytes.iter().zip(&other.bytes).take(count).all(|(one, other)| one[..] == other[..])
 }
 
-/// Whether a file has the decisions about the boxes of a log.
+/// Returns true if a file has the decisions about the boxes of a log.
 pub(super) fn is_of(path: &Path, log: &OpenedLog) -> bool {
     Review::open_for(path, &log.survey).is_ok()
 }
@@ -275,7 +275,7 @@ pub(super) fn open_reference(
     Ok(Reference::of_logs(path, logs))
 }
 
-/// Whether an argument names several logs: a folder of them, or a project.
+/// Returns true if an argument names several logs: a folder of them, or a project.
 pub(super) fn is_group(argument: &OsStr) -> bool {
     let path = Path::new(argument);
     is_project(path) || many::logs(&[path.to_owned()]).len() > 1

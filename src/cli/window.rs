@@ -32,8 +32,8 @@ pub(crate) fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Fa
     Err(super::snapshot::NO_WINDOW.into())
 }
 
-/// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a
-/// display.
+/// Returns true if a window can be opened here. Elsewhere than on Linux and the BSDs there is
+/// always a display.
 pub(super) fn display_available() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     !cfg!(all(unix, not(target_os = "macos"))) || set("WAYLAND_DISPLAY") || set("DISPLAY")

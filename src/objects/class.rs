@@ -69,7 +69,7 @@ impl ReviewSettings {
     }
 }
 
-/// Whether a text can be a name: something on one line, and not too long.
+/// Returns true if a text can be a name: something on one line, and not too long.
 pub(super) fn is_name(name: &str) -> bool {
     let is_usual = name.chars().count() <= LONGEST_NAME && !name.contains(char::is_control);
     is_usual && !name.is_empty()

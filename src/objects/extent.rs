@@ -39,7 +39,7 @@ pub struct MeasuredShadow {
 }
 
 impl MeasuredShadow {
-    /// Whether it can belong to a box: on one of its pings, and with a length.
+    /// Returns true if it can belong to a box: on one of its pings, and with a length.
     pub fn fits(&self, mark: &Mark) -> bool {
         mark.pings.contains(&self.ping)
             && 0.0 < self.top_m

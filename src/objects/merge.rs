@@ -29,7 +29,7 @@ pub(super) struct TileDetection {
     pub found: Scored,
     /// The tile.
     pub tile: Rect,
-    /// Whether it may go on beyond the tile.
+    /// True if it may go on beyond the tile.
     pub cut: bool,
 }
 
@@ -45,7 +45,7 @@ impl TileDetection {
         Self { found: Scored { rect, ..found }, tile, cut }
     }
 
-    /// Whether it may go on behind a row of pixels that its tile ends at.
+    /// Returns true if it may go on behind a row of pixels that its tile ends at.
     pub(super) fn is_cut_at(&self, row: f32) -> bool {
         self.tile.y1 >= row && self.found.rect.y1 > row - EDGE_PX
     }
@@ -57,12 +57,12 @@ impl TileDetection {
             .then(|| [self, other].map(|seen| seen.found.rect.intersection(&strip)))
     }
 
-    /// Whether two cut boxes show one object.
+    /// Returns true if two cut boxes show one object.
     fn continues(&self, other: &TileDetection) -> bool {
         self.in_strip(other).is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
     }
 
-    /// Whether a whole box takes the place of a cut one.
+    /// Returns true if a whole box takes the place of a cut one.
     fn yields_to(&self, whole: &TileDetection) -> bool {
         let same = whole.found.class == self.found.class;
         let sure = whole.found.score >= SURE_ENOUGH * self.found.score;
@@ -75,7 +75,7 @@ impl TileDetection {
         self.found.score + f32::from(u8::from(self.found.class == cut.found.class))
     }
 
-    /// Whether a cut box is a piece of a whole one.
+    /// Returns true if a cut box is a piece of a whole one.
     fn is_piece_of(&self, whole: &TileDetection) -> bool {
         self.in_strip(whole).is_some_and(|[mine, theirs]| {
             let covered = mine.intersection(&theirs).area();

@@ -2,7 +2,7 @@
 
 use super::{Rect, Scored};
 
-/// How much of each other two boxes hide.
+/// Share of each other that two boxes hide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OverlapMeasure {
     /// Intersection over union.
@@ -19,7 +19,7 @@ pub enum OverlapMeasure {
 pub struct Nms {
     /// The measure that is compared with the threshold.
     pub overlap: OverlapMeasure,
-    /// Whether a box also hides boxes of other classes.
+    /// True if a box also hides boxes of other classes.
     pub across_classes: bool,
 }
 

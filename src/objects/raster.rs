@@ -156,9 +156,9 @@ impl Raster {
         [start(rect.y0, rect.y1, self.rows()), start(rect.x0, rect.x1, self.columns())]
     }
 
-    /// Whether most pings of a tile were recorded to the middle of its columns at least. A network
-    /// sees nothing in rows of which most are dark, and a few pings of a long range must not make a
-    /// survey wide.
+    /// Returns true if most pings of a tile were recorded to the middle of its columns at least. A
+    /// network sees nothing in rows of which most are dark, and a few pings of a long range must
+    /// not make a survey wide.
     pub(crate) fn is_recorded(
         &self,
         survey: &Survey,

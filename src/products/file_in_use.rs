@@ -16,7 +16,7 @@ const DENIED: i32 = 5;
 const ATTEMPTS: u32 = 20;
 const APART: Duration = Duration::from_millis(50);
 
-/// Whether an error says that another program has the file open.
+/// Returns true if an error says that another program has the file open.
 pub fn is_in_use(error: &io::Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(number) if IN_USE.contains(&number))
 }
@@ -54,8 +54,8 @@ pub(crate) fn for_one_writer(options: &mut OpenOptions) {
     let _ = options;
 }
 
-/// Whether another program has a file open so that it can be neither replaced nor removed; never so
-/// but on Windows.
+/// Returns true if another program has a file open so that it can be neither replaced nor removed;
+/// never so but on Windows.
 pub fn is_held(path: &Path) -> bool {
     #[cfg(windows)]
     {

@@ -8,7 +8,7 @@ use super::scene::Scene;
 use bathyscope_log::survey::Side;
 use std::f64::consts::{LN_10, PI};
 
-/// What is wrong with one ping.
+/// Fault of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Trouble {
     /// Factor on the power of every echo.
@@ -33,9 +33,9 @@ pub(super) struct Fish {
     pub first_ping: u64,
     /// Its slant range when it is abeam, as a share of the depth at that ping.
     pub depth_share: f64,
-    /// How far it has swum outward since then, metres.
+    /// Distance that it has swum outward since then, metres.
     pub outward_m: f64,
-    /// How far ahead of the boat it is, metres; negative astern.
+    /// Distance ahead of the boat, metres; negative astern.
     pub ahead_m: f64,
     /// Strength of its echo over that of a level bottom's edge, dB.
     pub strength_db: f64,
@@ -96,7 +96,7 @@ impl<'a> ArtefactPlan<'a> {
         }
     }
 
-    /// How far a fix is off at a time, metres east and north.
+    /// Returns the error of a fix at a time, metres east and north.
     pub(super) fn position_error_m(&self, time_s: f64) -> [f64; 2] {
         // Two rows of the field that have nothing in common.
         [0.0, 100.0 * DRIFT_S].map(|row| {
@@ -105,7 +105,7 @@ impl<'a> ArtefactPlan<'a> {
         })
     }
 
-    /// What is wrong with a ping at a time and a place along the way.
+    /// Fault of a ping at a time and a place along the way.
     pub(super) fn at(&self, ping: u64, time_s: f64, travelled_m: f64) -> Trouble {
         let artefacts = &self.scene.artefacts;
         let share = travelled_m / self.length_m;

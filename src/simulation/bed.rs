@@ -17,7 +17,7 @@ struct Character {
     /// Two sizes of roughness: distance between bumps and standard deviation of their height,
     /// metres.
     roughness_m: [(f64, f64); 2],
-    /// Whether stones lie about.
+    /// True if stones lie about.
     stones: bool,
     /// Shape of the texture's gamma distribution: how much the strength of neighbouring places
     /// differs (small: much).

@@ -5,7 +5,7 @@ use super::random::Random;
 /// The hull of a small boat; its bow points along the heading.
 pub(super) struct Hull {
     keel_up: bool,
-    /// How much higher one side stands than the other, as a share of the height; signed.
+    /// Height of one side over the other, as a share of the height; signed.
     list: f64,
     /// Height of the inner floor as a share of the height: planks, or the mud that fills it.
     floor: f64,

@@ -15,7 +15,7 @@ pub(super) struct PlacedObject {
     pub settings: ObjectSettings,
     /// Radius of the circle that holds it, metres.
     pub reach_m: f64,
-    /// How much stronger it scatters than the ground.
+    /// Strength of its echoes over that of the ground.
     pub strength: f64,
     forward: [f64; 2],
     shape: Shape,

@@ -65,7 +65,7 @@ impl Scene {
     }
 }
 
-/// What is wrong with the TOML, on one line.
+/// Fault of the TOML, on one line.
 fn sentence(error: &toml::de::Error) -> String {
     error.message().lines().collect::<Vec<_>>().join(", ")
 }

@@ -39,7 +39,7 @@ const TVG_START_M: f64 = 0.3;
 const INTERFERENCE_SHARE: f64 = 0.08;
 /// Range behind the first return over which the ground still returns a second echo, metres.
 const SECOND_ECHO_M: f64 = 0.15;
-/// How far before the first return its pulse can begin, metres.
+/// Largest distance from the beginning of its pulse to the first return, metres.
 const PULSE_LEAD_M: f64 = 0.1;
 /// Length of a fish's echo in slant range, metres (standard deviation).
 const FISH_M: f64 = 0.04;

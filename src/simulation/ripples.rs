@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 /// Size of the patches that the ripples lie in, and of the bends of their crests, metres.
 const PATCH_M: (f64, f64) = (6.0, 2.5);
-/// How far a crest bends, in wavelengths (standard deviation).
+/// Bend of a crest, in wavelengths (standard deviation).
 const BEND: f64 = 0.25;
 
 /// Ripples over the ground.
@@ -52,7 +52,7 @@ impl Ripples {
 const FAR: f64 = 100.0;
 
 impl Mound {
-    /// How much higher the ground is at a place, metres.
+    /// Returns the height that is added to the ground at a place, metres.
     pub fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);

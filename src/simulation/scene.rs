@@ -208,7 +208,7 @@ pub struct RecorderSettings {
     pub sonar_samples: u32,
     /// Side-scan pings for each ping of the primary and the down-scan channel.
     pub sonar_every: u32,
-    /// Whether a compass writes headings (2 degrees noise).
+    /// True if a compass writes headings (2 degrees noise).
     pub compass: bool,
 }
 
@@ -274,10 +274,10 @@ pub struct ObjectSettings {
     /// Direction of its length, degrees clockwise from north.
     #[serde(default)]
     pub heading_deg: f64,
-    /// How much of its height has sunk into the ground, metres.
+    /// Height that has sunk into the ground, metres.
     #[serde(default)]
     pub buried_m: f64,
-    /// How much stronger it scatters than the ground, dB; 6 when left out. Metal more, wood and
+    /// Strength of its echoes over that of the ground, dB; 6 when left out. Metal more, wood and
     /// rubber less.
     #[serde(default)]
     pub strength_db: Option<f64>,

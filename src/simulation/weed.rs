@@ -44,7 +44,7 @@ impl WeedBed {
         }
     }
 
-    /// Whether the bed comes within a distance of a place.
+    /// Returns true if the bed comes within a distance of a place.
     pub(super) fn is_near(&self, east_m: f64, north_m: f64, distance_m: f64) -> bool {
         self.inside(east_m, north_m) > -distance_m
     }

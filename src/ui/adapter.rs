@@ -43,7 +43,7 @@ fn rank(kind: DeviceType, preference: PowerPreference) -> u8 {
 /// is wrong with it.
 ///
 /// # Errors
-/// What is wrong with each of them.
+/// The fault of each of them.
 fn first_that_opens<T>(
     mut candidates: Vec<T>,
     opens: impl Fn(&T) -> Result<(), String>,

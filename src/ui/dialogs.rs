@@ -237,12 +237,12 @@ impl Dialogs {
         self.field = Field::new(PathPurpose::OpenLogs, false, None);
     }
 
-    /// Whether the path field is shown.
+    /// Returns true if the path field is shown.
     pub(super) fn is_open(&self) -> bool {
         self.field.is_some()
     }
 
-    /// Whether the system's dialog is shown or about to be.
+    /// Returns true if the system's dialog is shown or about to be.
     pub(super) fn is_waiting(&self) -> bool {
         self.waiting.is_some()
     }

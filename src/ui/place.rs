@@ -14,7 +14,7 @@ pub(super) fn reduction(app: &App) -> Reduction<'_> {
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
-/// Whether the shown log has a side-scan that is of use.
+/// Returns true if the shown log has a side-scan that is of use.
 pub(super) fn has_side_scan(app: &App) -> bool {
     let survey = app.log.survey.as_ref();
     survey.is_some_and(|survey| survey.has_side_scan())

@@ -95,8 +95,8 @@ impl Target {
     }
 }
 
-/// Whether a panic is a fault: not where other people's code panicked on damaged bytes and was
-/// expected to.
+/// Returns true if a panic is a fault: not where other people's code panicked on damaged bytes and
+/// was expected to.
 pub fn is_fault(panic: &std::panic::PanicHookInfo<'_>) -> bool {
     let place = panic.location().map_or("", |at| at.file());
     let is_ours = !place.contains("/registry/") && !place.starts_with("/rustc/");

@@ -19,7 +19,7 @@ const MOST_CELLS: u64 = 1 << 18;
 /// Images of one file that are looked at for that.
 const MOST_IMAGES: usize = 8;
 
-/// Whether no image of a file is large.
+/// Returns true if no image of a file is large.
 pub(super) fn is_small(bytes: &[u8]) -> bool {
     let sizes = || -> Option<bool> {
         let mut bytes = Cursor::new(bytes);

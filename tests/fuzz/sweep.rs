@@ -198,7 +198,7 @@ impl Patient {
         Found::Opened { lost, has_unplaced: gone && !self.says_where(&survey, &place) }
     }
 
-    /// Whether a warning is about the records that the harm touched.
+    /// Returns true if a warning is about the records that the harm touched.
     fn says_where(&self, survey: &Survey, place: &Range<u64>) -> bool {
         let touched = self.records.iter().filter(|record| touches(record, place));
         let bounds = touched.fold(place.clone(), |all, record| {
@@ -219,7 +219,8 @@ impl Patient {
         usize::from(ping.file) == self.harmed && record.is_none_or(|record| touches(record, place))
     }
 
-    /// Whether a harm touches what stands before the first record, which is about all of them.
+    /// Returns true if a harm touches what stands before the first record, which is about all of
+    /// them.
     fn is_of_header(&self, harm: &Harm) -> bool {
         let first = self.records.first().map_or(u64::MAX, |record| record.start);
         matches!(harm, Harm::Changed { at, .. } if (*at as u64) < first)

@@ -137,7 +137,7 @@ fn said(app: &App) -> Vec<String> {
     said.filter(|text| text.contains("river.sl2")).collect()
 }
 
-/// Whether the window still has every byte of the log.
+/// Returns true if the window still has every byte of the log.
 fn is_whole(app: &App, kept: &Path) -> bool {
     let survey = app.log.survey.as_ref().expect("a log is open");
     *survey.bytes[0] == *fs::read(kept).expect("the log")

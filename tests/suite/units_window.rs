@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 
 const FEET: Units = Units { length: LengthUnit::Feet, speed: SpeedUnit::Knots };
 
-/// Whether a number with a metric unit of length, area or speed stands in a text.
+/// Returns true if a number with a metric unit of length, area or speed stands in a text.
 fn is_metric(text: &str) -> bool {
     const METRIC: [&str; 9] = ["m", "m/s", "m²", "cm", "mm", "km", "ha", "km²", "metres"];
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -62,7 +62,7 @@ impl Seen {
         self.0.extend(painted(window).into_iter().map(|(text, _)| text));
     }
 
-    /// Whether a text holds all of some words.
+    /// Returns true if a text holds all of some words.
     fn holds(&self, words: &[&str]) -> bool {
         let all = |text: &String| words.iter().all(|word| text.contains(word));
         self.0.iter().any(all)

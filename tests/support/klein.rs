@@ -11,7 +11,7 @@ pub struct SdfOptions {
     pub samples: usize,
     /// Samples a second; 0 writes none.
     pub rate_hz: u32,
-    /// Whether the low frequency of the System 3000 has samples.
+    /// True if the low frequency of the System 3000 has samples.
     pub has_low: bool,
     /// Added to the samples.
     pub louder: u32,

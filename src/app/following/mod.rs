@@ -109,7 +109,7 @@ pub enum FollowStatus {
 }
 
 impl Following {
-    /// Whether a step or a run is under way.
+    /// Returns true if a step or a run is under way.
     pub(super) fn is_busy(&self) -> bool {
         let works = |active: &Active| {
             active.starting.is_some()
@@ -128,7 +128,7 @@ impl App {
         active.filter(|active| active.ends.is_none()).map(|active| active.log)
     }
 
-    /// Whether the log that is shown is followed.
+    /// Returns true if the log that is shown is followed.
     pub fn is_following(&self) -> bool {
         self.followed() == Some(self.log.id)
     }
@@ -292,7 +292,7 @@ impl App {
         }
     }
 
-    /// Whether a step went on from what is the newest still.
+    /// Returns true if a step went on from what is the newest still.
     fn goes_on(&self, active: &Active, step: &Stepping) -> bool {
         let newest = match (&active.fresh, step.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),

@@ -9,8 +9,8 @@ use bathyscope_products::pipeline::{LogSettings, Products, Settings};
 use std::sync::Arc;
 
 impl App {
-    /// Whether the log's settings are those that results were made with, whatever state of the log
-    /// each of them names.
+    /// Returns true if the log's settings are those that results were made with, whatever state of
+    /// the log each of them names.
     pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
         let shown = self.open_log(id).and_then(|log| Some((log, log.survey.as_ref()?)));
         let Some((log, survey)) = shown else {

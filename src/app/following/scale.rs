@@ -111,7 +111,7 @@ impl OpenLog {
     }
 }
 
-/// Whether results depend on the scale of these pings.
+/// Returns true if results depend on the scale of these pings.
 fn is_measured_on(products: &Products, pings: PingRange) -> bool {
     let made = &products.calibration;
     let spot = made.flat_spot.as_ref();

@@ -96,7 +96,7 @@ pub fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
     found.filter(|section| !section.is_empty()).collect()
 }
 
-/// Whether a line belongs to the paragraph or the entry before it.
+/// Returns true if a line belongs to the paragraph or the entry before it.
 fn goes_on(line: &str) -> bool {
     let starts_anew = ["#", "|", "- ", "```"].iter().any(|sign| line.starts_with(sign));
     !line.trim().is_empty() && !starts_anew

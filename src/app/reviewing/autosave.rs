@@ -42,7 +42,7 @@ pub(super) struct Autosave {
 }
 
 impl Autosave {
-    /// Whether a version is in the file.
+    /// Returns true if a version is in the file.
     pub(super) fn holds(&self, review: &Arc<Review>) -> bool {
         let written = self.written.as_ref();
         written.is_some_and(|written| Arc::ptr_eq(written, review))
@@ -103,14 +103,14 @@ fn write(path: &Path, review: &Review) -> Result<(), ExportError> {
 }
 
 impl Parked {
-    /// Whether closing would lose decisions.
+    /// Returns true if closing would lose decisions.
     fn is_at_risk(&self) -> bool {
         !Arc::ptr_eq(&self.review, &self.saved) && is_touched(&self.review) && !self.is_kept
     }
 }
 
 impl App {
-    /// Whether closing now would lose decisions: they are in no file.
+    /// Returns true if closing now would lose decisions: they are in no file.
     pub fn is_at_risk(&self) -> bool {
         let here = self.logs().any(|log| {
             let reviewing = &log.reviewing;

@@ -64,7 +64,7 @@ pub(in crate::app) struct ObjectSearch {
 }
 
 impl ObjectSearch {
-    /// Whether a log is being searched or waits for that.
+    /// Returns true if a log is being searched or waits for that.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
     }

@@ -38,7 +38,7 @@ impl BoxEdge {
         }
     }
 
-    /// What it is called in the view; empty of the whole box.
+    /// Name in the view; empty of the whole box.
     pub fn name(self) -> &'static str {
         match self {
             BoxEdge::Whole => "",

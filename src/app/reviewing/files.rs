@@ -29,7 +29,7 @@ impl App {
         self.log.review_path()
     }
 
-    /// Whether decisions about a reviewed log are in no file yet.
+    /// Returns true if decisions about a reviewed log are in no file yet.
     pub(crate) fn has_unsaved_review(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
     }

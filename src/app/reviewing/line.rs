@@ -24,7 +24,7 @@ impl App {
         self.logs().filter(|log| log.is_visible || log.id == self.log.id)
     }
 
-    /// Whether there is anything to review.
+    /// Returns true if there is anything to review.
     pub fn has_boxes(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.has_boxes())
     }

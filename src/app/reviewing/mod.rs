@@ -141,12 +141,12 @@ fn empty(survey: &Survey) -> Review {
 }
 
 impl Reviewing {
-    /// Whether there is anything to review.
+    /// Returns true if there is anything to review.
     pub fn has_boxes(&self) -> bool {
         self.review.boxes().len() > 0
     }
 
-    /// Whether a tool is in hand or a box selected.
+    /// Returns true if a tool is in hand or a box selected.
     pub(crate) fn is_in_use(&self) -> bool {
         self.tool != Tool::Look || self.selected.is_some()
     }
@@ -192,15 +192,15 @@ impl Reviewing {
         self.raster.as_ref().map(|(_, raster)| raster)
     }
 
-    /// Whether decisions are in no file yet. Proposals alone are no loss: the model makes them
-    /// again.
+    /// Returns true if decisions are in no file yet. Proposals alone are no loss: the model makes
+    /// them again.
     pub fn is_unsaved(&self) -> bool {
         !self.is_in_project
             && !Arc::ptr_eq(&self.review, &self.saved)
             && (self.is_touched || is_touched(&self.saved))
     }
 
-    /// Whether a review is being read, or boxes are being placed or compared.
+    /// Returns true if a review is being read, or boxes are being placed or compared.
     pub(super) fn is_busy(&self) -> bool {
         self.opening.is_some()
             || self.autosave.is_looking()

@@ -79,7 +79,7 @@ impl BoxPlaces {
         self.outdated = true;
     }
 
-    /// Whether places are being worked out.
+    /// Returns true if places are being worked out.
     pub(super) fn is_busy(&self) -> bool {
         self.running.is_some()
     }

@@ -39,7 +39,7 @@ impl ChangeErrors {
 /// What is known of a cell in both maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellChange {
-    /// How much the bottom rose, metres; negative where it sank.
+    /// Rise of the bottom, metres; negative where it sank.
     pub rise_m: f64,
     /// Standard deviation of the depths' own errors in that, metres.
     pub sigma_m: f64,
@@ -53,7 +53,7 @@ impl CellChange {
         WITHIN_95 * self.sigma_m.hypot(errors.systematic_m)
     }
 
-    /// Whether the change passes it.
+    /// Returns true if the change passes it.
     pub(crate) fn is_detected(&self, errors: &ChangeErrors) -> bool {
         self.rise_m.abs() > self.detection_level_m(errors)
     }

@@ -240,7 +240,7 @@ fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
 struct TrackCrossing<'a> {
     pieces: [&'a Piece; 2],
     place: [f64; 2],
-    /// How far along each piece, 0 to 1.
+    /// Place along each piece, 0 to 1.
     shares: [f64; 2],
     angle_deg: f64,
 }

@@ -151,7 +151,7 @@ impl Grid {
         self.columns * self.rows
     }
 
-    /// Whether there is no cell.
+    /// Returns true if there is no cell.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

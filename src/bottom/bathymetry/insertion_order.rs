@@ -88,7 +88,7 @@ fn extent(nodes: &[Node]) -> ([f64; 2], f64) {
     ([west, south], steps / side_m)
 }
 
-/// How far along Hilbert's curve a cell lies, cells counted from the south-west corner.
+/// Returns the place of a cell along Hilbert's curve, cells counted from the south-west corner.
 fn along_curve([mut x, mut y]: [u32; 2]) -> u32 {
     let mut way = 0;
     for bit in (0..CURVE_BITS).rev() {

@@ -53,7 +53,7 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Whether anything is.
+    /// Returns true if anything is.
     pub fn is_anything(self) -> bool {
         self.shifts || self.latencies
     }
@@ -66,8 +66,8 @@ pub struct Shift {
     pub east_m: f64,
     /// And to the north.
     pub north_m: f64,
-    /// How much later its positions are than the depths recorded with them, seconds: the boat is
-    /// where it will be recorded to be so much later.
+    /// Delay of its positions after the depths recorded with them, seconds: the boat is where it
+    /// will be recorded to be so much later.
     pub latency_s: f64,
 }
 

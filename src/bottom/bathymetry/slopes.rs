@@ -220,10 +220,10 @@ pub(super) struct BendSampler<'a> {
 pub(super) struct Bend {
     /// Depth of the triangle, metres.
     pub straight_m: f64,
-    /// How much deeper the patch is, metres.
+    /// Depth of the patch less that of the triangle, metres.
     pub patch_m: f64,
-    /// How far the nearest of the planes through the corners lies from the triangle, metres; 0
-    /// where they do not agree on which side.
+    /// Distance of the nearest of the planes through the corners from the triangle, metres; 0 where
+    /// they do not agree on which side.
     pub least_m: f64,
 }
 

@@ -14,7 +14,7 @@ pub struct DepthPoint {
     pub depth_m: f64,
     /// What it counts where several depths meet; 1 for a recorder's own sounding, 0 for none.
     pub weight: f64,
-    /// Whether it is a depth of the recorder, under the boat or across the track, or of a
+    /// True if it is a depth of the recorder, under the boat or across the track, or of a
     /// reference, and no first return of the side-scan.
     pub is_sounding: bool,
 }

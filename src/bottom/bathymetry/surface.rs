@@ -68,7 +68,7 @@ pub struct SurfaceSettings {
     pub down_scan_weight: f64,
     /// What a side-scan point counts there; 0 leaves them out.
     pub side_scan_weight: f64,
-    /// Whether all side-scan points above the recorded depth count: their depth may be that of weed
+    /// True if all side-scan points above the recorded depth count: their depth may be that of weed
     /// or fish.
     pub above_bottom: bool,
     /// They count where most first returns of their side lie above the recorded depth, and those of
@@ -77,7 +77,7 @@ pub struct SurfaceSettings {
     pub longest_above_bottom_m: f64,
     /// Whether depths between the lines come from the levels of the echoes.
     pub swath: SwathDepth,
-    /// Whether echoes and objects are placed on the bottom that the log measured, where it did
+    /// True if echoes and objects are placed on the bottom that the log measured, where it did
     /// ([`bathyscope_log::survey::Relief`]); otherwise on a level one.
     pub relief: bool,
 }
@@ -115,7 +115,7 @@ impl SurfaceSettings {
         }
     }
 
-    /// Whether the same depths count, whatever the surface between them is.
+    /// Returns true if the same depths count, whatever the surface between them is.
     pub fn counts_the_same(&self, other: &Self) -> bool {
         Self {
             method: other.method,
@@ -130,7 +130,7 @@ impl SurfaceSettings {
 /// What the spread of a cell is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
-    /// How far the soundings that carry a cell disagree: the standard deviation of their depths
+    /// Disagreement of the soundings that carry a cell: the standard deviation of their depths
     /// about the cell's, each with its share and its own spread, so it grows with noise and with
     /// relief between soundings.
     OfSoundings,

@@ -279,8 +279,8 @@ impl TinSampler<'_> {
         }
     }
 
-    /// Whether the place that was asked for last lies in a triangle that counts, on the edge of
-    /// one, or on a node.
+    /// Returns true if the place that was asked for last lies in a triangle that counts, on the
+    /// edge of one, or on a node.
     fn is_known(&mut self) -> bool {
         let triangles = &self.tin.triangles;
         let place = |index: usize| triangles.vertex(self.weights[index].0).position();

@@ -22,7 +22,7 @@ pub(super) struct DepthAgreement {
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
-    /// How many, port and starboard.
+    /// Their number, port and starboard.
     counts: [f64; 2],
     /// Of the share by which a pick's `r / d` exceeds the log's median.
     excess: f64,

@@ -29,7 +29,7 @@ const EARLY_M: f64 = 0.10;
 const EARLY_SAMPLES: f64 = 1.5;
 const LATE_M: f64 = 0.01;
 const LATE_SAMPLES: f64 = 0.5;
-/// How far an offset may be from the truth and still be better than none, metres.
+/// Largest error of an offset that is still better than none, metres.
 pub(super) const TOLERANCE_M: f64 = 0.04;
 /// How much an offset that is more than an edge may change down to the depths of the log, and how
 /// uncertain that may be, metres: of 240 simulated logs none gets a wrong offset by these, and the
@@ -52,10 +52,9 @@ const MEDIAN_ERROR: f64 = 1.2533;
 /// The constant between first-return ranges and recorded depths as a log shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeOffset {
-    /// How much longer ranges are than recorded depths, metres; negative when first returns are
-    /// found early.
+    /// Excess of ranges over recorded depths, metres; negative when first returns are found early.
     pub offset_m: f64,
-    /// How far it may be off by the scatter of its blocks, metres (two standard errors).
+    /// Its error by the scatter of its blocks, metres (two standard errors).
     pub uncertainty_m: f64,
     /// Blocks of pings that it is based on.
     pub blocks: usize,
@@ -66,8 +65,8 @@ pub struct RangeOffset {
     pub depth_m: f64,
     /// Slope of range against depth over the same blocks; NaN where the depths do not vary.
     pub k: f64,
-    /// How far the slope may be off by the scatter (two standard errors); infinite where the depths
-    /// do not vary.
+    /// Error of the slope by the scatter (two standard errors); infinite where the depths do not
+    /// vary.
     pub k_uncertainty: f64,
     /// How much the noise of the recorded depths may take from the slope.
     pub k_attenuation: f64,

@@ -182,8 +182,8 @@ fn are_alike([port_m, starboard_m]: [f64; 2], depth_m: f64) -> bool {
     lower_m > LEAST_ALIKE * port_m.max(starboard_m) && lower_m > LEAST_HIGH * depth_m
 }
 
-/// How far a first return lies above the recorded depth, by the recorder's own scale, metres; NaN
-/// without either.
+/// Returns the height of a first return above the recorded depth, by the recorder's own scale,
+/// metres; NaN without either.
 pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
     let found = survey.span(ping, side).zip(returns.side(side).get(ping));
     let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));

@@ -42,7 +42,7 @@ impl<T> BySource<T> {
         self.0.iter().map(|part| part.len()).sum()
     }
 
-    /// Whether there is none.
+    /// Returns true if there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -44,12 +44,12 @@ impl PointClass {
         self as u8
     }
 
-    /// Whether the point counts for the map: `kept` of `cloud.csv`.
+    /// Returns true if the point counts for the map: `kept` of `cloud.csv`.
     pub fn is_kept(self) -> bool {
         self == PointClass::Bottom
     }
 
-    /// Whether the outlier filter removed it.
+    /// Returns true if the outlier filter removed it.
     pub fn is_noise(self) -> bool {
         matches!(self, PointClass::LowNoise | PointClass::HighNoise)
     }
@@ -61,7 +61,7 @@ pub struct ClassRules<'a> {
     /// First returns of less confidence than this are not kept, and nobody's neighbours
     /// (`first_return.min_confidence`).
     pub min_confidence: f32,
-    /// Whether all above-bottom returns count as bottom (`surface.above_bottom`).
+    /// True if all above-bottom returns count as bottom (`surface.above_bottom`).
     pub above_bottom: bool,
     /// They do in stretches longer than this, metres (`surface.longest_above_bottom_m`).
     pub longest_above_bottom_m: f64,
@@ -121,7 +121,7 @@ pub fn classify(
     Ok(points.map(|(point, is_kept)| rules.class(point, !is_kept)).collect())
 }
 
-/// How many points there are of each class.
+/// Number of points of each class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClassCounts {
     /// In the order of [`PointClass::ALL`].

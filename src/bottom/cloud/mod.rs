@@ -139,7 +139,7 @@ named! {
 }
 
 impl PointSource {
-    /// Whether it is a first return of the side-scan.
+    /// Returns true if it is a first return of the side-scan.
     pub fn is_side_scan(self) -> bool {
         matches!(self, Self::Port | Self::Starboard)
     }
@@ -159,15 +159,15 @@ pub struct CloudPoint {
     /// The fault for which a sounding is not kept; `None` where a first return confirms it all the
     /// same, or [`DownScan::All`] asks for it.
     pub fault: Option<SoundingFault>,
-    /// Whether it is an above-bottom return: its pick lies above the recorded depth
+    /// True if it is an above-bottom return: its pick lies above the recorded depth
     /// ([`crate::first_return::Pick::above_bottom`]) by more than this departs from the bed nearby.
     pub above_bottom: bool,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to
     /// 0.2 m of slant range beyond it; 0 for other points, of which none is known. Samples of two
     /// bytes are scaled to one, as everywhere.
     pub level: u8,
-    /// How far along the track most first returns of its side lie above the recorded depth as this
-    /// one does, metres; 0 where it does not, and where it is too high to be ground.
+    /// Length of track over which most first returns of its side lie above the recorded depth as
+    /// this one does, metres; 0 where it does not, and where it is too high to be ground.
     pub above_bottom_m: f32,
     /// The confidence of the first return ([`crate::first_return::Pick::confidence`]); NaN for
     /// other points.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// What a first return is, wherever it is placed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PickTrait {
-    /// Whether it is something above the bottom.
+    /// True if it is something above the bottom.
     pub(super) above_bottom: bool,
     /// The length of the stretch of such returns, metres; 0 of the bottom and of clutter.
     pub(super) above_bottom_m: f32,

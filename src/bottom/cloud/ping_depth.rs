@@ -85,8 +85,8 @@ pub fn ping_depths(
     depths
 }
 
-/// How much deeper the bottom lies under the boat than at the first return of one side alone,
-/// metres; 0 where that is not known.
+/// Returns the depth under the boat, less that at the first return of one side alone, metres; 0
+/// where that is not known.
 fn fall_m(point: &CloudPoint, place: Option<&PingNav>, altitude_m: f64) -> f64 {
     let out_m =
         |place: &PingNav| (point.east_m - place.east_m).hypot(point.north_m - place.north_m);

@@ -192,7 +192,7 @@ mod tests {
             .collect()
     }
 
-    /// How far a bottom point to port lies below the plane of [`plane`], metres.
+    /// Depth of a bottom point to port below the plane of [`plane`], metres.
     fn below_plane_m(point: BottomPoint, slope_deg: f64) -> f64 {
         point.depth_m - (3.0 - point.across_m * slope_deg.to_radians().tan())
     }

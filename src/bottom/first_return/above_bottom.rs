@@ -7,7 +7,8 @@
 //! plateau behind it differs more between the two than along either. What lies above the bottom for
 //! long is recognised by its length along the track ([`crate::cloud::CloudPoint::above_bottom_m`]).
 
-/// Whether a pick is nearer than the depth by more than `margin_m`, by the recorder's own scale.
+/// Returns true if a pick is nearer than the depth by more than `margin_m`, by the recorder's own
+/// scale.
 pub(super) fn is_above(range_m: f32, depth_m: f32, margin_m: f64) -> bool {
     // Comparisons with NaN are false: without a depth or a pick nothing is flagged.
     f64::from(range_m) < f64::from(depth_m) - margin_m

@@ -45,7 +45,7 @@ impl BottomSettings {
         Self { lines: lines.cloned().collect(), ..*self }
     }
 
-    /// Whether first returns of any stretch were accepted as bottom.
+    /// Returns true if first returns of any stretch were accepted as bottom.
     pub fn has_accepted(&self) -> bool {
         self.lines.iter().any(|line| line.accepted)
     }

@@ -16,7 +16,7 @@ pub struct BottomSettings {
     pub log_bytes: u64,
     /// Side-scan pings of that log.
     pub pings: usize,
-    /// Whether it was drawn with port and starboard exchanged against the recording
+    /// True if it was drawn with port and starboard exchanged against the recording
     /// (`mounting.swap_sides`).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub swapped_sides: bool,
@@ -192,7 +192,7 @@ impl BottomSettings {
         self
     }
 
-    /// Whether nothing was drawn.
+    /// Returns true if nothing was drawn.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }

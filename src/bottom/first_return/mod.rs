@@ -102,8 +102,8 @@ impl Default for FirstReturnSettings {
 }
 
 impl FirstReturnSettings {
-    /// Whether both find the same picks: the least confidence only decides which of them are kept,
-    /// and the bottom line which of them the picture is laid out by.
+    /// Returns true if both find the same picks: the least confidence only decides which of them
+    /// are kept, and the bottom line which of them the picture is laid out by.
     pub fn finds_the_same(&self, other: &Self) -> bool {
         Self {
             min_confidence: other.min_confidence,
@@ -138,7 +138,7 @@ impl Pick {
         self.above_bottom = false;
     }
 
-    /// Whether a return was found.
+    /// Returns true if a return was found.
     pub fn is_some(&self) -> bool {
         !self.sample.is_nan()
     }
@@ -167,7 +167,7 @@ impl FirstReturns {
         false_soundings::judged(survey, &self.false_soundings)
     }
 
-    /// Whether a ping's pick, or that it has none, is a bottom edit.
+    /// Returns true if a ping's pick, or that it has none, is a bottom edit.
     pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
         let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))

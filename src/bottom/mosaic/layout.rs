@@ -224,7 +224,7 @@ impl MosaicLayout {
         Self::of_placed(survey, placed, returns, calibration, &MosaicSettings::default())
     }
 
-    /// Whether any side of any ping has a ray.
+    /// Returns true if any side of any ping has a ray.
     pub fn has_rays(&self) -> bool {
         let rays = |side| (0..self.placed.len()).any(|ping| self.ray(ping, side).is_some());
         Side::BOTH.into_iter().any(rays)
@@ -299,12 +299,12 @@ impl MosaicLayout {
         self
     }
 
-    /// How many pings are laid out.
+    /// Number of pings that are laid out.
     pub fn len(&self) -> usize {
         self.pings.len()
     }
 
-    /// Whether no ping is.
+    /// Returns true if no ping is.
     pub fn is_empty(&self) -> bool {
         self.pings.is_empty()
     }
@@ -349,7 +349,7 @@ impl MosaicLayout {
         self.far_m
     }
 
-    /// Whether the water column is shown.
+    /// Returns true if the water column is shown.
     pub fn water_column(&self) -> bool {
         self.water_column
     }

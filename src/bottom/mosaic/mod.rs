@@ -94,7 +94,7 @@ pub struct MosaicSettings {
     pub overlap: Overlap,
     /// How levels are made even across the track.
     pub gain: Gain,
-    /// Whether the water column stays in: slant ranges are then taken for distances on the ground.
+    /// True if the water column stays in: slant ranges are then taken for distances on the ground.
     pub water_column: bool,
     /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under
     /// the boat with what little was insonified there.

@@ -54,7 +54,7 @@ impl CellSum {
 }
 
 impl Overlap {
-    /// Whether echoes count differently by where they lie in their swath.
+    /// Returns true if echoes count differently by where they lie in their swath.
     #[inline(always)]
     pub fn is_weighted(self) -> bool {
         matches!(self, Self::Middle | Self::Blend)

@@ -18,7 +18,7 @@ pub struct MosaicPart {
 }
 
 impl MosaicPart {
-    /// Whether no cell was seen.
+    /// Returns true if no cell was seen.
     pub fn is_empty(&self) -> bool {
         self.levels.iter().all(|&level| level == 0)
     }

@@ -108,7 +108,7 @@ impl LogPicture {
         })
     }
 
-    /// Whether the side-scan shows the bottom and is no noise.
+    /// Returns true if the side-scan shows the bottom and is no noise.
     pub(crate) fn has_bottom(&self) -> bool {
         self.has_bottom
     }

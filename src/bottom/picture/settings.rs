@@ -16,9 +16,9 @@ pub struct PictureSettings {
     pub absorption_db_m: f64,
     /// By how much starboard is brightened against port, dB.
     pub balance_db: f64,
-    /// Whether each echo is replaced by the median of the 3 x 3 about it.
+    /// True if each echo is replaced by the median of the 3 x 3 about it.
     pub despeckle: bool,
-    /// Whether pings that are brighter or darker than those about them are brought to their level.
+    /// True if pings that are brighter or darker than those about them are brought to their level.
     pub stripe_filter: bool,
     /// Level shown as 0, of 255; automatic without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,9 +28,9 @@ pub struct PictureSettings {
     pub white: Option<f64>,
     /// What is shown is raised to 1 / gamma: above 1 lifts the dark.
     pub gamma: f64,
-    /// Whether later pings stand to the left, or above.
+    /// True if later pings stand to the left, or above.
     pub flip: bool,
-    /// Whether port is shown where starboard is, and starboard where port is. The data stay as they
+    /// True if port is shown where starboard is, and starboard where port is. The data stay as they
     /// are.
     pub starboard_first: bool,
 }
@@ -57,9 +57,9 @@ impl Default for PictureSettings {
 /// depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
-    /// Whether the gain table acts.
+    /// True if the gain table acts.
     pub is_normalised: bool,
-    /// Whether the stripe filter acts.
+    /// True if the stripe filter acts.
     pub is_even: bool,
     /// dB for each decade of slant range.
     pub spreading_db: f32,
@@ -89,7 +89,7 @@ impl PictureSettings {
 }
 
 impl Tone {
-    /// Whether echoes are shown as they were recorded.
+    /// Returns true if echoes are shown as they were recorded.
     pub fn is_plain(&self) -> bool {
         *self
             == Self {

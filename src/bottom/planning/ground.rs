@@ -191,7 +191,7 @@ fn across_m(range_m: f64, depth_m: f64) -> f64 {
     (range_m * range_m - depth_m * depth_m).max(0.0).sqrt()
 }
 
-/// How many passes insonified each cell of the grid, up to 2.
+/// Number of passes that insonified each cell of the grid, up to 2.
 fn counted(water: &Water, looks: &[super::known::InsonifiedSide]) -> Vec<u8> {
     let grid = &water.grid;
     let mut counts = vec![0_u8; grid.len()];

@@ -51,7 +51,7 @@ pub struct SeenObject {
 pub struct Doubt {
     /// Where they cross.
     pub place: [f64; 2],
-    /// How far their depths differ, metres.
+    /// Difference of their depths, metres.
     pub difference_m: f64,
 }
 

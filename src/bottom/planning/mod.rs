@@ -84,7 +84,7 @@ pub enum PlanError {
 }
 
 impl PlanError {
-    /// Whether it is about the area that was given.
+    /// Returns true if it is about the area that was given.
     pub fn is_about_area(&self) -> bool {
         matches!(self, PlanError::NoArea | PlanError::AreaElsewhere)
     }

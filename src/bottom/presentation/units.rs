@@ -166,7 +166,7 @@ impl Units {
         format!("{:+.decimals$} {}", self.in_unit(value_m), self.symbol())
     }
 
-    /// How far such a length may be off, without its unit.
+    /// Error of such a length, without its unit.
     pub fn spread(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         text::decimal(self.in_unit(value_m), decimals)

@@ -54,12 +54,12 @@ pub struct SideEchoes {
     pub step_m: f64,
     /// The first return, counted in samples; NaN where there is none.
     pub first_return: f64,
-    /// Whether it lies above the recorded depth.
+    /// True if it lies above the recorded depth.
     pub above_bottom: bool,
 }
 
 impl PingPlace {
-    /// Whether its echoes have a place.
+    /// Returns true if its echoes have a place.
     pub fn is_placed(&self) -> bool {
         let numbers = [self.place_m, self.starboard, [self.transducer_m, self.time_s]];
         numbers.as_flattened().iter().all(|number| number.is_finite())
@@ -77,7 +77,7 @@ impl PingPlace {
 }
 
 impl SideEchoes {
-    /// Whether its samples have ranges.
+    /// Returns true if its samples have ranges.
     pub(crate) fn has_ranges(&self) -> bool {
         self.near_m.is_finite() && self.step_m.is_finite() && self.step_m > 0.0
     }

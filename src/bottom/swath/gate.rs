@@ -35,8 +35,8 @@ pub(super) struct LeftOut {
     pub error_sds: f64,
 }
 
-/// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope
-/// from what the bed is made of.
+/// Returns true if enough of the ground in some tiles is seen from two sides: one alone cannot tell
+/// a slope from what the bed is made of.
 pub(super) fn is_seen_from_two_sides(
     input: &SwathInput<'_>,
     tiling: &Tiling,

@@ -45,12 +45,12 @@ impl SeenOctants {
         self.0 |= 1 << eighth.rem_euclid(8);
     }
 
-    /// Whether it is seen from any.
+    /// Returns true if it is seen from any.
     pub(super) fn is_any(&self) -> bool {
         self.0 != 0
     }
 
-    /// Whether it is seen from two that face each other, more or less.
+    /// Returns true if it is seen from two that face each other, more or less.
     pub(super) fn are_two(&self) -> bool {
         [3, 4, 5].iter().any(|by| self.0 & self.0.rotate_left(*by) != 0)
     }

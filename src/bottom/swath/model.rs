@@ -48,7 +48,7 @@ pub(super) struct Incidence {
     pub range_m: f64,
     /// Angle from straight down, radians.
     pub phi_rad: f64,
-    /// How fast the depth grows outward, metres a metre.
+    /// Growth of the depth outward, metres a metre.
     pub slope: f64,
     /// -1 to port, 1 to starboard.
     pub side: f64,

@@ -15,7 +15,7 @@ pub(super) struct Nodes {
     pub first: [i64; 2],
     /// From one to the next, metres.
     pub step_m: f64,
-    /// How many lie in a row, and how many rows there are; at least two each.
+    /// Nodes of a row, and number of rows; at least two each.
     pub counts: [usize; 2],
 }
 

@@ -78,7 +78,7 @@ pub(super) struct TileInput<'a> {
     pub is_bed: &'a (dyn Fn([f64; 2]) -> bool + Sync),
     /// What is known beforehand.
     pub prior: Prior,
-    /// Whether misfits count less.
+    /// True if misfits count less.
     pub is_robust: bool,
 }
 

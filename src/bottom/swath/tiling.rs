@@ -56,9 +56,9 @@ impl Resolution {
 const MOST_FINE: usize = 40_000;
 /// Edges of parts are multiples of this, metres.
 pub const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
-/// How far around a part measured depths must be known, metres: a core and the halo.
+/// Width around a part in which measured depths must be known, metres: a core and the halo.
 pub const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
-/// How far around a part the pings must be known, metres: as far as they look into these.
+/// Width around a part in which the pings must be known, metres: as far as they look into these.
 pub const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
 
 /// What is solved for.

@@ -65,7 +65,8 @@ impl RangeAxis {
         })
     }
 
-    /// Whether tiles of the other axis are tiles of this one: only the number of pings differs.
+    /// Returns true if tiles of the other axis are tiles of this one: only the number of pings
+    /// differs.
     pub(crate) fn is_as_fine(&self, other: &Self) -> bool {
         let Self { bin_m, bins, far_m, store, .. } = *self;
         (bin_m, bins, far_m, store) == (other.bin_m, other.bins, other.far_m, other.store)
@@ -106,7 +107,7 @@ fn store_level(pings: usize, bins: u32, samples: u64) -> Level {
     level
 }
 
-/// Whether a span's scale can be drawn: finite, growing, not absurd.
+/// Returns true if a span's scale can be drawn: finite, growing, not absurd.
 pub(super) fn is_usable(span: &SideSpan) -> bool {
     span.count > 0 && span.near_m >= 0.0 && span.near_m < span.far_m && span.far_m <= FARTHEST_M
 }

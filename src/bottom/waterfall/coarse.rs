@@ -33,7 +33,7 @@ impl Coarse {
         self.chunk_count = axis.pings.div_ceil(stretch);
     }
 
-    /// Whether all of it is built.
+    /// Returns true if all of it is built.
     pub(super) fn is_complete(&self) -> bool {
         self.chunks.len() == self.chunk_count
     }

@@ -32,7 +32,7 @@ impl LineSpan {
         Self { min_m: range_m, max_m: range_m, doubtful }
     }
 
-    /// Whether there is no value.
+    /// Returns true if there is no value.
     pub fn is_gap(&self) -> bool {
         self.min_m > self.max_m
     }

@@ -25,13 +25,13 @@ impl Level {
         1 << self.across
     }
 
-    /// Whether a tile of this level is quick to make from the samples: 64 million of them at most,
-    /// 0.1 s or so.
+    /// Returns true if a tile of this level is quick to make from the samples: 64 million of them
+    /// at most, 0.1 s or so.
     pub fn is_near(self) -> bool {
         self.along + self.across <= 8
     }
 
-    /// Whether the other level can be reduced from this one.
+    /// Returns true if the other level can be reduced from this one.
     pub(crate) fn is_finer_or_equal(self, other: Level) -> bool {
         self.along <= other.along && self.across <= other.across
     }
@@ -42,7 +42,7 @@ impl Level {
 pub struct WaterfallTileKey {
     /// Side of the boat.
     pub side: Side,
-    /// How much it is reduced.
+    /// Its reduction.
     pub level: Level,
     /// Which stretch of `TILE * level.pings()` pings.
     pub column: u32,

@@ -83,7 +83,7 @@ impl Tiler {
         Self { shared, made, thread }
     }
 
-    /// Whether the worker makes nothing any more: there was no picture to make, or it died.
+    /// Returns true if the worker makes nothing any more: there was no picture to make, or it died.
     pub fn has_ended(&self) -> bool {
         self.thread.is_finished()
     }
@@ -223,7 +223,7 @@ impl Work {
         }
     }
 
-    /// Whether making the tile now gives more than the view has.
+    /// Returns true if making the tile now gives more than the view has.
     fn can_improve(&self, want: &Want) -> bool {
         let now = if self.is_from_samples(want.key) {
             WaterfallTile::COMPLETE

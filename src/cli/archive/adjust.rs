@@ -108,7 +108,7 @@ pub(super) fn tell(adjusted: &Adjusted) {
     }
 }
 
-/// How many logs are tied.
+/// Number of logs that are tied.
 pub(super) fn summary(adjusted: &Adjusted) -> String {
     let rows = adjusted.offsets.rows();
     let pinned = rows.iter().filter(|row| row.is_pinned).count();

@@ -27,7 +27,7 @@ pub(crate) struct How<'a> {
     pub requested: &'a [Product],
     /// What they are compared with besides.
     pub reference: Option<&'a OsStr>,
-    /// Whether the height offsets of several logs are applied.
+    /// True if the height offsets of several logs are applied.
     pub adjust: bool,
     /// The log whose height stays then, by name; without it the mean of connected logs.
     pub held: Option<&'a str>,

@@ -22,7 +22,7 @@ const LEAST_CORNERS: usize = 3;
 /// A file that holds no area.
 pub type AreaError = FileError<AreaFault>;
 
-/// What is wrong with an area, in a sentence without the path.
+/// Fault of an area, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum AreaFault {
     /// The system does not give it.

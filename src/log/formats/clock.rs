@@ -77,7 +77,7 @@ fn follows(earlier_s: f64, later_s: f64, longest_pause_s: f64) -> bool {
     !is_set_back(earlier_s, later_s) && later_s <= earlier_s + longest_pause_s
 }
 
-/// Whether a time can stand between the last sound one and the next two.
+/// Returns true if a time can stand between the last sound one and the next two.
 fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option<f64>) -> bool {
     match (before_s, next_s) {
         (Some(before_s), Some(next_s)) if is_set_back(before_s, next_s) => {

@@ -139,7 +139,7 @@ impl Collected {
         }
     }
 
-    /// Whether a channel of this number was introduced.
+    /// Returns true if a channel of this number was introduced.
     pub(super) fn knows(&self, number: u16) -> bool {
         self.channels.iter().any(|(known, _)| *known == number)
     }
@@ -222,12 +222,12 @@ impl Collected {
     }
 }
 
-/// Whether a span can hold a picture: it has samples, and a range that a sonar can have.
+/// Returns true if a span can hold a picture: it has samples, and a range that a sonar can have.
 pub(super) fn is_sound(span: &SideSpan) -> bool {
     span.count > 0 && is_range(span.near_m, span.far_m)
 }
 
-/// Whether a sonar can have this range.
+/// Returns true if a sonar can have this range.
 pub(super) fn is_range(near_m: f32, far_m: f32) -> bool {
     near_m >= 0.0 && far_m - near_m >= NEAREST_M && far_m < FARTHEST_M
 }

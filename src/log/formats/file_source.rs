@@ -46,7 +46,7 @@ impl FileSource {
         }
     }
 
-    /// Whether the path is a folder.
+    /// Returns true if the path is a folder.
     pub(super) fn is_folder(&self, path: &Path) -> bool {
         match self {
             FileSource::Disk => path.is_dir(),

@@ -14,7 +14,7 @@ const LONGEST: u64 = 1 << 30;
 /// A table of water levels that cannot be used.
 pub type GaugeError = FileError<GaugeFault>;
 
-/// What is wrong with a table of water levels, in a sentence without the path.
+/// Fault of a table of water levels, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum GaugeFault {
     /// The system does not give it.

@@ -66,7 +66,7 @@ struct Open {
     point: GpxPoint,
     /// Elements that are open within it.
     depth: usize,
-    /// Whether the innermost of them is its time.
+    /// True if the innermost of them is its time.
     in_time: bool,
 }
 

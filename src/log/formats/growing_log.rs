@@ -44,13 +44,13 @@ pub enum GrowingError {
     Gone {
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// There is no room for the copy.
     #[error("there is no room for a copy of it in the folder for temporary files: {source}")]
     NoRoom {
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// It is no file: the demo survey, a log in memory.
@@ -302,7 +302,7 @@ fn part(file: &mut (impl Read + io::Seek), from: u64, length: u64) -> io::Result
     Ok(bytes)
 }
 
-/// Whether other files of the recording may come beside it.
+/// Returns true if other files of the recording may come beside it.
 fn is_part(path: &Path) -> bool {
     role_by_name(path) == Some(FileRole::Part)
 }

@@ -24,14 +24,14 @@ pub(super) trait LogFormat: Sync {
         None
     }
 
-    /// Whether all files in a folder are parts of one recording, so that the folder is opened in
-    /// their place.
+    /// Returns true if all files in a folder are parts of one recording, so that the folder is
+    /// opened in their place.
     fn is_recording(&self, _files: &FileSource, _folder: &Path) -> bool {
         false
     }
 
-    /// Whether a file is only read where it is named, and not where it lies in a folder of logs:
-    /// tables of other kinds look the same, or another file of the recording stands for it.
+    /// Returns true if a file is only read where it is named, and not where it lies in a folder of
+    /// logs: tables of other kinds look the same, or another file of the recording stands for it.
     fn is_read_by_name_only(&self, _path: &Path) -> bool {
         false
     }

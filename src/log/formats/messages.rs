@@ -27,7 +27,7 @@ impl MessageFormat {
         Some(at..at.checked_add(length)?)
     }
 
-    /// Whether a message begins at an offset, or the bytes end there.
+    /// Returns true if a message begins at an offset, or the bytes end there.
     fn is_border(self, bytes: &[u8], at: usize) -> bool {
         at == bytes.len() || self.message(bytes, at).is_some()
     }

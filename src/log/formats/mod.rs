@@ -100,7 +100,7 @@ pub enum OpenError {
     Io {
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// No reader knows these bytes.

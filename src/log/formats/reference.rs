@@ -31,7 +31,7 @@ pub enum ReferenceError {
 /// What stands behind the name of an XTF file whose multibeam depths are meant.
 const MULTIBEAM: &str = ":multibeam";
 
-/// Whether an argument names points: a file of them, or the multibeam depths of a log,
+/// Returns true if an argument names points: a file of them, or the multibeam depths of a log,
 /// `FILE.xtf:multibeam`.
 pub fn is_named_as_points(argument: &OsStr) -> bool {
     multibeam_of(argument).is_some() || is_named_as_elevations(argument)

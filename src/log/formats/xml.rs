@@ -3,7 +3,7 @@
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
-/// Whether an element has a name, whatever its prefix.
+/// Returns true if an element has a name, whatever its prefix.
 pub(super) fn is(element: &BytesStart<'_>, name: &str) -> bool {
     element.local_name().as_ref() == name.as_bytes()
 }

@@ -53,9 +53,9 @@ pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     outcome.map_err(|payload| Panicked(first.unwrap_or_else(|| cause(payload.as_ref()).to_owned())))
 }
 
-/// Whether a panic is to be printed, asked by the hook of a program: not where other people's code
-/// panicked on damaged bytes, which is an error like any other, and not where it becomes the error
-/// of the whole work, unless `RUST_BACKTRACE` asks for it.
+/// Returns true if a panic is to be printed, asked by the hook of a program: not where other
+/// people's code panicked on damaged bytes, which is an error like any other, and not where it
+/// becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
 pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
     if is_caught() {
         return false;
@@ -69,7 +69,7 @@ pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
     std::env::var_os("RUST_BACKTRACE").is_some()
 }
 
-/// Whether a panic of this thread becomes nothing, or an error about damaged bytes.
+/// Returns true if a panic of this thread becomes nothing, or an error about damaged bytes.
 pub fn is_caught() -> bool {
     CATCHING.get()
 }

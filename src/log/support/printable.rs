@@ -79,8 +79,8 @@ fn is_line_end(letter: char) -> bool {
     matches!(letter, '\n' | '\r' | '\t' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}')
 }
 
-/// Whether a letter is seen as itself: neither a control character nor one that turns the direction
-/// of the text around it, joins, or has no width.
+/// Returns true if a letter is seen as itself: neither a control character nor one that turns the
+/// direction of the text around it, joins, or has no width.
 fn is_shown(letter: char) -> bool {
     let hidden = matches!(
         letter,

@@ -106,7 +106,7 @@ impl Progress {
         asked.store(true, Ordering::Relaxed);
     }
 
-    /// Whether [`Progress::cancel`] was called.
+    /// Returns true if [`Progress::cancel`] was called.
     pub fn is_cancelled(&self) -> bool {
         self.cancellation.is_in_force()
     }

@@ -19,7 +19,7 @@ pub struct WaterArea {
 }
 
 impl WaterArea {
-    /// Whether a place is in it.
+    /// Returns true if a place is in it.
     pub fn contains(&self, at: LonLat) -> bool {
         let corner = |at: &LonLat| [at.lon_deg, at.lat_deg];
         let crossed = self.rings.iter().map(|ring| {

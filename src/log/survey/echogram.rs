@@ -25,7 +25,7 @@ pub struct Echogram {
 }
 
 impl Survey {
-    /// Whether the log has a channel that looks down.
+    /// Returns true if the log has a channel that looks down.
     pub fn has_echogram(&self, kind: ChannelKind) -> bool {
         self.echograms.iter().any(|echogram| echogram.kind == kind)
     }

@@ -171,7 +171,7 @@ impl ExclusionSettings {
         spans.filter_map(|one| one.span_s(&ping_times)).collect()
     }
 
-    /// Whether nothing can be excluded.
+    /// Returns true if nothing can be excluded.
     pub fn is_empty(&self) -> bool {
         self.max_turn_deg_s.is_none() && self.min_speed_mps.is_none() && self.stretches.is_empty()
     }
@@ -247,7 +247,7 @@ impl Exclusions {
         made
     }
 
-    /// Whether the middle of some side-scan pings, those of a box, is excluded.
+    /// Returns true if the middle of some side-scan pings, those of a box, is excluded.
     pub fn is_middle_excluded(&self, pings: &Range<usize>) -> bool {
         self.ping(usize::midpoint(pings.start, pings.end)).is_some()
     }
@@ -286,7 +286,7 @@ impl Exclusions {
         self.soundings.iter().flatten().count()
     }
 
-    /// Whether nothing is excluded.
+    /// Returns true if nothing is excluded.
     pub fn is_empty(&self) -> bool {
         self.stretches.is_empty()
     }

@@ -56,7 +56,7 @@ pub(super) struct Motion {
     pub(super) north_m: f64,
     /// Metres a second east and north; NaN where nothing can be fitted.
     pub(super) velocity: [f64; 2],
-    /// Whether the boat moves by more than its fixes can resolve.
+    /// True if the boat moves by more than its fixes can resolve.
     pub(super) moving: bool,
 }
 

@@ -213,9 +213,9 @@ impl Survey {
         }
     }
 
-    /// Whether the log had so many side-scan pings when so many bytes of it were written: what was
-    /// decided about it then holds still. Of a recording in several files this is known to two
-    /// seconds.
+    /// Returns true if the log had so many side-scan pings when so many bytes of it were written:
+    /// what was decided about it then holds still. Of a recording in several files this is known to
+    /// two seconds.
     pub fn was(&self, byte_count: u64, pings: usize) -> bool {
         let is_packed = self.bytes.iter().any(Bytes::is_packed);
         if byte_count > self.source.byte_count || pings > self.side_scan.len() || is_packed {
@@ -259,8 +259,8 @@ impl Survey {
         (least..=from + begun.count()).contains(&pings)
     }
 
-    /// Whether something that was made on a recording was made on this log, now or when less of it
-    /// was written. A shorter one has to bear its name.
+    /// Returns true if something that was made on a recording was made on this log, now or when
+    /// less of it was written. A shorter one has to bear its name.
     pub fn is_or_was(&self, log: &Identity) -> bool {
         let own = Identity::of(self);
         own.is_same_log(log) || (own.file == log.file && self.was(log.byte_count, log.pings))
@@ -365,7 +365,7 @@ impl Survey {
 struct Join(f64);
 
 impl Join {
-    /// How many of the log's records are older, and the first of the tail's that is not.
+    /// Number of the log's records that are older, and the first of the tail's that is not.
     fn of<T>(&self, log: &[T], tail: &[T], time_s: impl Fn(&T) -> f64) -> [usize; 2] {
         [log, tail].map(|records| records.partition_point(|one| time_s(one) < self.0))
     }

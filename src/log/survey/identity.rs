@@ -14,7 +14,7 @@ pub struct Identity {
     pub byte_count: u64,
     /// Side-scan pings.
     pub pings: usize,
-    /// Whether port and starboard are exchanged against the recording: sides that are named with it
+    /// True if port and starboard are exchanged against the recording: sides that are named with it
     /// are those.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub swapped_sides: bool,
@@ -33,7 +33,7 @@ impl Identity {
         }
     }
 
-    /// Whether both are the same recording.
+    /// Returns true if both are the same recording.
     pub fn is_same_log(&self, other: &Self) -> bool {
         self.byte_count == other.byte_count && self.pings == other.pings
     }

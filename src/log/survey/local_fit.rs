@@ -6,7 +6,7 @@ pub(super) struct TimedPosition {
     pub(super) time_s: f64,
     pub(super) east_m: f64,
     pub(super) north_m: f64,
-    /// How long the recorder showed it, seconds.
+    /// Time for which the recorder showed it, seconds.
     pub(super) weight: f64,
 }
 
@@ -71,7 +71,7 @@ impl Moments {
         })
     }
 
-    /// Whether there are about as many places before the time as after it.
+    /// Returns true if there are about as many places before the time as after it.
     fn balanced(&self) -> bool {
         self.time[1].abs() < 0.15 * self.time[0]
     }

@@ -309,7 +309,7 @@ pub struct Survey {
     pub start_unix_s: Option<f64>,
     /// What was added to the recorder's clock, seconds ([`MountingSettings::clock_offset_s`]).
     pub clock_offset_s: f64,
-    /// Whether port and starboard are exchanged against the recording
+    /// True if port and starboard are exchanged against the recording
     /// ([`MountingSettings::swap_sides`]).
     pub swapped_sides: bool,
     /// What each channel holds.
@@ -415,12 +415,12 @@ impl Survey {
         spans.reduce(|(from, to), (other_from, other_to)| (from.min(other_from), to.max(other_to)))
     }
 
-    /// Whether the recording says anywhere where it was.
+    /// Returns true if the recording says anywhere where it was.
     pub fn has_place(&self) -> bool {
         !self.track.fixes.is_empty()
     }
 
-    /// Whether the side-scan can be processed.
+    /// Returns true if the side-scan can be processed.
     pub fn has_side_scan(&self) -> bool {
         self.side_scan_state == SideScanState::Usable
     }

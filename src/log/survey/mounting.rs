@@ -11,7 +11,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MountingSettings {
-    /// Whether what was recorded as port is starboard, and the other way round.
+    /// True if what was recorded as port is starboard, and the other way round.
     pub swap_sides: bool,
     /// From the antenna to the transducer along the boat, metres; positive forward.
     pub forward_m: f64,
@@ -22,14 +22,14 @@ pub struct MountingSettings {
     pub heading_offset_deg: f64,
     /// Added to the log's clock, seconds: how far it is behind UTC.
     pub clock_offset_s: f64,
-    /// How much later the recorded positions are than the echoes recorded with them, seconds.
+    /// Delay of the recorded positions after the echoes recorded with them, seconds.
     pub latency_s: f64,
-    /// How much later the recorded depths are than the echoes recorded with them, seconds.
+    /// Delay of the recorded depths after the echoes recorded with them, seconds.
     pub sounding_lag_s: f64,
 }
 
 impl MountingSettings {
-    /// Whether nothing is to be put right.
+    /// Returns true if nothing is to be put right.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }

@@ -199,7 +199,7 @@ pub struct PositionSettings<'a> {
     pub heading: &'a HeadingSettings,
     /// How the recorder is mounted on the boat.
     pub mounting: &'a MountingSettings,
-    /// How far positions are off.
+    /// Errors of positions.
     pub shift: &'a PositionShift,
     /// The plane that they are laid out in.
     pub projection: Projection,

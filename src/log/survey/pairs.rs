@@ -82,7 +82,7 @@ impl Survey {
         self
     }
 
-    /// Whether a pair began that the log did not hold.
+    /// Returns true if a pair began that the log did not hold.
     pub(super) fn has_new_pair(&self, tail: &Survey) -> bool {
         let is_known = |new: &SidePair| self.pairs.iter().any(|pair| pair.name == new.name);
         !tail.pairs.iter().all(is_known)

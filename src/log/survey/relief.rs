@@ -16,7 +16,7 @@ const PINGS: usize = 4;
 /// up to 25 degrees.
 const STEPS: usize = 5;
 
-/// How much deeper than under the boat the bottom lies to one side of it.
+/// Depth of the bottom to one side of the boat, less that under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcrossTrack {
     farthest_m: f32,
@@ -33,7 +33,7 @@ impl AcrossTrack {
         f64::from(self.farthest_m) * share * share.sqrt()
     }
 
-    /// How much deeper the bottom is at a node.
+    /// Depth of the bottom at a node, less that under the boat.
     fn deeper_at(&self, node: usize) -> f64 {
         match node.checked_sub(1) {
             Some(behind) => f64::from(self.deeper_m[behind]),
@@ -41,8 +41,8 @@ impl AcrossTrack {
         }
     }
 
-    /// How much deeper than under the boat the bottom is at a distance, metres; beyond the farthest
-    /// that is known as there.
+    /// Returns the depth of the bottom at a distance, less that under the boat, metres; beyond the
+    /// farthest that is known as there.
     pub fn deeper_m(&self, ground_m: f64) -> f64 {
         let share = (ground_m / f64::from(self.farthest_m)).clamp(0.0, 1.0);
         let before = ((NODES as f64 * (share * share).cbrt()) as usize).min(NODES - 1);
@@ -90,7 +90,8 @@ impl AcrossTrack {
         }
     }
 
-    /// Whether it is: most pings of a single pass are, and a mosaic asks for millions of places.
+    /// Returns true if it is: most pings of a single pass are, and a mosaic asks for millions of
+    /// places.
     fn is_level(&self) -> bool {
         self.deeper_m == [0.0; NODES]
     }
@@ -192,7 +193,7 @@ impl Relief {
         Self { farthest_m: farthest_m as f32, sides: Side::BOTH.map(of_side) }
     }
 
-    /// Whether it is level everywhere.
+    /// Returns true if it is level everywhere.
     pub fn is_level(&self) -> bool {
         self.sides.iter().all(Vec::is_empty)
     }

@@ -34,7 +34,7 @@ impl Bytes {
         }
     }
 
-    /// Whether they lie in a file that other programs can reach.
+    /// Returns true if they lie in a file that other programs can reach.
     pub fn is_shared(&self) -> bool {
         match self {
             Bytes::Mapped(map) => map.is_shared(),
@@ -43,7 +43,7 @@ impl Bytes {
         }
     }
 
-    /// Whether the sample spans point elsewhere than into the file.
+    /// Returns true if the sample spans point elsewhere than into the file.
     pub(crate) fn is_packed(&self) -> bool {
         matches!(self, Bytes::Packed { .. })
     }
@@ -278,7 +278,7 @@ impl<'a> Samples<'a> {
         self.stored.len() / self.encoding.width()
     }
 
-    /// Whether there is no sample.
+    /// Returns true if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.stored.is_empty()
     }

@@ -38,7 +38,7 @@ impl SwathPing {
         usize::from(self.port) + usize::from(self.starboard)
     }
 
-    /// Whether it has no pair of either side.
+    /// Returns true if it has no pair of either side.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -13,7 +13,7 @@ pub struct KnownObject {
     pub class: usize,
     /// Around what is shown of its echo and its shadow.
     pub whole: Mark,
-    /// Whether anything is shown of it. What a person has seen is.
+    /// True if anything is shown of it. What a person has seen is.
     pub shown: bool,
     /// What each ping shows of it, in their order; empty where only its box is known.
     pub slices: Vec<Slice>,
@@ -48,7 +48,7 @@ pub(crate) struct ObjectPart {
     pub outline: Vec<[f32; 2]>,
     /// Which share of the object it is: of its visibility, or of its box.
     share: f32,
-    /// Whether it can be seen at all.
+    /// True if it can be seen at all.
     shown: bool,
 }
 
@@ -58,9 +58,9 @@ const LEAST_SHARE: f32 = 0.4;
 const LEAST_PX: f32 = 6.0;
 
 impl ObjectPart {
-    /// Whether a detector may be asked for it: something of it is shown, it is at least 6 pixels
-    /// wide and high, and at least 40 % of the object; of an object known ping by ping, what lies
-    /// in the tile must be visible by itself.
+    /// Returns true if a detector may be asked for it: something of it is shown, it is at least 6
+    /// pixels wide and high, and at least 40 % of the object; of an object known ping by ping, what
+    /// lies in the tile must be visible by itself.
     pub(crate) fn is_plain(&self) -> bool {
         let large = (self.rect.x1 - self.rect.x0).min(self.rect.y1 - self.rect.y0) >= LEAST_PX;
         self.shown && large && self.share >= LEAST_SHARE
@@ -68,7 +68,7 @@ impl ObjectPart {
 }
 
 impl KnownObject {
-    /// Whether the whole of it may be asked for, as [`ObjectPart::is_plain`] says.
+    /// Returns true if the whole of it may be asked for, as [`ObjectPart::is_plain`] says.
     pub fn is_plain(&self, raster: &Raster) -> bool {
         let rect = raster.rect_of(&self.whole);
         self.part(rect, 1.0).is_plain()

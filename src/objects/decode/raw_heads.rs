@@ -12,7 +12,7 @@ pub(crate) struct Head {
     pub scale_x_y: f32,
     /// Darknet's `new_coords`: sizes are `(2 t)^2` anchors instead of `e^t`.
     pub new_coords: bool,
-    /// Whether the logistic function has been applied already (Darknet's heads with `new_coords`).
+    /// True if the logistic function has been applied already (Darknet's heads with `new_coords`).
     pub activated: bool,
 }
 

@@ -7,7 +7,7 @@ use std::io;
 /// Label files that cannot be used.
 pub type LabelError = FileError<LabelFault>;
 
-/// What is wrong with label files, in a sentence without the path.
+/// Fault of label files, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelFault {
     /// The system does not give the file.
@@ -48,7 +48,7 @@ pub enum LabelFault {
     Line {
         /// Counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault.
         #[source]
         what: YoloLineFault,
     },
@@ -57,7 +57,7 @@ pub enum LabelFault {
     Annotation {
         /// Counted from 1.
         number: usize,
-        /// What is wrong with it.
+        /// The fault.
         #[source]
         what: AnnotationFault,
     },
@@ -68,7 +68,7 @@ pub enum LabelFault {
     OtherPictures,
 }
 
-/// What is wrong with a line of YOLO's.
+/// Fault of a line of YOLO's.
 #[derive(Debug, thiserror::Error)]
 pub enum YoloLineFault {
     /// It has one number too few.
@@ -99,7 +99,7 @@ pub enum YoloLineFault {
     BadScore(String),
 }
 
-/// What is wrong with an annotation or a result of COCO's.
+/// Fault of an annotation or a result of COCO's.
 #[derive(Debug, thiserror::Error)]
 pub enum AnnotationFault {
     /// Its picture is not in the file.

@@ -12,7 +12,7 @@ const NAMES: [&str; 2] = ["classes.txt", "obj.names"];
 /// Longer than any label file of one picture.
 const LONGEST: u64 = 16 << 20;
 
-/// Whether a file holds class names rather than boxes.
+/// Returns true if a file holds class names rather than boxes.
 pub(super) fn is_names(file: &Path) -> bool {
     file.file_name().is_some_and(|name| NAMES.iter().any(|names| name == *names))
 }

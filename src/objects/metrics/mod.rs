@@ -78,7 +78,7 @@ pub enum BoxMatching {
 }
 
 impl BoxMatching {
-    /// Whether an overlap makes a match.
+    /// Returns true if an overlap makes a match.
     fn passes(self, iou: f64, threshold: f64) -> bool {
         match self {
             BoxMatching::DarknetVoc => iou > threshold,

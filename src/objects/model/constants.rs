@@ -104,7 +104,7 @@ impl Around {
         Ok(Self([own(&inputs), own(&outputs), own(&observed)]))
     }
 
-    /// Whether all inputs are constants.
+    /// Returns true if all inputs are constants.
     fn known(&self) -> bool {
         self.0[0].iter().all(|fact| fact.value.is_concrete())
     }

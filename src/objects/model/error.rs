@@ -7,13 +7,13 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot use the model: {reason}: {path}")]
 pub struct ModelError {
-    /// What is wrong with it.
+    /// The fault.
     pub reason: Unusable,
     /// Which file.
     pub path: PathBuf,
 }
 
-/// What is wrong with a model, and what to do about it.
+/// Fault of a model, and what to do about it.
 #[derive(Debug, thiserror::Error)]
 pub enum Unusable {
     /// The system gives no bytes.

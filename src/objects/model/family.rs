@@ -172,7 +172,7 @@ impl DetectorFamily {
         }
     }
 
-    /// Whether the network drops overlapping boxes itself.
+    /// Returns true if the network drops overlapping boxes itself.
     pub(super) fn suppresses(&self) -> bool {
         self.kind == Kind::EndToEnd
     }

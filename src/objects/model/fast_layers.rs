@@ -117,7 +117,7 @@ fn shape(with_batch: bool, shape: [usize; 3]) -> TVec<usize> {
     batch.into_iter().chain(shape).collect()
 }
 
-/// Whether a layer is 3 x 3 with steps of one.
+/// Returns true if a layer is 3 x 3 with steps of one.
 fn is_of_the_kind(conv: &Conv) -> bool {
     let spec = &conv.pool_spec;
     conv.group == 1

@@ -15,7 +15,7 @@ pub(super) struct InputSpec {
     pub height: usize,
     /// 1 or 3.
     pub channels: usize,
-    /// Whether a pixel's channels lie side by side.
+    /// True if a pixel's channels lie side by side.
     pub channels_last: bool,
     /// Order of the colours.
     pub colour: Colour,

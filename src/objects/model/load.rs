@@ -27,7 +27,7 @@ const LARGEST_INPUT: usize = 4096;
 /// Pixels across and down where nothing states it.
 const USUAL_INPUT: usize = 416;
 
-/// How long a network may take before it is given up.
+/// Longest time for a network, after which it is given up.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     /// To be understood and compiled. YOLOv4 at full width takes a second.

@@ -13,7 +13,7 @@ pub(super) struct PoolAxis {
     pub(super) window: usize,
     /// From one window to the next.
     pub(super) step: usize,
-    /// How far the first window begins before the picture.
+    /// Width by which the first window begins before the picture.
     pub(super) before: usize,
 }
 
@@ -25,7 +25,7 @@ impl PoolAxis {
         start.saturating_sub(self.before).min(self.from)..end.min(self.from)
     }
 
-    /// Whether windows are pairs, one after the other, and all of them whole.
+    /// Returns true if windows are pairs, one after the other, and all of them whole.
     fn is_in_pairs(&self) -> bool {
         (self.window, self.step, self.before) == (2, 2, 0) && self.into == self.from / 2
     }

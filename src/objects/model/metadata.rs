@@ -33,7 +33,7 @@ impl Metadata {
         }
     }
 
-    /// Whether the network suppresses overlapping boxes itself.
+    /// Returns true if the network suppresses overlapping boxes itself.
     pub(super) fn end_to_end(&self) -> bool {
         ["end2end", "nms"]
             .iter()

@@ -80,7 +80,7 @@ pub struct Model {
     nms: Nms,
     /// Overlap above which boxes vote.
     vote: Option<f32>,
-    /// Whether a picture that seems to show something is evaluated once more, mirrored.
+    /// True if a picture that seems to show something is evaluated once more, mirrored.
     augments: bool,
     /// What the network's confidences come to.
     calibration: ConfidenceCalibration,

@@ -139,7 +139,7 @@ pub(super) struct HeadEntry {
     /// Darknet's `new_coords`.
     #[serde(default)]
     pub new_coords: bool,
-    /// Whether the logistic function has been applied already.
+    /// True if the logistic function has been applied already.
     #[serde(default)]
     pub activated: bool,
 }

@@ -76,15 +76,15 @@ impl ObjectList {
         self.objects.get(*self.of.get(&key)?)
     }
 
-    /// Whether anything was decided about any box; otherwise all of them are the detector's
+    /// Returns true if anything was decided about any box; otherwise all of them are the detector's
     /// proposals.
     pub fn is_reviewed(&self) -> bool {
         self.is_reviewed
     }
 
-    /// Whether a box is one of a target: as long as nothing is decided about any box, each is; then
-    /// those are that were accepted or drawn by hand, for a proposal beside them would pass for an
-    /// object that somebody has seen.
+    /// Returns true if a box is one of a target: as long as nothing is decided about any box, each
+    /// is; then those are that were accepted or drawn by hand, for a proposal beside them would
+    /// pass for an object that somebody has seen.
     pub fn is_target(&self, one: &ObjectBox) -> bool {
         !self.is_reviewed || one.one.state.is_object()
     }

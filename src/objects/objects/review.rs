@@ -85,12 +85,12 @@ impl SurveyReview {
         Some(&of_log.review)
     }
 
-    /// Whether any log has boxes.
+    /// Returns true if any log has boxes.
     pub fn has_boxes(&self) -> bool {
         self.logs.iter().any(Option::is_some)
     }
 
-    /// Whether there is a box that was accepted or drawn by hand.
+    /// Returns true if there is a box that was accepted or drawn by hand.
     pub fn has_targets(&self) -> bool {
         let mut boxes = self.logs.iter().flatten();
         boxes.any(|of_log| of_log.review.boxes().any(|one| one.state.is_object()))

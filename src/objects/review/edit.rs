@@ -58,7 +58,7 @@ pub enum Edit {
     SetShadow(BoxId, Option<MeasuredShadow>),
     /// It is of a class by its name, which becomes one of the review's classes.
     Classify(BoxId, String),
-    /// What it is called.
+    /// Name.
     Rename(BoxId, String),
     /// How sure the analyst is.
     Rate(BoxId, Option<Certainty>),

@@ -64,7 +64,7 @@ named! {
 }
 
 impl State {
-    /// Whether it says that there is an object.
+    /// Returns true if it says that there is an object.
     pub fn is_object(self) -> bool {
         matches!(self, State::Accepted | State::Added)
     }
@@ -126,7 +126,7 @@ impl Reviewed {
         self.mark = mark;
     }
 
-    /// Whether the analyst has touched it; a new model leaves such a box as it is.
+    /// Returns true if the analyst has touched it; a new model leaves such a box as it is.
     pub fn is_kept(&self) -> bool {
         self.state != State::Proposed || self.edited
     }

@@ -71,7 +71,8 @@ impl Queue {
         one.is_shown_from(self.threshold)
     }
 
-    /// Whether a box of a review is in the queue. `size_m` is the longer side of a mark, metres.
+    /// Returns true if a box of a review is in the queue. `size_m` is the longer side of a mark,
+    /// metres.
     pub fn takes(&self, review: &Review, one: &Reviewed, size_m: impl Fn(&Mark) -> f64) -> bool {
         let filter = &self.filter;
         let of_class = |class: &String| class == review.class_name(one.class);

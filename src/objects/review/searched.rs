@@ -53,8 +53,8 @@ impl Review {
         Some(format!("pings {} of {}", parts.join(", "), self.identity.pings))
     }
 
-    /// Whether a mark reaches into pings that no search has come to. `unsearched` is that of the
-    /// review.
+    /// Returns true if a mark reaches into pings that no search has come to. `unsearched` is that
+    /// of the review.
     pub(crate) fn reaches_into(unsearched: &[Range<usize>], mark: &Mark) -> bool {
         let meets = |gap: &Range<usize>| mark.pings.start < gap.end && gap.start < mark.pings.end;
         unsearched.iter().any(meets)

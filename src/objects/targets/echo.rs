@@ -119,8 +119,8 @@ impl TopShape {
     }
 }
 
-/// Whether a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its extent
-/// along the track.
+/// Returns true if a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its
+/// extent along the track.
 pub(super) fn is_large(mark: &Mark, length_m: f64) -> bool {
     // NaN is not large.
     length_m > LARGE_M || mark.far_m - mark.near_m > LARGE_M
@@ -251,7 +251,7 @@ impl<'a> Look<'a> {
         self.grid.from_m + step as f64 * self.grid.step_m
     }
 
-    /// How much brighter than the background each step is in some pings.
+    /// Brightness of each step over the background in some pings.
     fn contrast(&self, pings: Range<usize>) -> Option<Vec<f64>> {
         let echo = self.grid.profile(self.survey, pings)?;
         let both = echo.iter().zip(&self.background.levels);

@@ -53,8 +53,8 @@ pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group>
     groups
 }
 
-/// Whether two groups can be one object: no pass saw it twice, and every member is near enough to
-/// the common place.
+/// Returns true if two groups can be one object: no pass saw it twice, and every member is near
+/// enough to the common place.
 fn joins(
     sightings: &[Sighting<'_>],
     ours: &[usize],

@@ -19,9 +19,9 @@ const OTHER_CLASS: f64 = 3.0;
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
 
-/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under
-/// the boat both sides detect it; two boxes over the same echo, or two halves of it, at one time
-/// and one range, are no two objects.
+/// Returns true if one pass saw both apart. In a turn a side sweeps over the same place again, and
+/// under the boat both sides detect it; two boxes over the same echo, or two halves of it, at one
+/// time and one range, are no two objects.
 pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
     if one.log != other.log {
         return false;

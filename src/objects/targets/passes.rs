@@ -67,7 +67,7 @@ impl PassCount {
     }
 }
 
-/// How many passes saw an object that was seen on some pings.
+/// Returns the number of passes that saw an object, by the pings that did.
 pub(crate) fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
     distinct_passes(seen, logs).len()
 }
@@ -91,7 +91,7 @@ fn distinct_passes(
     passes
 }
 
-/// Whether the pings of two sightings of one place are of one pass.
+/// Returns true if the pings of two sightings of one place are of one pass.
 fn is_same_pass(one: &LogPings, other: &LogPings, logs: &[PassLog<'_>]) -> bool {
     let ((log, a), (other_log, b)) = (one, other);
     if log == other_log {

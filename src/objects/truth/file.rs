@@ -34,7 +34,7 @@ pub enum TruthError {
     Line {
         /// Counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault.
         #[source]
         what: SightingFault,
     },
@@ -55,7 +55,7 @@ pub enum TruthFileError {
     Unusable(#[from] FileError<TruthError>),
 }
 
-/// What is wrong with a sighting of an object.
+/// Fault of a sighting of an object.
 #[derive(Debug, thiserror::Error)]
 pub enum SightingFault {
     /// A field holds something else.

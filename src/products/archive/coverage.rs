@@ -36,7 +36,7 @@ pub struct PingCoverage {
     pub time_s: f64,
     /// Microseconds since 1970, UTC, where the recorder knew the time.
     pub unix_us: Option<i64>,
-    /// Whether the settings exclude the ping from every result.
+    /// True if the settings exclude the ping from every result.
     pub is_excluded: bool,
 }
 

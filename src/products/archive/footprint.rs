@@ -24,7 +24,7 @@ pub(super) struct Footprint {
     pub starboard: [f64; 2],
     /// Height of the transducer over the ground, metres.
     pub altitude_m: f64,
-    /// How far its ground reaches backward along the track, metres.
+    /// Length of its ground backward along the track, metres.
     pub behind_m: f64,
     /// The same forward.
     pub ahead_m: f64,

@@ -204,7 +204,7 @@ pub(super) fn open_part(
     Ok((opened, path))
 }
 
-/// What is wrong with a part.
+/// Fault of a part.
 pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
     format!(
         "a part of the mosaic cannot be used: {error}; process its log again: {}",

@@ -138,8 +138,8 @@ impl LogRecord {
         }
     }
 
-    /// Whether another record is of the same log, made with the same settings by the same program.
-    /// The names of files do not matter.
+    /// Returns true if another record is of the same log, made with the same settings by the same
+    /// program. The names of files do not matter.
     pub(super) fn is_made_alike(&self, other: &Self) -> bool {
         let hashes = |record: &Self| -> Vec<String> {
             let files = record.made.files.iter();
@@ -149,7 +149,7 @@ impl LogRecord {
         self.log == other.log && hashes(self) == hashes(other) && of_names(self) == of_names(other)
     }
 
-    /// Whether all of its files are there, as long as they were.
+    /// Returns true if all of its files are there, as long as they were.
     pub(super) fn is_whole(&self, folder: &Path) -> bool {
         let mut files = self.tiles.iter().flat_map(|rows| &rows.files);
         files.all(|file| file.is_as_long_in(folder))

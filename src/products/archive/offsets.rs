@@ -55,7 +55,7 @@ pub struct OffsetRow {
     pub ties: usize,
     /// Logs of one group are tied to each other; heights of different groups cannot be compared.
     pub group: usize,
-    /// Whether a person has set it: a benchmark log. It stays, and others are compared with it.
+    /// True if a person has set it: a benchmark log. It stays, and others are compared with it.
     pub is_pinned: bool,
     /// How its positions are corrected; all zero where nobody asked for it.
     pub shift: Shift,

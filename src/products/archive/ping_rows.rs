@@ -215,9 +215,9 @@ pub(super) struct PingRow {
     pub footprint: Footprint,
     /// Depth under it as the log has it, metres; NaN where none is known.
     pub depth_m: f64,
-    /// Whether the boat was in the halo, or farther outside of the tile.
+    /// True if the boat was in the halo, or farther outside of the tile.
     pub is_halo: bool,
-    /// Whether its echoes count for nothing.
+    /// True if its echoes count for nothing.
     pub is_excluded: bool,
     /// Seconds after the log's time zero.
     pub time_s: f64,

@@ -55,7 +55,7 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
 pub(super) struct PointRow {
     /// Place in the zone, depth as the log has it, weight 0 where it does not count.
     pub depth: DepthPoint,
-    /// Whether it is a sounding: a depth of the recorder under the boat.
+    /// True if it is a sounding: a depth of the recorder under the boat.
     pub is_under_boat: bool,
     /// Seconds after the log's time zero.
     pub time_s: f64,

@@ -50,7 +50,7 @@ pub struct ArchiveRecord {
     format: u32,
     /// Side of a tile, metres.
     tile_m: f64,
-    /// How far beyond its edges a tile has rows, metres.
+    /// Width beyond its edges over which a tile has rows, metres.
     pub halo_m: f64,
     /// Side of a cell of the maps, metres.
     pub cell_m: f64,
@@ -157,8 +157,8 @@ fn is_shared(key: &str) -> bool {
     !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && ![AREA, COLOURS].contains(&key)
 }
 
-/// Whether cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles then meet
-/// at whole cells.
+/// Returns true if cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles
+/// then meet at whole cells.
 fn divides_tiles(cell_m: f64) -> bool {
     let side = TILE_M / cell_m;
     (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side)
@@ -303,8 +303,8 @@ impl Archive {
         }
     }
 
-    /// Whether a log is added for the first time through this value or a copy of it: two names of
-    /// one log must not be written at once.
+    /// Returns true if a log is added for the first time through this value or a copy of it: two
+    /// names of one log must not be written at once.
     pub(super) fn begins(&self, log: &str) -> bool {
         let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         begun.insert(log.to_owned())

@@ -16,7 +16,7 @@ pub(super) struct TileRow {
     pub zone: UtmZone,
     /// The place in metres of that zone.
     pub place: [f64; 2],
-    /// Whether it lies in the tile itself.
+    /// True if it lies in the tile itself.
     pub is_core: bool,
 }
 

@@ -48,8 +48,8 @@ impl TileId {
         [west, south, west + TILE_M, south + TILE_M]
     }
 
-    /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to
-    /// the other zone.
+    /// Returns true if all of it lies in its own zone; of one that does not, what lies beyond
+    /// belongs to the other zone.
     pub(crate) fn is_within_zone(&self) -> bool {
         let [west, south, east, north] = self.bounds_m();
         let middle = [0.5 * (west + east), 0.5 * (south + north)];

@@ -169,7 +169,7 @@ impl TileRecord {
         <[f64; 4]>::try_from(self.bounds_m.as_slice()).unwrap_or(tile.bounds_m())
     }
 
-    /// Whether the tile has a file of a name.
+    /// Returns true if the tile has a file of a name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.files.iter().any(|file| file.file == name)
     }

@@ -22,7 +22,7 @@ const SCRATCH: &str = ".scratch.part";
 pub struct ExportError {
     /// Which file.
     pub path: PathBuf,
-    /// What the system said.
+    /// The system's error.
     pub source: io::Error,
 }
 
@@ -34,7 +34,8 @@ impl ExportError {
     }
 }
 
-/// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
+/// Returns true if two paths name the same file, which is there: by whatever folder, link or
+/// spelling.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     let there = [one, other].map(fs::canonicalize);
     matches!(there, [Ok(one), Ok(other)] if one == other)
@@ -165,8 +166,8 @@ pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&
     }
 }
 
-/// Whether the process that wrote a file is no more. Where the system does not say, a file that
-/// nobody has touched for an hour is taken as left.
+/// Returns true if the process that wrote a file is no more. Where the system does not say, a file
+/// that nobody has touched for an hour is taken as left.
 fn is_dead(writer: u32, file: &Path) -> bool {
     if cfg!(target_os = "linux") {
         // A killed process has an entry until its parent has asked for its end, which may be
@@ -179,8 +180,8 @@ fn is_dead(writer: u32, file: &Path) -> bool {
     age.is_some_and(|age| age.as_secs() > 3600)
 }
 
-/// Whether `/proc/PID/stat` is that of a process that has ended: its state, behind the name in
-/// brackets, is `Z` or `X` (proc(5)).
+/// Returns true if `/proc/PID/stat` is that of a process that has ended: its state, behind the name
+/// in brackets, is `Z` or `X` (proc(5)).
 fn has_ended(stat: &str) -> bool {
     let state = stat.rsplit_once(") ").and_then(|(_, rest)| rest.chars().next());
     matches!(state, Some('Z' | 'X'))

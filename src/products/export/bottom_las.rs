@@ -38,7 +38,7 @@ pub(crate) struct BottomCell {
     pub distance_m: f32,
     /// The source of the depth, by the number of [`bathyscope_bottom::bathymetry::CellSource`].
     pub source: u8,
-    /// Whether it was measured there.
+    /// True if it was measured there.
     pub is_measured: bool,
     /// Its colour.
     pub rgb: [u8; 3],

@@ -24,7 +24,7 @@ pub struct ChipFolder {
     folder: PathBuf,
     /// Classes by index, as part of a file name.
     classes: Vec<String>,
-    /// How many there are so far.
+    /// Their number so far.
     count: usize,
 }
 

@@ -21,7 +21,7 @@ const CLAMP_TO_EDGE: u32 = 33071;
 /// A mesh of triangles.
 #[derive(Clone, Debug, Default)]
 pub struct TexturedMesh {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// East, north and up of each corner, metres.
     pub places_m: Vec<[f32; 3]>,

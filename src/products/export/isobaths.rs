@@ -22,7 +22,7 @@ pub(crate) struct DrawnLines<'a> {
 }
 
 impl DrawnLines<'_> {
-    /// Whether a line is thick and labelled.
+    /// Returns true if a line is thick and labelled.
     pub(super) fn is_index(&self, line: &Isobath) -> bool {
         self.index_levels_m.contains(&line.depth_m)
     }

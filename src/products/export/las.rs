@@ -34,7 +34,7 @@ pub(super) struct LasSpec<'a> {
     pub crs: &'a Crs,
     /// A place near them.
     pub origin: Option<LonLat>,
-    /// Whether times are adjusted standard GPS time.
+    /// True if times are adjusted standard GPS time.
     pub knows_time: bool,
     /// What the points carry beyond LAS's own fields.
     pub dimensions: &'a [Dimension],

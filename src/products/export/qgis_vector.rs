@@ -20,8 +20,7 @@ const THIN_MM: f64 = 0.25;
 const THICK_MM: f64 = 0.5;
 /// What a light edge adds to a line, so that it stays visible on dark water.
 const EDGE_MM: f64 = 0.4;
-/// How much of an area of depth covers what lies below it: pale enough for the lines and figures
-/// above it, as on charts.
+/// Opacity of an area of depth: pale enough for the lines and figures above it, as on charts.
 const AREA_OPACITY: f64 = 0.6;
 /// Lines that are shorter on the sheet have no label, millimetres.
 const LEAST_LABELLED_MM: f64 = 12.0;

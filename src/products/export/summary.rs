@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-/// How many points, lines or cells a file holds, and the box around them in the file's own
+/// Number of points, lines or cells of a file, and the box around them in the file's own
 /// coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {

@@ -28,7 +28,8 @@ pub(super) fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'
     boxes.filter(|one| one.one.state == State::Proposed)
 }
 
-/// Whether somebody has decided about boxes; otherwise all of them are the detector's proposals.
+/// Returns true if somebody has decided about boxes; otherwise all of them are the detector's
+/// proposals.
 pub(super) fn is_reviewed(from: &ReportData<'_>) -> bool {
     (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed())
 }

@@ -50,7 +50,7 @@ impl MapScales {
 pub trait PyramidSource: Sync {
     /// Where the map lies, and how it is drawn.
     fn scales(&self) -> &MapScales;
-    /// Whether anything may be known in a tile of any zoom.
+    /// Returns true if anything may be known in a tile of any zoom.
     fn reaches(&self, tile: WebTile) -> bool;
     /// What is known of a tile of the finest zoom.
     ///
@@ -229,8 +229,8 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         Ok(Some(KnownTile { pixels, lines }))
     }
 
-    /// Whether an isobath is still drawn at a coarser zoom: multiples of so many intervals; all
-    /// where they are not evenly apart.
+    /// Returns true if an isobath is still drawn at a coarser zoom: multiples of so many intervals;
+    /// all where they are not evenly apart.
     fn is_shown(&self, depth_m: f64, coarser: u8) -> bool {
         let every = EVERY[usize::from(coarser).min(EVERY.len() - 1)];
         self.interval_m.is_none_or(|interval_m| (depth_m / interval_m).round() as i64 % every == 0)

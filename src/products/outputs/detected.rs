@@ -64,7 +64,7 @@ pub fn write_detected_in_picture(
     Ok((found, run.commit_group(is_of_search)?))
 }
 
-/// Whether a file is of a search, in whatever version's layout.
+/// Returns true if a file is of a search, in whatever version's layout.
 fn is_of_search(name: &str) -> bool {
     let row = row_of(name).or_else(|| row_of_beside(name));
     row.is_some_and(|row| is_asked(row.when))

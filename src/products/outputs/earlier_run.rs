@@ -78,8 +78,8 @@ impl EarlierRun {
     }
 }
 
-/// Whether the run in a folder is of these logs, by the names and sizes of their files, or of some
-/// of them and no other, or of them and others.
+/// Returns true if the run in a folder is of these logs, by the names and sizes of their files, or
+/// of some of them and no other, or of them and others.
 pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
     let read = |record: &Path| -> Option<Origin> {
         let origin: Origin = serde_json::from_slice(&std::fs::read(record).ok()?).ok()?;

@@ -17,7 +17,7 @@ struct Manifest<'a> {
     program: &'a str,
     run: &'a str,
     inputs: &'a [Input],
-    /// How many logs of one survey it is of; absent of one.
+    /// Number of logs of one survey that it is of; absent of one.
     #[serde(skip_serializing_if = "Option::is_none")]
     logs: Option<usize>,
     start_unix_s: Option<f64>,

@@ -66,7 +66,7 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
     is_known.then(|| target.corners().map(place))
 }
 
-/// Whether the middle of a box lies in a stretch that is excluded.
+/// Returns true if the middle of a box lies in a stretch that is excluded.
 pub(super) fn is_excluded(products: &Products, mark: &Mark) -> bool {
     products.exclusions.is_middle_excluded(&mark.pings)
 }

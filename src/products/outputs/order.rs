@@ -45,7 +45,7 @@ pub struct Order<'a> {
 }
 
 impl Order<'_> {
-    /// Whether files that are written at such a time are to be written.
+    /// Returns true if files that are written at such a time are to be written.
     pub(super) fn asks_for(&self, when: When) -> bool {
         match when {
             When::Always => true,

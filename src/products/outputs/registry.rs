@@ -75,14 +75,14 @@ pub(super) enum RunFile {
 }
 
 impl OutputFile {
-    /// Whether a file of a run is this one, or another that belongs to it.
+    /// Returns true if a file of a run is this one, or another that belongs to it.
     pub fn owns(&self, name: &str) -> bool {
         let in_folder = || name.strip_prefix(self.name)?.strip_prefix('/');
         name == self.name || self.companions.contains(&name) || in_folder().is_some()
     }
 
-    /// Whether a version that wrote all files beside each other, with a record `NAME.json` of each,
-    /// wrote this one under such a name.
+    /// Returns true if a version that wrote all files beside each other, with a record `NAME.json`
+    /// of each, wrote this one under such a name.
     pub(super) fn owned_beside(&self, name: &str) -> bool {
         let own = file_part(self.name);
         let in_folder = || name.strip_prefix(own)?.strip_prefix('/');
@@ -91,7 +91,7 @@ impl OutputFile {
         name == own || companions.any(|one| one == name) || record() || in_folder().is_some()
     }
 
-    /// Whether a setting that begins with one of these words has to do with it.
+    /// Returns true if a setting that begins with one of these words has to do with it.
     pub(crate) fn depends_on(&self, words: &BTreeSet<String>) -> bool {
         let regardless = |word: &String| self.regardless_of.contains(&word.as_str());
         words.iter().any(|word| !regardless(word))

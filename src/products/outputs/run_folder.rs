@@ -67,7 +67,7 @@ impl Replaced {
 #[derive(Debug)]
 pub struct RunFolder {
     folder: PathBuf,
-    /// Whether the folder was made for this run.
+    /// True if the folder was made for this run.
     is_ours: bool,
     lock: Option<File>,
 }

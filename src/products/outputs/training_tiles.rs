@@ -141,7 +141,7 @@ impl TrainingTiles<'_> {
     }
 }
 
-/// Whether a file is named as those that are written: six digits.
+/// Returns true if a file is named as those that are written: six digits.
 fn is_numbered(path: &Path, ending: &str) -> bool {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let is_number = stem.len() == 6 && stem.bytes().all(|byte| byte.is_ascii_digit());

@@ -27,7 +27,8 @@ use std::path::Path;
 pub struct Written {
     /// The files, in the order of writing.
     pub files: Vec<&'static OutputFile>,
-    /// How many files were made of the results, with those that belong to them and the pictures.
+    /// Number of files that were made of the results, with those that belong to them and the
+    /// pictures.
     pub file_count: usize,
     /// Bytes of all of them.
     pub byte_count: u64,

@@ -39,7 +39,7 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
         self.result.as_ref()
     }
 
-    /// Whether work is under way.
+    /// Returns true if work is under way.
     pub fn is_running(&self) -> bool {
         self.running.is_some()
     }

@@ -41,20 +41,20 @@ impl Fingerprint {
     /// Reads a file of `folder`.
     ///
     /// # Errors
-    /// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
+    /// The system's error; [`io::ErrorKind::Other`] when the work was cancelled.
     pub fn of(folder: &Path, file: &str, progress: &Progress) -> io::Result<Self> {
         let from = File::open(folder.join(file))?;
         let (bytes, sha256) = sha256_of(from, progress)?;
         Ok(Self { file: file.to_owned(), bytes, sha256 })
     }
 
-    /// Whether there is a file of that name and size in `folder`, whatever it holds.
+    /// Returns true if there is a file of that name and size in `folder`, whatever it holds.
     pub(crate) fn is_as_long_in(&self, folder: &Path) -> bool {
         let there = folder.join(&self.file).symlink_metadata();
         there.is_ok_and(|there| there.is_file() && there.len() == self.bytes)
     }
 
-    /// Whether the file of that name in `folder` is still this one.
+    /// Returns true if the file of that name in `folder` is still this one.
     pub(crate) fn is_unchanged(&self, folder: &Path) -> bool {
         let again = || Self::of(folder, &self.file, &Progress::new());
         self.is_as_long_in(folder) && again().is_ok_and(|again| again == *self)
@@ -138,7 +138,7 @@ pub enum InputError {
     /// The system does not give it.
     #[error("cannot read the file: {source}: {}", path.display())]
     Unreadable {
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
         /// Which file.
         path: PathBuf,
@@ -161,7 +161,7 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Input
 /// Length and SHA-256 of what is read.
 ///
 /// # Errors
-/// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
+/// The system's error; [`io::ErrorKind::Other`] when the work was cancelled.
 pub(crate) fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
     hash(from, || progress.check(), |_| ())
 }

@@ -334,7 +334,7 @@ impl Part {
         counts.then_some(point)
     }
 
-    /// Whether a record of the log belongs to the part.
+    /// Returns true if a record of the log belongs to the part.
     fn is_new(&self, record: PointRecord) -> bool {
         match record {
             PointRecord::Ping(index) => index >= self.first,

@@ -18,7 +18,7 @@ const CONTRADICTED_S: f64 = 0.15;
 const CONTRADICTED_SIGMAS: f64 = 3.0;
 
 impl LogLatency {
-    /// Whether the crossings contradict what is in force.
+    /// Returns true if the crossings contradict what is in force.
     pub(crate) fn contradicts(&self) -> bool {
         let off_s = (self.latency_s - self.in_force_s).abs();
         off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s

@@ -5,7 +5,7 @@ use bathyscope_bottom::cloud::ClassCounts;
 use bathyscope_log::survey::{FaultCounts, Navigation, Survey, SwathPing};
 use serde::Serialize;
 
-/// How many of everything.
+/// Counts of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunCounts {
     /// Side-scan pings.
@@ -160,11 +160,11 @@ pub struct CalibrationReport {
     pub offset_m: f64,
     /// The offset that the log shows, in force or not, metres.
     pub offset_measured_m: Option<f64>,
-    /// How far it may be off by its scatter, metres.
+    /// Its error by its scatter, metres.
     pub offset_uncertainty_m: Option<f64>,
     /// Why none is taken off.
     pub offset_note: Option<&'static str>,
-    /// How far the beams look past the nadir, degrees; absent where no slope shows it.
+    /// Angle by which the beams look past the nadir, degrees; absent where no slope shows it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap_deg: Option<f64>,
     /// Robust standard deviation about that line.

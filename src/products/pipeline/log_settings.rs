@@ -69,14 +69,14 @@ pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingV
     Ok(values.map(current).collect())
 }
 
-/// Whether there is a setting of this key; the bottom edits are none.
+/// Returns true if there is a setting of this key; the bottom edits are none.
 pub(crate) fn is_setting(key: &str) -> bool {
     row(key).is_some()
 }
 
-/// Whether a change of this key is one of a single log, not of all: draft, water level, height
-/// offset, track and its clock, mounting, position shift, flat spot, excluded stretches, and how
-/// its picture is shown.
+/// Returns true if a change of this key is one of a single log, not of all: draft, water level,
+/// height offset, track and its clock, mounting, position shift, flat spot, excluded stretches, and
+/// how its picture is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     NEVER_SHARED.contains(&key) || SELDOM_SHARED.contains(&key)
 }
@@ -197,13 +197,13 @@ impl LogSettings {
         &self.own
     }
 
-    /// Whether the log has its own value of a setting.
+    /// Returns true if the log has its own value of a setting.
     pub fn is_own(&self, key: &str) -> bool {
         self.own.contains_key(key)
     }
 
-    /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else
-    /// the shared one.
+    /// Returns true if port and starboard of the log are exchanged: `mounting.swap_sides`, its own
+    /// or else the shared one.
     pub(crate) fn swaps_sides(&self, shared: &Settings) -> bool {
         let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
         own.unwrap_or(shared.mounting.swap_sides)

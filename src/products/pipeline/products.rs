@@ -58,7 +58,7 @@ pub struct Products {
     pub latency: Option<LogLatency>,
     /// Clutter among the first returns; `None` without any, and of a log that grows.
     pub clutter: Option<Clutter>,
-    /// How far depths differ where the track crosses itself; `None` where it does not.
+    /// Difference of depths where the track crosses itself; `None` where it does not.
     pub repeatability: Option<Residuals>,
 }
 

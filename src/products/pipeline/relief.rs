@@ -53,7 +53,7 @@ pub(super) fn relief(
     Ok(Relief::new(pings, farthest_m(survey), deeper_m))
 }
 
-/// How much deeper the bottom is at a distance across the track than under the boat.
+/// Depth of the bottom at a distance across the track, less that under the boat.
 fn deeper_m(
     bottom: &Surface,
     navigation: &Navigation,

@@ -19,7 +19,7 @@ use bathyscope_log::survey::{
 };
 use std::sync::Arc;
 
-/// How many flat stretches are ranked.
+/// Number of flat stretches that are ranked.
 const FLAT_SPOTS: usize = 8;
 
 /// Runs the stages whose results differ from `previous` (same survey), or all of them.
@@ -354,8 +354,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
     }
 }
 
-/// Whether the search for first returns finds the same with both settings. It depends on neither
-/// position nor heading: a change of heading source must not run the tracker again.
+/// Returns true if the search for first returns finds the same with both settings. It depends on
+/// neither position nor heading: a change of heading source must not run the tracker again.
 fn finds_the_same(old: &Settings, new: &Settings) -> bool {
     old.image == new.image
         && old.mounting.swap_sides == new.mounting.swap_sides

@@ -132,8 +132,8 @@ fn is_as_long(log: &LogFile, path: &Path) -> bool {
     there.is_ok_and(|there| there.is_file() && there.len() == log.byte_count)
 }
 
-/// Whether a file may be the first of a recording in several: it is shorter than the whole, and
-/// ends as the log's does.
+/// Returns true if a file may be the first of a recording in several: it is shorter than the whole,
+/// and ends as the log's does.
 fn starts_recording(log: &LogFile, path: &Path) -> bool {
     let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
     let role = formats::role_by_name(&log.path);

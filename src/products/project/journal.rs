@@ -40,7 +40,7 @@ pub(super) enum Entry {
     Opened(Owner),
     /// Something was done.
     Done {
-        /// What it is called.
+        /// Name.
         label: String,
         /// Lines of the project that are new or other.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -126,7 +126,7 @@ impl Read {
 pub(super) enum NoJournal {
     /// Another window has the project open.
     Taken(Owner),
-    /// What the system said.
+    /// The system's error.
     Io(io::Error),
 }
 
@@ -234,7 +234,7 @@ impl ProjectJournal {
     /// Writes a line; from then on it outlives the program.
     ///
     /// # Errors
-    /// What the system said; the journal is as before.
+    /// The system's error; the journal is as before.
     pub(super) fn append(&mut self, entry: &Entry) -> io::Result<()> {
         let line = entry.to_line();
         if let Err(error) = self.file.write_all(line.as_bytes()) {

@@ -34,7 +34,7 @@ impl Owner {
         }
     }
 
-    /// Whether it may still run. Of another computer that cannot be known.
+    /// Returns true if it may still run. Of another computer that cannot be known.
     pub(crate) fn may_run(&self) -> bool {
         let is_here = self.host == host();
         !is_here || !cfg!(target_os = "linux") || process_exists(self.pid)
@@ -109,8 +109,8 @@ fn try_lock(file: &File) -> io::Result<Locked> {
     }
 }
 
-/// Whether an open file is still the one of that name: another window may have removed it between
-/// opening and locking.
+/// Returns true if an open file is still the one of that name: another window may have removed it
+/// between opening and locking.
 #[cfg(unix)]
 pub(super) fn is_still(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -118,7 +118,7 @@ pub(super) fn is_still(file: &File, path: &Path) -> bool {
     matches!((open, there), (Ok(open), Ok(there)) if open.ino() == there.ino() && open.dev() == there.dev())
 }
 
-/// Whether an open file is still the one of that name: nobody can have removed it.
+/// Returns true if an open file is still the one of that name: nobody can have removed it.
 #[cfg(not(unix))]
 pub(super) fn is_still(_: &File, path: &Path) -> bool {
     path.exists()

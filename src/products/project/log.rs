@@ -124,7 +124,7 @@ pub struct ProjectLog {
     /// Its colour on the map and in lists, red, green and blue; `None` for one by its place in the
     /// list.
     pub colour: Option<[u8; 3]>,
-    /// Whether it takes part in maps, clouds and products.
+    /// True if it takes part in maps, clouds and products.
     pub is_visible: bool,
     /// Where it stands among the logs: the lower, the higher in the list.
     pub order: f64,

@@ -133,7 +133,7 @@ impl Measurement {
         Some((top, [top.slant_m, end.slant_m]))
     }
 
-    /// Whether there is something between its corners.
+    /// Returns true if there is something between its corners.
     pub fn is_measurable(&self) -> bool {
         self.corners.len() >= self.kind.least_corners()
     }

@@ -29,7 +29,7 @@ const HISTORY: &str = "-history";
 /// A change that was made.
 #[derive(Clone, Debug)]
 pub struct PastStep {
-    /// What it is called.
+    /// Name.
     pub label: String,
     /// The project before it.
     pub before: Project,
@@ -135,7 +135,7 @@ impl Past {
     }
 }
 
-/// Whether an analyst decided the same in two versions; how they are shown is no decision.
+/// Returns true if an analyst decided the same in two versions; how they are shown is no decision.
 fn decides_alike(one: &Project, other: &Project) -> bool {
     let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
     one.settings == other.settings

@@ -7,7 +7,7 @@ use toml::Value;
 
 /// The longest key that is read, in parts.
 const MOST_PARTS: usize = 16;
-/// How deep tables and lists may lie in one another.
+/// Greatest depth of tables and lists in one another.
 const DEEPEST: usize = 16;
 
 /// The full name of a line: `log.pond-3f9a2c41.box.17`. Lines lie in the file in the order of their
@@ -15,7 +15,7 @@ const DEEPEST: usize = 16;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
     parts: Vec<String>,
-    /// How many of them the heading of the section has.
+    /// Number of them that the heading of the section has.
     section: usize,
 }
 

@@ -25,7 +25,7 @@ fn bottom_path(log: &Path) -> PathBuf {
 /// Bottom edits beside a log that cannot be used.
 pub type BottomFileError = FileError<BottomFault>;
 
-/// What is wrong with bottom edits in a file.
+/// Fault of bottom edits in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum BottomFault {
     /// The system does not give it.

@@ -223,7 +223,7 @@ impl Store {
         folder_of(&self.path)
     }
 
-    /// Whether the file holds another version than this one.
+    /// Returns true if the file holds another version than this one.
     pub fn is_unsaved(&self, project: &Project) -> bool {
         self.saved.as_ref() != Some(project)
     }

@@ -28,7 +28,7 @@ impl PixelArea {
         Rect::from_min_max(corner(self.min), corner(self.max))
     }
 
-    /// Whether two areas share a pixel.
+    /// Returns true if two areas share a pixel.
     pub(super) fn overlaps(&self, other: &Self) -> bool {
         (0..2).all(|axis| self.min[axis] < other.max[axis] && other.min[axis] < self.max[axis])
     }
@@ -45,8 +45,8 @@ impl PixelArea {
         side(0) * side(1)
     }
 
-    /// Whether drawing both as one costs no more than drawing them apart: about a quarter more
-    /// pixels.
+    /// Returns true if drawing both as one costs no more than drawing them apart: about a quarter
+    /// more pixels.
     fn joins(&self, other: &Self) -> bool {
         let apart = self.pixels() + other.pixels();
         self.overlaps(other) || 4 * self.union(other).pixels() <= 5 * apart
@@ -126,12 +126,13 @@ fn align<'a, T>(
     Aligned { pairs: pairs.chain(tail_before.iter().zip(tail_now)).collect(), removed, added }
 }
 
-/// Whether two shapes are drawn alike.
+/// Returns true if two shapes are drawn alike.
 fn is_same(before: &ClippedShape, now: &ClippedShape, textures: &HashSet<TextureId>) -> bool {
     !reads(&now.shape, textures) && before == now
 }
 
-/// Whether a shape shows one of the textures, or one that another owner can draw into at any time.
+/// Returns true if a shape shows one of the textures, or one that another owner can draw into at
+/// any time.
 fn reads(shape: &Shape, textures: &HashSet<TextureId>) -> bool {
     match shape {
         Shape::Vec(shapes) => shapes.iter().any(|shape| reads(shape, textures)),

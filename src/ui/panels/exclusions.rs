@@ -46,7 +46,7 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.keyed_button(button.accessible_name(action.label()), action);
 }
 
-/// How much is excluded, for each reason and of all logs.
+/// Excluded length, for each reason and of all logs.
 fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
     use ExclusionReason::{Bad, Drawn, Stop, Turn};
     let units = context.units();

@@ -18,7 +18,7 @@ const SHOWN: usize = 4;
 const LINES: usize = 4;
 /// Widest that a notice becomes, points.
 const WIDEST: f32 = 460.0;
-/// How long a notice stays that says what was done.
+/// Time for which a notice stays that says what was done.
 const PATIENCE: Duration = Duration::from_secs(15);
 /// Frames that only wait for one to go are so far apart at least.
 const REST: Duration = Duration::from_secs(1);

@@ -155,7 +155,7 @@ pub(crate) fn list_rows(
     });
 }
 
-/// How much of something is done.
+/// Share of something that is done.
 pub(crate) fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
     let bar = ProgressBar::new(share).desired_width(width);
     bar.desired_height(8.0).fill(theme::accent_colour(context.theme()))

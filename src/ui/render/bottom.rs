@@ -211,8 +211,8 @@ impl BottomBuffers {
     }
 }
 
-/// How far in front of the camera the nearest corner of a box lies, 0 where the camera is within;
-/// `None` where none of it is in the picture.
+/// Returns the distance of the nearest corner of a box in front of the camera, 0 where the camera
+/// is within; `None` where none of it is in the picture.
 fn nearest(projection: &CameraProjection, [low, high]: [Vec3; 2]) -> Option<f32> {
     let clip = corners(low, high).map(|place| projection.clip_from_world * place.extend(1.0));
     let all = |is_out: fn(&Vec4) -> bool| clip.iter().all(is_out);

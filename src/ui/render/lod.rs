@@ -40,9 +40,9 @@ const FEW: usize = 256;
 /// GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LineLevel {
-    /// How far the drawn line may lie from the recorded one, metres.
+    /// Largest distance of the drawn line from the recorded one, metres.
     pub tolerance_m: f32,
-    /// How many straight pieces join one vertex to the next, breaks included.
+    /// Number of straight pieces that join one vertex to the next, breaks included.
     pub segments: u32,
     /// The box of each chunk of segments, in order.
     pub chunks: Vec<LayerBounds>,

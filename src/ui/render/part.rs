@@ -16,7 +16,7 @@ pub struct ScenePart {
 pub struct Cut {
     /// Unit vector square to it, towards what is left out: east and north.
     pub outward: Vec2,
-    /// How far along that vector the plane stands, metres.
+    /// Distance of the plane along that vector, metres.
     pub at_m: f32,
 }
 
@@ -31,7 +31,7 @@ impl ScenePart {
     /// Everything.
     pub const WHOLE: Self = Self { corners: [Vec3::MIN, Vec3::MAX], cut: None };
 
-    /// Whether a place is drawn.
+    /// Returns true if a place is drawn.
     pub fn holds(&self, place: Vec3) -> bool {
         let [low, high] = self.corners;
         let is_beyond = |cut: Cut| cut.outward.dot(place.truncate()) > cut.at_m;

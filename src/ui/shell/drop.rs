@@ -46,7 +46,7 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     }
 }
 
-/// Whether a file's name ends in one of these.
+/// Returns true if a file's name ends in one of these.
 fn is_named(path: &Path, endings: &[&str]) -> bool {
     let extension = path.extension().unwrap_or_default();
     endings.iter().any(|ending| extension.eq_ignore_ascii_case(ending))

@@ -68,7 +68,7 @@ impl ExportDialog {
         }
     }
 
-    /// Whether the dialog is shown.
+    /// Returns true if the dialog is shown.
     pub(super) fn is_open(&self) -> bool {
         self.open.is_some()
     }

@@ -13,7 +13,7 @@ const ROW: f32 = 20.0;
 /// The list; closed at the start.
 #[derive(Default)]
 pub(super) struct HistoryList {
-    /// Whether it is shown.
+    /// True if it is shown.
     pub open: bool,
     /// Steps done when it was last drawn: where that changes, the list shows the present step.
     at: Option<usize>,

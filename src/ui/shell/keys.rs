@@ -47,12 +47,12 @@ fn parse(keys: &str) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, Key::from_name(key)?))
 }
 
-/// Whether a text field has a meaning of its own for it: taking back what was typed.
+/// Returns true if a text field has a meaning of its own for it: taking back what was typed.
 fn is_of_text(action: Action) -> bool {
     matches!(action, Action::Undo | Action::Redo)
 }
 
-/// Whether a held key is to go on acting: an arrow, or the key of an action that repeats.
+/// Returns true if a held key is to go on acting: an arrow, or the key of an action that repeats.
 fn may_repeat(key: Key, held: Modifiers) -> bool {
     let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
     let is_of = |one: &Bound| {
@@ -164,14 +164,14 @@ fn take_presses(ui: &Ui, is_it: impl Fn(Key, Modifiers, bool) -> bool) -> usize 
     })
 }
 
-/// Whether Escape, which no tool, field or menu has a use for now, gives the screen back.
+/// Returns true if Escape, which no tool, field or menu has a use for now, gives the screen back.
 fn leaves_full_screen(ui: &Ui) -> bool {
     let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
     is_full && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }
 
-/// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers
-/// hold its letter too.
+/// Returns true if the palette's key was pressed, with nothing else held: other keys with more
+/// modifiers hold its letter too.
 fn asks_for_palette(ui: &Ui) -> bool {
     let shortcuts: Vec<_> = Action::Palette.all_keys().filter_map(parse).collect();
     let presses = take_presses(ui, |key, held, _| {
@@ -182,8 +182,8 @@ fn asks_for_palette(ui: &Ui) -> bool {
     presses > 0
 }
 
-/// Whether a key that others want too is for boxes now: Tab walks through the controls while there
-/// are no boxes, or once a control has the keyboard.
+/// Returns true if a key that others want too is for boxes now: Tab walks through the controls
+/// while there are no boxes, or once a control has the keyboard.
 fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     let reviewing = &app.log.reviewing;
     match action {

@@ -37,7 +37,7 @@ impl Default for Layout {
     }
 }
 
-/// Whether all views lie behind each other.
+/// Returns true if all views lie behind each other.
 fn is_stacked(tree: &Tree<View>) -> bool {
     let tiles = tree.active_tiles();
     let views = tiles.iter().filter_map(|tile| tree.tiles.get_pane(tile));

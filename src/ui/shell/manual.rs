@@ -18,7 +18,7 @@ const COLUMN_WIDTH: f32 = 210.0;
 
 /// The manual; closed at the start.
 pub(super) struct Manual {
-    /// Whether it is shown.
+    /// True if it is shown.
     pub open: bool,
     topic: Topic,
     query: String,
@@ -125,7 +125,7 @@ fn words_of(query: &str) -> Vec<String> {
     query.split_whitespace().map(str::to_owned).collect()
 }
 
-/// Whether every word occurs in a section.
+/// Returns true if every word occurs in a section.
 fn matches(section: &[PageBlock], words: &[String]) -> bool {
     let text: Vec<String> = section.iter().map(PageBlock::plain).collect();
     let text = text.join(" ").to_lowercase();

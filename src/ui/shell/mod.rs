@@ -201,7 +201,8 @@ impl Shell {
         self.views.waterfall.show_pings(pings);
     }
 
-    /// Whether nothing runs any more and everything on screen is drawn at its final quality.
+    /// Returns true if nothing runs any more and everything on screen is drawn at its final
+    /// quality.
     pub fn is_settled(&self) -> bool {
         let views_settled = match self.alone {
             Some(Alone::View(view)) => self.views.is_settled(view),

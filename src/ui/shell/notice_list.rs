@@ -12,7 +12,7 @@ const SIZE: [f32; 2] = [560.0, 420.0];
 /// The list; closed at the start.
 #[derive(Default)]
 pub(super) struct NoticeList {
-    /// Whether it is shown.
+    /// True if it is shown.
     pub open: bool,
 }
 

@@ -35,7 +35,7 @@ impl CommandPalette {
         *self = Self { open: true, ..Self::default() };
     }
 
-    /// Whether it is shown.
+    /// Returns true if it is shown.
     pub(super) fn is_open(&self) -> bool {
         self.open
     }

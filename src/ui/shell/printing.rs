@@ -27,7 +27,7 @@ impl Printing {
         self.is_open = true;
     }
 
-    /// Whether the dialog is shown.
+    /// Returns true if the dialog is shown.
     pub(super) fn is_open(&self) -> bool {
         self.is_open
     }

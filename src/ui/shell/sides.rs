@@ -48,7 +48,7 @@ impl SidePanel {
         }
     }
 
-    /// Whether it is shown in a window of this width, points.
+    /// Returns true if it is shown in a window of this width, points.
     pub(super) fn is_shown(self, options: PanelOptions, width: f32) -> bool {
         match self.choice(options) {
             PanelShown::WithRoom => width >= self.room(),

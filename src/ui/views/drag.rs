@@ -57,7 +57,8 @@ pub(super) fn begun(ui: &Ui, response: &Response) -> Option<Pos2> {
     at.filter(|_| begun)
 }
 
-/// Whether a drag ended with the button still held: Escape ends it, and nothing is to come of it.
+/// Returns true if a drag ended with the button still held: Escape ends it, and nothing is to come
+/// of it.
 pub(super) fn is_given_up(ui: &Ui, response: &Response) -> bool {
     response.drag_stopped() && ui.input(|input| input.pointer.primary_down())
 }

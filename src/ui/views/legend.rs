@@ -15,13 +15,13 @@ const BAR: f32 = 12.0;
 /// Steps of the colour bar.
 const STEPS: usize = 40;
 
-/// Whether a view has room for words beside its numbers; a small tile keeps scales and legends, and
-/// drops explanations.
+/// Returns true if a view has room for words beside its numbers; a small tile keeps scales and
+/// legends, and drops explanations.
 pub(super) fn has_room(rect: Rect) -> bool {
     rect.size().min_elem() >= 240.0
 }
 
-/// Whether a view is wide enough for a line of words.
+/// Returns true if a view is wide enough for a line of words.
 pub(super) fn has_width(rect: Rect) -> bool {
     rect.width() >= 150.0
 }
@@ -88,7 +88,7 @@ pub(super) struct LegendScale {
     ends: [f64; 2],
     /// Colour at a share of the way from the top.
     colour: fn(f32) -> [u8; 3],
-    /// Whether values above zero carry a sign.
+    /// True if values above zero carry a sign.
     signed: bool,
 }
 

@@ -86,7 +86,7 @@ fn resident_mib(child: &Child) -> Option<u64> {
     Some(kib >> 10)
 }
 
-/// What is wrong with how a run ended, in a sentence: it went down, said what no terminal should
+/// Fault of how a run ended, in a sentence: it went down, said what no terminal should
 /// get, or left half a file.
 pub(super) fn fault(outcome: &Outcome, folder: &Path) -> Option<String> {
     let Outcome { code, stderr, .. } = outcome;

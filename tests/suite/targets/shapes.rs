@@ -17,7 +17,7 @@ const DEPTH_M: f64 = 3.0;
 const KINDS: [ObjectKind; 5] =
     [ObjectKind::Block, ObjectKind::Cylinder, ObjectKind::Tyre, ObjectKind::Rock, ObjectKind::Boat];
 
-/// Whether a shape is that of a kind.
+/// Returns true if a shape is that of a kind.
 fn is_of(kind: ObjectKind, shape: ShapeKind) -> bool {
     match kind {
         ObjectKind::Block => shape == ShapeKind::Block,

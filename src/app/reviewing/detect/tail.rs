@@ -43,7 +43,7 @@ impl TailSearch {
 }
 
 impl super::ObjectSearch {
-    /// Whether the end of a followed log is being searched.
+    /// Returns true if the end of a followed log is being searched.
     pub(crate) fn is_busy_with_tail(&self) -> bool {
         self.tail.running.is_some()
     }

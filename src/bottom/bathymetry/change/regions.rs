@@ -26,7 +26,7 @@ pub struct ChangeField<'a> {
     pub columns: usize,
     /// Square metres of a cell.
     pub cell_area_m2: f64,
-    /// How much the bottom rose, metres; NaN where one of the maps knows nothing.
+    /// Rise of the bottom, metres; NaN where one of the maps knows nothing.
     pub rise_m: &'a [f32],
     /// Standard deviation of the depths' own errors in that, metres.
     pub sigma_m: &'a [f32],
@@ -37,7 +37,7 @@ pub struct ChangeField<'a> {
 /// A connected place that rose, or sank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChangeRegion {
-    /// Whether the bottom rose.
+    /// True if the bottom rose.
     pub is_fill: bool,
     /// Indices of its cells.
     pub cells: Vec<usize>,
@@ -116,9 +116,9 @@ impl ChangeField<'_> {
         (found, offset_m)
     }
 
-    /// Whether the detected cells of a place are more than a few wrong depths, and their volume,
-    /// less what one map is set off from the other, is larger than so many standard deviations of
-    /// the errors that vary from place to place.
+    /// Returns true if the detected cells of a place are more than a few wrong depths, and their
+    /// volume, less what one map is set off from the other, is larger than so many standard
+    /// deviations of the errors that vary from place to place.
     fn stands_out(
         &self,
         region: &ChangeRegion,

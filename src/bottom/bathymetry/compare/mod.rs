@@ -35,7 +35,7 @@ pub struct Comparison {
     pub orders: Vec<OrderShare>,
 }
 
-/// How many points an order's limit holds.
+/// Number of points that an order's limit holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderShare {
     /// The order.

@@ -91,7 +91,7 @@ impl LogOverlap {
         }
     }
 
-    /// Whether the direction of the slope is known.
+    /// Returns true if the direction of the slope is known.
     fn has_gradient(&self) -> bool {
         self.gradient.iter().all(|slope| slope.is_finite())
     }
@@ -115,7 +115,7 @@ pub struct LogOffset {
 }
 
 impl LogOffset {
-    /// Whether overlaps determine the offset.
+    /// Returns true if overlaps determine the offset.
     pub fn is_determined(&self) -> bool {
         self.standard_error_m.is_finite()
     }
@@ -153,8 +153,8 @@ const CONTRADICTION_M: f64 = 0.05;
 const CONTRADICTION_SIGMAS: f64 = 5.0;
 
 impl PairDifference {
-    /// Whether no offset of whole logs explains how these two differ: other ground, a bottom that
-    /// moved, a wrong clock or water level.
+    /// Returns true if no offset of whole logs explains how these two differ: other ground, a
+    /// bottom that moved, a wrong clock or water level.
     pub fn is_contradiction(&self) -> bool {
         let left_m = self.residual_m.abs();
         left_m > CONTRADICTION_M && left_m > CONTRADICTION_SIGMAS * self.standard_error_m
@@ -223,7 +223,7 @@ impl HeightOffsets {
         connected.filter(|log| log.is_determined()).for_each(|log| log.offset_m += by_m);
     }
 
-    /// How many groups of connected logs there are; heights can be compared within a group only.
+    /// Returns the number of groups of connected logs; heights can be compared within a group only.
     pub fn groups(&self) -> usize {
         self.logs.iter().map(|log| log.group + 1).max().unwrap_or(0)
     }

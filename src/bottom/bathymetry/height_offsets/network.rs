@@ -145,7 +145,7 @@ struct LogNetwork<'a> {
     /// Standard deviation that each difference is expected to have.
     sigmas_m: Vec<f64>,
     size: usize,
-    /// Whether the shifts of positions are unknowns, too: east and north of each log, behind the
+    /// True if the shifts of positions are unknowns, too: east and north of each log, behind the
     /// heights.
     has_shifts: bool,
     /// The member whose offset is zero; without one their mean is.

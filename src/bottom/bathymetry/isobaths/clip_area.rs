@@ -69,7 +69,7 @@ impl ClipArea {
         area
     }
 
-    /// Whether it has no place at all.
+    /// Returns true if it has no place at all.
     pub fn is_empty(&self) -> bool {
         self.rings.is_empty()
     }

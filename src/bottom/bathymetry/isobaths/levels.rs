@@ -59,7 +59,7 @@ pub struct IsobathSettings {
     pub depths_m: Vec<f64>,
     /// How often the corners of the lines are cut; 0 leaves them as measured.
     pub smooth: u32,
-    /// Whether every depth that is shallower than a line lies on its shallow side.
+    /// True if every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
     /// No spot sounding is nearer to another than this, metres; when not given, a round distance by
     /// the extent of the map.
@@ -161,7 +161,7 @@ impl IsobathSettings {
         format!("{whole:.*}", decimals as usize)
     }
 
-    /// Whether an isobath is one of every fifth, so many metres from one to the next.
+    /// Returns true if an isobath is one of every fifth, so many metres from one to the next.
     pub fn is_index(depth_m: f64, step_m: f64) -> bool {
         let count = (depth_m / step_m).round();
         (count / INDEX).fract() == 0.0

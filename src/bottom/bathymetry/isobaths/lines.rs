@@ -17,7 +17,7 @@ pub struct Isobath {
 }
 
 impl Isobath {
-    /// Whether it ends where it began.
+    /// Returns true if it ends where it began.
     pub fn is_ring(&self) -> bool {
         self.points.len() > 3 && self.points.first() == self.points.last()
     }

@@ -38,7 +38,7 @@ pub struct WaterLevelSettings {
 /// What is known of water and transducer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthSettings {
-    /// How deep the transducer hangs below the water's surface, metres.
+    /// Depth of the transducer below the water's surface, metres.
     pub draft_m: f64,
     /// Height of the water's surface above the level that depths count from, metres; with readings,
     /// that of the gauge's zero.
@@ -133,12 +133,12 @@ impl Correction {
         speed.water_m_s().map_or(1.0, |water_m_s| water_m_s / speed.recorder_m_s)
     }
 
-    /// Whether a sound speed is given or computed.
+    /// Returns true if a sound speed is given or computed.
     pub fn knows_sound_speed(&self) -> bool {
         self.settings.sound_speed.water_m_s().is_some()
     }
 
-    /// Whether a draft is given.
+    /// Returns true if a draft is given.
     pub fn knows_draft(&self) -> bool {
         self.settings.draft_m > 0.0
     }

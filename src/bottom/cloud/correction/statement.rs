@@ -73,7 +73,7 @@ impl Correction {
         }
     }
 
-    /// Whether a water level is given, or readings of it are in force.
+    /// Returns true if a water level is given, or readings of it are in force.
     pub fn knows_level(&self) -> bool {
         self.settings.water_level_m != 0.0 || self.gauge().is_some()
     }

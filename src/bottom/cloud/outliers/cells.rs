@@ -34,7 +34,7 @@ pub(super) struct CellPoints {
     pub(super) rows: Vec<CellRow>,
     /// Rows in a layer, with room for a neighbour beyond either end.
     pub(super) stride: u64,
-    /// Whether there is one layer only (columns).
+    /// True if there is one layer only (columns).
     pub(super) flat: bool,
 }
 
@@ -82,8 +82,8 @@ fn is_dense(cell_count: u64, points: usize) -> bool {
     cell_count <= DENSE_CELLS_PER_POINT * points as u64 + 4096 && cell_count < u64::from(u32::MAX)
 }
 
-/// Whether most of the points in a column of cells are within a cell of each other in height: then
-/// columns cost fewer tests than cells. Judged on a sample.
+/// Returns true if most of the points in a column of cells are within a cell of each other in
+/// height: then columns cost fewer tests than cells. Judged on a sample.
 fn is_flat(
     place: &impl PointPlace,
     order: &[u32],

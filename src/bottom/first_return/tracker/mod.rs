@@ -53,7 +53,7 @@ struct Tuning {
     /// Score that each further one costs. On the river any from 0.3 on finds the boulders; on ponds
     /// none up to 1 changes the error by more than a tenth of a millimetre.
     loud_cost: f32,
-    /// How much brighter the water may grow with range, bytes a metre.
+    /// Greatest growth of the water's brightness with range, bytes a metre.
     water_grows_per_m: f64,
     /// Score that a leap costs, to wherever: the edge of a boulder, a weed bed, a wall.
     leap_cost: f32,

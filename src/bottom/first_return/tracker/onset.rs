@@ -25,7 +25,7 @@ const RISE: f32 = 0.18;
 /// So many standard deviations of the water that rise must be. In louder water nothing that faint
 /// can be distinguished from noise, and the edge stays where it is.
 const QUIET: f32 = 4.0;
-/// How much earlier than usual an onset may be by its noise alone, metres.
+/// Range by which an onset may be earlier than usual by its noise alone, metres.
 const NOISE_M: f64 = 0.003;
 
 /// Looks for onsets in a chunk.

@@ -37,7 +37,7 @@ pub(super) struct Kernel {
     /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour;
     /// above 255 for none.
     level: u16,
-    /// How much brighter the water may grow from cell to cell, in fine values.
+    /// Greatest growth of the water's brightness from cell to cell, in fine values.
     creep: f32,
 }
 

@@ -44,7 +44,7 @@ impl DepthMaps {
         &self.path
     }
 
-    /// Whether the standard deviations of the depths are there.
+    /// Returns true if the standard deviations of the depths are there.
     pub(super) fn has_errors(&self) -> bool {
         self.files.iter().all(|file| beside(file, UNCERTAINTY).is_some())
     }
@@ -124,7 +124,7 @@ pub(super) struct Depth {
     pub depth_m: f64,
     /// Its standard deviation, metres.
     pub sigma_m: f64,
-    /// Whether it was measured there, or inferred from echoes of there; where a map does not say,
+    /// True if it was measured there, or inferred from echoes of there; where a map does not say,
     /// it was.
     pub is_measured: bool,
 }

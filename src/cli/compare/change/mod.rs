@@ -157,7 +157,7 @@ impl Observed {
 struct PartChange<'a> {
     part: &'a DepthPart,
     cell_area_m2: f64,
-    /// How much the bottom rose, metres; NaN where one of the maps knows nothing.
+    /// Rise of the bottom, metres; NaN where one of the maps knows nothing.
     rise_m: Vec<f32>,
     /// Standard deviation of that by the depths' own errors, metres.
     sigma_m: Vec<f32>,

@@ -16,7 +16,7 @@ pub enum BaseMapError {
     Cancelled(#[from] Cancelled),
 }
 
-/// What is wrong with a base map, in a sentence without the path.
+/// Fault of a base map, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum BaseMapFault {
     /// The system does not give it.

@@ -224,7 +224,7 @@ impl BaseMap {
         crate::support::geo::distance_m(from, to)
     }
 
-    /// Whether a position lies on the picture.
+    /// Returns true if a position lies on the picture.
     pub fn covers(&self, at: LonLat) -> bool {
         let pixel = self.place.to_pixels(at);
         (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&pixel[axis]))

@@ -77,7 +77,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether the log's time zero is known, so that its tail can be read alone.
+    /// Returns true if the log's time zero is known, so that its tail can be read alone.
     pub(super) fn knows_zero(&self) -> bool {
         self.zero_ms.is_some()
     }

@@ -53,7 +53,7 @@ impl<'a> Packet<'a> {
         })
     }
 
-    /// Whether the sum of its bytes is what it says. Some programs leave it 0.
+    /// Returns true if the sum of its bytes is what it says. Some programs leave it 0.
     pub(super) fn is_sound(&self) -> bool {
         let bytes = self.header.iter().chain(self.payload);
         let sum = bytes.fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));

@@ -34,7 +34,7 @@ pub(super) struct Profile {
     pub(super) samples: u16,
     /// Offset of the first sample in the file.
     pub(super) samples_at: usize,
-    /// Whether the samples lie in the packet.
+    /// True if the samples lie in the packet.
     pub(super) has_samples: bool,
     /// Offset of the end of the packet's payload.
     pub(super) end: usize,
@@ -94,7 +94,7 @@ impl Profile {
         }
     }
 
-    /// Whether its decibels can be.
+    /// Returns true if its decibels can be.
     pub(super) fn has_power(&self) -> bool {
         let [least, most] = self.power_db;
         least >= -MOST_DB && most <= MOST_DB && least <= most

@@ -153,7 +153,7 @@ fn bits_to_drop(bytes: &[u8], halves: &[Half]) -> i32 {
     highest.map_or(-finest, |(highest, _)| (highest - 8).max(-finest))
 }
 
-/// How many samples of a span take so many bits.
+/// Number of samples of a span that take so many bits.
 fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
     let raw = SideSpan {
         count: span.count.saturating_mul(span.encoding.width() as u32),
@@ -177,7 +177,7 @@ fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
     counts
 }
 
-/// Whether a weight can be one.
+/// Returns true if a weight can be one.
 pub(super) fn is_weight(weight: i16) -> bool {
     weight.unsigned_abs() <= HEAVIEST
 }

@@ -127,7 +127,8 @@ impl Trace {
     }
 }
 
-/// Whether a field is filled: by its flag, or by not being 0 where a recorder sets no flag at all.
+/// Returns true if a field is filled: by its flag, or by not being 0 where a recorder sets no flag
+/// at all.
 fn is_valid(fields: Fields<'_>, flag: u16) -> bool {
     let flags = fields.u16(30);
     flags == 0 || flags & flag != 0

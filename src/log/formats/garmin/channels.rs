@@ -129,7 +129,7 @@ impl SeenChannel {
         }
     }
 
-    /// Whether both were recorded at once for more than a moment.
+    /// Returns true if both were recorded at once for more than a moment.
     fn overlaps(&self, other: &SeenChannel) -> bool {
         let from_s = self.span_s.0.max(other.span_s.0);
         let until_s = self.span_s.1.min(other.span_s.1);

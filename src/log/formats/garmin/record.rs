@@ -60,7 +60,7 @@ pub(super) struct StoredSamples {
     pub(super) offset: usize,
     /// How many.
     pub(super) count: u32,
-    /// Whether a sample has two bytes.
+    /// True if a sample has two bytes.
     pub(super) is_wide: bool,
 }
 

@@ -19,11 +19,11 @@ use tiff::tags::Tag;
 pub struct RasterPoints {
     /// x and y of the middle of each cell that has a value, and the value as stored.
     pub points: Vec<[f64; 3]>,
-    /// Whether x and y are degrees.
+    /// True if x and y are degrees.
     pub is_degrees: bool,
     /// EPSG number of the projection, where the raster names one.
     pub projected: Option<u16>,
-    /// Whether the raster says of itself that its values count downwards, as the depths of
+    /// True if the raster says of itself that its values count downwards, as the depths of
     /// `bathyscope process` do.
     pub downwards: bool,
 }

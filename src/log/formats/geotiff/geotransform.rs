@@ -31,7 +31,7 @@ impl GeoKeys {
         found.map(|entry| entry[3])
     }
 
-    /// Whether the numbers are said to be degrees, or can be nothing else.
+    /// Returns true if the numbers are said to be degrees, or can be nothing else.
     pub(crate) fn is_geographic(&self) -> bool {
         self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
             || self.projected().is_none() && self.geographic().is_some()
@@ -58,7 +58,7 @@ pub struct GeoTransform {
     pub per_column: [f64; 2],
     /// From one row to the next.
     pub per_row: [f64; 2],
-    /// Whether the numbers place the middles of cells, not their corners.
+    /// True if the numbers place the middles of cells, not their corners.
     is_point: bool,
 }
 

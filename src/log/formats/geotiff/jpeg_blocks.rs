@@ -14,7 +14,7 @@ const SCAN: u8 = 0xDA;
 const FRAMES: std::ops::RangeInclusive<u8> = 0xC0..=0xCF;
 const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 
-/// Whether the blocks of a directory are JPEG streams.
+/// Returns true if the blocks of a directory are JPEG streams.
 pub(crate) fn is_jpeg<R: Read + Seek>(tiff: &mut Decoder<R>) -> bool {
     let method = tiff.find_tag_unsigned::<u16>(Tag::Compression);
     method.is_ok_and(|method| method == Some(CompressionMethod::ModernJPEG.to_u16()))
@@ -54,7 +54,7 @@ impl JpegBlocks {
         })
     }
 
-    /// Whether a block states no more columns and rows than the directory gives it.
+    /// Returns true if a block states no more columns and rows than the directory gives it.
     pub(crate) fn is_sound<R: Read + Seek>(&self, number: u32, file: &mut R) -> bool {
         self.stream(number, file).is_some_and(|stream| {
             frame_size(&stream).is_some_and(|[columns, rows, bytes]| {

@@ -45,7 +45,7 @@ pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statist
     text + "</GDALMetadata>"
 }
 
-/// Whether the text of such a tag, by whatever program, says that values count downwards.
+/// Returns true if the text of such a tag, by whatever program, says that values count downwards.
 pub(super) fn counts_downwards(text: &str) -> bool {
     let mut reader = Reader::from_str(text);
     // Of the item that says so, where it is open.

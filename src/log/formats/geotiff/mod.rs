@@ -93,7 +93,7 @@ pub struct Band {
     pub name: &'static str,
     /// The unit of its values, empty where they have none.
     pub unit: &'static str,
-    /// Whether greater values lie deeper, as the attribute `positive` of the CF conventions says.
+    /// True if greater values lie deeper, as the attribute `positive` of the CF conventions says.
     pub positive_down: bool,
 }
 

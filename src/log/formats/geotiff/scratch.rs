@@ -8,7 +8,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScratchBlock {
     at: u64,
-    /// How many they are.
+    /// Their number.
     pub length: u32,
 }
 

@@ -5,7 +5,7 @@ use super::{CellFormat, NODATA};
 /// Count, ends, mean and spread of the values that are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Statistics {
-    /// How many values are known.
+    /// Number of known values.
     pub count: u64,
     /// The least; infinite where none is known.
     pub least: f64,

@@ -72,7 +72,7 @@ pub(super) fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Record
     })
 }
 
-/// Whether a folder holds the SON files of one recording.
+/// Returns true if a folder holds the SON files of one recording.
 pub(super) fn is_recording(files: &FileSource, folder: &Path) -> bool {
     gather(files, folder, folder, None).is_some()
 }

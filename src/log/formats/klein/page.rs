@@ -88,7 +88,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Whether its layout is known, so that its channels are read.
+    /// Returns true if its layout is known, so that its channels are read.
     pub(super) fn is_known(&self) -> bool {
         matches!(self.version, 3000 | 3001 | 3501 | 3502)
     }
@@ -194,8 +194,8 @@ impl<'a> Page<'a> {
         (self.is_vehicle() && (1..10_000).contains(&khz)).then_some(khz as f32)
     }
 
-    /// Whether it is of the 3500 series, whose vehicles write into the fields of the ship and the
-    /// auxiliary sensors.
+    /// Returns true if it is of the 3500 series, whose vehicles write into the fields of the ship
+    /// and the auxiliary sensors.
     fn is_vehicle(&self) -> bool {
         matches!(self.version, 3501 | 3502)
     }

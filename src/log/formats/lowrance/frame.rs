@@ -105,7 +105,7 @@ impl FrameLayout {
     }
 }
 
-/// How many bytes were lost before `offset` (negative: came in) if a frame begins there; the
+/// Number of bytes that were lost before `offset` (negative: came in) if a frame begins there; the
 /// recorders count in 32 bits and start again beyond 4 GiB.
 pub(super) fn lost_before(bytes: &[u8], offset: usize) -> Option<i64> {
     let stated = scalar::u32_le(bytes, offset)?;

@@ -73,8 +73,8 @@ fn losses(survey: &Survey, start_s: Option<f64>) -> Vec<String> {
     losses
 }
 
-/// Whether both sides cover the same range from the boat on with the same number of samples, as the
-/// halves of one frame do.
+/// Returns true if both sides cover the same range from the boat on with the same number of
+/// samples, as the halves of one frame do.
 fn is_symmetric(ping: &SidePing) -> bool {
     let (Some(port), Some(starboard)) = (ping.port, ping.starboard) else {
         return false;
@@ -88,7 +88,7 @@ fn is_symmetric(ping: &SidePing) -> bool {
 /// Makes frames of records.
 struct Frames<'a> {
     log: &'a LogToWrite<'a>,
-    /// Whether both sides of all pings are in one frame.
+    /// True if both sides of all pings are in one frame.
     is_composite: bool,
     /// Seconds from the time in the file to the log's time zero.
     after_start_s: f64,

@@ -95,8 +95,8 @@ fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
     found.map(|layout| LowranceKind::Frames { layout, version: None })
 }
 
-/// Whether there are frames in a row, found by their own offsets: tables of rising numbers in other
-/// files look like two of them.
+/// Returns true if there are frames in a row, found by their own offsets: tables of rising numbers
+/// in other files look like two of them.
 fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     let mut from = FILE_HEADER;
     // Of a damaged beginning some frames are whole.
@@ -113,8 +113,8 @@ fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     false
 }
 
-/// Whether so many frames follow each other from a place on that they are no chance, or to the end
-/// of the bytes.
+/// Returns true if so many frames follow each other from a place on that they are no chance, or to
+/// the end of the bytes.
 fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
     let mut at = first.at;
     for found in 0..FRAMES_THAT_PROVE {

@@ -104,8 +104,8 @@ impl Block {
     }
 }
 
-/// Whether a file begins with a block of this size that tells something, and with another unless
-/// the file ends before.
+/// Returns true if a file begins with a block of this size that tells something, and with another
+/// unless the file ends before.
 pub(super) fn begins_with_block(bytes: &[u8], size: usize) -> bool {
     let block = Block::at(bytes, HEADER, size).filter(|_| size >= SMALLEST);
     block.is_some_and(|block| {

@@ -84,7 +84,7 @@ impl FrameWalk<'_> {
         Ok(FrameStart { at: next, ..here })
     }
 
-    /// Whether whole frames from one on end where another frame begins, or the file ends.
+    /// Returns true if whole frames from one on end where another frame begins, or the file ends.
     fn reaches(&self, start: FrameStart, end: usize) -> bool {
         let mut at = start.at;
         while at < end {

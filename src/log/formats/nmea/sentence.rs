@@ -61,7 +61,7 @@ pub(in crate::formats) fn sentence(bytes: &[u8]) -> Option<Sentence> {
 /// A sentence in its fields.
 #[derive(Clone, Debug)]
 pub(super) struct Framed<'a> {
-    /// Whether it has a sum, which is right.
+    /// True if it has a sum, which is right.
     pub(super) has_sum: bool,
     fields: Vec<&'a str>,
 }
@@ -237,7 +237,7 @@ impl<'a> Framed<'a> {
 }
 
 impl Sentence {
-    /// Whether it tells anything but a time of day.
+    /// Returns true if it tells anything but a time of day.
     fn tells(&self) -> bool {
         let figures = [
             self.cog_rad,
@@ -252,7 +252,7 @@ impl Sentence {
     }
 }
 
-/// Whether the two digits after `*` are the exclusive or of the bytes before it.
+/// Returns true if the two digits after `*` are the exclusive or of the bytes before it.
 fn is_sum(body: &str, sum: &str) -> bool {
     let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
     let stated = sum.get(..2).and_then(|sum| u8::from_str_radix(sum, 16).ok());

@@ -36,7 +36,7 @@ pub(super) struct Tally {
     pub(super) first_unix_s: Option<f64>,
     /// The first magnetic variation, radians; positive to the east.
     pub(super) variation_rad: Option<f32>,
-    /// Whether there are headings from true north.
+    /// True if there are headings from true north.
     pub(super) has_true_heading: bool,
 }
 
@@ -67,7 +67,7 @@ impl Tally {
         self.has_true_heading |= !told.heading_rad.is_nan();
     }
 
-    /// Whether a sentence without a sum is one that was cut: most have one.
+    /// Returns true if a sentence without a sum is one that was cut: most have one.
     pub(super) fn needs_sum(&self) -> bool {
         self.with_sum > self.without_sum
     }

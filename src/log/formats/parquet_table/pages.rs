@@ -14,8 +14,8 @@ const MOST_BESIDE: u64 = 1024;
 /// Structures that may lie in one another in a header.
 const DEEPEST: usize = 8;
 
-/// Whether all pages in a range of a file can be followed, and none claims to be longer than it can
-/// be.
+/// Returns true if all pages in a range of a file can be followed, and none claims to be longer
+/// than it can be.
 pub(super) fn are_sound(file: &mut (impl BufRead + Seek), column: Range<u64>) -> bool {
     let mut walk = || -> Option<bool> {
         let mut at = file.seek(SeekFrom::Start(column.start)).ok()?;

@@ -14,7 +14,7 @@ use std::path::Path;
 /// A Parquet file that cannot be used.
 pub type ParquetError = FileError<ParquetFault>;
 
-/// What is wrong with a Parquet file.
+/// Fault of a Parquet file.
 #[derive(Debug, thiserror::Error)]
 pub enum ParquetFault {
     /// The system does not give it.

@@ -92,7 +92,7 @@ fn properties(columns: &[Column], keys: &[(&str, String)]) -> WriterProperties {
     properties.build()
 }
 
-/// Whether the same values come again and again, so that a dictionary of them saves room.
+/// Returns true if the same values come again and again, so that a dictionary of them saves room.
 fn repeats(values: &Values) -> bool {
     matches!(values, Values::Text(_) | Values::Same(..) | Values::Float(_))
 }

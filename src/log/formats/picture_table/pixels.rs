@@ -14,7 +14,7 @@ const MOST_PIXELS_A_BYTE: u64 = 8 * 1032;
 const END_OF_JPEG: [u8; 2] = [0xFF, 0xD9];
 const SCAN_OF_JPEG: [u8; 2] = [0xFF, 0xDA];
 
-/// Whether a file is a PNG or a JPEG, by its first bytes.
+/// Returns true if a file is a PNG or a JPEG, by its first bytes.
 pub(super) fn is_picture(bytes: &[u8]) -> bool {
     format_of(bytes).is_some()
 }
@@ -33,7 +33,7 @@ pub(super) struct PackedPicture<'a> {
 pub(super) struct GreyPicture {
     /// Columns.
     pub(super) width: usize,
-    /// Whether a level has two bytes, the low one first.
+    /// True if a level has two bytes, the low one first.
     pub(super) is_wide: bool,
     /// Row by row.
     pub(super) samples: Vec<u8>,
@@ -95,8 +95,8 @@ fn bytes_copied(colours: ColorType) -> u64 {
     }
 }
 
-/// Whether the pixels of a JPEG end with its last marker: the decoder makes grey of those that are
-/// missing. Neither marker can stand among pixels.
+/// Returns true if the pixels of a JPEG end with its last marker: the decoder makes grey of those
+/// that are missing. Neither marker can stand among pixels.
 fn is_whole_jpeg(bytes: &[u8]) -> bool {
     let last = |marker: [u8; 2]| bytes.windows(2).rposition(|two| two == marker);
     last(END_OF_JPEG) > last(SCAN_OF_JPEG)

@@ -133,7 +133,7 @@ fn take_out_set_aside(file: &mut PointFile) -> Option<String> {
     }
 }
 
-/// Whether the third column that was taken is named a depth and counts downwards.
+/// Returns true if the third column that was taken is named a depth and counts downwards.
 fn counts_depths(file: &PointFile) -> bool {
     let named = file.names.as_ref();
     let is_depth = named.is_some_and(|[_, _, z]| z.to_ascii_lowercase().contains("depth"));

@@ -7,7 +7,7 @@ use std::io;
 /// Why a point file cannot be used.
 pub type PointFileError = FileError<PointFault>;
 
-/// What is wrong with a point file, in a sentence without the path.
+/// Fault of a point file, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum PointFault {
     /// Its name does not say which format it is.
@@ -48,7 +48,7 @@ pub enum PointFault {
     AllBlank(usize),
 }
 
-/// What is wrong with points in lines of text.
+/// Fault of points in lines of text.
 #[derive(Debug, thiserror::Error)]
 pub enum TextFault {
     /// A column is asked for by a name that several have, or twice.
@@ -76,13 +76,13 @@ pub enum TextFault {
     Line {
         /// Counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault.
         #[source]
         what: PointLineFault,
     },
 }
 
-/// What is wrong with a line of a text file.
+/// Fault of a line of a text file.
 #[derive(Debug, thiserror::Error)]
 pub enum PointLineFault {
     /// It has so many fields, and no header says what they are.
@@ -121,7 +121,7 @@ fn in_fields(count: usize) -> String {
     }
 }
 
-/// What is wrong with a PLY file.
+/// Fault of a PLY file.
 #[derive(Debug, thiserror::Error)]
 pub enum PlyFault {
     /// It is another kind of file.
@@ -135,7 +135,7 @@ pub enum PlyFault {
     HeaderLine {
         /// Counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault.
         what: &'static str,
         /// The line.
         text: String,
@@ -153,7 +153,7 @@ pub enum PlyFault {
     },
 }
 
-/// What is wrong with a LAS file.
+/// Fault of a LAS file.
 #[derive(Debug, thiserror::Error)]
 pub enum LasFault {
     /// The system does not give it, or its header claims what cannot be.

@@ -46,7 +46,7 @@ impl Drop for LasWriter {
     }
 }
 
-/// What the system said, where the crate only passes it on.
+/// Returns the system's error, where the crate only passes it on.
 fn failed(error: las::Error) -> io::Error {
     match error {
         las::Error::Io(error) => error,

@@ -115,8 +115,8 @@ pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3
     (argument.into(), None)
 }
 
-/// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps
-/// with its columns.
+/// Returns true if something is named as the files are whose elevations [`read_elevations`] reads,
+/// perhaps with its columns.
 pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
     let (path, _) = split_columns(argument);
     let others = ["tif", "tiff", "geojson", "json"];

@@ -32,7 +32,7 @@ pub(super) struct ColumnRequest<'a> {
     pub named: Option<&'a [String; 3]>,
     /// Names to look for when the user names none, in lower case; the first that are all there win.
     pub known: &'a [[&'a str; 3]],
-    /// Whether a line with a blank coordinate is left out instead of refused.
+    /// True if a line with a blank coordinate is left out instead of refused.
     pub skip_blank: bool,
 }
 
@@ -182,7 +182,7 @@ impl ColumnLayout {
         ))
     }
 
-    /// Whether a coordinate has a place in the line, but nothing stands there.
+    /// Returns true if a coordinate has a place in the line, but nothing stands there.
     fn is_blank(&self, line: &str) -> bool {
         let fields = fields(line, self.separator);
         let field = |column: usize| fields.get(column).copied();
@@ -195,7 +195,7 @@ impl ColumnLayout {
         Some(fields(line, self.separator).get(kept).copied() == Some("0"))
     }
 
-    /// What is wrong with a line of so many fields that has no such column.
+    /// Fault of a line of so many fields that has no such column.
     fn too_short(&self, name: &str, fields: usize) -> PointLineFault {
         match self.names == ["1", "2", "3"] {
             true => PointLineFault::TooFewFields(fields),

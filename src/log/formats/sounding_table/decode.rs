@@ -98,7 +98,7 @@ impl Reader {
         }
     }
 
-    /// Whether the first line names the columns.
+    /// Returns true if the first line names the columns.
     pub(super) fn has_header(&self) -> bool {
         self.layout.has_header()
     }

@@ -87,7 +87,7 @@ pub(in crate::formats) struct Layout {
     pub(super) pings: Option<PingColumns>,
     /// Metres of the depth's unit; negative where it counts upwards.
     pub(super) unit_m: f64,
-    /// Whether the depth's name says the unit.
+    /// True if the depth's name says the unit.
     pub(super) names_unit: bool,
     /// The time, or the time of day.
     pub(super) time: Option<usize>,
@@ -99,7 +99,7 @@ pub(in crate::formats) struct Layout {
     pub(super) course: Option<usize>,
     /// The order of dates with slashes.
     pub(super) date_order: DateOrder,
-    /// Whether the columns are taken for what they are though no line names them.
+    /// True if the columns are taken for what they are though no line names them.
     pub(super) is_assumed: bool,
     is_deeper: bool,
 }
@@ -259,7 +259,7 @@ impl Layout {
         Some(self)
     }
 
-    /// Whether its rows are soundings.
+    /// Returns true if its rows are soundings.
     pub(super) fn has_soundings(&self) -> bool {
         self.depth.is_some() && self.place.is_some()
     }
@@ -274,7 +274,7 @@ impl Layout {
         self.pings.is_some()
     }
 
-    /// Whether the first line names the columns.
+    /// Returns true if the first line names the columns.
     pub(super) fn has_header(&self) -> bool {
         !self.is_deeper && !self.is_assumed
     }

@@ -16,13 +16,13 @@ pub(super) struct XtfChannel {
     pub(super) width: Option<usize>,
     /// Number of the format of samples; 0 where only their bytes are stated.
     pub(super) format: u8,
-    /// Whether samples may have a sign.
+    /// True if samples may have a sign.
     pub(super) is_polar: bool,
     /// Samples of the pings that do not state how many they have.
     pub(super) samples: u32,
     /// The transducer forward and to starboard of the ship's reference point, metres.
     pub(super) offset_m: [f32; 2],
-    /// Whether the water column was taken out.
+    /// True if the water column was taken out.
     pub(super) ground_range: bool,
 }
 

@@ -112,7 +112,7 @@ fn losses(survey: &Survey) -> Vec<String> {
 /// A log that is being written.
 struct XtfWriter<'a> {
     log: &'a LogToWrite<'a>,
-    /// Whether a compass was recorded.
+    /// True if a compass was recorded.
     has_compass: bool,
     /// Bytes of a sample.
     width: usize,

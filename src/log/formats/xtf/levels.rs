@@ -128,7 +128,8 @@ fn meant(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind, stated: Stated) 
     }
 }
 
-/// Whether four bytes are plausible as floating point, as whole numbers of usual size are not.
+/// Returns true if four bytes are plausible as floating point, as whole numbers of usual size are
+/// not.
 fn are_floating(bytes: &[u8], spans: &[&SideSpan]) -> bool {
     let values = looked_at(spans).flat_map(|span| magnitudes(bytes, span, NumberKind::F32));
     let (mut plausible, mut all) = (0_u64, 0_u64);
@@ -139,8 +140,8 @@ fn are_floating(bytes: &[u8], spans: &[&SideSpan]) -> bool {
     all > 0 && plausible as f64 >= FLOATING_SHARE * all as f64
 }
 
-/// Whether whole numbers lie around 0 when the highest bit is taken for a sign. Many files say that
-/// their samples may have a sign, and have none.
+/// Returns true if whole numbers lie around 0 when the highest bit is taken for a sign. Many files
+/// say that their samples may have a sign, and have none.
 fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
     let end = f64::powi(2.0, 8 * stored.width() as i32);
     let mut more_positive = vec![0_i64; MAGNITUDES];
@@ -159,7 +160,7 @@ fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
         && loud as f64 <= MOST_LOUD * all as f64
 }
 
-/// How many low bits of samples to drop so that nearly all fit a byte. All are of 16 bits, or all
+/// Number of low bits of samples to drop so that nearly all fit a byte. All are of 16 bits, or all
 /// of 32.
 pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
     let kind = match spans.first().map(|span| span.encoding.width()) {

@@ -61,7 +61,7 @@ impl Swath {
         sensor.or_else(|| place::recorded([header.ship_x, header.ship_y]))
     }
 
-    /// Whether the position can be in degrees; one that is missing can.
+    /// Returns true if the position can be in degrees; one that is missing can.
     fn fits_degrees(&self) -> bool {
         let recorded = self.recorded();
         recorded.is_none_or(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0)

@@ -35,7 +35,7 @@ struct Towing {
 pub(super) struct Positions {
     converter: PositionConverter,
     sent: SentNavigation,
-    /// Whether headings are not of a compass.
+    /// True if headings are not of a compass.
     has_track_headings: bool,
     /// Of the antenna from the ship's reference point.
     antenna_m: Arm,
@@ -46,13 +46,13 @@ pub(super) struct Positions {
     unplaced: Vec<Towing>,
     /// The shortest and the longest layback of the ship's positions, metres.
     laybacks_m: Option<[f32; 2]>,
-    /// Whether antenna and transducer are not in one place.
+    /// True if antenna and transducer are not in one place.
     has_offsets: bool,
     /// Pings whose position has its layback in it.
     own: usize,
     /// The longest cable of pings that state no layback, metres.
     cable_m: u16,
-    /// Whether pings state pitch or roll.
+    /// True if pings state pitch or roll.
     has_attitude: bool,
     /// First and last time of the pings, seconds of the log.
     span_s: Option<[f64; 2]>,

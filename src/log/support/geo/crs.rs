@@ -23,7 +23,7 @@ const SHIFTED_DATUMS: [&str; 5] = [
 /// Systems of NAD83 in the Aleutians and Hawaii, where it lies 0.8 m from WGS84.
 const SHIFTED_SYSTEMS: [u16; 7] = [3373, 26_940, 26_961, 26_962, 26_963, 26_964, 26_965];
 
-/// How much a projection may stretch an area and still be meant for a place.
+/// Factor by which a projection may stretch an area and still be meant for a place.
 const MODEST: std::ops::Range<f64> = 0.8..1.25;
 /// Step over which that is measured, degrees: some 10 m.
 const STEP_DEG: f64 = 1e-4;
@@ -257,7 +257,7 @@ impl Crs {
         quoted_after(&self.wkt, "[")
     }
 
-    /// Whether its coordinates are degrees.
+    /// Returns true if its coordinates are degrees.
     pub fn is_degrees(&self) -> bool {
         matches!(self.kind, Kind::Degrees)
     }

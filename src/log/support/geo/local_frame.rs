@@ -71,7 +71,7 @@ impl LocalFrame {
         dot(self.east, north).atan2(dot(self.north, north))
     }
 
-    /// How far the ellipsoid lies above (negative: below) the tangent plane at `offset` from the
+    /// Height of the ellipsoid above (negative: below) the tangent plane at `offset` from the
     /// origin.
     ///
     /// In axes scaled to a unit sphere, `|centre + offset + u up| = 1` is a quadratic in `u`;

@@ -47,7 +47,7 @@ impl LonLat {
         Self { lon_deg, lat_deg }
     }
 
-    /// Whether there is such a position: longitude within 180 degrees, latitude within 90.
+    /// Returns true if there is such a position: longitude within 180 degrees, latitude within 90.
     pub fn is_on_earth(&self) -> bool {
         (-180.0..=180.0).contains(&self.lon_deg) && (-90.0..=90.0).contains(&self.lat_deg)
     }

@@ -94,7 +94,7 @@ impl MappedFile {
         })
     }
 
-    /// Whether other programs can reach the file.
+    /// Returns true if other programs can reach the file.
     pub fn is_shared(&self) -> bool {
         self.state.is_some()
     }

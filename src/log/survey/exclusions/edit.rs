@@ -14,7 +14,7 @@ pub enum LogPart {
 }
 
 impl LogPart {
-    /// How long it lasts, seconds.
+    /// Returns its length, seconds.
     pub fn duration_s(self, survey: &Survey) -> f64 {
         let [from_s, to_s] = match self {
             Self::Pings(ends) => ends.map(|ping| {

@@ -41,8 +41,8 @@ const REACH: usize = 4;
 /// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time,
 /// seconds.
 pub(crate) const NEAREST_SOUNDING_S: f64 = 5.0;
-/// How far back the lock is looked at anew where soundings are added: unless the bottom is lost for
-/// longer, it is quiet somewhere there.
+/// Number of soundings that are judged anew where soundings are added: unless the bottom is lost
+/// for longer, it is quiet somewhere there.
 const LONGEST_LOSS: usize = 4096;
 
 /// Gives every ping the depth of the sounding nearest in time. Both are in time order.
@@ -243,9 +243,9 @@ fn is_step(a: &Sounding, b: &Sounding, travelled_m: f64) -> bool {
     is_step_of_no_bed([a.depth_m, b.depth_m], travelled_m)
 }
 
-/// Whether a sounding departs from the median of those around it, which were taken soon before or
-/// after, by more than a bed does. At the top of a ridge half of its neighbours are farther away
-/// than half of [`REACH`].
+/// Returns true if a sounding departs from the median of those around it, which were taken soon
+/// before or after, by more than a bed does. At the top of a ridge half of its neighbours are
+/// farther away than half of [`REACH`].
 fn is_glitch(soundings: &[Sounding], fixes: &[Fix], index: usize) -> bool {
     let around = index.saturating_sub(REACH)..(index + REACH + 1).min(soundings.len());
     if around.len() <= REACH {

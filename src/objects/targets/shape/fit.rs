@@ -35,7 +35,7 @@ struct CoarseSearch {
     size: [usize; 2],
     /// How many states, those that explain most, are followed over how many rounds.
     followed: &'static [(usize, usize)],
-    /// How many of them are kept.
+    /// Number of them that are kept.
     kept: usize,
     /// A kind that gains less than this share of what the best gains here is no rival in a finer
     /// picture.

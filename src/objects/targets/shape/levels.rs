@@ -118,7 +118,7 @@ impl BoxLevels {
         }
     }
 
-    /// How far the squares exceed those of bare bottom, as a share of them.
+    /// Excess of the squares over those of bare bottom, as a share of them.
     pub(super) fn contrast(&self) -> f64 {
         self.squares() / self.speckle_squares() - 1.0
     }

@@ -22,7 +22,7 @@ pub(super) const DARKNESS: f64 = -3.0;
 pub(super) type Numbers = Vec<f64>;
 pub(super) const OF_OBJECT: usize = 5;
 pub(super) const OF_LOOK: usize = 5;
-/// How far each is changed at first.
+/// First change of each.
 const FIRST_STEPS: [f64; OF_OBJECT + OF_LOOK] = [0.2, 0.2, 0.2, 0.2, 0.1, 0.2, 0.2, 0.7, 0.7, 0.7];
 /// How far each edge is moved at first, in ln length and ln width.
 const EDGE_STEP: f64 = 0.2;
@@ -44,7 +44,7 @@ pub(super) struct Problem<'a> {
 /// Numbers with what they predict.
 pub(super) struct FitState {
     pub(super) numbers: Numbers,
-    /// How far each is changed next.
+    /// Next change of each.
     pub(super) steps: Vec<f64>,
     /// By how much, in ln length and ln width, each of [`OutlineEdge::ALL`] is moved next.
     pub(super) edge_steps: [f64; 4],
@@ -114,7 +114,8 @@ impl FitState {
         self
     }
 
-    /// Whether places, length and height change by so little that another round is not worth it.
+    /// Returns true if places, length and height change by so little that another round is not
+    /// worth it.
     pub(super) fn is_settled(&self) -> bool {
         let looks = self.steps[OF_OBJECT..].chunks_exact(OF_LOOK);
         let farthest = looks.map(|look| look[0].max(look[1]));
@@ -193,7 +194,7 @@ impl<'a> Problem<'a> {
         state.cost = state.costs.iter().sum::<f64>() + self.unusual(&state.numbers);
     }
 
-    /// How far it is from what is usual, in squared standard deviations.
+    /// Distance from what is usual, in squared standard deviations.
     fn unusual(&self, numbers: &[f64]) -> f64 {
         let usual = self.kind.usual();
         let limits = [
@@ -212,8 +213,8 @@ impl<'a> Problem<'a> {
         sizes.sum::<f64>() + strengths.sum::<f64>() + lighter.sum::<f64>()
     }
 
-    /// Whether a number is not sought: one of what is known, or none of this kind, which has no
-    /// heading, or whose width follows from its length or height.
+    /// Returns true if a number is not sought: one of what is known, or none of this kind, which
+    /// has no heading, or whose width follows from its length or height.
     pub(super) fn is_fixed(&self, number: usize) -> bool {
         match self.kind {
             _ if self.is_object_known && number < OF_OBJECT => true,
@@ -262,7 +263,7 @@ impl OutlineEdge {
 }
 
 impl Problem<'_> {
-    /// Whether an edge of the kind can be moved alone.
+    /// Returns true if an edge of the kind can be moved alone.
     fn moves(&self, edge: OutlineEdge) -> bool {
         !self.is_fixed(2) && (edge.is_end() || !self.is_fixed(3))
     }

@@ -25,7 +25,7 @@ type PlaceRow = [f32; MOST_PLACES];
 pub(super) struct ShapeRay {
     count: usize,
     altitude_m: f32,
-    /// How far out from under the boat and how far below the transducer.
+    /// Distance out from under the boat, and depth below the transducer.
     out_m: PlaceRow,
     below_m: PlaceRow,
     /// Tangent of the direction, from the vertical.

@@ -45,8 +45,8 @@ named! {
 }
 
 impl ShapeKind {
-    /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and
-    /// from behind.
+    /// Returns true if it is a boat, whichever way up: with a bow, it does not look the same from
+    /// ahead and from behind.
     pub fn is_boat(self) -> bool {
         matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)
     }

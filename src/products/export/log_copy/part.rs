@@ -23,7 +23,7 @@ pub enum PartError {
     /// The log has not so many records.
     #[error("the log has {count} pings; {}..{} were asked for", .asked.start, .asked.end)]
     TooFew {
-        /// How many it has.
+        /// Their number.
         count: usize,
         /// Those asked for.
         asked: Range<usize>,

@@ -28,7 +28,7 @@ use bathyscope_objects::objects::ListedObject;
 /// A log that boxes are of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ObjectLog<'a> {
-    /// What it is called in its survey.
+    /// Name in its survey.
     pub name: &'a str,
     /// The recording.
     pub survey: &'a Survey,

@@ -64,7 +64,7 @@ impl PlanFormat {
 /// A plan on the Earth.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedWay<'a> {
-    /// What it is called.
+    /// Name.
     pub name: &'a str,
     /// The plan.
     pub plan: &'a Plan,

@@ -18,7 +18,7 @@ use crate::map_tiles::MapScales;
 /// What a set of tiles is, for the programs that show it.
 #[derive(Clone, Debug)]
 pub(crate) struct TileSet {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// What it shows, in a sentence or two.
     pub description: String,

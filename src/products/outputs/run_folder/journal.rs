@@ -93,8 +93,8 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Whether a name from a file stays within the folder: a file, or a file in a subfolder or in a
-/// folder in that.
+/// Returns true if a name from a file stays within the folder: a file, or a file in a subfolder or
+/// in a folder in that.
 pub(super) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let plain = parts.by_ref().take(3).all(|part| matches!(part, Component::Normal(_)));

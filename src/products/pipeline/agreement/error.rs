@@ -26,7 +26,7 @@ pub enum AgreementError {
     Unusable(#[from] FileError<ReferenceFault>),
 }
 
-/// What is wrong with a reference, in a sentence without the path.
+/// Fault of a reference, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceFault {
     /// Its points are in a system that is not known.

@@ -122,12 +122,12 @@ impl Reference {
         &self.path
     }
 
-    /// Whether it is another mission.
+    /// Returns true if it is another mission.
     pub fn is_mission(&self) -> bool {
         matches!(self.held, Held::Mission { .. })
     }
 
-    /// Whether it is another mission whose logs have settings of their own.
+    /// Returns true if it is another mission whose logs have settings of their own.
     pub(crate) fn has_own_settings(&self) -> bool {
         match &self.held {
             Held::Points(_) => false,

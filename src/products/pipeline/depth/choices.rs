@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct GeometryChoice {
     geometry: Geometry,
     calibration: &'static str,
-    /// Whether these are the settings of the products.
+    /// True if these are the settings of the products.
     in_force: bool,
     /// Points without a sounding near them.
     unmatched: usize,

@@ -71,7 +71,7 @@ pub(crate) fn comparisons(
 #[derive(Clone, Copy)]
 struct PointKind {
     source: PointSource,
-    /// Whether the recorder had lost the bottom: depth comes from side-scan alone there, and nearby
+    /// True if the recorder had lost the bottom: depth comes from side-scan alone there, and nearby
     /// soundings are compared with it.
     is_lost: bool,
 }

@@ -37,7 +37,7 @@ pub enum BottomColour {
     Mosaic,
     /// What the depth is worth: `depth/uncertainty.tif`.
     Uncertainty,
-    /// How far away the nearest depth was measured.
+    /// Distance of the nearest measured depth.
     Distance,
     /// The source of the depth.
     Source,
@@ -113,7 +113,7 @@ pub struct Bottom {
     /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of
     /// the source of depths, and where nothing is known.
     pub ends: Option<[f32; 2]>,
-    /// Whether it has ground of which an echo is shown and no depth is known, on a flat
+    /// True if it has ground of which an echo is shown and no depth is known, on a flat
     /// extrapolation of the depths.
     pub has_flat_extrapolation: bool,
 }

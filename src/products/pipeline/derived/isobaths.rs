@@ -36,7 +36,7 @@ pub struct Isobaths {
     /// The lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of
     /// the area.
     pub lines: Vec<Isobath>,
-    /// Whether every depth that is shallower than a line lies on its shallow side.
+    /// True if every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
     /// The area that they end at, in the plane of the depth map.
     pub clip: Option<Arc<ClipArea>>,

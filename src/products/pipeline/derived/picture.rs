@@ -27,12 +27,12 @@ impl PictureKey {
         }
     }
 
-    /// Whether gain is normalised.
+    /// Returns true if gain is normalised.
     pub fn is_normalised(&self) -> bool {
         self.is_normalised
     }
 
-    /// Whether the stripe filter is on.
+    /// Returns true if the stripe filter is on.
     pub(super) fn is_even(&self) -> bool {
         self.is_even
     }

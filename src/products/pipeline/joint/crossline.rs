@@ -117,7 +117,7 @@ impl LogPositions {
         tells.then(|| in_hundredths(latency_s))
     }
 
-    /// Whether crossings say how late positions are, be it not at all.
+    /// Returns true if crossings say how late positions are, be it not at all.
     pub(crate) fn is_latency_known(&self) -> bool {
         self.found.latency_error_s < TOLD_S
     }

@@ -33,7 +33,7 @@ pub struct LogsReport {
 /// One log of several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogReport {
-    /// What it is called, also in the tables.
+    /// Name, also in the tables.
     pub log: String,
     /// The files read.
     pub inputs: Vec<Input>,

@@ -77,7 +77,7 @@ pub struct Settings {
     pub projection: Projection,
     /// `crs`: the system of maps and of the point files for other programs.
     pub crs: CrsChoice,
-    /// How deep the transducer hangs below the water's surface, metres: added to every depth.
+    /// Depth of the transducer below the water's surface, metres: added to every depth.
     pub draft_m: f64,
     /// Height of the water's surface above the level that depths count from, metres: taken off
     /// every one. With readings, the height of their zero.

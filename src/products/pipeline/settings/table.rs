@@ -73,8 +73,8 @@ pub enum Control {
 }
 
 impl Number {
-    /// Whether its control has a zero that stands for no value: where it may have none, and zero is
-    /// none that it may have.
+    /// Returns true if its control has a zero that stands for no value: where it may have none, and
+    /// zero is none that it may have.
     pub fn zero_is_none(&self) -> bool {
         self.without.is_some() && self.range[0] > 0.0
     }
@@ -98,7 +98,7 @@ impl Number {
         }
     }
 
-    /// Whether it is counted, not measured.
+    /// Returns true if it is counted, not measured.
     fn is_whole(&self) -> bool {
         let mut settings = Settings::default();
         (self.set)(&mut settings, Some(0.5));

@@ -28,7 +28,7 @@ pub enum Change {
         log: LogKey,
         /// The setting, as in `--set`.
         key: String,
-        /// Whether it is the log's own.
+        /// True if it is the log's own.
         own: bool,
     },
     /// The bottom of a log was drawn or forgotten.

@@ -12,7 +12,7 @@ use bathyscope_simulation::{
 };
 use std::sync::Arc;
 
-/// How far an offset in force may lie from the truth, metres.
+/// Largest error of an offset in force, metres.
 const WITHIN_M: f64 = 0.05;
 
 /// What the log's soundings are.

@@ -10,7 +10,7 @@ use bathyscope_products::pipeline::{self, Products, Settings, log_echoes};
 use bathyscope_simulation::{Scene, Simulated, simulate};
 use std::path::Path;
 
-/// What is wrong with a cell of a map.
+/// Fault of a cell of a map.
 #[derive(Clone, Copy)]
 pub(super) struct MapError {
     /// Depth of the map minus that of the bed, metres.

@@ -53,7 +53,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Whether another stretch is proposed than in the frame before: the section opens for it.
+/// Returns true if another stretch is proposed than in the frame before: the section opens for it.
 fn follow_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
     let id = egui::Id::unique("stretch proposed in the frame before");
     let now = context.app.log.proposed_stretch();

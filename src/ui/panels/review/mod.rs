@@ -33,12 +33,12 @@ pub(crate) struct ReviewPanel {
 }
 
 impl ReviewPanel {
-    /// Whether the picture is that of the selected box.
+    /// Returns true if the picture is that of the selected box.
     pub(crate) fn is_settled(&self) -> bool {
         !self.chip.is_running() && self.object.is_settled()
     }
 
-    /// Whether a control is one of the panel.
+    /// Returns true if a control is one of the panel.
     pub(crate) fn holds(&self, control: &Response) -> bool {
         self.area.is_some_and(|(layer, area)| {
             control.layer_id == layer && area.contains(control.rect.center())
@@ -108,7 +108,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     remark(ui, kept);
 }
 
-/// How many objects there are, and the way to their table.
+/// Number of objects, and the way to their table.
 fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let count = context.app.objects().len();
     if count == 0 {

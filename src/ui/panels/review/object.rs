@@ -26,7 +26,7 @@ pub(super) struct ObjectPictures {
 }
 
 impl ObjectPictures {
-    /// Whether the pictures are those of the selected object.
+    /// Returns true if the pictures are those of the selected object.
     pub(super) fn is_settled(&self) -> bool {
         !self.chips.is_running()
     }

@@ -55,7 +55,7 @@ pub(crate) struct TimeLine {
 }
 
 impl TimeLine {
-    /// Whether the strips shown are those of the survey and its last result.
+    /// Returns true if the strips shown are those of the survey and its last result.
     pub(crate) fn is_settled(&self) -> bool {
         !self.strips.is_running()
     }

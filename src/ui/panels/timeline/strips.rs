@@ -77,7 +77,7 @@ impl Strips {
         })
     }
 
-    /// How deep the strip of depths goes, and what it counts from; `None` without depths.
+    /// Returns the depth of the strip's lower edge, and what it counts from; `None` without depths.
     pub(super) fn deepest(&self, units: Units) -> Option<String> {
         let deepest_m = span(&self.depth).or_else(|| span(&self.lost))?[1];
         let deepest = units.measure(f64::from(deepest_m), 1);

@@ -73,7 +73,7 @@ type BottomSceneKey = (Same<Bottom>, [f64; 3]);
 pub(super) struct ShownBottom(Background<BottomSceneKey, Arc<BottomScene>>);
 
 impl ShownBottom {
-    /// Whether one is being uploaded.
+    /// Returns true if one is being uploaded.
     pub(super) fn is_running(&self) -> bool {
         self.0.is_running()
     }

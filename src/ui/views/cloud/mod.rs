@@ -90,7 +90,7 @@ impl CloudView {
         self.request = Some(request);
     }
 
-    /// Whether everything on screen is drawn at its final quality.
+    /// Returns true if everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
         !self.scene.is_running() && !self.bottom.is_running() && self.request.is_none()
     }

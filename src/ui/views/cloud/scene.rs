@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Points between two looks at whether the work was cancelled.
 const CHECK: usize = 1 << 16;
 
-/// How many points there are of each kind.
+/// Number of points of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PointCounts {
     /// Kept, under the boat.
@@ -153,11 +153,11 @@ pub(super) struct CloudScene {
     pub buffers: Option<CloudBuffers>,
     /// Corners of the box around the kept points.
     pub corners: [Vec3; 2],
-    /// How many points there are.
+    /// Number of points.
     pub counts: PointCounts,
     /// Kept points of each log.
     kept: Vec<usize>,
-    /// How many points there are of each class.
+    /// Number of points of each class.
     pub classes: ClassCounts,
     /// Ends of the colour scales.
     pub ends: ColourEnds,
@@ -239,7 +239,7 @@ impl CloudScene {
         logs.map(|(log, kept)| (log.name.as_str(), log.colour, *kept))
     }
 
-    /// How many points are drawn.
+    /// Number of points that are drawn.
     pub(super) fn shown(&self, outlier_preview: bool) -> usize {
         match outlier_preview {
             true => self.counts.all(),

@@ -13,7 +13,7 @@ use glam::{Vec3, Vec4};
 
 /// Places of all tracks that are drawn at most.
 const MOST_PLACES: usize = 20_000;
-/// How much of what lies below the water's surface it covers, of 255.
+/// Opacity over what lies below the water's surface, of 255.
 const WATER_ALPHA: u8 = 36;
 /// Nearest to the camera that the water's surface is drawn, metres.
 const NEAREST_M: f32 = 0.01;

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 /// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
 const OPACITY: [f32; 2] = [0.9, 0.3];
-/// How far the hill-shade brightens what is turned to the light, 0 to 1; what is turned away is
-/// multiplied with its shade.
+/// Share by which the hill-shade brightens what is turned to the light, 0 to 1; what is turned away
+/// is multiplied with its shade.
 const HIGHLIGHT: f32 = 0.45;
 /// Looks at the surface along a texel, at most, where a texel is larger than a cell.
 const MOST_LOOKS: usize = 4;

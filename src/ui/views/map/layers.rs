@@ -59,7 +59,7 @@ pub(super) struct TrackLayer {
     pub bounds: GroundBounds,
     /// Ends of the colour scale, metres.
     pub range_m: Option<[f32; 2]>,
-    /// Whether depth comes from side-scan only somewhere.
+    /// True if depth comes from side-scan only somewhere.
     pub side_scan_only: bool,
     /// Names and colours of the logs; empty where the tracks are coloured by depth.
     pub logs: Vec<(String, [u8; 3])>,

@@ -117,7 +117,7 @@ impl MapView {
         self.request = Some(request);
     }
 
-    /// Whether everything on screen is drawn at its final quality.
+    /// Returns true if everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
         !self.track.is_running() && self.layers.is_settled() && self.request.is_none()
     }

@@ -32,9 +32,9 @@ pub(super) struct MapScene<'a> {
     /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more:
     /// it is followed.
     pub made_of: Option<usize>,
-    /// Whether some of the tracks is excluded.
+    /// True if some of the tracks is excluded.
     pub has_excluded: bool,
-    /// Whether a log has depths across the track.
+    /// True if a log has depths across the track.
     pub has_swath: bool,
     /// The stretch that is proposed for the scale.
     pub proposed: Option<PingRange>,
@@ -60,7 +60,7 @@ impl MapScene<'_> {
         self.track.range_m.or_else(of_surface)
     }
 
-    /// Whether a layer is drawn.
+    /// Returns true if a layer is drawn.
     pub(super) fn shows(&self, layer: MapLayer) -> bool {
         self.options.map.layers.is_visible(layer)
     }

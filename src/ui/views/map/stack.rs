@@ -40,7 +40,7 @@ pub(super) struct Layers {
     mosaic: Option<(Arc<Mosaic>, Colours, PaintedBy)>,
     points: Background<PointKey, LayerSource>,
     residuals: Background<Same<Agreement>, Option<Arc<ResidualLayer>>>,
-    /// Whether residuals are shown and points are still being compared for them.
+    /// True if residuals are shown and points are still being compared for them.
     comparing: bool,
     tiles: [(MapLayer, TileLayer); 6],
     isobaths: Background<(Same<DrawnIsobaths>, Units), Arc<IsobathLayer>>,
@@ -233,7 +233,7 @@ impl Layers {
         tiles.fold([0; 2], |[missing, all], [m, a]| [missing + m, all + a])
     }
 
-    /// Whether everything visible is there.
+    /// Returns true if everything visible is there.
     pub(super) fn is_settled(&self) -> bool {
         self.making().is_empty()
             && !self.labels.is_running()

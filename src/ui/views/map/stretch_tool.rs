@@ -118,7 +118,7 @@ impl StretchTool {
     }
 }
 
-/// Whether one of the tools is in hand.
+/// Returns true if one of the tools is in hand.
 pub(super) fn is_in_hand(app: &App) -> bool {
     matches!(app.log.reviewing.tool, Tool::Exclude | Tool::Calibrate)
 }

@@ -55,7 +55,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_
     paint(&ui.painter_at(scene.rect), scene, x, &response);
 }
 
-/// How far the divider was moved, as a share of the width.
+/// Distance by which the divider was moved, as a share of the width.
 fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
     if response.clicked() || response.drag_started() {
         response.request_focus();

@@ -23,7 +23,7 @@ pub(super) fn around(places: impl Iterator<Item = [f64; 2]>) -> GroundBounds {
     placed.fold(NOWHERE, |all, [east, north]| joined(all, [east, north, east, north]))
 }
 
-/// How far a place lies outside of bounds, along east and along north; 0 inside.
+/// Returns the distance of a place outside of bounds, along east and along north; 0 inside.
 pub(super) fn away_m(
     [east_m, north_m]: [f64; 2],
     [west, south, east, north]: &GroundBounds,

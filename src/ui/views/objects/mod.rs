@@ -45,7 +45,7 @@ impl ObjectsView {
         self.wants_keyboard = true;
     }
 
-    /// Whether the pictures in sight are drawn.
+    /// Returns true if the pictures in sight are drawn.
     pub(crate) fn is_settled(&self) -> bool {
         !self.thumbnails.is_running()
     }

@@ -19,7 +19,7 @@ pub(super) struct Thumbnails {
 }
 
 impl Thumbnails {
-    /// Whether pictures are being made.
+    /// Returns true if pictures are being made.
     pub(super) fn is_running(&self) -> bool {
         self.making.is_running()
     }

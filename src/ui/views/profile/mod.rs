@@ -71,7 +71,7 @@ struct Found {
 }
 
 impl ProfileView {
-    /// Whether the curve is drawn at its final scale.
+    /// Returns true if the curve is drawn at its final scale.
     pub fn is_settled(&self) -> bool {
         self.scale.is_settled()
     }

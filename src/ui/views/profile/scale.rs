@@ -47,7 +47,7 @@ impl ScaleJob {
         }
     }
 
-    /// Whether the scale is that of the settings, or cannot be measured.
+    /// Returns true if the scale is that of the settings, or cannot be measured.
     pub(super) fn is_settled(&self) -> bool {
         !self.0.is_running()
     }

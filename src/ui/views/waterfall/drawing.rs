@@ -20,7 +20,7 @@ const UPLOADS: usize = 4;
 /// The picture of one survey.
 pub(super) struct WaterfallDrawing {
     pub survey_serial: u64,
-    /// Whether port and starboard are exchanged in it.
+    /// True if port and starboard are exchanged in it.
     pub swapped_sides: bool,
     survey: Arc<Survey>,
     tiler: Tiler,
@@ -126,7 +126,7 @@ impl WaterfallDrawing {
         }
     }
 
-    /// Whether tiles wait for the next frame.
+    /// Returns true if tiles wait for the next frame.
     pub(super) fn has_uploads(&self) -> bool {
         !self.arrived.is_empty()
     }
@@ -152,7 +152,7 @@ impl WaterfallDrawing {
         plan.draw
     }
 
-    /// Whether nothing more is expected from the worker.
+    /// Returns true if nothing more is expected from the worker.
     pub(super) fn is_settled(&self) -> bool {
         let picks_made = match (&self.requested_returns, &self.picks) {
             (None, _) => true,

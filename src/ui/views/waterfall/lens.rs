@@ -100,12 +100,12 @@ impl Lens {
         }
     }
 
-    /// Whether later pings lie to the left, or above.
+    /// Returns true if later pings lie to the left, or above.
     pub(super) fn is_flipped(&self) -> bool {
         self.arrangement.flip
     }
 
-    /// Whether a side is the upper or left one.
+    /// Returns true if a side is the upper or left one.
     pub(super) fn is_first(&self, side: Side) -> bool {
         (side == Side::Port) != self.arrangement.starboard_first
     }

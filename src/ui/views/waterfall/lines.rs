@@ -22,7 +22,8 @@ pub(super) struct WaterfallPen {
     colour: Color32,
     /// Points.
     width: f32,
-    /// How far it stands out beyond that on each side, points; 0 but for the rim under a line.
+    /// Width by which it stands out beyond that on each side, points; 0 but for the rim under a
+    /// line.
     rim: f32,
 }
 

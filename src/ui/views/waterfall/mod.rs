@@ -135,7 +135,7 @@ impl WaterfallView {
         self.settled = false;
     }
 
-    /// Whether everything on screen is drawn at its final quality.
+    /// Returns true if everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
         self.settled
     }

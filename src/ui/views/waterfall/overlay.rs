@@ -29,7 +29,7 @@ pub(super) struct ShownOverlay<'a> {
     pub has_gpu: bool,
     /// What the banner of a tool covers.
     pub banner: Option<egui::Rect>,
-    /// How many times longer a metre along is drawn than one across, where that is known.
+    /// Length of a metre along the track over that of one across, as drawn; where that is known.
     pub stretch: Option<f64>,
 }
 

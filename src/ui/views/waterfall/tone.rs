@@ -27,7 +27,7 @@ pub(super) struct UploadedGain {
 }
 
 impl UploadedGain {
-    /// Whether it is of this.
+    /// Returns true if it is of this.
     pub(super) fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
         self.of == picture.cloned().map(Same)
     }

@@ -30,7 +30,7 @@ const HIERARCHY: u16 = 1000;
 /// Nodes that are packed at a time.
 const BATCH: usize = 64;
 
-/// Whether a file is named as these are: map programs go by the name.
+/// Returns true if a file is named as these are: map programs go by the name.
 pub(super) fn is_named_copc(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.to_lowercase().ends_with(".copc.laz")

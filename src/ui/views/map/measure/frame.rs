@@ -60,7 +60,7 @@ impl ProfileTransform {
         Some(pos2(self.x(station.distance_m), self.y(f64::from(station.depth_m?))))
     }
 
-    /// How much steeper the plot is than the bed.
+    /// Vertical exaggeration of the plot.
     pub(super) fn exaggeration(&self) -> f64 {
         let [top_m, bottom_m] = self.depths_m;
         let down = f64::from(self.area.height()) / (bottom_m - top_m);

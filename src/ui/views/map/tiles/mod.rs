@@ -102,7 +102,7 @@ impl TileLayer {
         self.ready = [0; 2];
     }
 
-    /// Whether every tile in view is as it is to be.
+    /// Returns true if every tile in view is as it is to be.
     pub(super) fn is_settled(&self) -> bool {
         self.running.is_empty() && self.ready[0] == self.ready[1]
     }

@@ -46,8 +46,8 @@ impl Edges {
         Some(if is_inside { Self::ALL } else { edges })
     }
 
-    /// Whether the border between echo and shadow is under the pointer, nearer than an edge along
-    /// it. It leaves most of echo and shadow to drag the whole box by.
+    /// Returns true if the border between echo and shadow is under the pointer, nearer than an edge
+    /// along it. It leaves most of echo and shadow to drag the whole box by.
     pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: LensPlace) -> bool {
         let range_m = at.outward_m(mark.side);
         let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
