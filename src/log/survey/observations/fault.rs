@@ -75,7 +75,8 @@ impl FaultCounts {
 
     /// Returns the faults that there are, with the number of each.
     pub fn found(&self) -> impl Iterator<Item = (SoundingFault, usize)> + '_ {
-        SoundingFault::ALL.into_iter().zip(self.0).filter(|(_, count)| *count > 0)
+        let counts = SoundingFault::ALL.into_iter().map(|fault| (fault, self.0[fault as usize]));
+        counts.filter(|(_, count)| *count > 0)
     }
 
     /// Returns them in words: "83 lost bottom, 12 glitch".
@@ -93,5 +94,20 @@ impl Serialize for FaultCounts {
             map.serialize_entry(fault.name(), &count)?;
         }
         map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_are_counted_by_their_names() {
+        use SoundingFault::{Glitch, Held, LostBottom};
+        let mut counts = FaultCounts::of([Glitch, Held, Glitch]);
+        counts.add(&FaultCounts::of([LostBottom]));
+        assert_eq!(counts.all(), 4);
+        assert_eq!(counts.summary(), "1 lost bottom, 2 glitch, 1 held depth");
+        assert_eq!(FaultCounts::default().summary(), "");
     }
 }
