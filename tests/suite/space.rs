@@ -84,18 +84,10 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
         let (sin, cos) = boat.heading_rad.sin_cos();
         let (east_m, north_m) = (boat.east_m + across_m * cos, boat.north_m - across_m * sin);
         CloudPoint {
-            source,
-            ping: ping as u32,
             record: RecordIndex::new(ping).filter(|_| source == PointSource::DownScan),
-            fault: None,
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 100.0,
-            east_m,
-            north_m,
-            z_m: up_m - bed_m(east_m, north_m),
+            ..CloudPoint::new(source, ping as u32, [east_m, north_m, up_m - bed_m(east_m, north_m)])
         }
     };
     let every = |source, across_m| (0..nav.len()).map(move |ping| (source, ping, across_m, 0.0));

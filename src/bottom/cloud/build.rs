@@ -157,18 +157,17 @@ fn sounding_points(
     soundings
         .filter(|(_, (sounding, place))| sounding.depth_m > 0.0 && place.east_m.is_finite())
         .map(|(index, (sounding, place))| CloudPoint {
-            source: PointSource::DownScan,
-            ping: nearest_ping(sounding.time_s) as u32,
             record: RecordIndex::new(index),
             fault: sounding.fault.filter(|_| !counts[index]),
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
-            confidence: f32::NAN,
-            sample: f32::NAN,
-            east_m: place.east_m,
-            north_m: place.north_m,
-            z_m: -correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)),
+            ..CloudPoint::new(
+                PointSource::DownScan,
+                nearest_ping(sounding.time_s) as u32,
+                [
+                    place.east_m,
+                    place.north_m,
+                    -correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)),
+                ],
+            )
         })
         .collect()
 }
@@ -200,18 +199,16 @@ fn side_points<'a>(
         let bottom_point = bottom_point(ping, range_m);
         let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;
         Some(CloudPoint {
-            source,
-            ping: ping as u32,
-            record: None,
-            fault: None,
             above_bottom: traits.above_bottom,
             level: traits.level,
             above_bottom_m: traits.above_bottom_m,
             confidence: traits.confidence,
             sample: pick.sample,
-            east_m,
-            north_m,
-            z_m: z_m(ping, bottom_point.depth_m),
+            ..CloudPoint::new(
+                source,
+                ping as u32,
+                [east_m, north_m, z_m(ping, bottom_point.depth_m)],
+            )
         })
     })
 }

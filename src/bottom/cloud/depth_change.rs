@@ -50,18 +50,9 @@ mod tests {
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
         CloudPoint {
-            source,
-            ping,
-            record: None,
-            fault: None,
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 100.0,
-            east_m: 0.0,
-            north_m: 0.0,
-            z_m,
+            ..CloudPoint::new(source, ping, [0.0, 0.0, z_m])
         }
     }
 

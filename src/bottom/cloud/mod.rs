@@ -228,6 +228,24 @@ impl PointCloud {
 }
 
 impl CloudPoint {
+    /// Returns a point east, north and up, metres, that has neither a record, a fault nor an echo.
+    pub fn new(source: PointSource, ping: u32, [east_m, north_m, z_m]: [f64; 3]) -> Self {
+        Self {
+            source,
+            ping,
+            record: None,
+            fault: None,
+            above_bottom: false,
+            level: 0,
+            above_bottom_m: 0.0,
+            confidence: f32::NAN,
+            sample: f32::NAN,
+            east_m,
+            north_m,
+            z_m,
+        }
+    }
+
     /// East, north and elevation, metres.
     pub fn place(&self) -> [f64; 3] {
         [self.east_m, self.north_m, self.z_m]

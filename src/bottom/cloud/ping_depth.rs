@@ -33,11 +33,13 @@ impl PingDepth {
     const NONE: Self = Self { depth_m: f32::NAN, source: DepthSource::None, by_slope: false };
 }
 
-/// One entry a side-scan ping: the recorded depth where it has no fault, else that of the deeper of
-/// the first returns that are kept. The other side detects a bank or a boulder to the side of the
-/// boat first. A first return of one side alone that lies out by `y` at the altitude `a` is square
-/// to the beam on a slope of `y / a`, so that the bottom lies deeper by `y y / a` under the boat.
-/// That is so where the cloud is placed by slopes. `places` are those of the pings.
+/// Returns the depth under the boat at each side-scan ping, whose places are `places`: the recorded
+/// depth where it has no fault, else that of the deeper of the first returns that are kept, since
+/// the other side detects a bank or a boulder to the side of the boat first.
+///
+/// In a cloud that is placed by slopes ([`Geometry::Slope`]), a first return of one side alone that
+/// lies out by `y` at the altitude `a` is square to the beam on a slope of `y / a`: the bottom lies
+/// deeper by `y y / a` under the boat.
 pub fn ping_depths(
     survey: &Survey,
     places: &[PingNav],
@@ -167,20 +169,7 @@ mod tests {
     use bathyscope_log::survey::SidePing;
 
     fn point(source: PointSource, out_m: f64, z_m: f64) -> CloudPoint {
-        CloudPoint {
-            source,
-            ping: 0,
-            record: None,
-            fault: None,
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
-            confidence: 1.0,
-            sample: 1.0,
-            east_m: out_m,
-            north_m: 0.0,
-            z_m,
-        }
+        CloudPoint { confidence: 1.0, sample: 1.0, ..CloudPoint::new(source, 0, [out_m, 0.0, z_m]) }
     }
 
     #[test]

@@ -54,18 +54,13 @@ fn add_points(
         // The speed of sound scales both.
         let [east_m, north_m] = place.abeam(one.side, correction.range_factor() * one.out_m)?;
         Some(CloudPoint {
-            source: PointSource::Swath,
-            ping: nearest.unwrap_or(0) as u32,
             record: RecordIndex::new(index),
-            fault: None,
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
-            confidence: f32::NAN,
             sample: one.number as f32,
-            east_m,
-            north_m,
-            z_m: -correction.depth_m(ping.time_s, one.depth_m),
+            ..CloudPoint::new(
+                PointSource::Swath,
+                nearest.unwrap_or(0) as u32,
+                [east_m, north_m, -correction.depth_m(ping.time_s, one.depth_m)],
+            )
         })
     };
     let placed = thinned(survey.swath_soundings(ping).collect());

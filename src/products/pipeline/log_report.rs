@@ -12,7 +12,8 @@ pub struct RunCounts {
     pub pings: usize,
     /// Depths that the recorder gave.
     pub soundings: usize,
-    /// Of these, those that do not count, by their fault; those that a first return confirms count.
+    /// Number of soundings that do not count, by their fault. Faulty ones that a first return
+    /// confirms count.
     pub false_soundings: FaultCounts,
     /// Pings with a port first return.
     pub port_first_returns: usize,

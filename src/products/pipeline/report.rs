@@ -229,11 +229,13 @@ impl Report {
     }
 }
 
-/// The faults of soundings that do not count.
+/// Counts the faults of soundings that no first return confirms.
 fn faults(survey: &Survey, cloud: &PointCloud) -> FaultCounts {
     let confirmed = cloud.points.of(PointSource::DownScan).iter();
     let confirmed = confirmed.filter(|point| point.fault.is_none());
-    let confirmed: HashSet<usize> = confirmed.filter_map(|point| point.sounding()).collect();
+    let confirmed = confirmed.filter_map(|point| point.sounding());
+    let confirmed: HashSet<usize> =
+        confirmed.filter(|&index| !survey.soundings[index].is_good()).collect();
     let soundings = survey.soundings.iter().enumerate();
     let left_out = soundings.filter(|(index, _)| !confirmed.contains(index));
     FaultCounts::of(left_out.filter_map(|(_, sounding)| sounding.fault))

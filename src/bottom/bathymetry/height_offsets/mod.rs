@@ -71,7 +71,7 @@ pub struct LogOverlap {
 }
 
 impl LogOverlap {
-    /// Of a slope without a direction, at a depth and on lines that are not known.
+    /// Returns an overlap whose depth, lines and direction of the slope are not known.
     pub fn new(
         logs: [usize; 2],
         kind: OverlapKind,

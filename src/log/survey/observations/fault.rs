@@ -8,12 +8,12 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 pub enum SoundingFault {
     /// The recorder had lost the bottom: its depth jumps up and down.
     LostBottom,
-    /// It lies between a leap far below the bottom and the leap back.
+    /// The depth lies between a leap far below the bottom and the leap back.
     FarBelow,
-    /// It alone departs from the soundings before and after it.
+    /// The depth departs alone from those before and after it.
     Glitch,
-    /// It is twice as deep as the first returns of both sides: the sounder took the echo that went
-    /// to the bottom twice.
+    /// The depth is that of the echo that went to the bottom twice: it is double that of the first
+    /// returns of both sides.
     SecondEcho,
     /// The last depth is written again while the first returns of both sides move.
     Held,

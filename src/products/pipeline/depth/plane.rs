@@ -70,20 +70,11 @@ impl<'a> CloudPlane<'a> {
         let weight = products.settings.surface.side_scan_weight;
         let depths = products.depths.iter().zip(products.navigation.pings.iter());
         let by_slope = depths.filter(|(depth, _)| depth.by_slope && weight > 0.0);
-        let placed = by_slope.map(|(depth, place)| {
-            let position = self.navigation.to_lon_lat(self.track, place.east_m, place.north_m);
-            (self.map.place(position), f64::from(depth.depth_m))
+        let placed = by_slope.map(|(depth, at)| {
+            let [east_m, north_m] = self.plane_place(at.place());
+            [east_m, north_m, -f64::from(depth.depth_m)]
         });
-        let known = placed.filter(|(place, _)| place.iter().all(|value| value.is_finite()));
-        known
-            .map(|([east_m, north_m], depth_m)| DepthPoint {
-                east_m,
-                north_m,
-                depth_m,
-                weight,
-                is_sounding: false,
-            })
-            .collect()
+        placed.filter(is_finite).map(|place| first_return(place, weight)).collect()
     }
 
     /// First returns that one side sees above the recorded depth for long and that do not count:
@@ -94,19 +85,21 @@ impl<'a> CloudPlane<'a> {
             **class == PointClass::AboveBottom && point.above_bottom_m > 0.0
         });
         let placed = doubtful.map(|(point, _)| self.place(point)).filter(is_finite);
-        let depth = |[east_m, north_m, z_m]: [f64; 3]| DepthPoint {
-            east_m,
-            north_m,
-            depth_m: -z_m,
-            weight: 0.0,
-            is_sounding: false,
-        };
-        placed.map(depth).collect()
+        placed.map(|place| first_return(place, 0.0)).collect()
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {
-        let position = self.navigation.to_lon_lat(self.track, point.east_m, point.north_m);
-        let [east_m, north_m] = self.map.place(position);
+        let [east_m, north_m] = self.plane_place([point.east_m, point.north_m]);
         [east_m, north_m, point.z_m]
     }
+
+    /// East and north of the map of a place in the log's plane.
+    fn plane_place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        self.map.place(self.navigation.to_lon_lat(self.track, east_m, north_m))
+    }
+}
+
+/// A depth by a first return.
+fn first_return([east_m, north_m, z_m]: [f64; 3], weight: f64) -> DepthPoint {
+    DepthPoint { east_m, north_m, depth_m: -z_m, weight, is_sounding: false }
 }

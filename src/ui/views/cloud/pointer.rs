@@ -256,18 +256,13 @@ mod tests {
     /// Two lines of points 40 m apart, and nothing between.
     fn scene() -> CloudScene {
         let point = |index: u32| CloudPoint {
-            source: PointSource::DownScan,
-            ping: index,
-            record: None,
-            fault: None,
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 1.0,
-            east_m: f64::from(index % 2) * 40.0,
-            north_m: f64::from(index / 2),
-            z_m: -3.0,
+            ..CloudPoint::new(
+                PointSource::DownScan,
+                index,
+                [f64::from(index % 2) * 40.0, f64::from(index / 2), -3.0],
+            )
         };
         let cloud = PointCloud { points: (0..120).map(point).collect(), zero_heading: 0 };
         let log = SceneLogPoints {

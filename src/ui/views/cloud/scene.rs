@@ -408,18 +408,10 @@ mod tests {
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
         CloudPoint {
-            source,
-            ping,
-            record: None,
-            fault: None,
-            above_bottom: false,
             level: 200,
-            above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 100.0,
-            east_m: f64::from(ping),
-            north_m: 2.0,
-            z_m,
+            ..CloudPoint::new(source, ping, [f64::from(ping), 2.0, z_m])
         }
     }
 

@@ -100,18 +100,9 @@ mod tests {
     /// Points 10 m apart on a line eastwards, each with its difference from a reference.
     fn layer(differences_m: &[f64]) -> ResidualLayer {
         let point = |index: usize| CloudPoint {
-            source: PointSource::Port,
-            ping: 0,
-            record: None,
-            fault: None,
-            above_bottom: false,
-            level: 0,
-            above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 0.0,
-            east_m: 10.0 * index as f64,
-            north_m: 5.0,
-            z_m: -2.0,
+            ..CloudPoint::new(PointSource::Port, 0, [10.0 * index as f64, 5.0, -2.0])
         };
         let differences = differences_m.iter().enumerate();
         let differences = differences.map(|(measured, &difference_m)| Match {
