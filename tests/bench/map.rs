@@ -8,9 +8,7 @@ use bathyscope_bottom::cloud::{Correction, Geometry, PointCloud, ping_depths};
 use bathyscope_bottom::first_return;
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_log::survey::{
-    Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Survey,
-};
+use bathyscope_log::survey::{Navigation, PingNav, SidePing, SideScanState, Sounding, Survey};
 use bathyscope_products::pipeline::{self, Products, Settings};
 use bathyscope_simulation::{Scene, simulate};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
@@ -142,13 +140,8 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         exclusions: Arc::default(),
         relief: Arc::default(),
         navigation: Arc::new(Navigation {
-            antenna: Arc::default(),
-            pings: Arc::new(nav.clone()),
-            soundings: Arc::new(nav),
-            swath: Arc::default(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: 0,
+            soundings: Arc::new(nav.clone()),
+            ..Navigation::of_pings(nav)
         }),
         flat_spots: Arc::new(Vec::new()),
         judged: None,

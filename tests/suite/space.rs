@@ -142,13 +142,8 @@ fn products(
         exclusions: Arc::default(),
         relief: Arc::default(),
         navigation: Arc::new(Navigation {
-            antenna: Arc::default(),
-            pings: Arc::new(nav.clone()),
-            soundings: Arc::new(nav),
-            swath: Arc::default(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: 0,
+            soundings: Arc::new(nav.clone()),
+            ..Navigation::of_pings(nav)
         }),
         found: Arc::default(),
         judged: None,

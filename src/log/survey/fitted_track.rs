@@ -49,6 +49,11 @@ const LONGEST_BRIDGE_S: f64 = 10.0;
 /// there.
 const LONGEST_BRIDGE_M: f64 = 30.0;
 
+/// Places whose windows tell how much of the rounding is left in a fit.
+const MOST_PLACES_TRIED: usize = 4_000;
+/// Steps along an axis shorter than this come from the curvature of the earth, metres.
+const LEAST_STEP_M: f64 = 1e-3;
+
 /// Where the boat is at a time, and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
@@ -159,6 +164,30 @@ impl FittedTrack {
             None if self.is_known(time_s) => self.between(time_s),
             None => Motion::UNKNOWN,
         }
+    }
+
+    /// Standard deviation of places along the axis where it is larger, metres, that rounding
+    /// leaves in the fit; the whole of it with `is_fitted` false.
+    ///
+    /// Rounding to multiples of `r` has a variance of `r²/12`. A fit over a window in which the
+    /// recorded values of an axis take `n` steps averages `n + 1` of them; of a track along the
+    /// lines that positions are rounded to, all are off by the same, however many there are.
+    pub(super) fn rounding_m(&self, is_fitted: bool) -> f64 {
+        let step = self.places.len().div_ceil(MOST_PLACES_TRIED).max(1);
+        let tried = || self.places.iter().step_by(step);
+        let sigmas_m = [0, 1].map(|axis| {
+            let resolution_m = axis_resolution_m(&self.places, axis);
+            let shares = tried().map(|place| {
+                if !is_fitted {
+                    return 1.0;
+                }
+                let window = self.window(place.time_s, self.half_window_s);
+                1.0 / (1.0 + (span_m(window, axis) / resolution_m).round())
+            });
+            let share = shares.sum::<f64>() / tried().count().max(1) as f64;
+            resolution_m * (share / 12.0).sqrt()
+        });
+        sigmas_m[0].max(sigmas_m[1])
     }
 
     /// True where the place at a time is known.
@@ -380,14 +409,22 @@ impl KnownTimes {
     }
 }
 
-/// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the
-/// lines that positions are rounded to is off by the same all along, however many fixes are
-/// averaged.
-pub fn position_resolution_m(track: &Track) -> f64 {
-    resolution_m(&stays(track))
-}
-
 fn resolution_m(stays: &[Stay]) -> f64 {
     let steps = stays.windows(2).map(|pair| step_m(&pair[0], &pair[1]));
     steps.fold(1.0, f64::min)
+}
+
+/// Smallest step of the recorded positions along an axis, metres; 1 at most.
+fn axis_resolution_m(places: &[TimedPosition], axis: usize) -> f64 {
+    let steps = places.windows(2).map(|pair| (pair[1].axis_m(axis) - pair[0].axis_m(axis)).abs());
+    steps.filter(|step_m| *step_m > LEAST_STEP_M).fold(1.0, f64::min)
+}
+
+/// Length that some places cover along an axis, metres.
+fn span_m(places: &[TimedPosition], axis: usize) -> f64 {
+    let values = places.iter().map(|place| place.axis_m(axis));
+    let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    });
+    (ends[1] - ends[0]).max(0.0)
 }

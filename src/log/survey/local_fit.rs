@@ -10,6 +10,13 @@ pub(super) struct TimedPosition {
     pub(super) weight: f64,
 }
 
+impl TimedPosition {
+    /// Metres along an axis: east for 0, north for 1.
+    pub(super) fn axis_m(&self, axis: usize) -> f64 {
+        [self.east_m, self.north_m][axis]
+    }
+}
+
 /// Weighted least squares around a time: a line for the velocity, a parabola for the position (in a
 /// turn a line lies inside the curve by up to a metre).
 pub(super) struct LocalFit {

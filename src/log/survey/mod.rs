@@ -44,7 +44,6 @@ pub use exclusions::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
 };
 pub(crate) use fitted_track::KnownTimes;
-pub use fitted_track::position_resolution_m;
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use growing::{Seam, StretchStart, SurveyVersions};
 pub use identity::Identity;

@@ -83,6 +83,9 @@ pub struct Navigation {
     pub antenna: Arc<Vec<[f64; 2]>>,
     /// The plane that the metres are in.
     pub projection: Projection,
+    /// Standard deviation of the places along an axis that the rounding of fixes leaves in them,
+    /// metres.
+    pub rounding_m: f64,
     /// Pings without a heading.
     pub zero_heading: usize,
     /// Pings at which the boat moves: faster than 0.2 m/s by the fitted track, and by more than its
@@ -102,6 +105,7 @@ impl Navigation {
             swath: Arc::default(),
             antenna: Arc::default(),
             projection: Projection::Enu,
+            rounding_m: 0.0,
             zero_heading: 0,
         }
     }
@@ -257,6 +261,7 @@ pub fn navigate_with(
         navigator.move_by(arm_m, &mut swath, &survey.swath, |one| one.time_s);
     }
     Ok(Navigation {
+        rounding_m: navigator.fitted.rounding_m(settings.source != HeadingSource::Steps),
         antenna: Arc::new(antenna),
         zero_heading: pings.iter().filter(|ping| ping.heading_rad.is_nan()).count(),
         moving,

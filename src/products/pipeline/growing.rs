@@ -274,6 +274,10 @@ impl Part {
         let share = added.len() as f64 / new.pings.len().max(1) as f64;
         let known_share = self.first as f64 / before.pings.len().max(1) as f64;
         let moving = before.moving as f64 * known_share + new.moving as f64 * share;
+        let records = [self.first + known, added.len() + new_soundings.len()];
+        let [known_records, new_records] = records.map(|count| count as f64);
+        let squares =
+            known_records * before.rounding_m.powi(2) + new_records * new.rounding_m.powi(2);
         // Neither has one, or both have one for each ping.
         let antenna = new.antenna.get(self.first - self.context..);
         Navigation {
@@ -288,6 +292,7 @@ impl Part {
             soundings: (versions.soundings).next(&before.soundings, known, new_soundings),
             swath: (versions.swath).next(&before.swath, known_swath, new_swath),
             projection: new.projection,
+            rounding_m: (squares / (known_records + new_records).max(1.0)).sqrt(),
         }
     }
 

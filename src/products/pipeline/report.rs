@@ -129,7 +129,7 @@ impl Report {
             residuals: residuals(survey, cloud, correction, classes),
             positions: corrected_positions(settings),
             corrections: Vec::new(),
-            uncertainty: CommonUncertainty::of_log(survey, products),
+            uncertainty: CommonUncertainty::of_log(products),
             depths_between_lines: None,
             statement: [
                 settings.bottom.statement(survey).as_str(),

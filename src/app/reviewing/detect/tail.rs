@@ -83,9 +83,9 @@ impl App {
                 soundings: Arc::default(),
                 swath: Arc::default(),
                 antenna: Arc::default(),
-                projection: all.projection,
                 zero_heading: 0,
                 moving: 0,
+                ..(*all).clone()
             };
             let settings = DetectorSettings {
                 score: Some(LEAST_SCORE.min(detector.model.score())),

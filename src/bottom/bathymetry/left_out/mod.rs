@@ -126,9 +126,9 @@ pub(super) fn bend_and_state_error(
             let mut bend_m = 0.0;
             if let Some(bend) = bends.at(place) {
                 *depth_m += (share * bend.deeper_m()) as f32;
-                if away_m > grid.cell_m {
-                    bend_m = error_share * bend.least_m;
-                }
+                // Within a square that slopes are taken over, they do not tell how the ground bends.
+                let near = (1.0 - away_m / squares.slope_m()).max(0.0);
+                bend_m = (error_share + near * (STRAIGHT_ERROR - error_share)) * bend.least_m;
             }
             *spread_m = stated.at(place, away_m).hypot(bend_m) as f32;
         },

@@ -6,7 +6,6 @@ use crate::pipeline::{ProcessedLog, Products};
 use bathyscope_bottom::bathymetry::{CrossingError, Spread, Surface};
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{Survey, position_resolution_m};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -33,15 +32,15 @@ pub struct CommonUncertainty {
     /// By how far depths differ where tracks cross themselves and each other: waves, levels,
     /// positions, delays and wide beams together; 0 without crossings.
     pub crossings: CrossingError,
-    /// Positions, metres along the ground, as the recorder rounds them: times the slope of the
-    /// bottom it is a depth.
+    /// Positions, metres along the ground, as far as the recorder's rounding is left in them:
+    /// times the slope of the bottom it is a depth.
     pub position_m: f64,
 }
 
 impl CommonUncertainty {
     /// Of one log.
-    pub(crate) fn of_log(survey: &Survey, products: &Products) -> Self {
-        let Products { calibration, correction, .. } = products;
+    pub(crate) fn of_log(products: &Products) -> Self {
+        let Products { navigation, calibration, correction, .. } = products;
         let where_given = |sigma: f64, is_given: bool| if is_given { sigma } else { 0.0 };
         Self {
             range_offset_m: range_offset_m(calibration),
@@ -50,8 +49,7 @@ impl CommonUncertainty {
             water_level_m: where_given(READING_M, correction.knows_level())
                 .hypot(correction.gap_sigma_m()),
             crossings: CrossingError::default(),
-            // Of rounding, evenly distributed.
-            position_m: position_resolution_m(&survey.track) / 12f64.sqrt(),
+            position_m: navigation.rounding_m,
         }
     }
 
@@ -60,7 +58,7 @@ impl CommonUncertainty {
     /// # Errors
     /// When the work was cancelled.
     pub fn of(logs: &[ProcessedLog], progress: &Progress) -> Result<Self, Cancelled> {
-        let each = logs.iter().map(|log| Self::of_log(&log.survey, &log.products));
+        let each = logs.iter().map(|log| Self::of_log(&log.products));
         let each: Vec<Self> = each.collect();
         let rms = |of: fn(&Self) -> f64| {
             let squares: f64 = each.iter().map(|one| of(one).powi(2)).sum();

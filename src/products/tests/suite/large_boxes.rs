@@ -5,7 +5,7 @@ use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, calibrate
 use bathyscope_bottom::first_return::{FirstReturns, Pick};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{
-    Bytes, Encoding, Navigation, PingNav, Projection, SampleOrder, Side, SidePing, SideSpan, Survey,
+    Bytes, Encoding, Navigation, PingNav, SampleOrder, Side, SidePing, SideSpan, Survey,
 };
 use bathyscope_objects::targets::{Placer, Target};
 use bathyscope_objects::{Mark, Raster};
@@ -66,16 +66,7 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
         heading_rad: 0.0,
         speed_mps: if ping < 300 { 2.0 } else { 3.0 },
     });
-    let navigation = Navigation {
-        antenna: Arc::default(),
-        pings: Arc::new(places.collect()),
-        soundings: Arc::default(),
-        swath: Arc::default(),
-        projection: Projection::Enu,
-        zero_heading: 0,
-        moving: PINGS,
-    };
-    (survey, navigation)
+    (survey, Navigation::of_pings(places))
 }
 
 fn place(survey: &Survey, navigation: &Navigation, mark: &Mark) -> Target {

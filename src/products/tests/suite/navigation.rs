@@ -91,6 +91,43 @@ fn a_fitted_track_is_good_to_a_degree_and_a_third_of_a_metre() {
     }
 }
 
+/// Root mean square error of the places along east and along north, metres, of straight runs that
+/// begin at ten shares of a metre, and the largest standard deviation that is stated for them.
+fn rounding_errors_m(velocity: [f64; 2], source: HeadingSource) -> ([f64; 2], f64) {
+    let (mut errors_m, mut stated_m) = ([Vec::new(), Vec::new()], 0_f64);
+    for start in 0..10 {
+        let path = |time_s: f64| {
+            let [east, north] = velocity.map(|mps| 0.1 * f64::from(start) + mps * time_s);
+            Some([east, north])
+        };
+        let survey = sailed(60.0, 5.0, path);
+        let navigation = navigated(&survey, source);
+        stated_m = stated_m.max(navigation.rounding_m);
+        let [x0, y0] = LocalFrame::new(ORIGIN).to_enu(survey.track.frame.origin());
+        for (index, place) in navigation.pings.iter().enumerate().skip(100).take(1000) {
+            let true_m = path(index as f64 / PING_RATE_HZ).expect("a place");
+            errors_m[0].push(place.east_m + x0 - true_m[0]);
+            errors_m[1].push(place.north_m + y0 - true_m[1]);
+        }
+    }
+    (errors_m.map(|errors_m| rms(&errors_m)), stated_m)
+}
+
+#[test]
+fn the_rounding_that_a_fit_leaves_is_stated() {
+    // Along the lines that positions are rounded to, all are off by the same.
+    let ([east_m, north_m], stated_m) = rounding_errors_m([0.0, 2.0], HeadingSource::TrackFit);
+    assert!((0.8..1.4).contains(&(stated_m / east_m)), "{stated_m} for {east_m}");
+    assert!(north_m < 0.5 * east_m, "{north_m}");
+    // Across them the fit averages many.
+    let (errors_m, across_m) = rounding_errors_m([1.4, 1.9], HeadingSource::TrackFit);
+    let larger_m = errors_m[0].max(errors_m[1]);
+    assert!((0.8..2.5).contains(&(across_m / larger_m)), "{across_m} for {larger_m}");
+    assert!(across_m < 0.5 * stated_m);
+    let (_, kept_m) = rounding_errors_m([1.4, 1.9], HeadingSource::Steps);
+    assert!(kept_m > 2.0 * across_m, "positions as recorded are rounded in full: {kept_m}");
+}
+
 #[test]
 fn consecutive_steps_give_few_headings_and_those_to_eight_directions() {
     let survey = sailed(60.0, 10.0, straight);

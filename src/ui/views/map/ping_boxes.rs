@@ -61,7 +61,6 @@ impl PingBoxes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bathyscope_log::survey::Projection;
 
     #[test]
     fn the_nearest_is_that_of_a_look_at_all() {
@@ -76,15 +75,7 @@ mod tests {
             }
         };
         let pings: Vec<PingNav> = (0..3000).map(place).collect();
-        let navigation = Navigation {
-            antenna: Arc::default(),
-            pings: Arc::new(pings.clone()),
-            soundings: Arc::default(),
-            swath: Arc::default(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: 0,
-        };
+        let navigation = Navigation::of_pings(pings.clone());
         let boxes = PingBoxes::new(Arc::new(navigation));
         for step in 0..200 {
             let (sin, cos) = f64::from(step).sin_cos();
