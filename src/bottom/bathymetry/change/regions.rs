@@ -18,6 +18,9 @@ const BY_CHANCE: f64 = 0.05;
 /// A place ends where the change is less than so many standard deviations of what undetected cells
 /// show.
 const RIM_SIGMAS: f64 = 1.5;
+/// The edges of a change on both sides of a line err independently: together they are as uncertain
+/// as this share of their sum.
+const EDGES_SHARE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A raster of changes, row by row.
 #[derive(Clone, Copy, Debug)]
@@ -176,15 +179,37 @@ impl ChangeField<'_> {
     }
 
     /// A region of some cells. Farther from measured places than the change is wide where it was
-    /// measured, what is drawn is as uncertain as it is large.
-    fn region(&self, is_fill: bool, cells: Vec<usize>, away_m: &[f32]) -> ChangeRegion {
+    /// measured, what is drawn is as uncertain as it is large. A change that is drawn to fall off
+    /// between two measured places has its edge anywhere between them. Of a change of height `h`
+    /// that ends evenly distributed over a gap `g`, the volume has a standard deviation of
+    /// `h g / sqrt(12)`; the fall away from the nearer place times the distance to it makes `h g /
+    /// 4`.
+    fn region(&self, is_fill: bool, cells: Vec<usize>, away: &[f32]) -> ChangeRegion {
         let width_m2 = self.width_m2(&cells);
         let between = cells.iter().map(|&cell| {
-            let away_m = f64::from(away_m[cell]);
+            let away_m = f64::from(away[cell]);
             let known = (-0.5 * away_m * away_m / width_m2).exp();
-            (1.0 - known) * f64::from(self.rise_m[cell].abs())
+            let by_width_m = (1.0 - known) * f64::from(self.rise_m[cell].abs());
+            let [outward, rise] = [away, self.rise_m].map(|values| self.gradient(values, cell));
+            let fall = (outward[0] * rise[0] + outward[1] * rise[1]).abs();
+            by_width_m.max(EDGES_SHARE * fall * away_m)
         });
         ChangeRegion { is_fill, between_m: between.collect(), cells }
+    }
+
+    /// Gradient of metres at a cell, a metre to the east and to the south; 0 where neighbours are
+    /// unknown.
+    fn gradient(&self, metres: &[f32], cell: usize) -> [f64; 2] {
+        let across_m = 2.0 * self.cell_area_m2.sqrt();
+        let between = |before: Option<usize>, after: usize| {
+            let [before, after] = [metres.get(before?)?, metres.get(after)?];
+            Some(f64::from(after - before) / across_m).filter(|slope| slope.is_finite())
+        };
+        let column = cell % self.columns;
+        let is_inside = column > 0 && column + 1 < self.columns;
+        let east = between(cell.checked_sub(1), cell + 1).filter(|_| is_inside);
+        let south = between(cell.checked_sub(self.columns), cell + self.columns);
+        [east, south].map(Option::unwrap_or_default)
     }
 
     /// Variance of the Gaussian mound that has the moments of the change in the measured cells of a

@@ -109,6 +109,17 @@ fn what_is_drawn_between_lines_is_uncertain_and_what_lies_within_the_width_of_a_
 }
 
 #[test]
+fn the_edges_of_a_change_along_a_line_lie_anywhere_up_to_the_next_lines() {
+    // 0.4 m of fill along the middle one of three lines 6 m apart, over all of the map.
+    let drawn = |east_m: f64, _| 0.4 * (1.0 - (east_m - 6.0).abs() / 6.0).max(0.0);
+    let fill = Field::new(12, drawn).totals().fill;
+    let [_, _, between_m3] = fill.sigma_m3(&ERRORS);
+    // Two edges, each evenly distributed over 6 m, along 20 m.
+    let expected_m3 = (2.0_f64 / 12.0).sqrt() * 0.4 * 6.0 * 20.0;
+    assert!((0.7..1.2).contains(&(between_m3 / expected_m3)), "{between_m3} {expected_m3}");
+}
+
+#[test]
 fn errors_of_a_volume_average_out_over_large_areas_but_for_what_is_the_same_everywhere() {
     let sum = |cells: usize| {
         let mut sum = ChangeSum::default();
