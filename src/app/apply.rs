@@ -173,10 +173,7 @@ impl App {
         if shared != *self.document.shared {
             self.document.shared = Arc::new(shared);
         }
-        let own = match own == *own_before {
-            true => own_before,
-            false => Arc::new(own),
-        };
+        let own = if own == *own_before { own_before } else { Arc::new(own) };
         if let Some(log) = self.log_mut(id) {
             log.own = own.clone();
             log.exchange_boxes();

@@ -90,22 +90,21 @@ impl App {
         let [first, last] = pings;
         let mut bottom = self.bottom_of(survey);
         for side in self.sides_of(side) {
-            bottom = match accept {
-                true => bottom.accepting(side, pings),
-                false => bottom.not_accepting(side, pings),
+            bottom = if accept {
+                bottom.accepting(side, pings)
+            } else {
+                bottom.not_accepting(side, pings)
             };
         }
         if bottom == self.log.settings.bottom {
             return;
         }
         self.set_bottom(bottom);
-        let what = match accept {
-            true => "Accepted as bottom",
-            false => "No longer accepted as bottom",
-        };
-        let sides = match self.view.options.waterfall.bottom_both_sides {
-            true => "both sides".to_owned(),
-            false => side.name().to_owned(),
+        let what = if accept { "Accepted as bottom" } else { "No longer accepted as bottom" };
+        let sides = if self.view.options.waterfall.bottom_both_sides {
+            "both sides".to_owned()
+        } else {
+            side.name().to_owned()
         };
         self.withdraw(Action::Undo);
         self.offer(format!("{what}: pings {first} to {last}, {sides}"), Action::Undo);

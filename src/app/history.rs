@@ -93,10 +93,7 @@ impl App {
         let is_back = count < self.document.history.steps().filter(|step| !step.is_undone).count();
         self.withdraw(Action::Undo);
         if let Some(step) = self.document.history.go_to(count, &self.step_now()) {
-            let label = match is_back {
-                true => UNDONE.to_owned(),
-                false => self.redone_label(),
-            };
+            let label = if is_back { UNDONE.to_owned() } else { self.redone_label() };
             self.take_step(step, &label);
         }
     }
@@ -225,22 +222,22 @@ fn changed_logs<'a>(
 /// more.
 fn in_metres(number: &Number, value: f64, units: Units) -> String {
     let metric = number.shown_in(Units::default());
-    match number.shown_in(units).suffix == metric.suffix {
-        true => metric.said(value),
-        false => format!("{value:.*}{}", metric.decimals + 1, metric.suffix),
+    if number.shown_in(units).suffix == metric.suffix {
+        metric.said(value)
+    } else {
+        format!("{value:.*}{}", metric.decimals + 1, metric.suffix)
     }
 }
 
 /// What the one setting became that differs, as its control writes it; `None` where none or several
 /// do.
 fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
-    let (was, is) = match Arc::ptr_eq(&before.shared, &after.shared) {
-        false => (setting_values(&before.shared), setting_values(&after.shared)),
-        true => {
-            let mut changed = changed_logs(before, after);
-            let (was, log) = changed.next().filter(|_| changed.next().is_none())?;
-            (was.own.own().clone(), log.own.own().clone())
-        }
+    let (was, is) = if !Arc::ptr_eq(&before.shared, &after.shared) {
+        (setting_values(&before.shared), setting_values(&after.shared))
+    } else {
+        let mut changed = changed_logs(before, after);
+        let (was, log) = changed.next().filter(|_| changed.next().is_none())?;
+        (was.own.own().clone(), log.own.own().clone())
     };
     if after.shared.matching_preset().is_some() && !Arc::ptr_eq(&before.shared, &after.shared) {
         return preset_of(&before.shared, &after.shared);

@@ -367,13 +367,12 @@ impl App {
         };
         let log = self.logs.closed.remove(place);
         self.logs.order.push(id);
-        match self.log.survey.is_none() {
-            true => {
-                let mut empty = std::mem::replace(&mut self.log, log);
-                self.take_over(&mut empty);
-                self.meet_log();
-            }
-            false => self.logs.others.push(log),
+        if self.log.survey.is_none() {
+            let mut empty = std::mem::replace(&mut self.log, log);
+            self.take_over(&mut empty);
+            self.meet_log();
+        } else {
+            self.logs.others.push(log)
         }
         self.name_logs();
     }

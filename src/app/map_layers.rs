@@ -122,10 +122,8 @@ impl From<Vec<LayerShown>> for LayerStack {
         let mut layers: Vec<LayerShown> = Vec::with_capacity(MapLayer::ALL.len());
         for shown in saved {
             if layers.iter().all(|other| other.layer != shown.layer) {
-                let opacity = match shown.opacity.is_finite() {
-                    true => shown.opacity.clamp(0.0, 1.0),
-                    false => 1.0,
-                };
+                let opacity =
+                    if shown.opacity.is_finite() { shown.opacity.clamp(0.0, 1.0) } else { 1.0 };
                 layers.push(LayerShown { opacity, ..shown });
             }
         }

@@ -89,9 +89,10 @@ impl App {
         let before = self.step_now();
         let mounting = self.log.settings.mounting;
         let mountings = Arc::make_mut(&mut self.document.mountings);
-        match mounting.is_none() {
-            true => mountings.remove(&recorder),
-            false => mountings.insert(recorder.clone(), mounting),
+        if mounting.is_none() {
+            mountings.remove(&recorder)
+        } else {
+            mountings.insert(recorder.clone(), mounting)
         };
         let shown = self.log.id;
         let is_other = |log: &&OpenLog| {

@@ -27,10 +27,8 @@ pub struct ObjectTable {
 impl ObjectTable {
     /// Sorts by a column, or, where it is the one already, the other way around.
     pub fn sort_by(&mut self, column: &ObjectColumn) {
-        self.falling = match self.is_sorted_by(column) {
-            true => !self.falling,
-            false => begins_with_largest(column),
-        };
+        self.falling =
+            if self.is_sorted_by(column) { !self.falling } else { begins_with_largest(column) };
         column.name.clone_into(&mut self.sort);
     }
 

@@ -294,10 +294,7 @@ impl CloudColour {
     /// The next one in the menu; logs are told apart only where there are several.
     #[must_use]
     pub fn next(self, has_several_logs: bool) -> Self {
-        let all = match has_several_logs {
-            true => &Self::ALL[..],
-            false => &Self::ALL[..4],
-        };
+        let all = if has_several_logs { &Self::ALL[..] } else { &Self::ALL[..4] };
         let here = all.iter().position(|one| *one == self);
         here.map_or(all[0], |here| all[(here + 1) % all.len()])
     }

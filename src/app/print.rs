@@ -94,10 +94,7 @@ impl PrintOptions {
                 pixels_per_point: scale as f32,
             };
         };
-        let sides_mm = match self.landscape {
-            true => [long_mm, short_mm],
-            false => [short_mm, long_mm],
-        };
+        let sides_mm = if self.landscape { [long_mm, short_mm] } else { [short_mm, long_mm] };
         let dpi = f64::from(self.dpi);
         Sheet {
             size_px: sides_mm.map(|side_mm| (side_mm / INCH_MM * dpi).round() as u32),

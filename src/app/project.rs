@@ -126,9 +126,10 @@ impl App {
 
     /// Starts to keep what is open as a project in a file.
     pub(super) fn save_project_as(&mut self, path: PathBuf) {
-        let path = match is_project(&path) {
-            true => path,
-            false => PathBuf::from(format!("{}.{ENDING}", path.display())),
+        let path = if is_project(&path) {
+            path
+        } else {
+            PathBuf::from(format!("{}.{ENDING}", path.display()))
         };
         let logs: Vec<(LogId, Arc<Survey>, Option<LogFile>)> = self
             .logs()
@@ -269,10 +270,7 @@ impl App {
             entry.review = log.reviewing.review.clone();
             entry.object_numbers = self.object_numbers(log.id);
             let key = entry.key.clone();
-            let after = match is_new {
-                true => project.with_log(entry),
-                false => project.with_changed(entry),
-            };
+            let after = if is_new { project.with_log(entry) } else { project.with_changed(entry) };
             project = after.unwrap_or(project);
             project = project.with_log_at(&key, place).unwrap_or(project);
         }

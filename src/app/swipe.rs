@@ -75,10 +75,7 @@ impl Swipe {
 
     /// Moves the divider by a share of the map's width; it stays on the map.
     pub fn shift(&mut self, by: f32) {
-        self.share = match self.share.is_finite() {
-            true => (self.share + by).clamp(0.02, 0.98),
-            false => 0.5,
-        };
+        self.share = if self.share.is_finite() { (self.share + by).clamp(0.02, 0.98) } else { 0.5 };
     }
 
     /// Divides the map or makes it whole. Where both sides would show the same, the first layer of

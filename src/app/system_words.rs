@@ -40,10 +40,7 @@ pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
             break;
         };
         let text = error.to_string();
-        let words = match is_in_use(&error) {
-            true => Some(IN_USE),
-            false => words(error.kind()),
-        };
+        let words = if is_in_use(&error) { Some(IN_USE) } else { words(error.kind()) };
         let words = match words {
             Some(words) => words.to_owned(),
             None => {

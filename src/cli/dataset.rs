@@ -133,11 +133,10 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
 /// An old dataset is never mixed with a new one.
 fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
     let in_use = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
-    match in_use {
-        true => {
-            Err(format!("the folder is not empty; name a new one: {}", folder.display()).into())
-        }
-        false => Ok(()),
+    if in_use {
+        Err(format!("the folder is not empty; name a new one: {}", folder.display()).into())
+    } else {
+        Ok(())
     }
 }
 

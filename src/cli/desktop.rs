@@ -35,10 +35,7 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
     let files = share::files(program.as_deref(), super::program());
     for ShareFile { path, content } in &files {
         let path = folder.join(path);
-        match args.remove {
-            true => remove(&path)?,
-            false => write(&path, content)?,
-        }
+        if args.remove { remove(&path)? } else { write(&path, content)? }
     }
     // A package has this done when it is installed. Without these programs the desktop takes the
     // files up at the next login.

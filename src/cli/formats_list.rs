@@ -7,12 +7,11 @@ use serde_json::{Value, json};
 /// Prints them, as text or as JSON for scripts.
 pub(super) fn print(as_json: bool) -> Result<(), Failure> {
     let formats = FORMATS.iter();
-    match as_json {
-        true => output::json(&formats.map(to_json).collect::<Value>()),
-        false => {
-            let texts: Vec<String> = formats.map(to_text).collect();
-            output::results(texts.join("\n").trim_end())
-        }
+    if as_json {
+        output::json(&formats.map(to_json).collect::<Value>())
+    } else {
+        let texts: Vec<String> = formats.map(to_text).collect();
+        output::results(texts.join("\n").trim_end())
     }
 }
 

@@ -30,9 +30,10 @@ pub(super) fn run(args: InfoArgs) -> Result<(), Failure> {
     };
     let logs = formats::logs_in(survey);
     if logs.len() > 1 {
-        return match args.json {
-            true => output::results(format_args!("{:#}", list_to_json(&logs))),
-            false => output::results(list_to_text(survey, &logs)),
+        return if args.json {
+            output::results(format_args!("{:#}", list_to_json(&logs)))
+        } else {
+            output::results(list_to_text(survey, &logs))
         };
     }
     let survey = formats::open(survey, &Progress::new())?;

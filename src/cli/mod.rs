@@ -173,14 +173,15 @@ pub fn main() -> ExitCode {
     }
     let cli = Cli::parse();
     let opens_window = cli.command.is_none() && window::display_available();
-    let outcome = match opens_window {
+    let outcome = if opens_window {
         // It looks after its own work, and goes on when some of that fails.
-        true => run(cli),
-        false => panic_as_error(|| run(cli)).unwrap_or_else(|fault| {
+        run(cli)
+    } else {
+        panic_as_error(|| run(cli)).unwrap_or_else(|fault| {
             Err(format!(
                 "a fault in Bathyscope itself stopped the work, and no half file is left: {fault}; please report it, with the file that it was about"
             ).into())
-        }),
+        })
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -199,10 +200,7 @@ pub fn main() -> ExitCode {
 fn is_printed_to_a_person() -> bool {
     let has_terminal =
         io::stdin().is_terminal() || io::stdout().is_terminal() || io::stderr().is_terminal();
-    match cfg!(windows) {
-        true => std::env::var_os(NO_CONSOLE).is_none(),
-        false => has_terminal,
-    }
+    if cfg!(windows) { std::env::var_os(NO_CONSOLE).is_none() } else { has_terminal }
 }
 
 fn run(cli: Cli) -> Result<(), Failure> {

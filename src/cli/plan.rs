@@ -89,9 +89,10 @@ pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
                 args.minutes
             ));
         }
-        match args.json {
-            true => output::json(&Printed::new(&made, &frame, &args.output))?,
-            false => output::results(in_words(&made, &args.output))?,
+        if args.json {
+            output::json(&Printed::new(&made, &frame, &args.output))?
+        } else {
+            output::results(in_words(&made, &args.output))?
         }
     }
     all_or(failed, inputs.len())

@@ -122,10 +122,7 @@ impl Step {
     /// How many pings a second a share of the work makes, with the comma before it.
     fn rate(&self, share: f32, passed: Duration) -> String {
         let rate = self.work.pings as f32 * share / passed.as_secs_f32().max(f32::MIN_POSITIVE);
-        match rate > 0.0 && rate.is_finite() {
-            true => format!(", {rate:.0} pings/s"),
-            false => String::new(),
-        }
+        if rate > 0.0 && rate.is_finite() { format!(", {rate:.0} pings/s") } else { String::new() }
     }
 }
 
@@ -165,23 +162,27 @@ impl Lines {
         let line = format!("{} {:.0} %, {passed_s:.0} s", step.name, 100.0 * fraction);
         let of_part = now.saturating_duration_since(part_began);
         let goes_on = fraction > 0.0 && fraction < 1.0 && !of_part.is_zero();
-        Some(match goes_on {
-            true => format!(
+        Some(if goes_on {
+            format!(
                 "{line}{}, {:.0} s to go",
                 step.rate(fraction, of_part),
                 of_part.as_secs_f32() * (1.0 / fraction - 1.0)
-            ),
-            false => line,
+            )
+        } else {
+            line
         })
     }
 
     /// When the part of the step under way began: its share falls where the next one does.
     fn part_of(&mut self, step: &Step, fraction: f32, now: Instant) -> Instant {
         let began = match self.part {
-            Some((of, began, share)) if of == step.began => match fraction < share {
-                true => now,
-                false => began,
-            },
+            Some((of, began, share)) if of == step.began => {
+                if fraction < share {
+                    now
+                } else {
+                    began
+                }
+            }
             _ => step.began,
         };
         self.part = Some((step.began, began, fraction));
@@ -195,10 +196,7 @@ fn write_over(text: std::fmt::Arguments<'_>) {
     let mut err = std::io::stderr();
     // Consoles of Windows know no command that clears the rest of a line until a program asks them
     // to.
-    let clear = match cfg!(windows) {
-        true => format!("\r{:WIDTH$}\r", ""),
-        false => "\r\x1b[K".to_owned(),
-    };
+    let clear = if cfg!(windows) { format!("\r{:WIDTH$}\r", "") } else { "\r\x1b[K".to_owned() };
     write!(err, "{clear}{text}").and_then(|()| err.flush()).ok();
 }
 

@@ -43,9 +43,10 @@ impl ReviewSettings {
             return Err("review.classes holds names of one line, without spaces around them");
         }
         let is_twice = |(index, name): (usize, &String)| classes[..index].contains(name);
-        match classes.iter().enumerate().any(is_twice) {
-            true => Err("review.classes holds each name once"),
-            false => Ok(()),
+        if classes.iter().enumerate().any(is_twice) {
+            Err("review.classes holds each name once")
+        } else {
+            Ok(())
         }
     }
 
@@ -61,9 +62,8 @@ impl ReviewSettings {
     #[must_use]
     pub fn renamed(&self, from: &str, to: &str) -> Self {
         let is_known = from != to && self.classes.iter().any(|name| name == to);
-        let renamed = |name: &String| match name == from {
-            true => (!is_known).then(|| to.to_owned()),
-            false => Some(name.clone()),
+        let renamed = |name: &String| {
+            if name == from { (!is_known).then(|| to.to_owned()) } else { Some(name.clone()) }
         };
         Self { classes: self.classes.iter().filter_map(renamed).collect() }
     }

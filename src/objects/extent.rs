@@ -65,10 +65,7 @@ impl ObjectExtent {
             return self;
         };
         let [before_m, after_m] = [from, to].map(|mark| mark.far_m - mark.near_m);
-        let by_m = match (after_m - before_m).abs() < 1e-9 {
-            true => to.near_m - from.near_m,
-            false => 0.0,
-        };
+        let by_m = if (after_m - before_m).abs() < 1e-9 { to.near_m - from.near_m } else { 0.0 };
         ObjectExtent::Drawn { border_m: (border_m + by_m).clamp(to.near_m, to.far_m) }
     }
 }

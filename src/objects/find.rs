@@ -63,9 +63,10 @@ pub fn find(
     let sides: Vec<Side> = Side::BOTH.into_iter().filter(|&side| recorded(survey, side)).collect();
     let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
-        let pixels = match raster.is_recorded(survey, sides[side], row, column) {
-            true => raster.tile(survey, sides[side], row, column).pixels,
-            false => vec![0; TILE_PX * TILE_PX],
+        let pixels = if raster.is_recorded(survey, sides[side], row, column) {
+            raster.tile(survey, sides[side], row, column).pixels
+        } else {
+            vec![0; TILE_PX * TILE_PX]
         };
         Picture::grey(TILE_PX, TILE_PX, pixels)
     };
@@ -87,10 +88,11 @@ pub fn find(
         let is_all = rows >= raster.rows() as f32;
         on_found(SoFar {
             boxes: as_detections(found),
-            pings: match is_all {
-                true => survey.side_scan.len(),
+            pings: if is_all {
+                survey.side_scan.len()
+            } else {
                 // A ping counts once its whole width was in a tile.
-                false => raster.ping_of(f64::from(rows)) as usize,
+                raster.ping_of(f64::from(rows)) as usize
             },
             tiles,
         });

@@ -12,17 +12,13 @@ const NUMBERED_DEVICES: [&str; 2] = ["COM", "LPT"];
 /// to another: `2024-05-01T10:00` becomes `2024-05-01T10-00`, `aux` becomes `_aux`. Of nothing but
 /// dots and spaces it is `_`.
 pub fn file_name(name: &str) -> String {
-    let possible = |letter: char| match letter.is_control() || FORBIDDEN.contains(&letter) {
-        true => '-',
-        false => letter,
+    let possible = |letter: char| {
+        if letter.is_control() || FORBIDDEN.contains(&letter) { '-' } else { letter }
     };
     let name: String = name.chars().map(possible).collect();
     // Windows takes them off, and finds another file then.
     let name = name.trim_end_matches(['.', ' ']);
-    match name.is_empty() || is_device(name) {
-        true => format!("_{name}"),
-        false => name.to_owned(),
-    }
+    if name.is_empty() || is_device(name) { format!("_{name}") } else { name.to_owned() }
 }
 
 fn is_device(name: &str) -> bool {

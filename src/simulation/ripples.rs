@@ -56,10 +56,7 @@ impl Mound {
     pub fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
-        match off > FAR {
-            true => 0.0,
-            false => self.height_m * exp(-0.5 * off),
-        }
+        if off > FAR { 0.0 } else { self.height_m * exp(-0.5 * off) }
     }
 }
 

@@ -201,9 +201,10 @@ impl<'a> SimulationRun<'a> {
         let receiver = &self.receivers[usize::from(changed)];
         let [port, starboard] =
             Side::BOTH.map(|side| self.side(ping, pose, side, &trouble, receiver));
-        let [left, right] = match self.scene.mounting.swap_sides {
-            false => [&port.1, &starboard.1],
-            true => [&starboard.1, &port.1],
+        let [left, right] = if !self.scene.mounting.swap_sides {
+            [&port.1, &starboard.1]
+        } else {
+            [&starboard.1, &port.1]
         };
         let mut composite: Vec<u8> = left.iter().rev().copied().collect();
         composite.extend(right);

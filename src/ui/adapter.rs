@@ -70,10 +70,8 @@ mod tests {
 
     #[test]
     fn the_first_that_opens_is_taken_and_the_faults_of_all_are_told() {
-        let opens = |name: &&str| match name.contains("good") {
-            true => Ok(()),
-            false => Err(format!("{name} fails")),
-        };
+        let opens =
+            |name: &&str| if name.contains("good") { Ok(()) } else { Err(format!("{name} fails")) };
         let choose = |names: &[&'static str]| first_that_opens(names.to_vec(), opens);
         assert_eq!(choose(&["bad", "good", "good too"]), Ok("good"));
         assert_eq!(choose(&["bad"]), Ok("bad"), "nothing to choose");

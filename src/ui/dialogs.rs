@@ -192,10 +192,7 @@ impl Field {
             let given = !self.path.trim().is_empty();
             let go = ui.add_enabled(given, egui::Button::new(verb)).clicked();
             let cancel = ui.button("Cancel").clicked();
-            match given && (go || enter) {
-                true => Some(Answer::Go),
-                false => cancel.then_some(Answer::Cancel),
-            }
+            if given && (go || enter) { Some(Answer::Go) } else { cancel.then_some(Answer::Cancel) }
         })
         .inner
     }
@@ -208,9 +205,10 @@ impl Field {
         if !self.focused {
             let end = CCursor::new(self.path.chars().count());
             // Typing replaces what was proposed.
-            let marked = match self.goes_on {
-                true => CCursorRange::one(end),
-                false => CCursorRange::two(CCursor::new(0), end),
+            let marked = if self.goes_on {
+                CCursorRange::one(end)
+            } else {
+                CCursorRange::two(CCursor::new(0), end)
             };
             shown.state.cursor.set_char_range(Some(marked));
             shown.state.store(ui.ctx(), shown.response.id);

@@ -27,8 +27,9 @@ pub(super) fn factor(spot: &FlatSpot) -> Option<String> {
 /// `4 cm`.
 pub(super) fn relief(spot: &FlatSpot, units: Units) -> String {
     let written = units.small_difference(spot.relief_m);
-    match spot.relief_m.is_finite() {
-        true => written.trim_start_matches('+').to_owned(),
-        false => text::NONE.to_owned(),
+    if spot.relief_m.is_finite() {
+        written.trim_start_matches('+').to_owned()
+    } else {
+        text::NONE.to_owned()
     }
 }

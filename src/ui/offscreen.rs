@@ -26,9 +26,10 @@ const STEPS: u64 = 100;
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
 /// What to do where nothing draws.
-pub(crate) const DRIVER: &str = match cfg!(windows) {
-    true => "install the newest driver of the graphics card, with DirectX 12 or Vulkan",
-    false => "install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU)",
+pub(crate) const DRIVER: &str = if cfg!(windows) {
+    "install the newest driver of the graphics card, with DirectX 12 or Vulkan"
+} else {
+    "install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU)"
 };
 
 /// Why there is no picture, in one sentence.

@@ -36,10 +36,7 @@ pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
 
 /// The side that a range with a sign lies on.
 pub(super) fn side_at(across_m: f64) -> Side {
-    match across_m < 0.0 {
-        true => Side::Port,
-        false => Side::Starboard,
-    }
+    if across_m < 0.0 { Side::Port } else { Side::Starboard }
 }
 
 /// Slant range of a mark, metres.
@@ -96,14 +93,13 @@ pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     let recorded = app.log.judged()?.side_scan.get(ping)?;
     let reduction = reduction(app);
     let sounded_m = reduction.altitude_m(f64::from(recorded.good_depth_m()));
-    let (altitude_m, by) = match sounded_m > 0.0 {
-        true => (sounded_m, DepthBy::Sounding),
-        false => {
-            let altitudes_m = Side::BOTH.map(|side| first_return_altitude_m(app, side, ping));
-            let known: Vec<f64> = altitudes_m.into_iter().flatten().collect();
-            let mean_m = known.iter().sum::<f64>() / known.len() as f64;
-            (mean_m, DepthBy::FirstReturn)
-        }
+    let (altitude_m, by) = if sounded_m > 0.0 {
+        (sounded_m, DepthBy::Sounding)
+    } else {
+        let altitudes_m = Side::BOTH.map(|side| first_return_altitude_m(app, side, ping));
+        let known: Vec<f64> = altitudes_m.into_iter().flatten().collect();
+        let mean_m = known.iter().sum::<f64>() / known.len() as f64;
+        (mean_m, DepthBy::FirstReturn)
     };
     let depth_m = reduction.depth_below_m(recorded.time_s, altitude_m);
     depth_m.is_finite().then_some(BottomBelow { altitude_m, depth_m, by })
@@ -145,9 +141,10 @@ pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
         HeadingSource::Steps | HeadingSource::TrackFit | HeadingSource::Cog => "COG",
         HeadingSource::Compass => "compass",
     };
-    match here.heading_rad.is_finite() {
-        true => format!("{label} {}", whole_degrees(here.heading_rad)),
-        false => format!("{label} {}", text::NONE),
+    if here.heading_rad.is_finite() {
+        format!("{label} {}", whole_degrees(here.heading_rad))
+    } else {
+        format!("{label} {}", text::NONE)
     }
 }
 
@@ -174,9 +171,10 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
         HeadingSource::Compass if offset_deg != 0.0 => format!("{source} {offset_deg:+.1}°"),
         _ => source.to_owned(),
     };
-    match here.heading_rad.is_finite() {
-        true => format!("{} ({source})", whole_degrees(here.heading_rad)),
-        false => format!("none ({source})"),
+    if here.heading_rad.is_finite() {
+        format!("{} ({source})", whole_degrees(here.heading_rad))
+    } else {
+        format!("none ({source})")
     }
 }
 
@@ -226,9 +224,7 @@ pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);
     let recorded_m = f64::from(app.log.judged()?.side_scan.get(mark.ping)?.good_depth_m());
     let sounded_m = reduction(app).altitude_m(recorded_m);
-    let altitude_m = match sounded_m > 0.0 {
-        true => sounded_m,
-        false => first_return_altitude_m(app, side, mark.ping)?,
-    };
+    let altitude_m =
+        if sounded_m > 0.0 { sounded_m } else { first_return_altitude_m(app, side, mark.ping)? };
     Some(across.ground_m(altitude_m, slant_m))
 }

@@ -69,10 +69,7 @@ impl PaintedArea {
         let y = |x: f32| a.y + slope * (x.clamp(first, last) - first);
         for column in first.max(0.0) as usize..=(last as usize).min(spans.len().wrapping_sub(1)) {
             let x = column as f32;
-            let ends = match last - first > 1e-6 {
-                true => [y(x), y(x + 1.0)],
-                false => [a.y, b.y],
-            };
+            let ends = if last - first > 1e-6 { [y(x), y(x + 1.0)] } else { [a.y, b.y] };
             let [top, bottom] = spans[column].unwrap_or([ends[0]; 2]);
             let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
             spans[column] = Some([top.min(low), bottom.max(high)]);

@@ -27,15 +27,12 @@ pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
     let slot = egui::Rect::from_center_size(centre, SLOT);
     let knob = |x: f32| pos2(x, centre.y);
     let (reach, painter) = (0.5 * SLOT.y, ui.painter());
-    match is_on {
-        true => {
-            painter.rect_filled(slot, reach, ui.visuals().selection.bg_fill);
-            painter.circle_filled(knob(slot.right() - reach), reach - 1.0, ink);
-        }
-        false => {
-            let (at, stroke) = (knob(slot.left() + reach), Stroke::new(1.2, ink));
-            painter.circle_stroke(at, reach - 2.5, stroke);
-        }
+    if is_on {
+        painter.rect_filled(slot, reach, ui.visuals().selection.bg_fill);
+        painter.circle_filled(knob(slot.right() - reach), reach - 1.0, ink);
+    } else {
+        let (at, stroke) = (knob(slot.left() + reach), Stroke::new(1.2, ink));
+        painter.circle_stroke(at, reach - 2.5, stroke);
     }
     painter.rect_stroke(slot, reach, Stroke::new(1.0, ink), StrokeKind::Inside);
     button

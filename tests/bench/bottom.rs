@@ -71,10 +71,7 @@ fn upload(state: &RenderState, side: usize) -> BottomBuffers {
                 place,
                 [0.0, 0.0, 1.0],
                 [90, 140, 170],
-                match row < side && column < side {
-                    true => BottomPart::Lit,
-                    false => BottomPart::None,
-                },
+                if row < side && column < side { BottomPart::Lit } else { BottomPart::None },
             )
         });
         vertices.collect()

@@ -60,10 +60,7 @@ pub(super) fn run() {
     let data = data.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
     for name in ["humminbird-glen-canyon/Rec00001.DAT", "xtf/000_1236.xtf"] {
         let path = data.join(name);
-        match path.exists() {
-            true => left_out(&path),
-            false => println!("{name}: not here, left out"),
-        }
+        if path.exists() { left_out(&path) } else { println!("{name}: not here, left out") }
     }
     let seeds = std::env::var("BATHYSCOPE_SEEDS").ok();
     let seeds = seeds.and_then(|text| text.parse().ok()).unwrap_or(SEEDS);

@@ -137,10 +137,11 @@ fn frames(state: &RenderState, shell: &mut Shell) -> Vec<Duration> {
         let taken = started.elapsed();
         std::hint::black_box(shapes);
         state.device.poll(wgpu::PollType::wait_indefinitely()).ok();
-        match settled {
-            true => times.push(taken),
+        if settled {
+            times.push(taken)
+        } else {
             // What is drawn first is made behind the window.
-            false => std::thread::sleep(LOOK),
+            std::thread::sleep(LOOK)
         }
         frame += 1;
     }

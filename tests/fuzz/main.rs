@@ -172,10 +172,11 @@ fn run_sweep(arguments: impl Iterator<Item = String>) -> ExitCode {
         each = number.filter(|each| *each > 0).unwrap_or(1);
     }
     let paths: Vec<PathBuf> = arguments.map(PathBuf::from).collect();
-    match sweep::sweep(&paths, each) {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
-    }
+    if sweep::sweep(&paths, each) {
+ExitCode::SUCCESS
+} else {
+ExitCode::FAILURE
+}
 }
 
 fn run_fuzzer(target: &'static Target, options: impl Iterator<Item = String>) -> ExitCode {

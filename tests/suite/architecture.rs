@@ -102,10 +102,7 @@ fn modules_name_only_modules_before_them() {
             .chain(["cli"])
             .collect();
         let path = folder_of(own).join(module.replace("::", "/"));
-        let files = match path.is_dir() {
-            true => rust_files(&path),
-            false => vec![path.with_extension("rs")],
-        };
+        let files = if path.is_dir() { rust_files(&path) } else { vec![path.with_extension("rs")] };
         for path in files {
             // What a module says of itself names no other.
             let code = code(&path).replace(&format!("crate::{module}::"), "");

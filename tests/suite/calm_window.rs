@@ -22,10 +22,8 @@ pub(crate) fn window_of(pixels: [f32; 2], pixels_per_point: f32, draws: bool) ->
         .with_options(snapshot_options())
         .with_render_cursor(false);
     let shell = |_: &mut eframe::CreationContext<'_>| Shell::new(App::new(Jobs::Inline));
-    let mut window = match draws {
-        true => builder.wgpu().build_eframe(shell),
-        false => builder.build_eframe(shell),
-    };
+    let mut window =
+        if draws { builder.wgpu().build_eframe(shell) } else { builder.build_eframe(shell) };
     window.run();
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();

@@ -118,10 +118,7 @@ fn window_with_boxes(folder: &Path, count: usize) -> Window {
 fn type_key(window: &mut Window, held: Modifiers, key: Key) {
     let name = key.symbol_or_name();
     if name.len() == 1 {
-        let text = match held.shift {
-            true => name.to_owned(),
-            false => name.to_lowercase(),
-        };
+        let text = if held.shift { name.to_owned() } else { name.to_lowercase() };
         window.event(Event::Text(text));
     }
     press(window, held, key);

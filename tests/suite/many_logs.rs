@@ -336,9 +336,10 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
 pub(super) fn true_box(survey: &Survey, seen: &bathyscope_simulation::ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
-    let far_m = match seen.shadow_m[1].is_nan() {
-        true => f64::from(span.far_m),
-        false => seen.shadow_m[1].max(seen.far_m),
+    let far_m = if seen.shadow_m[1].is_nan() {
+        f64::from(span.far_m)
+    } else {
+        seen.shadow_m[1].max(seen.far_m)
     };
     (pings.len() >= 4).then_some(Mark { side: seen.side, pings, near_m: seen.near_m, far_m })
 }

@@ -116,9 +116,10 @@ fn of_geopackage(path: &Path) -> Objects {
 /// The columns of waypoints or placemarks.
 fn of_places(path: &Path) -> Objects {
     let text = std::fs::read_to_string(path).expect("a file");
-    let (place, column) = match path.extension().is_some_and(|ending| ending == "gpx") {
-        true => ("<wpt", "<bathyscope:"),
-        false => ("<Placemark", "<Data name=\""),
+    let (place, column) = if path.extension().is_some_and(|ending| ending == "gpx") {
+        ("<wpt", "<bathyscope:")
+    } else {
+        ("<Placemark", "<Data name=\"")
     };
     by_number(text.split(place).skip(1).map(|part| {
         let columns = part.split(column).skip(1).map(|element| {
@@ -135,10 +136,8 @@ fn of_places(path: &Path) -> Objects {
 /// The names of the waypoints or placemarks.
 fn names(path: &Path) -> BTreeSet<String> {
     let text = std::fs::read_to_string(path).expect("a file");
-    let tag = match path.extension().is_some_and(|ending| ending == "gpx") {
-        true => "<wpt",
-        false => "<Placemark",
-    };
+    let tag =
+        if path.extension().is_some_and(|ending| ending == "gpx") { "<wpt" } else { "<Placemark" };
     let parts = text.split(tag).skip(1).map(|part| {
         let after = part.split("<name>").nth(1).expect("a name");
         after.split("</name>").next().expect("a name").to_owned()

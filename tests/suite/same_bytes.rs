@@ -35,12 +35,11 @@ fn names(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        match entry.path().is_dir() {
-            true => {
-                let inner = self::names(&entry.path());
-                names.extend(inner.iter().map(|one| format!("{name}/{one}")));
-            }
-            false => names.push(name),
+        if entry.path().is_dir() {
+            let inner = self::names(&entry.path());
+            names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+        } else {
+            names.push(name)
         }
     }
     names.sort();

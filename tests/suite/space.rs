@@ -99,10 +99,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
         .map(|(source, ping, across_m, up_m)| (point(source, ping, across_m, up_m), up_m == 0.0));
     let mut flagged: Vec<(CloudPoint, bool)> = points.collect();
     flagged.sort_by_key(|(point, _)| (point.source, point.ping));
-    let class = |is_bottom: bool| match is_bottom {
-        true => PointClass::Bottom,
-        false => PointClass::LowNoise,
-    };
+    let class = |is_bottom: bool| if is_bottom { PointClass::Bottom } else { PointClass::LowNoise };
     let classes = flagged.iter().map(|(_, is_bottom)| class(*is_bottom)).collect();
     let cloud = PointCloud {
         points: flagged.into_iter().map(|(point, _)| point).collect(),
@@ -209,9 +206,10 @@ impl Room {
             target: View::Cloud,
             commands: &mut commands,
         };
-        match self.shows_cloud {
-            true => self.cloud.ui(ui, &mut context),
-            false => self.map.ui(ui, &mut context),
+        if self.shows_cloud {
+            self.cloud.ui(ui, &mut context)
+        } else {
+            self.map.ui(ui, &mut context)
         }
         for command in &commands {
             self.app.apply(command.clone());

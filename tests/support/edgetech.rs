@@ -85,9 +85,10 @@ pub fn jsf(options: &JsfOptions) -> Vec<u8> {
         file.extend(message(2002, 100, 0, &nmea));
         for &subsystem in &options.subsystems {
             for channel in 0..2 {
-                let body = match options.old {
-                    true => old_trace(options, ping),
-                    false => trace(options, ping, subsystem),
+                let body = if options.old {
+                    old_trace(options, ping)
+                } else {
+                    trace(options, ping, subsystem)
                 };
                 let body = [body, samples(options, ping, channel)].concat();
                 let kind = if options.old { 82 } else { 80 };

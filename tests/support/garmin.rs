@@ -176,10 +176,7 @@ impl Ping {
 
     fn depth(&self, millimetres: i32) -> Vec<u8> {
         let signed = (millimetres << 1 ^ millimetres >> 31).cast_unsigned();
-        varuint(match self.unsigned {
-            true => millimetres.cast_unsigned(),
-            false => signed,
-        })
+        varuint(if self.unsigned { millimetres.cast_unsigned() } else { signed })
     }
 
     fn fields(&self) -> Vec<(u32, Vec<u8>)> {

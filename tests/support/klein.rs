@@ -91,9 +91,12 @@ fn page(options: &SdfOptions, page: usize, version: u32) -> Vec<u8> {
     };
     for (has_samples, side) in bands.iter().flat_map(|has| [(*has, 0), (*has, 1)]) {
         let count = if has_samples { options.samples } else { 0 };
-        let wide = |value: u32| match is_vehicle {
-            true => value.to_le_bytes().to_vec(),
-            false => (value as u16).to_le_bytes().to_vec(),
+        let wide = |value: u32| {
+            if is_vehicle {
+                value.to_le_bytes().to_vec()
+            } else {
+                (value as u16).to_le_bytes().to_vec()
+            }
         };
         data.extend(wide(count as u32));
         data.extend((0..count).flat_map(|sample| wide(stored(options, page, side, sample))));

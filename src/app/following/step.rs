@@ -174,10 +174,8 @@ pub(super) fn whole(
     ground: &FollowedLog,
     progress: &Progress,
 ) -> Result<FollowedLog, StepError> {
-    let survey = match is_finished {
-        true => open_at_hand(files, progress)?,
-        false => open_growing(files, progress)?,
-    };
+    let survey =
+        if is_finished { open_at_hand(files, progress)? } else { open_growing(files, progress)? };
     let read = Arc::new(survey);
     let survey = as_it_is_set(&read, &ground.own.compose(&ground.shared)?, frame)?;
     let own = ground.own.carried_to(&survey);

@@ -50,14 +50,15 @@ impl App {
         };
         let is_cut = matches!(active.ends, Some(End::Failed));
         active.whole = Some(Task::start(&self.jobs, move |progress| {
-            let files = match is_finished && !is_cut {
+            let files = if is_finished && !is_cut {
                 // A recorder may have written its header once more when it was switched off.
-                true => match GrowingLog::again(&files, progress) {
+                match GrowingLog::again(&files, progress) {
                     Ok(growing) => growing.bytes()?,
                     Err(GrowingError::Cancelled(cancelled)) => return Err(cancelled.into()),
                     Err(_) => files,
-                },
-                false => files,
+                }
+            } else {
+                files
             };
             step::whole(files, is_finished, frame.as_ref(), &ground, progress)
         }));

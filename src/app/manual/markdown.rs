@@ -119,10 +119,7 @@ fn cells(line: &str) -> Vec<Vec<Span>> {
 fn spans(text: &str) -> Vec<Span> {
     let span = |(index, piece): (usize, &str)| {
         let is_code = index % 2 == 1;
-        let text = match is_code {
-            true => piece.to_owned(),
-            false => piece.replace("**", ""),
-        };
+        let text = if is_code { piece.to_owned() } else { piece.replace("**", "") };
         Span { text, is_code }
     };
     let spans = text.split('`').enumerate().map(span);

@@ -134,11 +134,10 @@ impl App {
         match read {
             Ok(review) => {
                 let boxes = review.boxes().len();
-                let text = match unasked {
-                    true => {
-                        format!("Found {boxes} boxes in the log's sidecar file: {}", path.display())
-                    }
-                    false => format!("Opened {boxes} boxes: {}", path.display()),
+                let text = if unasked {
+                    format!("Found {boxes} boxes in the log's sidecar file: {}", path.display())
+                } else {
+                    format!("Opened {boxes} boxes: {}", path.display())
                 };
                 // The sides may have been exchanged while it was read.
                 let swapped = (log.survey.as_ref()).is_some_and(|one| one.swapped_sides);

@@ -20,9 +20,10 @@ impl App {
     /// the waterfall, where that is wished for.
     pub(in crate::app) fn come_to(&mut self, id: LogBox) {
         self.select_log_box(id);
-        self.enlarge(match self.view.options.waterfall.zooms_to_boxes {
-            true => Enlarged::OneToOne,
-            false => Enlarged::AsItIs,
+        self.enlarge(if self.view.options.waterfall.zooms_to_boxes {
+            Enlarged::OneToOne
+        } else {
+            Enlarged::AsItIs
         });
     }
 

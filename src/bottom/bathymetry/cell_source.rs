@@ -53,9 +53,10 @@ pub(super) fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSour
     for point in points.iter().filter(|point| point.weight > 0.0) {
         let index = grid.index_at(point.east_m, point.north_m);
         if let Some(cell) = index.and_then(|index| cells.get_mut(index)) {
-            *cell = (*cell).max(match point.is_sounding {
-                true => CellSource::Sounding,
-                false => CellSource::FirstReturn,
+            *cell = (*cell).max(if point.is_sounding {
+                CellSource::Sounding
+            } else {
+                CellSource::FirstReturn
             });
         }
     }

@@ -136,10 +136,7 @@ impl ChangeTotals {
         let mut is_inside = vec![false; field.rise_m.len()];
         for region in regions {
             let between_m3 = field.cell_area_m2 * region.between_m.iter().sum::<f64>();
-            let one_way = match region.is_fill {
-                true => &mut self.fill,
-                false => &mut self.cut,
-            };
+            let one_way = if region.is_fill { &mut self.fill } else { &mut self.cut };
             for sum in [one_way, &mut self.net] {
                 let cells = region.cells.iter().filter_map(|cell| field.cell(*cell));
                 cells.for_each(|cell| sum.add(&cell));

@@ -104,9 +104,10 @@ fn stretches_of(depths: &[TrackDepth]) -> Vec<Range<usize>> {
     let is_step = |pair: &[TrackDepth]| {
         let depths_m = [pair[0].depth_m as f32, pair[1].depth_m as f32];
         let way_m = way_m(&pair[0], &pair[1]);
-        match gaps.is_gap(&pair[0], &pair[1]) {
-            true => way_m > HELD_GAPS * gaps.longest_m || differ_as_no_bed(depths_m),
-            false => is_step_of_no_bed(depths_m, way_m),
+        if gaps.is_gap(&pair[0], &pair[1]) {
+            way_m > HELD_GAPS * gaps.longest_m || differ_as_no_bed(depths_m)
+        } else {
+            is_step_of_no_bed(depths_m, way_m)
         }
     };
     let steps = depths.windows(2).enumerate().filter(|(_, pair)| is_step(pair));
@@ -190,10 +191,8 @@ fn approaches(
             if is_same_track || apart_m > REACH_M {
                 continue;
             }
-            let [first, second] = match mean.stretch < other.stretch {
-                true => [mean, other],
-                false => [other, mean],
-            };
+            let [first, second] =
+                if mean.stretch < other.stretch { [mean, other] } else { [other, mean] };
             let pair = [first.stretch, second.stretch];
             if nearest.get(&pair).is_none_or(|found| apart_m < found.apart_m) {
                 let depths_m = [first.depth_m, second.depth_m];

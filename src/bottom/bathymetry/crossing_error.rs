@@ -78,10 +78,7 @@ fn noise_m(track: &[TrackDepth]) -> f64 {
         (three[1].depth_m - 0.5 * (three[0].depth_m + three[2].depth_m)).abs()
     };
     let mut off_m: Vec<f64> = track.windows(3).map(off).collect();
-    match off_m.is_empty() {
-        true => 0.0,
-        false => SIGMA_PER_MAD * median(&mut off_m) / 1.5f64.sqrt(),
-    }
+    if off_m.is_empty() { 0.0 } else { SIGMA_PER_MAD * median(&mut off_m) / 1.5f64.sqrt() }
 }
 
 #[cfg(test)]

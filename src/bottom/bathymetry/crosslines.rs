@@ -142,10 +142,7 @@ pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     let (from, to) = (behind.unwrap_or(here), ahead.unwrap_or(here));
     let span_s = to.time_s - from.time_s;
     let way = [to.east_m - from.east_m, to.north_m - from.north_m];
-    match span_s > 0.0 {
-        true => way.map(|metres| metres / span_s),
-        false => [0.0; 2],
-    }
+    if span_s > 0.0 { way.map(|metres| metres / span_s) } else { [0.0; 2] }
 }
 
 /// Longest way and time from one depth of a track to the next that is no gap in it.
@@ -473,10 +470,7 @@ mod tests {
             (0..200)
                 .map(|index| {
                     let along_m = 0.1 * f64::from(index) - 10.0;
-                    let place = match east {
-                        true => [along_m, 0.03],
-                        false => [0.02, along_m],
-                    };
+                    let place = if east { [along_m, 0.03] } else { [0.02, along_m] };
                     let depth_m = bed_m(place[0], place[1]) + offset_m;
                     TrackDepth::new(f64::from(index), place, depth_m)
                 })

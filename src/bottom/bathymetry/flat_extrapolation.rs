@@ -117,10 +117,9 @@ fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
         between(rows.cells.map(in_row), rows.share) as f32
     };
     let cells = depth_m.par_iter().enumerate();
-    let cells = cells.map(|(cell, depth_m)| match depth_m.is_nan() {
-        true => around(grid.centre_of(cell)),
-        false => *depth_m,
-    });
+    let cells = cells.map(
+        |(cell, depth_m)| if depth_m.is_nan() { around(grid.centre_of(cell)) } else { *depth_m },
+    );
     cells.collect()
 }
 

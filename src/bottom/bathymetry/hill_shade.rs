@@ -35,9 +35,10 @@ impl Light {
             .map(|[east, north]| east.hypot(north))
             .collect();
         let last = slopes.len().saturating_sub(1);
-        let steep = match slopes.is_empty() {
-            true => STEEP,
-            false => *slopes.select_nth_unstable_by(last * 9 / 10, f64::total_cmp).1,
+        let steep = if slopes.is_empty() {
+            STEEP
+        } else {
+            *slopes.select_nth_unstable_by(last * 9 / 10, f64::total_cmp).1
         };
         let suits = |factor: &f64| factor * steep <= STEEP;
         Self {

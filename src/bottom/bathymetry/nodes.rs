@@ -38,10 +38,7 @@ pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     let known = nodes.iter().map(|node| node.spread_m);
     let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
-    let typical_m = match known.is_empty() {
-        true => 0.0,
-        false => median(&mut known),
-    };
+    let typical_m = if known.is_empty() { 0.0 } else { median(&mut known) };
     fill_spreads(&mut nodes, typical_m);
     nodes
 }

@@ -272,9 +272,8 @@ impl<'a> Adjustment<'a> {
         let placed = &self.logs[log];
         let of = |unknown: usize| UNKNOWNS * log + unknown;
         let is_open = placed.pinned_m.is_none();
-        let asked = |is_wanted: bool, unknown: usize| match is_wanted && is_open {
-            true => values[of(unknown)],
-            false => 0.0,
+        let asked = |is_wanted: bool, unknown: usize| {
+            if is_wanted && is_open { values[of(unknown)] } else { 0.0 }
         };
         let error = |is_wanted: bool, value: f64| match (is_wanted, is_open) {
             (false, _) => f64::NAN,

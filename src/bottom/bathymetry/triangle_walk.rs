@@ -43,9 +43,10 @@ where
             }
         }
         let Some(edge) = beyond else {
-            return match is_near_edge {
-                true => WalkEnd::NearEdge(face.fix()),
-                false => WalkEnd::Inside(face.fix()),
+            return if is_near_edge {
+                WalkEnd::NearEdge(face.fix())
+            } else {
+                WalkEnd::Inside(face.fix())
             };
         };
         let Some(next) = edge.face().as_inner() else {

@@ -97,10 +97,7 @@ fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, p
         pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
     });
     let farther_m = port_m.max(starboard_m);
-    match (port_m - starboard_m).abs() <= SIDES_AGREE * farther_m {
-        true => farther_m,
-        false => f64::NAN,
-    }
+    if (port_m - starboard_m).abs() <= SIDES_AGREE * farther_m { farther_m } else { f64::NAN }
 }
 
 /// Pings over which the bottom rises or falls evenly.

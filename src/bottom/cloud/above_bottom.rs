@@ -78,10 +78,8 @@ impl AboveDepth {
         let mut usual_m = Vec::with_capacity(self.heights_m.len());
         while let Some(&at_m) = self.way_m.get(usual_m.len()) {
             let around = self.around(at_m, FOLLOWED_M);
-            let sigma_m = match self.sums.are_mostly_alike(&around) {
-                true => 0.0,
-                false => self.scatter_m(around),
-            };
+            let sigma_m =
+                if self.sums.are_mostly_alike(&around) { 0.0 } else { self.scatter_m(around) };
             let shared = self.way_m.partition_point(|way| *way < at_m + SHARED_M);
             usual_m.resize(shared.clamp(usual_m.len() + 1, pings), SIGMAS * sigma_m);
         }

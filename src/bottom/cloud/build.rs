@@ -107,10 +107,7 @@ fn ranges_m(
     let picks = returns.side(side).par_iter().enumerate();
     picks
         .map(|(ping, pick)| reduction.range_at_m(survey, ping, side, pick.sample))
-        .map(|range_m| match range_m <= FARTHEST_M {
-            true => range_m,
-            false => f64::NAN,
-        })
+        .map(|range_m| if range_m <= FARTHEST_M { range_m } else { f64::NAN })
         .collect()
 }
 
@@ -123,11 +120,8 @@ fn angles_rad(
     reduction: Reduction<'_>,
     overlap_rad: f64,
 ) -> Vec<[f64; 2]> {
-    let bottom_m = |(range_m, traits): (&f64, &PickTrait)| match traits.is_clutter
-        || traits.confidence == 0.0
-    {
-        true => f64::NAN,
-        false => *range_m,
+    let bottom_m = |(range_m, traits): (&f64, &PickTrait)| {
+        if traits.is_clutter || traits.confidence == 0.0 { f64::NAN } else { *range_m }
     };
     let port = port.iter().zip(traits.side(Side::Port)).map(bottom_m);
     let starboard = starboard.iter().zip(traits.side(Side::Starboard)).map(bottom_m);

@@ -61,10 +61,7 @@ mod tests {
         let ping = |ping: usize| SidePing::with_depth(0.1 * ping as f64, 3.0);
         let survey =
             Survey { soundings: Arc::new(soundings), ..Survey::of_pings((0..120).map(ping)) };
-        let port = (0..120).map(|ping| match stretch.contains(&(ping / 2)) {
-            true => port_m,
-            false => 3.0,
-        });
+        let port = (0..120).map(|ping| if stretch.contains(&(ping / 2)) { port_m } else { 3.0 });
         let ranges_m = [port.collect(), vec![3.0; 120]];
         let all = confirmed(&survey, &ranges_m, |depth_m| depth_m);
         (0..60).filter(|index| all[*index]).collect()

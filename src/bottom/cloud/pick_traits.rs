@@ -47,19 +47,18 @@ impl PickTraits {
                 above_bottom,
                 is_clutter,
                 // Without a depth to believe it is not known how high it is.
-                above_bottom_m: match above_bottom && !is_clutter && high_m.is_finite() {
-                    true => lengths_m[side as usize][ping],
-                    false => 0.0,
+                above_bottom_m: if above_bottom && !is_clutter && high_m.is_finite() {
+                    lengths_m[side as usize][ping]
+                } else {
+                    0.0
                 },
                 // What does not stand out is ground.
-                confidence: match above_bottom {
-                    true => pick.confidence,
-                    false => ground_confidence(pick.confidence, pick.above_bottom),
+                confidence: if above_bottom {
+                    pick.confidence
+                } else {
+                    ground_confidence(pick.confidence, pick.above_bottom)
                 },
-                level: match pick.is_some() {
-                    true => echo_level(survey, ping, side, pick.sample),
-                    false => 0,
-                },
+                level: if pick.is_some() { echo_level(survey, ping, side, pick.sample) } else { 0 },
             }
         };
         let of_side = |side: Side| {

@@ -50,9 +50,10 @@ pub fn ping_depths(
     let recorded = survey.side_scan.iter().map(|ping| {
         let recorded_m = ping.good_depth_m();
         let depth_m = correction.depth_m(ping.time_s, f64::from(recorded_m)) as f32;
-        match recorded_m > 0.0 {
-            true => PingDepth { depth_m, source: DepthSource::Sounding, by_slope: false },
-            false => PingDepth::NONE,
+        if recorded_m > 0.0 {
+            PingDepth { depth_m, source: DepthSource::Sounding, by_slope: false }
+        } else {
+            PingDepth::NONE
         }
     });
     let mut depths: Vec<PingDepth> = recorded.collect();

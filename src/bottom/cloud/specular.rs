@@ -131,26 +131,29 @@ fn known_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
         if certain_m <= 0.0 {
             return [0.0; 2];
         }
-        let farther_m = |pair: &Pair| match (pair.starboard_m - pair.port_m).is_nan() {
-            true => f64::NAN,
-            false => pair.starboard_m.max(pair.port_m),
+        let farther_m = |pair: &Pair| {
+            if (pair.starboard_m - pair.port_m).is_nan() {
+                f64::NAN
+            } else {
+                pair.starboard_m.max(pair.port_m)
+            }
         };
         let deeper_m = around.middle(farther_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
         let of_depth = around.middle(|pair| farther_m(pair) / pair.altitude_m);
         let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();
         let slope_rad = (over_rad + overlap_rad).min(steepest);
         let past_rad = past_nadir_rad(of_depth, slope_rad, overlap_rad);
-        return match difference_m > 0.0 {
-            true => [slope_rad, -past_rad],
-            false => [-past_rad, slope_rad],
-        };
+        return if difference_m > 0.0 { [slope_rad, -past_rad] } else { [-past_rad, slope_rad] };
     }
     let ranges_m = [|pair: &Pair| pair.port_m, |pair: &Pair| pair.starboard_m];
     ranges_m.map(|range_m| {
         let nearer = around.middle(|pair| 1.0 - range_m(pair) / pair.altitude_m);
-        nearer.map_or(f64::NAN, |(nearer, certain)| match nearer > 0.0 {
-            true => (1.0 - (certain - CALIBRATED).max(0.0)).max(steepest.cos()).acos(),
-            false => 0.0,
+        nearer.map_or(f64::NAN, |(nearer, certain)| {
+            if nearer > 0.0 {
+                (1.0 - (certain - CALIBRATED).max(0.0)).max(steepest.cos()).acos()
+            } else {
+                0.0
+            }
         })
     })
 }

@@ -66,10 +66,7 @@ const ABOVE_BOTTOM: [(f32, f32); 3] = [(0.24, 1.0), (0.28, 0.25), (0.34, ABOVE_B
 /// The confidence if what lies above the recorded depth is ground; that of any other return is its
 /// own.
 pub(crate) fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
-    match above_bottom {
-        true => (confidence / ABOVE_BOTTOM_SHARE).min(1.0),
-        false => confidence,
-    }
+    if above_bottom { (confidence / ABOVE_BOTTOM_SHARE).min(1.0) } else { confidence }
 }
 
 /// The picks around a stretch of the log, of both sides.
@@ -104,10 +101,7 @@ impl Gathering<'_> {
                     range_m,
                     signs: self.found[this][ping].signs,
                     own,
-                    other: match is_alone {
-                        true => own,
-                        false => support(other, ping, range_m, |_| as_far),
-                    },
+                    other: if is_alone { own } else { support(other, ping, range_m, |_| as_far) },
                     depth_m: self.depths_m[ping],
                     beyond_dead_zone_m: range_m - self.dead_zone_m as f32,
                 }

@@ -213,9 +213,10 @@ impl Witnesses {
     fn below_m(&self, sounding: usize) -> f64 {
         let [port_m, starboard_m] = [0, 1].map(|side| self.sides_m[side][sounding]);
         let deeper_m = port_m.max(starboard_m);
-        match (port_m - starboard_m).abs() <= SIDES_AGREE * deeper_m {
-            true => deeper_m,
-            false => port_m.min(starboard_m),
+        if (port_m - starboard_m).abs() <= SIDES_AGREE * deeper_m {
+            deeper_m
+        } else {
+            port_m.min(starboard_m)
         }
     }
 
@@ -257,9 +258,8 @@ fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoun
     let mut found = second_echoes_by(soundings, below_m);
     let alone_m = |side: Side| {
         let [own_m, other_m] = [side, side.other()].map(|side| &witnesses.sides_m[side as usize]);
-        let range_m = |sounding: usize| match other_m[sounding] < own_m[sounding] {
-            true => own_m[sounding],
-            false => f64::NAN,
+        let range_m = |sounding: usize| {
+            if other_m[sounding] < own_m[sounding] { own_m[sounding] } else { f64::NAN }
         };
         all.clone().map(range_m).collect()
     };
@@ -476,9 +476,8 @@ mod tests {
     fn a_held_depth_is_found_and_coarse_steps_on_a_level_bed_are_none() {
         let ranges_m = seen((0..400).map(bed_m));
         let held = 200..280;
-        let depth_m = |index: usize| match held.contains(&index) {
-            true => bed_m(held.start),
-            false => bed_m(index) + noise_m(index),
+        let depth_m = |index: usize| {
+            if held.contains(&index) { bed_m(held.start) } else { bed_m(index) + noise_m(index) }
         };
         let found = find(&soundings((0..400).map(depth_m)), &ranges_m);
         assert_eq!(found.len(), 1, "{found:?}");

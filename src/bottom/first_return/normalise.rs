@@ -102,9 +102,12 @@ impl Normalisation {
         let masked = self.normalised(0);
         match self.samples {
             SampleMode::Bytes => (0..samples.len())
-                .map(|index| match index < dead {
-                    true => masked,
-                    false => self.normalised(i32::from(samples.get(index))),
+                .map(|index| {
+                    if index < dead {
+                        masked
+                    } else {
+                        self.normalised(i32::from(samples.get(index)))
+                    }
                 })
                 .collect(),
             SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(int32_image::WORD))

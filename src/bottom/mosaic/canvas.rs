@@ -94,9 +94,10 @@ impl Canvas {
                 (window.north_m - corner[1]) / window.cell_m - 0.5,
             ]);
         }
-        let (counts, steps) = match is_along_rows {
-            true => ([window.columns, window.rows], [1, self.stride]),
-            false => ([window.rows, window.columns], [self.stride, 1]),
+        let (counts, steps) = if is_along_rows {
+            ([window.columns, window.rows], [1, self.stride])
+        } else {
+            ([window.rows, window.columns], [self.stride, 1])
         };
         let between = GroundBetween::new(strip);
         let [from_m, to_m] = [strip[0].altitude_m, strip[1].altitude_m];

@@ -68,10 +68,7 @@ impl MosaicRay {
     /// Farthest distance on the ground, metres; the slant range itself with the water column.
     pub fn reach_m(&self, water_column: bool) -> f64 {
         let far_m = self.range_m(self.count as f64);
-        match water_column {
-            true => far_m.max(0.0),
-            false => self.across.ground_m(self.under_m, far_m),
-        }
+        if water_column { far_m.max(0.0) } else { self.across.ground_m(self.under_m, far_m) }
     }
 
     /// The place on the ray, counted in samples, of the ground at a distance; the slant range
@@ -101,10 +98,7 @@ impl MosaicRay {
     /// broad and the water above it dark.
     #[inline(always)]
     fn least_m(&self) -> f64 {
-        match self.under_m > self.altitude_m {
-            true => self.altitude_m + RISE_M,
-            false => 0.0,
-        }
+        if self.under_m > self.altitude_m { self.altitude_m + RISE_M } else { 0.0 }
     }
 
     /// The place at a distance on the ground.

@@ -174,9 +174,10 @@ impl MosaicLine {
             self.levels.iter_mut().zip(edges).zip(sums_at)
         {
             let middle = 0.5 * (from + to);
-            *level = match to - from >= 1.0 && middle >= 0.0 && middle <= last {
-                true => (sum_to - sum_from) / (to.min(last) - from.max(0.0)) as f32,
-                false => mean(sums, from, to),
+            *level = if to - from >= 1.0 && middle >= 0.0 && middle <= last {
+                (sum_to - sum_from) / (to.min(last) - from.max(0.0)) as f32
+            } else {
+                mean(sums, from, to)
             };
         }
     }

@@ -41,9 +41,10 @@ impl CellSum {
     /// 0 where nothing was seen, else 1 to 255.
     #[inline(always)]
     pub(super) fn level(&self) -> u8 {
-        match self.weight > 0.0 {
-            true => (self.weighted / self.weight).round().clamp(1.0, 255.0) as u8,
-            false => 0,
+        if self.weight > 0.0 {
+            (self.weighted / self.weight).round().clamp(1.0, 255.0) as u8
+        } else {
+            0
         }
     }
 
@@ -64,10 +65,7 @@ impl Overlap {
     #[inline(always)]
     pub(super) fn weight(self, way: f64) -> f32 {
         let way = way.clamp(0.0, 1.0);
-        match self.is_weighted() {
-            true => (4.0 * way * (1.0 - way)).max(EDGE_WEIGHT) as f32,
-            false => 1.0,
-        }
+        if self.is_weighted() { (4.0 * way * (1.0 - way)).max(EDGE_WEIGHT) as f32 } else { 1.0 }
     }
 
     /// Joins what was seen of a cell with what was seen of it later.

@@ -43,9 +43,10 @@ pub fn part(
 ) -> MosaicPart {
     let canvas = painted_log(log, index, grid, settings, place);
     let sums = canvas.sums();
-    let weights = match settings.overlap.is_weighted() {
-        true => sums.iter().map(|sum| stepped(sum.weight())).collect(),
-        false => Vec::new(),
+    let weights = if settings.overlap.is_weighted() {
+        sums.iter().map(|sum| stepped(sum.weight())).collect()
+    } else {
+        Vec::new()
     };
     MosaicPart { levels: sums.iter().map(CellSum::level).collect(), weights }
 }

@@ -46,9 +46,10 @@ impl LevelHistogram {
             let bin = (level / reach * count as f32) as usize;
             bins[bin.min(count - 1)] += 1;
         }
-        let automatic = match has_bottom {
-            true => Levels::of_counts(&bins, reach / count as f32),
-            false => Levels::RECORDED,
+        let automatic = if has_bottom {
+            Levels::of_counts(&bins, reach / count as f32)
+        } else {
+            Levels::RECORDED
         };
         let wide = count / HISTOGRAM_BARS;
         let bar = |bins: &[u64]| u32::try_from(bins.iter().sum::<u64>()).unwrap_or(u32::MAX);

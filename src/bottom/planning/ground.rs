@@ -95,25 +95,22 @@ impl PlanningGrid {
 
     fn sigma_at(&self, distance_m: f32, doubt_m: f32) -> f32 {
         let sigma_m = self.sigma.at(distance_m.max(self.mended_m));
-        match doubt_m > 0.0 {
-            true => sigma_m.hypot(doubt_m).min(self.sigma.limit_m()),
-            false => sigma_m,
-        }
+        if doubt_m > 0.0 { sigma_m.hypot(doubt_m).min(self.sigma.limit_m()) } else { sigma_m }
     }
 
     /// By how much a pass at a distance mends a cell, metres of standard deviation.
     pub(super) fn mended_by(&self, cell: &WaterCell, sigma_m: f32, pass_m: f32) -> f32 {
-        let doubt_m = match pass_m < DOUBT_M as f32 {
-            true => THIRD_PASS * cell.doubt_m,
-            false => cell.doubt_m,
+        let doubt_m =
+            if pass_m < DOUBT_M as f32 { THIRD_PASS * cell.doubt_m } else { cell.doubt_m };
+        let fall_m = if pass_m < cell.distance_m || doubt_m < cell.doubt_m {
+            sigma_m - self.sigma_at(pass_m.min(cell.distance_m), doubt_m)
+        } else {
+            0.0
         };
-        let fall_m = match pass_m < cell.distance_m || doubt_m < cell.doubt_m {
-            true => sigma_m - self.sigma_at(pass_m.min(cell.distance_m), doubt_m),
-            false => 0.0,
-        };
-        let look = match f64::from(pass_m) < self.swath_m {
-            true => LOOK_WORTH.get(usize::from(cell.looks)),
-            false => None,
+        let look = if f64::from(pass_m) < self.swath_m {
+            LOOK_WORTH.get(usize::from(cell.looks))
+        } else {
+            None
         };
         fall_m + look.map_or(0.0, |share| share * self.sigma.limit_m())
     }
@@ -122,10 +119,7 @@ impl PlanningGrid {
     pub(super) fn reach_m(&self, cell: &WaterCell) -> f64 {
         let depth_m = f64::from(cell.distance_m).min(self.sigma.reach_m());
         let doubt_m = if cell.doubt_m > 0.0 { DOUBT_M } else { 0.0 };
-        let look_m = match usize::from(cell.looks) < LOOK_WORTH.len() {
-            true => self.swath_m,
-            false => 0.0,
-        };
+        let look_m = if usize::from(cell.looks) < LOOK_WORTH.len() { self.swath_m } else { 0.0 };
         depth_m.max(doubt_m).max(look_m)
     }
 

@@ -131,10 +131,7 @@ fn within(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, Plan
         let [east, north] = [place[0] - water.grid.west_m, water.grid.north_m - place[1]];
         (-near_m..first_m + near_m).contains(&east) && (-near_m..last_m + near_m).contains(&north)
     };
-    match known.soundings.iter().any(is_near) {
-        true => Ok(water),
-        false => Err(PlanError::AreaElsewhere),
-    }
+    if known.soundings.iter().any(is_near) { Ok(water) } else { Err(PlanError::AreaElsewhere) }
 }
 
 /// The lines in the order of sailing.
@@ -181,10 +178,7 @@ fn sailed(
     }
     route.improve();
     let legs = route.legs();
-    match legs.is_empty() {
-        true => Err(PlanError::NoTime),
-        false => Ok(legs),
-    }
+    if legs.is_empty() { Err(PlanError::NoTime) } else { Ok(legs) }
 }
 
 /// Why no line was found in ground that none was planned in yet.

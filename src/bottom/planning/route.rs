@@ -183,10 +183,7 @@ impl<'a> Route<'a> {
     }
 
     fn leg(&self, (line, is_turned): Sailed) -> Leg {
-        match is_turned {
-            true => self.lines[line].turned(),
-            false => self.lines[line],
-        }
+        if is_turned { self.lines[line].turned() } else { self.lines[line] }
     }
 
     /// Length of the turn between two lines; 0 at the ends of the way.

@@ -39,10 +39,7 @@ impl Axis {
     /// without extent.
     pub fn share(&self, value: f64) -> f64 {
         let [from, to] = self.ends;
-        match to == from {
-            true => 0.5,
-            false => (value - from) / (to - from),
-        }
+        if to == from { 0.5 } else { (value - from) / (to - from) }
     }
 }
 

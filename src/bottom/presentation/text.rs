@@ -31,26 +31,25 @@ fn grouped(number: usize, separator: char) -> String {
 
 /// A number, or a dash when it is not a number.
 pub fn decimal(value: f64, decimals: usize) -> String {
-    match value.is_finite() {
-        true => format!("{value:.decimals$}"),
-        false => NONE.to_owned(),
-    }
+    if value.is_finite() { format!("{value:.decimals$}") } else { NONE.to_owned() }
 }
 
 /// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on
 /// kilometres.
 pub fn way(length_m: f64) -> String {
-    match length_m < 2000.0 {
-        true => format!("{length_m:.0} m"),
-        false => format!("{:.2} km", length_m / 1000.0),
+    if length_m < 2000.0 {
+        format!("{length_m:.0} m")
+    } else {
+        format!("{:.2} km", length_m / 1000.0)
     }
 }
 
 /// A course, `214°`, behind a comma; nothing where two places are one.
 pub fn and_course(course_rad: f64) -> String {
-    match course_rad.is_finite() {
-        true => format!(", {:.0}°", course_rad.to_degrees()),
-        false => String::new(),
+    if course_rad.is_finite() {
+        format!(", {:.0}°", course_rad.to_degrees())
+    } else {
+        String::new()
     }
 }
 

@@ -55,10 +55,7 @@ fn next_of(digits: &[f64], least: f64) -> f64 {
 /// `digit` times a power of ten, as near as its decimal notation is: five thousandths are 0.005 to
 /// the last bit.
 fn decimal(digit: f64, exponent: i32) -> f64 {
-    match exponent < 0 {
-        true => digit / 10f64.powi(-exponent),
-        false => digit * 10f64.powi(exponent),
-    }
+    if exponent < 0 { digit / 10f64.powi(-exponent) } else { digit * 10f64.powi(exponent) }
 }
 
 /// The round step that divides `span` into at most `most` parts; 1 where there is no span.
@@ -96,9 +93,10 @@ pub fn label(value: f64, step: f64) -> String {
 
 /// The length that a scale bar stands for, itself a round one: `20 m`, `5 km`.
 pub fn bar_label(length_m: f64) -> String {
-    match length_m >= 1000.0 {
-        true => format!("{} km", label(length_m / 1000.0, length_m / 1000.0)),
-        false => format!("{} m", label(length_m, length_m)),
+    if length_m >= 1000.0 {
+        format!("{} km", label(length_m / 1000.0, length_m / 1000.0))
+    } else {
+        format!("{} m", label(length_m, length_m))
     }
 }
 

@@ -140,9 +140,10 @@ impl Units {
     /// A length with its unit, with the decimals that so many of metres are worth; a dash where
     /// there is none.
     pub fn measure(self, value_m: f64, decimals_of_metres: usize) -> String {
-        match value_m.is_finite() {
-            true => format!("{} {}", self.number(value_m, decimals_of_metres), self.symbol()),
-            false => NONE.to_owned(),
+        if value_m.is_finite() {
+            format!("{} {}", self.number(value_m, decimals_of_metres), self.symbol())
+        } else {
+            NONE.to_owned()
         }
     }
 
@@ -150,13 +151,14 @@ impl Units {
     /// length.
     pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
         let measure = self.measure(value_m, decimals_of_metres);
-        match value_m.is_finite() && sigma_m.is_finite() {
-            true => format!(
+        if value_m.is_finite() && sigma_m.is_finite() {
+            format!(
                 "{} ± {}",
                 self.number(value_m, decimals_of_metres),
                 self.measure(sigma_m, decimals_of_metres)
-            ),
-            false => measure,
+            )
+        } else {
+            measure
         }
     }
 
@@ -192,9 +194,10 @@ impl Units {
     /// A speed with its unit; a dash where there is none.
     pub fn speed(self, value_mps: f64, decimals: usize) -> String {
         let value = value_mps / self.speed.metres_per_second();
-        match value.is_finite() {
-            true => format!("{value:.decimals$} {}", self.speed.symbol()),
-            false => NONE.to_owned(),
+        if value.is_finite() {
+            format!("{value:.decimals$} {}", self.speed.symbol())
+        } else {
+            NONE.to_owned()
         }
     }
 

@@ -240,9 +240,10 @@ impl LevelSpread {
             return Some((by_pulse.0, 1));
         }
         let by_smoothing = self.kind_smoothed(smoothed)?;
-        match (by_smoothing.1 - shape).abs() < (by_pulse.1 - shape).abs() {
-            true => Some((by_smoothing.0, smoothed)),
-            false => Some((by_pulse.0, 1)),
+        if (by_smoothing.1 - shape).abs() < (by_pulse.1 - shape).abs() {
+            Some((by_smoothing.0, smoothed))
+        } else {
+            Some((by_pulse.0, 1))
         }
     }
 
@@ -263,10 +264,7 @@ impl LevelSpread {
         for _ in 0..16 {
             let exponent = (least * most).sqrt();
             let [_, middle, high] = drawn(smoothed, |power| power.powf(exponent));
-            match (high / middle).ln() < spread {
-                true => least = exponent,
-                false => most = exponent,
-            }
+            if (high / middle).ln() < spread { least = exponent } else { most = exponent }
         }
         let exponent = (least * most).sqrt();
         let is_bounded = exponent > 1.1 * EXPONENTS[0] && exponent < 0.9 * EXPONENTS[1];

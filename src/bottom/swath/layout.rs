@@ -220,10 +220,8 @@ fn on_bed(
     levels: &mut Vec<u8>,
 ) -> impl Iterator<Item = usize> + use<> {
     let first_return = log.pings[ping].side(side).first_return;
-    let count = match first_return.is_finite() && log.read(ping, side, levels) {
-        true => levels.len(),
-        false => 0,
-    };
+    let count =
+        if first_return.is_finite() && log.read(ping, side, levels) { levels.len() } else { 0 };
     let from = (FROM_FIRST_RETURN * first_return.max(0.0)) as usize;
     (from.next_multiple_of(STRIDE)..count).step_by(STRIDE)
 }

@@ -99,11 +99,12 @@ impl SideChunk {
                 }
             }
         }
-        let mean = |(sum, count, clipped): (f32, u32, u32)| match f64::from(clipped)
-            > MOST_CLIPPED * f64::from(count)
-        {
-            true => f32::NAN,
-            false => sum / count as f32 - chunk.gain as f32,
+        let mean = |(sum, count, clipped): (f32, u32, u32)| {
+            if f64::from(clipped) > MOST_CLIPPED * f64::from(count) {
+                f32::NAN
+            } else {
+                sum / count as f32 - chunk.gain as f32
+            }
         };
         Some(Self {
             stretch: (number as u32, chunk.stretch),

@@ -79,9 +79,10 @@ fn lambert(angle_rad: f64) -> f64 {
 
 /// `f'(t)`; 0 beyond the angles of the law.
 fn lambert_slope(angle_rad: f64) -> f64 {
-    match angle_rad > LAW_RAD[0] && angle_rad < LAW_RAD[1] {
-        true => -2.0 * angle_rad.tan() - 1.0 / angle_rad.tan(),
-        false => 0.0,
+    if angle_rad > LAW_RAD[0] && angle_rad < LAW_RAD[1] {
+        -2.0 * angle_rad.tan() - 1.0 / angle_rad.tan()
+    } else {
+        0.0
     }
 }
 

@@ -163,9 +163,8 @@ impl Nodes {
     /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo`
     /// nodes around each; one part where all nodes are at most `most`.
     pub(super) fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<NodeTile> {
-        let cores = self.counts.map(|count| match self.len() <= most {
-            true => count,
-            false => count.div_ceil(count.div_ceil(core)),
+        let cores = self.counts.map(|count| {
+            if self.len() <= most { count } else { count.div_ceil(count.div_ceil(core)) }
         });
         self.tiles_within(0, cores, halo)
     }

@@ -75,9 +75,10 @@ pub(super) struct Tiling {
 impl Tiling {
     /// Of a survey whose map has a grid; `None` where it is too large.
     pub(super) fn of_survey(grid: &Grid) -> Option<Self> {
-        let resolution = match Nodes::over(grid, Resolution::FINE.node_m).len() <= MOST_FINE {
-            true => Resolution::FINE,
-            false => Resolution::COARSE,
+        let resolution = if Nodes::over(grid, Resolution::FINE.node_m).len() <= MOST_FINE {
+            Resolution::FINE
+        } else {
+            Resolution::COARSE
         };
         let nodes = Nodes::over(grid, resolution.node_m);
         (nodes.len() <= MOST_NODES).then(|| Self::at(grid, resolution))

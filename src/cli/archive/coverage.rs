@@ -57,11 +57,12 @@ impl FromStr for SearchPlace {
             }
         };
         let at = LonLat { lon_deg, lat_deg };
-        match at.is_on_earth() && (0.0..=10_000.0).contains(&radius_m) {
-            true => Ok(Self { at, radius_m }),
-            false => Err(
+        if at.is_on_earth() && (0.0..=10_000.0).contains(&radius_m) {
+            Ok(Self { at, radius_m })
+        } else {
+            Err(
                 "longitudes go from -180 to 180 degrees, latitudes from -90 to 90, the radius from 0 to 10000 m",
-            ),
+            )
         }
     }
 }
@@ -79,9 +80,10 @@ pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
     let status = StatusLine::at("rows of pings", &progress);
     let found = coverage_at(&archive, asked, &progress)?;
     drop(status);
-    match args.json {
-        true => output::json(&found.iter().map(Printed::new).collect::<Vec<_>>()),
-        false => output::results(in_words(&found)),
+    if args.json {
+        output::json(&found.iter().map(Printed::new).collect::<Vec<_>>())
+    } else {
+        output::results(in_words(&found))
     }
 }
 
@@ -151,15 +153,10 @@ fn of_pass(pass: &[&PingCoverage]) -> String {
     let samples = pass.iter().map(|one| one.seen.samples);
     let (least, most) = samples
         .fold((i32::MAX, i32::MIN), |(least, most), [from, to]| (least.min(from), most.max(to)));
-    let range = |from: i32, to: i32| match from == to {
-        true => from.to_string(),
-        false => format!("{from} to {to}"),
-    };
+    let range =
+        |from: i32, to: i32| if from == to { from.to_string() } else { format!("{from} to {to}") };
     let time = first.unix_us.map_or_else(|| format!("{:.1} s", first.time_s), utc);
-    let excluded = match pass.iter().all(|one| one.is_excluded) {
-        true => ", excluded",
-        false => "",
-    };
+    let excluded = if pass.iter().all(|one| one.is_excluded) { ", excluded" } else { "" };
     format!(
         "{}: ping {}, {}, sample {}, slant range {:.1} m, {time}{excluded}",
         first.name,

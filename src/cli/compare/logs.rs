@@ -38,14 +38,13 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
         let path = reference.path().display();
         output::notify(format_args!("warning: {note}: {path}"));
     }
-    match args.json {
-        true => output::json(&record),
-        false => {
-            output::results(table(&agreement.comparison, record.by()))?;
-            match record.summary_of_logs() {
-                Some(lines) => output::results(lines),
-                None => Ok(()),
-            }
+    if args.json {
+        output::json(&record)
+    } else {
+        output::results(table(&agreement.comparison, record.by()))?;
+        match record.summary_of_logs() {
+            Some(lines) => output::results(lines),
+            None => Ok(()),
         }
     }
 }

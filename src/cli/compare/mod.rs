@@ -105,10 +105,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
         return change::run(&args, folder);
     }
     refuse_overwrite_of_inputs(&args)?;
-    match is_named_as_points(&args.measured) {
-        true => points(&args),
-        false => logs::run(&args),
-    }
+    if is_named_as_points(&args.measured) { points(&args) } else { logs::run(&args) }
 }
 
 /// Refuses to write the points over a file that they are made from.
@@ -133,9 +130,10 @@ fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), Failure> {
 /// Compares a file of points.
 fn points(args: &CompareArgs) -> Result<(), Failure> {
     let mut measured = read(&args.measured)?;
-    let mut reference = match is_named_as_points(&args.reference) {
-        true => read(&args.reference)?,
-        false => logs::elevations(&args.reference, &args.settings)?,
+    let mut reference = if is_named_as_points(&args.reference) {
+        read(&args.reference)?
+    } else {
+        logs::elevations(&args.reference, &args.settings)?
     };
     into_one_plane(&mut measured, &mut reference)?;
     let matching = args.matching();

@@ -192,9 +192,10 @@ fn placed(
         if let Some(latency_s) = found.told_latency_s() {
             settings.mounting.latency_s = latency_s;
         }
-        match settings == *log.products.settings {
-            true => Ok(log.clone()),
-            false => processed(&log.survey, &settings, Some(log), status, progress),
+        if settings == *log.products.settings {
+            Ok(log.clone())
+        } else {
+            processed(&log.survey, &settings, Some(log), status, progress)
         }
     };
     logs.iter().zip(&found).map(with).collect()

@@ -64,10 +64,7 @@ pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
     let hash = Sha256::digest(text.as_bytes());
     let bytes = text.len();
     let text = text.trim_start_matches('\u{feff}').trim_start();
-    let rings = match text.starts_with('<') {
-        true => of_xml(text),
-        false => of_geojson(text),
-    };
+    let rings = if text.starts_with('<') { of_xml(text) } else { of_geojson(text) };
     Ok(WaterArea {
         path: path.to_owned(),
         bytes,

@@ -195,9 +195,10 @@ fn warn_of_lost_fixes(
 fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
     if pings.is_empty() {
         let has_echoes = |(_, channel): &(u16, Channel)| channel.sample_count.1 > 0;
-        log.report.log(match log.channels.iter().any(has_echoes) {
-            true => "the log holds no side-scan: connect a side-scan transducer and switch its recording on",
-            false => "the log holds depths only, and no echoes of side-scan or of the sonar that looks down",
+        log.report.log(if log.channels.iter().any(has_echoes) {
+            "the log holds no side-scan: connect a side-scan transducer and switch its recording on"
+        } else {
+            "the log holds depths only, and no echoes of side-scan or of the sonar that looks down"
         });
         return SideScanState::Absent;
     }

@@ -107,10 +107,7 @@ impl GrowingLog {
             file.must_begin_with(known)?;
             files.push(file);
         }
-        match files.is_empty() {
-            true => Err(GrowingError::NoFile),
-            false => Ok(Self { files }),
-        }
+        if files.is_empty() { Err(GrowingError::NoFile) } else { Ok(Self { files }) }
     }
 
     /// Takes in what was added since it was last looked at; returns how many bytes that was.
@@ -182,12 +179,13 @@ impl GrowingLog {
 
 impl GrowingFile {
     fn new(path: &Path) -> Result<Self, GrowingError> {
-        let copied = match role_by_name(path) == Some(FileRole::Description) {
-            true => Copied::Whole(Arc::default()),
-            false => Copied::Log {
+        let copied = if role_by_name(path) == Some(FileRole::Description) {
+            Copied::Whole(Arc::default())
+        } else {
+            Copied::Log {
                 copy: tempfile::tempfile().map_err(|source| GrowingError::NoRoom { source })?,
                 length: 0,
-            },
+            }
         };
         Ok(Self { path: path.to_owned(), copied, seen: None })
     }
@@ -262,10 +260,7 @@ impl GrowingFile {
         let mut copy = copy;
         let copied = part(&mut copy, from as u64, (known.len() - from) as u64);
         let copied = copied.map_err(|source| GrowingError::NoRoom { source })?;
-        match copied == known[from..] {
-            true => Ok(()),
-            false => Err(GrowingError::Replaced { path }),
-        }
+        if copied == known[from..] { Ok(()) } else { Err(GrowingError::Replaced { path }) }
     }
 
     /// Copies what lies behind the known bytes.

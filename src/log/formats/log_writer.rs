@@ -100,11 +100,12 @@ impl<'a> LogToWrite<'a> {
     pub fn place(&self, time_s: f64) -> Option<&'a PingNav> {
         let (survey, navigation) = (self.survey, self.navigation);
         let sides = &survey.side_scan;
-        match sides.is_empty() {
-            false => nearest_in_time(sides, time_s, |ping| ping.time_s)
-                .and_then(|index| navigation.pings.get(index)),
-            true => nearest_in_time(&survey.soundings, time_s, |one| one.time_s)
-                .and_then(|index| navigation.soundings.get(index)),
+        if !sides.is_empty() {
+            nearest_in_time(sides, time_s, |ping| ping.time_s)
+                .and_then(|index| navigation.pings.get(index))
+        } else {
+            nearest_in_time(&survey.soundings, time_s, |one| one.time_s)
+                .and_then(|index| navigation.soundings.get(index))
         }
     }
 

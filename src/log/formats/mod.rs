@@ -317,10 +317,7 @@ fn open_folder(
 /// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is
 /// one recording; nothing for what is no folder.
 pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
-    match folder.is_dir() {
-        true => logs_on(&FileSource::Disk, folder),
-        false => Vec::new(),
-    }
+    if folder.is_dir() { logs_on(&FileSource::Disk, folder) } else { Vec::new() }
 }
 
 /// The files in a folder of logs that are named as no other file is, and are no log that can be

@@ -63,8 +63,9 @@ pub fn open_reference(
     argument: &OsStr,
     progress: &Progress,
 ) -> Result<ReferenceFile, ReferenceError> {
-    Ok(match is_named_as_points(argument) {
-        true => ReferenceFile::Points(read_points(argument, progress)?),
-        false => ReferenceFile::Log(Box::new(super::open(Path::new(argument), progress)?)),
+    Ok(if is_named_as_points(argument) {
+        ReferenceFile::Points(read_points(argument, progress)?)
+    } else {
+        ReferenceFile::Log(Box::new(super::open(Path::new(argument), progress)?))
     })
 }

@@ -293,9 +293,10 @@ impl FormatEntry {
         names.extend(of(FileRole::Paired, ""));
         names.extend(of(FileRole::Description, "the "));
         let parts = of(FileRole::Part, "one ").join(" or ");
-        match parts.is_empty() {
-            true => names.join(", "),
-            false => format!("{}, the folder or {parts}", names.join(", ")),
+        if parts.is_empty() {
+            names.join(", ")
+        } else {
+            format!("{}, the folder or {parts}", names.join(", "))
         }
     }
 

@@ -54,8 +54,9 @@ pub fn bounded_decoder<'a>(
         // A progressive one is held as 16-bit coefficients.
         bytes = bytes.saturating_add(decoder.total_bytes().saturating_mul(2));
     }
-    match bytes > most_bytes {
-        true => Err(PictureFault::TooLarge { width, height, most_bytes }),
-        false => Ok(decoder),
+    if bytes > most_bytes {
+        Err(PictureFault::TooLarge { width, height, most_bytes })
+    } else {
+        Ok(decoder)
     }
 }

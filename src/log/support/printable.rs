@@ -25,10 +25,7 @@ pub fn one_line(text: &str) -> String {
 /// A name in a sentence: between “ and ” where it holds a space, so that it is seen where it ends,
 /// and that no `5 m` of it is taken for a figure.
 pub fn quoted(name: &str) -> String {
-    match name.contains(char::is_whitespace) {
-        true => format!("“{name}”"),
-        false => name.to_owned(),
-    }
+    if name.contains(char::is_whitespace) { format!("“{name}”") } else { name.to_owned() }
 }
 
 /// As [`one_line`], for a text of several lines, each of which stays one. A table's columns stay
@@ -93,10 +90,7 @@ fn is_shown(letter: char) -> bool {
 fn shown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for letter in text.chars() {
-        match is_shown(letter) {
-            true => shown.push(letter),
-            false => shown.extend(letter.escape_unicode()),
-        }
+        if is_shown(letter) { shown.push(letter) } else { shown.extend(letter.escape_unicode()) }
     }
     shown
 }

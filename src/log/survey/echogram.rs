@@ -37,18 +37,17 @@ impl Survey {
     pub fn looking_down(&self, kind: ChannelKind) -> Option<Self> {
         let echogram = self.echograms.iter().find(|one| one.kind == kind)?;
         let recorded = &echogram.pings;
-        let side_scan = match self.side_scan.is_empty() {
-            true => recorded.iter().map(|ping| self.below(ping)).collect(),
-            false => {
-                let beside = |ping: &SidePing| {
-                    let nearest = nearest_in_time(recorded, ping.time_s, |other| other.time_s);
-                    let nearest = nearest
-                        .map(|index| recorded[index])
-                        .filter(|other| (other.time_s - ping.time_s).abs() <= LONGEST_APART_S);
-                    SidePing { port: None, starboard: nearest.map(|other| other.span), ..*ping }
-                };
-                self.side_scan.iter().map(beside).collect()
-            }
+        let side_scan = if self.side_scan.is_empty() {
+            recorded.iter().map(|ping| self.below(ping)).collect()
+        } else {
+            let beside = |ping: &SidePing| {
+                let nearest = nearest_in_time(recorded, ping.time_s, |other| other.time_s);
+                let nearest = nearest
+                    .map(|index| recorded[index])
+                    .filter(|other| (other.time_s - ping.time_s).abs() <= LONGEST_APART_S);
+                SidePing { port: None, starboard: nearest.map(|other| other.span), ..*ping }
+            };
+            self.side_scan.iter().map(beside).collect()
         };
         Some(Self {
             side_scan: Arc::new(side_scan),

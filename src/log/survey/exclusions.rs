@@ -225,9 +225,10 @@ impl Exclusions {
         let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
         let sounding_times: Vec<f64> = survey.soundings.iter().map(|one| one.time_s).collect();
         // Turns and stops are the boat's, whichever record tells them.
-        let (times_s, places) = match ping_times.is_empty() {
-            false => (&ping_times, &navigation.pings),
-            true => (&sounding_times, &navigation.soundings),
+        let (times_s, places) = if !ping_times.is_empty() {
+            (&ping_times, &navigation.pings)
+        } else {
+            (&sounding_times, &navigation.soundings)
         };
         let mut spans = automatic(times_s, places, settings);
         let mut made = Self::default();
@@ -240,9 +241,10 @@ impl Exclusions {
         made.soundings = flags(&sounding_times, &spans);
         let swath_times: Vec<f64> = survey.swath.iter().map(|ping| ping.time_s).collect();
         made.swath = flags(&swath_times, &spans);
-        made.stretches = match ping_times.is_empty() {
-            false => stretches(&ping_times, &made.pings, true),
-            true => stretches(&sounding_times, &made.soundings, false),
+        made.stretches = if !ping_times.is_empty() {
+            stretches(&ping_times, &made.pings, true)
+        } else {
+            stretches(&sounding_times, &made.soundings, false)
         };
         made
     }
@@ -370,10 +372,7 @@ fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
             inside.fill(*reason);
         }
     }
-    match flags.iter().any(Option::is_some) {
-        true => flags,
-        false => Vec::new(),
-    }
+    if flags.iter().any(Option::is_some) { flags } else { Vec::new() }
 }
 
 /// Runs of the same reason.
@@ -423,10 +422,8 @@ mod tests {
         }
         let ping = |&time_s: &f64| SidePing::with_depth(time_s, 3.0);
         let sounding = |&time_s: &f64| Sounding::new(time_s, 3.0);
-        let pings: Vec<SidePing> = match with_pings {
-            true => times_s.iter().map(ping).collect(),
-            false => Vec::new(),
-        };
+        let pings: Vec<SidePing> =
+            if with_pings { times_s.iter().map(ping).collect() } else { Vec::new() };
         let survey = Survey {
             soundings: Arc::new(times_s.iter().step_by(2).map(sounding).collect()),
             ..Survey::of_pings(pings)

@@ -252,10 +252,8 @@ impl FittedTrack {
         };
         let before = &self.places[next.saturating_sub(1).min(self.places.len() - 1)];
         let span_s = after.time_s - before.time_s;
-        let share = match span_s > 0.0 {
-            true => ((time_s - before.time_s) / span_s).clamp(0.0, 1.0),
-            false => 0.0,
-        };
+        let share =
+            if span_s > 0.0 { ((time_s - before.time_s) / span_s).clamp(0.0, 1.0) } else { 0.0 };
         let share = if self.is_bridged(before, after) { share } else { share.round() };
         Motion {
             east_m: before.east_m + share * (after.east_m - before.east_m),

@@ -281,9 +281,10 @@ impl Source {
     /// Which recorder it was, as far as the log tells: its format, and the device where it names
     /// one. Logs of one recorder have the same words.
     pub fn recorder(&self) -> String {
-        match self.device.is_empty() {
-            true => self.format.clone(),
-            false => format!("{}, {}", self.format, self.device),
+        if self.device.is_empty() {
+            self.format.clone()
+        } else {
+            format!("{}, {}", self.format, self.device)
         }
     }
 }
@@ -402,9 +403,10 @@ impl Survey {
         // lie on one line.
         const FARTHEST_M: f64 = 200_000.0;
         let first = self.track.fixes.first();
-        match first.is_some_and(|fix| distance_m(fix.position, frame.origin()) > FARTHEST_M) {
-            true => self,
-            false => self.in_frame(frame),
+        if first.is_some_and(|fix| distance_m(fix.position, frame.origin()) > FARTHEST_M) {
+            self
+        } else {
+            self.in_frame(frame)
         }
     }
 

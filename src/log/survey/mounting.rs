@@ -72,15 +72,11 @@ impl MountingSettings {
             ));
         }
         if self.heading_offset_deg != 0.0 {
-            said.push(match compass {
-                true => format!(
-                    "{:+} degrees are added to the compass heading.",
-                    self.heading_offset_deg
-                ),
-                false => {
-                    "The heading offset is not in force: headings do not come from the compass."
-                        .to_owned()
-                }
+            said.push(if compass {
+                format!("{:+} degrees are added to the compass heading.", self.heading_offset_deg)
+            } else {
+                "The heading offset is not in force: headings do not come from the compass."
+                    .to_owned()
             });
         }
         if self.clock_offset_s != 0.0 {

@@ -311,10 +311,7 @@ impl Navigator<'_> {
                 return place.heading_rad;
             }
             let motion = self.fitted.at(time_s(record) + self.latency_s);
-            match motion.moving {
-                true => motion.velocity[0].atan2(motion.velocity[1]),
-                false => f64::NAN,
-            }
+            if motion.moving { motion.velocity[0].atan2(motion.velocity[1]) } else { f64::NAN }
         });
         let headings: Vec<f64> = headings.collect();
         // Before the first heading, that one.

@@ -43,9 +43,10 @@ impl Survey {
         };
         let has_choice = self.pairs.iter().any(|pair| pair.frequency_khz.is_some());
         let others: Vec<String> = others.iter().map(SidePair::summary).collect();
-        let others = match has_choice {
-            true => format!("set source.frequency_khz to show {}", others.join(" or ")),
-            false => format!("no frequencies are stated to choose {} by", others.join(" or ")),
+        let others = if has_choice {
+            format!("set source.frequency_khz to show {}", others.join(" or "))
+        } else {
+            format!("no frequencies are stated to choose {} by", others.join(" or "))
         };
         Some(format!(
             "the log holds {} pairs of side-scan channels: {} is shown; {others}",

@@ -8,9 +8,10 @@ impl Survey {
     /// Times of the records that a part is chosen by: the side-scan pings, or the soundings of a
     /// log without them.
     pub fn record_times_s(&self) -> Vec<f64> {
-        match self.side_scan.is_empty() {
-            false => self.side_scan.iter().map(|ping| ping.time_s).collect(),
-            true => self.soundings.iter().map(|one| one.time_s).collect(),
+        if !self.side_scan.is_empty() {
+            self.side_scan.iter().map(|ping| ping.time_s).collect()
+        } else {
+            self.soundings.iter().map(|one| one.time_s).collect()
         }
     }
 
@@ -38,15 +39,17 @@ impl Survey {
             let start = valid.max(taken_to);
             fixes.push(start..count(&|time_s| time_s < span.end).max(start));
         }
-        let chosen_soundings = match by_sides {
-            true => indices(&self.soundings, &spans, |one| one.time_s),
-            false => records.to_vec(),
+        let chosen_soundings = if by_sides {
+            indices(&self.soundings, &spans, |one| one.time_s)
+        } else {
+            records.to_vec()
         };
         let chosen_swath = indices(&self.swath, &spans, |ping| ping.time_s);
         let survey = Self {
-            side_scan: Arc::new(match by_sides {
-                true => taken(&self.side_scan, records),
-                false => Vec::new(),
+            side_scan: Arc::new(if by_sides {
+                taken(&self.side_scan, records)
+            } else {
+                Vec::new()
             }),
             echograms: self.echograms.iter().map(echogram).collect(),
             soundings: Arc::new(taken(&self.soundings, &chosen_soundings)),
@@ -55,10 +58,7 @@ impl Survey {
             ..self.clone()
         };
         let navigation = Navigation {
-            pings: Arc::new(match by_sides {
-                true => taken(&navigation.pings, records),
-                false => Vec::new(),
-            }),
+            pings: Arc::new(if by_sides { taken(&navigation.pings, records) } else { Vec::new() }),
             soundings: Arc::new(taken(&navigation.soundings, &chosen_soundings)),
             swath: Arc::new(taken(&navigation.swath, &chosen_swath)),
             ..navigation.clone()

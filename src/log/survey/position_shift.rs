@@ -25,10 +25,7 @@ impl PositionShift {
     pub fn statement(&self) -> String {
         let ways = [["east", "west"], ["north", "south"]];
         let by = ways_in_words([self.east_m, self.north_m], ways, |m| format!("{m} m"));
-        match by.is_empty() {
-            true => by,
-            false => format!("Positions are moved by {by}."),
-        }
+        if by.is_empty() { by } else { format!("Positions are moved by {by}.") }
     }
 }
 

@@ -54,10 +54,7 @@ impl AcrossTrack {
     /// Slant range of the bottom at a distance, metres, from a transducer so high above the bottom
     /// under it.
     pub fn range_m(&self, altitude_m: f64, ground_m: f64) -> f64 {
-        let deeper_m = match self.is_level() {
-            true => 0.0,
-            false => self.deeper_m(ground_m),
-        };
+        let deeper_m = if self.is_level() { 0.0 } else { self.deeper_m(ground_m) };
         length(ground_m, altitude_m + deeper_m)
     }
 
@@ -76,10 +73,11 @@ impl AcrossTrack {
             let (from_m, to_m) = (self.ground_of(node), self.ground_of(node + 1));
             let (deeper_m, more_m) =
                 (self.deeper_at(node), self.deeper_at(node + 1) - self.deeper_at(node));
-            let end = match node + 1 < NODES {
-                true => rest.partition_point(|ground_m| *ground_m < to_m),
+            let end = if node + 1 < NODES {
+                rest.partition_point(|ground_m| *ground_m < to_m)
+            } else {
                 // Beyond the last node the bottom goes on level.
-                false => rest.len(),
+                rest.len()
             };
             let (here, beyond) = rest.split_at_mut(end);
             for ground_m in here {

@@ -79,16 +79,10 @@ impl Survey {
         let bytes = self.bytes.get(usize::from(ping.file))?;
         let pair = bytes.get(ping.bytes_of(number)?)?;
         let [out_m, depth_m] = swath_pair_m(pair.try_into().ok()?)?;
-        let recorded = match number < usize::from(ping.port) {
-            true => Side::Port,
-            false => Side::Starboard,
-        };
+        let recorded = if number < usize::from(ping.port) { Side::Port } else { Side::Starboard };
         (number < ping.len()).then_some(SwathSounding {
             number,
-            side: match self.swapped_sides {
-                true => recorded.other(),
-                false => recorded,
-            },
+            side: if self.swapped_sides { recorded.other() } else { recorded },
             out_m,
             depth_m,
         })

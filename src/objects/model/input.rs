@@ -79,10 +79,7 @@ impl InputSpec {
     /// Its sizes as the network has them, a batch of one.
     pub(super) fn shape(&self) -> [usize; 4] {
         let Self { width, height, channels, .. } = *self;
-        match self.channels_last {
-            true => [1, height, width, channels],
-            false => [1, channels, height, width],
-        }
+        if self.channels_last { [1, height, width, channels] } else { [1, channels, height, width] }
     }
 
     /// Numbers of one input.

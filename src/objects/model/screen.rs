@@ -166,9 +166,10 @@ fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
 
 /// Refuses a tensor of more axes than anything that a detector computes with.
 pub(super) fn check_axes(name: &str, axes: usize) -> Result<(), Unusable> {
-    match axes <= MOST_AXES {
-        true => Ok(()),
-        false => Err(Unusable::TooBig(format!("its tensor `{name}` has {axes} axes"))),
+    if axes <= MOST_AXES {
+        Ok(())
+    } else {
+        Err(Unusable::TooBig(format!("its tensor `{name}` has {axes} axes")))
     }
 }
 

@@ -334,11 +334,12 @@ mod tests {
         [height, width]: [usize; 2],
         input: &[f32],
     ) -> Vec<f64> {
-        let at = |channel: usize, y: usize, x: usize| match (1..=height).contains(&y)
-            && (1..=width).contains(&x)
-        {
-            true => f64::from(input[(channel * height + y - 1) * width + x - 1]),
-            false => 0.0,
+        let at = |channel: usize, y: usize, x: usize| {
+            if (1..=height).contains(&y) && (1..=width).contains(&x) {
+                f64::from(input[(channel * height + y - 1) * width + x - 1])
+            } else {
+                0.0
+            }
         };
         let mut output = Vec::new();
         for o in 0..outputs {

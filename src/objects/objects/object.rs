@@ -186,11 +186,8 @@ fn best<'a>(boxes: impl Iterator<Item = &'a ObjectBox>) -> usize {
         (one.one.state.is_object(), is_drawn, one.one.score.unwrap_or(1.0))
     };
     let ranked = boxes.map(rank).enumerate();
-    let better = |best: (usize, (bool, bool, f32)), other: (usize, (bool, bool, f32))| match other.1
-        > best.1
-    {
-        true => other,
-        false => best,
+    let better = |best: (usize, (bool, bool, f32)), other: (usize, (bool, bool, f32))| {
+        if other.1 > best.1 { other } else { best }
     };
     ranked.reduce(better).map_or(0, |(place, _)| place)
 }

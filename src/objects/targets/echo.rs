@@ -163,10 +163,7 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
     let shadow = (mark.far_m - border_m > LEAST_DRAWN_M).then_some(Shadow {
         bright_end_m: border_m,
         start_m: border_m,
-        end_m: match mark.far_m < reach_m {
-            true => mark.far_m,
-            false => f64::NAN,
-        },
+        end_m: if mark.far_m < reach_m { mark.far_m } else { f64::NAN },
     });
     Parts {
         echo_m: [mark.near_m, border_m],
@@ -308,10 +305,8 @@ impl<'a> Look<'a> {
         let (echo_m, shadow) = self.at(pings)?;
         let shadow = shadow?;
         // A shadow that runs off the range has nothing behind it.
-        let from = match shadow.end_m.is_nan() {
-            true => return Some(shadow),
-            false => self.step_of(shadow.end_m),
-        };
+        let from =
+            if shadow.end_m.is_nan() { return Some(shadow) } else { self.step_of(shadow.end_m) };
         let behind = from..self.step_of(far_m).min(contrast.len());
         let echo = self.step_of(echo_m[0])..self.step_of(echo_m[1]);
         let echo_gain = runs::gain(contrast.get(echo)?);
@@ -418,10 +413,8 @@ fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
 /// `(end - start) / end`, which the height is in proportion to. One that runs off the range is
 /// longer than any. With it the standard deviation of the others about it, in that measure.
 fn longest(mut shadows: Vec<Shadow>, share: f64) -> Option<(Shadow, f64)> {
-    let length = |one: &Shadow| match one.end_m.is_nan() {
-        true => 1.0,
-        false => 1.0 - one.start_m / one.end_m,
-    };
+    let length =
+        |one: &Shadow| if one.end_m.is_nan() { 1.0 } else { 1.0 - one.start_m / one.end_m };
     shadows.sort_by(|a, b| length(a).total_cmp(&length(b)));
     let last = shadows.len().checked_sub(1)?;
     let at = |share: f64| shadows.get((share * last as f64).round() as usize);

@@ -112,10 +112,8 @@ fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupS
         let same = all().filter(|one| one.class == Some(class));
         same.map(|one| one.score.max(0.0)).sum()
     };
-    let best = |best: usize, other: usize| match support(other) > support(best) {
-        true => other,
-        false => best,
-    };
+    let best =
+        |best: usize, other: usize| if support(other) > support(best) { other } else { best };
     let class = all().filter_map(|one| one.class).reduce(best);
     Group {
         east_m,

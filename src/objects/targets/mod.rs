@@ -107,10 +107,8 @@ impl Target {
     /// Corners of its footprint, metres east and north: length along the track, width across it.
     /// What is not known counts as nothing: those of a point all lie in its place.
     pub fn corners(&self) -> [[f64; 2]; 4] {
-        let (sin, cos) = match self.heading_rad.is_finite() {
-            true => self.heading_rad.sin_cos(),
-            false => (0.0, 1.0),
-        };
+        let (sin, cos) =
+            if self.heading_rad.is_finite() { self.heading_rad.sin_cos() } else { (0.0, 1.0) };
         let half_m = |size_m: f64| if size_m.is_nan() { 0.0 } else { 0.5 * size_m };
         let [along_m, across_m] = [self.length_m, self.width_m].map(half_m);
         [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(ahead, right)| {

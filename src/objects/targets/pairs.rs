@@ -42,10 +42,7 @@ pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
 pub(super) fn size_m(target: &Target) -> f64 {
     let size_m = target.length_m.max(target.width_m);
     // Of a point it is not known; its uncertainty says how far it may be off.
-    match size_m.is_nan() {
-        true => 0.0,
-        false => SIZE_SIGMA * size_m.min(LARGEST_M),
-    }
+    if size_m.is_nan() { 0.0 } else { SIZE_SIGMA * size_m.min(LARGEST_M) }
 }
 
 /// Squared distance of two sightings in standard deviations, with their joint covariance; another

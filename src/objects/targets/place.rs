@@ -245,10 +245,8 @@ impl<'a> Placer<'a> {
             (None, None) => mark.near_m + (mark.far_m - mark.near_m) / 3.0,
         };
         // NaN stays NaN.
-        let end = |recorded_m: f64| match recorded_m.is_nan() {
-            true => recorded_m,
-            false => calibrated(recorded_m),
-        };
+        let end =
+            |recorded_m: f64| if recorded_m.is_nan() { recorded_m } else { calibrated(recorded_m) };
         let longest = found.and_then(|found| found.longest);
         let [altitude_m, altitude_there_m] = altitudes_m;
         MeasuredObject {
@@ -259,10 +257,7 @@ impl<'a> Placer<'a> {
             box_end_m: calibrated(mark.far_m),
             // A shadow ends the echo, or whoever drew the edges or the box of a large object did.
             bounded: large || is_drawn || shadow_m.is_some(),
-            edge_sigma_m: match is_drawn {
-                true => DRAWN_SIGMA_M,
-                false => EDGE_SIGMA_M,
-            },
+            edge_sigma_m: if is_drawn { DRAWN_SIGMA_M } else { EDGE_SIGMA_M },
             longest: longest.map(|shadow| {
                 let bright_end_m = calibrated(shadow.bright_end_m);
                 let start_m = calibrated(shadow.start_m);
@@ -289,10 +284,7 @@ impl<'a> Placer<'a> {
         };
         let [start_m, last_m] =
             [shadow.top_m, shadow.end_m].map(|range_m| self.calibrated_m(span, range_m));
-        let end_m = match shadow.end_m < reach_m(span) {
-            true => last_m,
-            false => f64::NAN,
-        };
+        let end_m = if shadow.end_m < reach_m(span) { last_m } else { f64::NAN };
         MeasuredObject {
             box_end_m: last_m,
             longest: Some(Shadow { bright_end_m: start_m, start_m, end_m }),
@@ -335,9 +327,10 @@ impl<'a> Placer<'a> {
             return count;
         };
         let half_m = from_m + 0.5 * self.sailed_over_m(mark);
-        match half_m > *from_m {
-            true => first + way.partition_point(|sailed_m| *sailed_m < half_m),
-            false => count,
+        if half_m > *from_m {
+            first + way.partition_point(|sailed_m| *sailed_m < half_m)
+        } else {
+            count
         }
     }
 
@@ -350,10 +343,8 @@ impl<'a> Placer<'a> {
         let (before, behind) = (before?, behind?);
         let [from_m, to_m] = [before_ping, behind_ping].map(|ping| self.sailed_m()[ping]);
         let half_m = self.sailed_m()[mark.pings.start] + 0.5 * self.sailed_over_m(mark);
-        let share = match to_m > from_m {
-            true => ((half_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0),
-            false => 0.5,
-        };
+        let share =
+            if to_m > from_m { ((half_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0) } else { 0.5 };
         let between = |from: f64, to: f64| from + share * (to - from);
         Some(PingNav {
             east_m: between(before.east_m, behind.east_m),

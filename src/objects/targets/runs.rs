@@ -49,10 +49,7 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
 /// What a run takes off the squares; 0 where it is no brighter than the background.
 pub(super) fn gain(run: &[f64]) -> f64 {
     let sum: f64 = run.iter().sum();
-    match sum > 0.0 {
-        true => sum * sum / run.len() as f64,
-        false => 0.0,
-    }
+    if sum > 0.0 { sum * sum / run.len() as f64 } else { 0.0 }
 }
 
 /// What the bright run takes off the squares that takes most; 0 where nothing is bright.

@@ -231,10 +231,8 @@ fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
     let items = tiles.iter().map(|tile| {
         json!({ "rel": "item", "href": format!("./{tile}.json"), "type": "application/geo+json" })
     });
-    let bounds = match tiles.is_empty() {
-        true => [-180.0, -90.0, 180.0, 90.0],
-        false => tile_bounds_deg(&tiles),
-    };
+    let bounds =
+        if tiles.is_empty() { [-180.0, -90.0, 180.0, 90.0] } else { tile_bounds_deg(&tiles) };
     json!({
         "type": "Collection",
         "stac_version": "1.1.0",

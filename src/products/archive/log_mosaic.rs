@@ -50,10 +50,8 @@ impl LogMosaic {
             settings: log.products.settings.mosaic.clone(),
             name: log.survey.name(),
         };
-        let gain = match log.survey.has_side_scan() {
-            true => Derived::default().gain(log, progress)?,
-            false => None,
-        };
+        let gain =
+            if log.survey.has_side_scan() { Derived::default().gain(log, progress)? } else { None };
         let Some(gain) = gain else {
             return Ok(made);
         };
@@ -108,10 +106,7 @@ impl LogMosaic {
 
     /// The kinds of files that a tile has of it.
     pub(super) fn kinds(&self) -> &'static [&'static str] {
-        match self.settings.overlap.is_weighted() {
-            true => &[MOSAIC, WEIGHTS],
-            false => &[MOSAIC],
-        }
+        if self.settings.overlap.is_weighted() { &[MOSAIC, WEIGHTS] } else { &[MOSAIC] }
     }
 }
 

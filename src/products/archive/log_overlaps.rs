@@ -111,10 +111,7 @@ impl<'a> OverlapSearch<'a> {
             let tracks = inside.iter().map(|log| {
                 let track = track(self.archive, *tile, &self.logs[*log])?;
                 let shift = self.shifts[*log];
-                Ok(match shift == Shift::default() {
-                    true => track,
-                    false => shifted(&track, &shift),
-                })
+                Ok(if shift == Shift::default() { track } else { shifted(&track, &shift) })
             });
             let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, ArchiveError>>()?;
             let mut found = find(&tracks, inside)?;

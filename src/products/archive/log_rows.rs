@@ -23,9 +23,10 @@ pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
     let navigation = &products.navigation;
     let of_soundings = survey.soundings.iter().map(|one| one.time_s);
     let of_pings = survey.side_scan.iter().map(|one| one.time_s);
-    let fixes: Vec<(f64, &PingNav)> = match survey.soundings.is_empty() {
-        false => of_soundings.zip(navigation.soundings.iter()).collect(),
-        true => of_pings.zip(navigation.pings.iter()).collect(),
+    let fixes: Vec<(f64, &PingNav)> = if !survey.soundings.is_empty() {
+        of_soundings.zip(navigation.soundings.iter()).collect()
+    } else {
+        of_pings.zip(navigation.pings.iter()).collect()
     };
     let depth = |(time_s, fix): (f64, &PingNav)| TrackDepth {
         time_s,
@@ -49,10 +50,7 @@ impl LogRows<'_> {
 
     /// What a point counts for maps.
     pub(super) fn weight(&self, point: &CloudPoint, class: PointClass) -> f64 {
-        match class.is_kept() {
-            true => self.products.settings.surface.weight(point),
-            false => 0.0,
-        }
+        if class.is_kept() { self.products.settings.surface.weight(point) } else { 0.0 }
     }
 
     /// Seconds after the log's time zero.
@@ -118,10 +116,7 @@ impl LogRows<'_> {
         };
         let ([from_x, from_y], [to_x, to_y]) = (place(0.0), place(1.0));
         let velocity = [to_x - from_x, to_y - from_y];
-        match velocity.iter().all(|value| value.is_finite()) {
-            true => velocity,
-            false => [0.0; 2],
-        }
+        if velocity.iter().all(|value| value.is_finite()) { velocity } else { [0.0; 2] }
     }
 
     /// Where a place of the log's plane lies.

@@ -124,10 +124,7 @@ impl Offsets {
     /// A sentence that names the line which cannot be used.
     pub fn read(archive: &Archive) -> Result<Self, ArchiveError> {
         let path = path_of(archive);
-        match path.exists() {
-            true => Ok(Self::new(rows_of(&path)?)),
-            false => Ok(Self::default()),
-        }
+        if path.exists() { Ok(Self::new(rows_of(&path)?)) } else { Ok(Self::default()) }
     }
 
     /// Writes the table, unless it is there as it is.
@@ -196,9 +193,8 @@ fn path_of(archive: &Archive) -> PathBuf {
 }
 
 fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
-    let error = |value: f64, decimals: usize| match value.is_nan() {
-        true => String::new(),
-        false => format!("{value:.decimals$}"),
+    let error = |value: f64, decimals: usize| {
+        if value.is_nan() { String::new() } else { format!("{value:.decimals$}") }
     };
     let Shift { east_m, north_m, latency_s } = row.shift;
     [

@@ -86,8 +86,5 @@ fn kept_shift(known: &FoundShift, found: Shift) -> Shift {
     let [east_m, north_m, latency_s] = known.shift.values();
     let moved_m = (found.east_m - east_m).abs().max((found.north_m - north_m).abs());
     let is_near = moved_m <= KEPT_SHIFT_M && (found.latency_s - latency_s).abs() <= KEPT_LATENCY_S;
-    match is_known && is_near {
-        true => known.shift,
-        false => found,
-    }
+    if is_known && is_near { known.shift } else { found }
 }

@@ -112,11 +112,12 @@ impl ArchiveRecord {
     /// As [`ArchiveRecord::settings`].
     pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
         let cell_m = self.settings()?.mosaic.cell_m;
-        match divides_tiles(cell_m) {
-            true => Ok(tile.grid(0.0, cell_m)),
-            false => Err(ArchiveError::Refused(format!(
+        if divides_tiles(cell_m) {
+            Ok(tile.grid(0.0, cell_m))
+        } else {
+            Err(ArchiveError::Refused(format!(
                 "mosaic.cell_m is {cell_m}, which is no size for an archive: {RECORD}"
-            ))),
+            )))
         }
     }
 
@@ -294,12 +295,13 @@ impl Archive {
     fn read_area(&self, kept: &Fingerprint) -> Result<Arc<WaterArea>, ArchiveError> {
         let path = self.folder.join(&kept.file);
         let area = read_area(&path).map_err(|error| error.to_string())?;
-        match area.sha256 == kept.sha256 {
-            true => Ok(Arc::new(area)),
-            false => Err(ArchiveError::Refused(format!(
+        if area.sha256 == kept.sha256 {
+            Ok(Arc::new(area))
+        } else {
+            Err(ArchiveError::Refused(format!(
                 "the area of the archive's isobaths is not the one that it was made with; put that one back: {}",
                 path.display()
-            ))),
+            )))
         }
     }
 

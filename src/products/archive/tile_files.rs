@@ -192,9 +192,10 @@ pub fn tile_state(
     };
     let folder = folder_of(archive, tile);
     let is_whole = record.files.iter().all(|file| file.is_as_long_in(&folder));
-    match is_whole && record.made == MadeFrom::of(archive, tile, logs, offsets) {
-        true => TileState::UpToDate,
-        false => TileState::Stale,
+    if is_whole && record.made == MadeFrom::of(archive, tile, logs, offsets) {
+        TileState::UpToDate
+    } else {
+        TileState::Stale
     }
 }
 

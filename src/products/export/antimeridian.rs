@@ -83,9 +83,8 @@ pub(super) fn cut_areas(shapes: &[Polygon], place: &impl Fn([f64; 2]) -> LonLat)
         let turns = || outline.iter().map(|corner| turn(corner[0]));
         let (from, to) = (turns().min().unwrap_or(0), turns().max().unwrap_or(0));
         for at in from..=to {
-            let within = |ring: &Vec<Degrees>| match from == to {
-                true => moved(ring.clone(), at),
-                false => moved(within_turn(ring, at), at),
+            let within = |ring: &Vec<Degrees>| {
+                if from == to { moved(ring.clone(), at) } else { moved(within_turn(ring, at), at) }
             };
             let part = Polygon {
                 outline: within(&outline),
@@ -145,9 +144,10 @@ fn split_at_borders(polygon: Polygon) -> Polygon {
                     corner[0] == from[0] && low < corner[1] && corner[1] < high
                 };
                 let between: Vec<Degrees> = on_border.iter().filter(is_between).copied().collect();
-                match from[1] < to[1] {
-                    true => corners.extend(between),
-                    false => corners.extend(between.into_iter().rev()),
+                if from[1] < to[1] {
+                    corners.extend(between)
+                } else {
+                    corners.extend(between.into_iter().rev())
                 }
             }
             corners.push(to);

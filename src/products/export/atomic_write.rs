@@ -151,10 +151,7 @@ fn tidy(folder: &Path) {
 /// Removes files of processes that are no more; `passing` gives what of a name stands before the
 /// passing name's end, `NAME.PID`, of a file that may go.
 pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
-    let here = match folder.as_os_str().is_empty() {
-        true => Path::new("."),
-        false => folder,
-    };
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     for entry in fs::read_dir(here).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let written_by = |name: &str| passing(name)?.rsplit_once('.')?.1.parse::<u32>().ok();
@@ -252,9 +249,10 @@ mod tests {
         let left = |name: &&str| folder.path().join(name).exists();
         let left: Vec<&str> = names.into_iter().filter(left).collect();
         // The one of this process was on its way, and has arrived.
-        let expected = match cfg!(target_os = "linux") {
-            true => vec![names[3], names[4]],
-            false => vec![names[0], names[2], names[3], names[4]],
+        let expected = if cfg!(target_os = "linux") {
+            vec![names[3], names[4]]
+        } else {
+            vec![names[0], names[2], names[3], names[4]]
         };
         assert_eq!(left, expected);
     }

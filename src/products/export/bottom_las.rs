@@ -85,10 +85,7 @@ fn las_point(cell: &BottomCell) -> las::Result<Point> {
 }
 
 fn extra_bytes_of(cell: &BottomCell) -> Vec<u8> {
-    let sigma_m = match cell.sigma_m.is_nan() {
-        true => NO_SIGMA,
-        false => cell.sigma_m,
-    };
+    let sigma_m = if cell.sigma_m.is_nan() { NO_SIGMA } else { cell.sigma_m };
     let mut bytes = vec![cell.source];
     bytes.extend(sigma_m.to_le_bytes());
     bytes.extend(cell.distance_m.to_le_bytes());

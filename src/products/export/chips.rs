@@ -62,12 +62,11 @@ pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;
     let factor = (rect.x1 - rect.x0).max(rect.y1 - rect.y0) / room_px;
     let coarser;
-    let raster = match factor > 1.0 {
-        true => {
-            coarser = raster.coarser(f64::from(factor));
-            &coarser
-        }
-        false => raster,
+    let raster = if factor > 1.0 {
+        coarser = raster.coarser(f64::from(factor));
+        &coarser
+    } else {
+        raster
     };
     let (x, y, width, height) = around(&raster.rect_of(mark));
     let (width, height) = (width.min(TILE_PX), height.min(TILE_PX));

@@ -27,9 +27,10 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 let at = log.navigation.to_lon_lat(&log.survey.track, east_m, north_m);
                 summary.add([at.lon_deg, at.lat_deg], point.z_m);
                 let range_m = reduction.point_range_m(log.survey, point);
-                let level = match point.source.is_side_scan() {
-                    true => point.level.to_string(),
-                    false => String::new(),
+                let level = if point.source.is_side_scan() {
+                    point.level.to_string()
+                } else {
+                    String::new()
                 };
                 writeln!(
                     out,

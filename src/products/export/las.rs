@@ -48,10 +48,7 @@ pub(super) fn write_las(
     points: impl Iterator<Item = las::Result<Point>>,
 ) -> Result<Summary, ExportError> {
     write_atomically(path, |file| {
-        let resolution = match spec.crs.is_degrees() {
-            true => RESOLUTION_DEG,
-            false => RESOLUTION_M,
-        };
+        let resolution = if spec.crs.is_degrees() { RESOLUTION_DEG } else { RESOLUTION_M };
         let [x, y] = spec.origin.map_or([0.0; 2], |origin| spec.crs.place(origin));
         let finest = [resolution, resolution, RESOLUTION_M];
         let transforms = transforms(places.clone(), [x, y, 0.0], finest)?;

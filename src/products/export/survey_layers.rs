@@ -27,10 +27,7 @@ pub(crate) struct MapGeometry<'a> {
 impl<'a> MapGeometry<'a> {
     /// In the system of a map.
     pub(crate) fn new(map: &'a MapPlane) -> Self {
-        let steps = match map.crs.is_degrees() {
-            true => STEPS_DEG,
-            false => STEPS_M,
-        };
+        let steps = if map.crs.is_degrees() { STEPS_DEG } else { STEPS_M };
         Self { map, steps }
     }
 

@@ -70,10 +70,8 @@ pub(super) fn track(
 ) -> String {
     let of_log = |log: &ProcessedLog| {
         let navigation = &log.products.navigation;
-        let pings = match navigation.pings.is_empty() {
-            true => &navigation.soundings,
-            false => &navigation.pings,
-        };
+        let pings =
+            if navigation.pings.is_empty() { &navigation.soundings } else { &navigation.pings };
         let places = pings.iter().map(|place| {
             let track = &log.survey.track;
             from.map.place(navigation.to_lon_lat(track, place.east_m, place.north_m))

@@ -80,10 +80,7 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
     let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
     html += &not_listed(from);
     if boxes == 0 {
-        let none = match is_reviewed(from) {
-            true => "None was accepted.",
-            false => "None was found.",
-        };
+        let none = if is_reviewed(from) { "None was accepted." } else { "None was found." };
         return Ok(html + none + "</p>\n");
     }
     if count > 0 {
@@ -101,17 +98,15 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
 /// `14 boxes on 9 objects`; `9 objects` where each has one box.
 fn seen_in(boxes: usize, objects: usize) -> String {
     let seen = plural(objects, "object", "objects");
-    match boxes > objects {
-        true => format!("{} boxes on {seen}", typeset_count(boxes)),
-        false => seen,
-    }
+    if boxes > objects { format!("{} boxes on {seen}", typeset_count(boxes)) } else { seen }
 }
 
 /// Says that a table is cut, where it is.
 fn first_of(count: usize) -> String {
-    match count > MOST_ROWS {
-        true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
-        false => String::new(),
+    if count > MOST_ROWS {
+        format!(" The first {MOST_ROWS} are listed; the files of this run hold all.")
+    } else {
+        String::new()
     }
 }
 
@@ -157,16 +152,16 @@ fn object_rows(
 /// A cell of an object: lengths to the centimetre, with their standard deviation where there is
 /// one.
 fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
-    let number = |value: f64| match value.is_finite() {
-        true => format!("<td>{value:.2}</td>"),
-        false => "<td></td>".to_owned(),
+    let number = |value: f64| {
+        if value.is_finite() { format!("<td>{value:.2}</td>") } else { "<td></td>".to_owned() }
     };
     match column.values {
         ColumnValues::Measured(value) => {
             let [length_m, sigma_m] = value(of);
-            match sigma_m.is_finite() {
-                true => format!("<td>{length_m:.2} ± {sigma_m:.2}</td>"),
-                false => number(length_m),
+            if sigma_m.is_finite() {
+                format!("<td>{length_m:.2} ± {sigma_m:.2}</td>")
+            } else {
+                number(length_m)
             }
         }
         ColumnValues::Length(value) | ColumnValues::Number(_, value) => number(value(of)),
@@ -242,8 +237,9 @@ pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> St
 /// Width of a picture on the page. In the table it is as wide as it is, up to the room; a larger
 /// room is filled, unless pixels would be larger than four, or the picture higher than wide.
 fn shown_width(width: usize, height: usize, room: usize) -> usize {
-    match room <= LISTED_WIDTH {
-        true => width.min(room),
-        false => room.min(4 * width).min(room * width / height.max(1)),
+    if room <= LISTED_WIDTH {
+        width.min(room)
+    } else {
+        room.min(4 * width).min(room * width / height.max(1))
     }
 }

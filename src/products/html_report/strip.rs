@@ -100,15 +100,14 @@ impl ReportStrip<'_> {
                     pick.is_some().then(|| reduction.range_m(span, sample))
                 })
                 .collect();
-            is_down = match ranges.is_empty() {
-                true => false,
-                false => {
-                    let letter = if is_down { 'L' } else { 'M' };
-                    let range_m = bathyscope_log::support::statistics::median(&mut ranges);
-                    let (x, y) = (LEFT + column, self.y(side, range_m));
-                    path += &format!("{letter}{x} {y:.1}");
-                    true
-                }
+            is_down = if ranges.is_empty() {
+                false
+            } else {
+                let letter = if is_down { 'L' } else { 'M' };
+                let range_m = bathyscope_log::support::statistics::median(&mut ranges);
+                let (x, y) = (LEFT + column, self.y(side, range_m));
+                path += &format!("{letter}{x} {y:.1}");
+                true
             };
         }
         path

@@ -186,29 +186,25 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
         ));
     }
     if from.objects.is_some() {
-        let what = match objects::is_reviewed(from) {
-            true => "objects",
-            false => "objects proposed, not reviewed",
-        };
+        let what =
+            if objects::is_reviewed(from) { "objects" } else { "objects proposed, not reviewed" };
         figures.push((count(objects::count(from)), what));
     }
     figures
 }
 
 fn volume(cubic_m: f64) -> String {
-    match cubic_m < 1e6 {
-        true => format!("{} m\u{b3}", count(cubic_m.round() as usize)),
-        false => format!("{:.2} million m\u{b3}", cubic_m / 1e6),
+    if cubic_m < 1e6 {
+        format!("{} m\u{b3}", count(cubic_m.round() as usize))
+    } else {
+        format!("{:.2} million m\u{b3}", cubic_m / 1e6)
     }
 }
 
 /// Length of the fitted track of a log.
 pub(super) fn sailed_m(log: &ProcessedLog) -> f64 {
     let navigation = &log.products.navigation;
-    let pings = match navigation.pings.is_empty() {
-        true => &navigation.soundings,
-        false => &navigation.pings,
-    };
+    let pings = if navigation.pings.is_empty() { &navigation.soundings } else { &navigation.pings };
     let step = |pair: &[PingNav]| {
         let metres = (pair[1].east_m - pair[0].east_m).hypot(pair[1].north_m - pair[0].north_m);
         (metres < LONGEST_STEP_M).then_some(metres)

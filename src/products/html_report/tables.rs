@@ -10,9 +10,10 @@ use bathyscope_log::support::printable::xml;
 pub(super) fn warnings(from: &ReportData<'_>) -> String {
     let items: String =
         from.report.warnings.iter().map(|warning| format!("<li>{}</li>", xml(warning))).collect();
-    match items.is_empty() {
-        true => String::new(),
-        false => format!("<aside><b>Warnings</b><ul>{items}</ul></aside>\n"),
+    if items.is_empty() {
+        String::new()
+    } else {
+        format!("<aside><b>Warnings</b><ul>{items}</ul></aside>\n")
     }
 }
 
@@ -91,9 +92,10 @@ fn latencies(from: &ReportData<'_>) -> String {
     let mut html = String::new();
     for (name, latency) in from.names.iter().zip(from.latencies) {
         let Some(latency) = latency else { continue };
-        let advice = match latency.contradicts() {
-            true => format!("; set <code>mounting.latency_s</code> to {:.2}", latency.latency_s),
-            false => String::new(),
+        let advice = if latency.contradicts() {
+            format!("; set <code>mounting.latency_s</code> to {:.2}", latency.latency_s)
+        } else {
+            String::new()
         };
         html += &format!(
             "<p>{}: crossings over slopes show positions to be later than echoes by {}; in force is {} s{advice}.</p>\n",
@@ -120,12 +122,13 @@ pub(super) fn method(from: &ReportData<'_>) -> String {
     html += &corrections(from);
     html += &own_settings(from);
     let changed = changes(&from.products.settings);
-    html += &match changed.is_empty() {
-        true => "<p>All settings are those of the recommended preset.</p>\n".to_owned(),
-        false => format!(
+    html += &if changed.is_empty() {
+        "<p>All settings are those of the recommended preset.</p>\n".to_owned()
+    } else {
+        format!(
             "<p>Settings that differ from the recommended ones:</p>\n<pre>{}</pre>\n",
             xml(&changed.join("\n"))
-        ),
+        )
     };
     let all = toml::to_string(&from.products.settings).unwrap_or_default();
     html + &format!(
@@ -140,9 +143,10 @@ fn corrections(from: &ReportData<'_>) -> String {
     let corrections = from.report.corrections.iter();
     let items: String =
         corrections.map(|one| format!("<li>{}</li>\n", xml(&one.to_string()))).collect();
-    match items.is_empty() {
-        true => items,
-        false => format!("<p>Corrections that were asked for:</p>\n<ul>\n{items}</ul>\n"),
+    if items.is_empty() {
+        items
+    } else {
+        format!("<p>Corrections that were asked for:</p>\n<ul>\n{items}</ul>\n")
     }
 }
 
@@ -156,12 +160,13 @@ fn own_settings(from: &ReportData<'_>) -> String {
             lines += &format!("{}: {key} = {value}\n", log.log);
         }
     }
-    match lines.is_empty() {
-        true => lines,
-        false => format!(
+    if lines.is_empty() {
+        lines
+    } else {
+        format!(
             "<p>Settings of a log that differ from those of the first log:</p>\n<pre>{}</pre>\n",
             xml(lines.trim_end())
-        ),
+        )
     }
 }
 

@@ -134,11 +134,10 @@ fn of_proposal(from: &ReportData<'_>, of: &ObjectBox) -> String {
 /// depth there.
 fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
     let units = Units::default();
-    let size = match target.length_m.is_finite() && target.width_m.is_finite() {
-        true => {
-            format!("{:.2} m along the track, {:.2} m across it", target.length_m, target.width_m)
-        }
-        false => "a point: not known".to_owned(),
+    let size = if target.length_m.is_finite() && target.width_m.is_finite() {
+        format!("{:.2} m along the track, {:.2} m across it", target.length_m, target.width_m)
+    } else {
+        "a point: not known".to_owned()
     };
     let edges = match target.extent {
         ObjectExtent::Drawn { .. } => ", by edges drawn by hand",
@@ -189,10 +188,8 @@ fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
         _ => String::new(),
     };
     let (first, last) = (of.one.mark.pings.start, of.one.mark.pings.end.saturating_sub(1));
-    let pings = match first < last {
-        true => format!("pings {first} to {last}"),
-        false => format!("ping {first}"),
-    };
+    let pings =
+        if first < last { format!("pings {first} to {last}") } else { format!("ping {first}") };
     let side = of.one.mark.side.name();
     facts.add(
         "Picture",

@@ -93,9 +93,10 @@ impl Pixels {
 
     fn rgba(&self, colour: impl Fn(Pixel) -> [u8; 3]) -> Vec<u8> {
         let pixels = self.depth_m.iter().zip(&self.light);
-        let colours = pixels.flat_map(|(&depth_m, &light)| match depth_m.is_nan() {
-            true => [0; 4],
-            false => {
+        let colours = pixels.flat_map(|(&depth_m, &light)| {
+            if depth_m.is_nan() {
+                [0; 4]
+            } else {
                 let [red, green, blue] = colour(Pixel { depth_m, light });
                 [red, green, blue, 255]
             }

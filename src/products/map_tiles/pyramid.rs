@@ -193,10 +193,8 @@ impl<S: PyramidSource> Pyramid<'_, S> {
     }
 
     fn drawn(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
-        let known = match tile.zoom == self.zooms.finest {
-            true => self.finest(tile)?,
-            false => self.coarser(tile)?,
-        };
+        let known =
+            if tile.zoom == self.zooms.finest { self.finest(tile)? } else { self.coarser(tile)? };
         if let Some(known) = &known {
             self.pictures(tile, known)?;
         }

@@ -54,10 +54,7 @@ fn distance(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     let way = [to[0] - from[0], to[1] - from[1]];
     let length2 = way[0] * way[0] + way[1] * way[1];
     let along = (at[0] - from[0]) * way[0] + (at[1] - from[1]) * way[1];
-    let share = match length2 > 0.0 {
-        true => (along / length2).clamp(0.0, 1.0),
-        false => 0.0,
-    };
+    let share = if length2 > 0.0 { (along / length2).clamp(0.0, 1.0) } else { 0.0 };
     let away = [0, 1].map(|axis| at[axis] - from[axis] - share * way[axis]);
     (away[0] * away[0] + away[1] * away[1]).sqrt()
 }

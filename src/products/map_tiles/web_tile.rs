@@ -182,13 +182,12 @@ impl ZoomRange {
             WebTile::at_pixel(web_pixel(LonLat { lon_deg, lat_deg }, zoom), zoom)
         };
         let (first, last) = (tile(west, north), tile(east, south));
-        let columns: Vec<u32> = match self.crosses_antimeridian() {
+        let columns: Vec<u32> = if self.crosses_antimeridian() {
             // At coarse zooms both sides may be the same tile.
-            true => {
-                let beyond = tile(east - 360.0, south).x;
-                (0..=beyond).chain(first.x.max(beyond + 1)..=last.x).collect()
-            }
-            false => (first.x..=last.x).collect(),
+            let beyond = tile(east - 360.0, south).x;
+            (0..=beyond).chain(first.x.max(beyond + 1)..=last.x).collect()
+        } else {
+            (first.x..=last.x).collect()
         };
         let rows = first.y..=last.y;
         rows.flat_map(|y| columns.iter().map(move |&x| WebTile { zoom, x, y })).collect()

@@ -34,9 +34,10 @@ fn las_file(results: &Results<'_>, path: &Path, packing: LasPacking) -> FileResu
     let points = export::cloud_las(path, packing, crs, place, &results.log_points());
     let knows_time = |log: &LogPoints<'_>| log.survey.start_unix_s.is_some();
     Ok(FileContent {
-        detail: match results.log_points().iter().all(knows_time) {
-            true => ", time adjusted standard GPS time",
-            false => ", time seconds after the log's beginning",
+        detail: if results.log_points().iter().all(knows_time) {
+            ", time adjusted standard GPS time"
+        } else {
+            ", time seconds after the log's beginning"
         },
         ..FileContent::in_system(crs, points?)
     })

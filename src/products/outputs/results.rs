@@ -134,9 +134,10 @@ impl<'a> Results<'a> {
             Need::KeptPoints => told(no_cloud(self.products)),
             Need::PlainLas if !self.products.settings.points.las => silent(),
             Need::Track if self.track().is_empty() => {
-                told(match self.logs().any(|(survey, _)| survey.has_place()) {
-                    true => "no track: the boat lay still",
-                    false => "no track: the log has no position",
+                told(if self.logs().any(|(survey, _)| survey.has_place()) {
+                    "no track: the boat lay still"
+                } else {
+                    "no track: the log has no position"
                 })
             }
             Need::Footprint if self.ground()?.shapes.is_empty() && self.has_side_scan() => {
@@ -164,11 +165,12 @@ impl<'a> Results<'a> {
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
                 // Of logs without soundings or without side-scan it is said that they have none.
                 let has_others = self.has_side_scan() || self.has_swath();
-                match has_others && self.has_soundings() {
-                    true => told(
+                if has_others && self.has_soundings() {
+                    told(
                         "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
-                    ),
-                    false => silent(),
+                    )
+                } else {
+                    silent()
                 }
             }
             Need::SideScan if !self.has_side_scan() => silent(),
@@ -504,12 +506,9 @@ impl<'a> Results<'a> {
 
 /// Why there is no point to write.
 fn no_cloud(products: &Products) -> &'static str {
-    match products.cloud.points.is_empty() {
-        true => {
-            "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"
-        }
-        false => {
-            "no cloud: no point counts as bottom (column class of points/cloud.csv); see outliers.radius_m and outliers.min_neighbors"
-        }
+    if products.cloud.points.is_empty() {
+        "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"
+    } else {
+        "no cloud: no point counts as bottom (column class of points/cloud.csv); see outliers.radius_m and outliers.min_neighbors"
     }
 }

@@ -337,12 +337,11 @@ fn names_in(folder: &Path) -> io::Result<Vec<String>> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        match entry.file_type()?.is_dir() {
-            true => {
-                let inner = names_in(&entry.path())?.into_iter();
-                names.extend(inner.map(|file| format!("{name}/{file}")));
-            }
-            false => names.push(name),
+        if entry.file_type()?.is_dir() {
+            let inner = names_in(&entry.path())?.into_iter();
+            names.extend(inner.map(|file| format!("{name}/{file}")));
+        } else {
+            names.push(name)
         }
     }
     names.sort_unstable();

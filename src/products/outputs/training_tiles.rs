@@ -63,9 +63,8 @@ impl TrainingTiles<'_> {
             all.push(chip.boxes);
             progress.advance(1);
         }
-        let of_part = |part: DatasetPart| match part == self.part {
-            true => folder.finish(part, &all),
-            false => folder.finish(part, &[]),
+        let of_part = |part: DatasetPart| {
+            if part == self.part { folder.finish(part, &all) } else { folder.finish(part, &[]) }
         };
         let [train, val, test] = DatasetPart::ALL.map(of_part);
         let manifest = Manifest {

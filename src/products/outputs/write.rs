@@ -103,10 +103,7 @@ pub fn write(
             files.push(row);
         }
     }
-    let found = match asked(When::Searched) {
-        true => Proposed::of(&run.results)?,
-        false => None,
-    };
+    let found = if asked(When::Searched) { Proposed::of(&run.results)? } else { None };
     let (report, hashed) = (run.report, run.hashed);
     drop(run.results);
     check_logs(order.logs)?;
@@ -173,9 +170,6 @@ pub(super) fn write_rows(
 fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let files = (run.folder).files(&run.hashed, run.results.progress)?;
     let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
-    let more_inputs = match compared {
-        true => run.results.reference_inputs()?,
-        false => &[],
-    };
+    let more_inputs = if compared { run.results.reference_inputs()? } else { &[] };
     write_manifest(path, &run.report, &run.made, &files, more_inputs)
 }

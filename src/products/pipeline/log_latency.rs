@@ -27,9 +27,10 @@ impl LogLatency {
     /// The sentence about what is in force, where the crossings contradict it.
     pub(crate) fn warning(&self) -> String {
         let more_s = self.latency_s - self.in_force_s;
-        let (when, cause) = match more_s > 0.0 {
-            true => ("later", "the receiver is late, or its antenna is behind the transducer"),
-            false => ("earlier", "the antenna is ahead of the transducer"),
+        let (when, cause) = if more_s > 0.0 {
+            ("later", "the receiver is late, or its antenna is behind the transducer")
+        } else {
+            ("earlier", "the antenna is ahead of the transducer")
         };
         format!(
             "Where the track crosses itself over slopes, depths agree best with positions recorded {:.2} s {when} (standard error {:.2} s): {cause}. Depths beside slopes are wrong until it is corrected: set mounting.latency_s to {:.2} (Compare positions, then Apply positions; or process with --latency).",

@@ -273,9 +273,10 @@ impl LogSettings {
         if changed.water_level.file == shared.water_level.file {
             changed.water_level.gauge = shared.water_level.gauge.clone();
         }
-        changed.isobaths.area = match own.is_own("isobaths.clip") {
-            true => shared.isobaths.area.clone(),
-            false => after.isobaths.area.clone(),
+        changed.isobaths.area = if own.is_own("isobaths.clip") {
+            shared.isobaths.area.clone()
+        } else {
+            after.isobaths.area.clone()
         };
         Ok((changed, own))
     }
@@ -308,12 +309,11 @@ impl LogSettings {
             return None;
         }
         let mut changed = self.clone();
-        match own {
-            true => {
-                let value = setting_values(shared).remove(key)?;
-                changed.own.insert(key.to_owned(), value);
-            }
-            false => changed.unset(key),
+        if own {
+            let value = setting_values(shared).remove(key)?;
+            changed.own.insert(key.to_owned(), value);
+        } else {
+            changed.unset(key)
         }
         Some(changed)
     }

@@ -172,10 +172,7 @@ pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f3
 
 /// The first returns that count: those of excluded pings do not.
 pub(super) fn counted(returns: &Arc<FirstReturns>, exclusions: &Exclusions) -> Arc<FirstReturns> {
-    match exclusions.is_empty() {
-        true => returns.clone(),
-        false => Arc::new(returns.without(exclusions)),
-    }
+    if exclusions.is_empty() { returns.clone() } else { Arc::new(returns.without(exclusions)) }
 }
 
 /// The first returns that a calibration may be based on. What was accepted as bottom is flagged

@@ -85,10 +85,7 @@ fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cance
     if is_as_long(log, path) {
         return Ok(LogLocation::Changed);
     }
-    let there = match starts_recording(log, path) {
-        true => opened(path, progress)?,
-        false => None,
-    };
+    let there = if starts_recording(log, path) { opened(path, progress)? } else { None };
     let there = there.filter(|survey| survey.is_or_was(&log.identity()));
     Ok(match there {
         Some(survey) if survey.source.byte_count > log.byte_count => LogLocation::Here,
@@ -105,12 +102,13 @@ fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cance
         progress.check()?;
         return Ok(hash.is_ok_and(|(_, sha256)| sha256 == log.sha256));
     }
-    match starts_recording(log, path) {
-        true => match opened(path, progress)? {
+    if starts_recording(log, path) {
+        match opened(path, progress)? {
             Some(survey) => log.is_of(&survey, progress),
             None => Ok(false),
-        },
-        false => Ok(false),
+        }
+    } else {
+        Ok(false)
     }
 }
 

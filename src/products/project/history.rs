@@ -137,10 +137,7 @@ impl<T: Clone + PartialEq> History<T> {
         let mut state = None;
         while self.undo.len() != count {
             let from = state.as_ref().unwrap_or(now).clone();
-            state = match self.undo.len() > count {
-                true => self.undo(&from),
-                false => self.redo(&from),
-            };
+            state = if self.undo.len() > count { self.undo(&from) } else { self.redo(&from) };
         }
         state
     }
@@ -193,9 +190,8 @@ mod tests {
         }
         let read = |history: &History<usize>| -> Vec<String> {
             let steps = history.steps();
-            let shown = |step: super::HistoryStep| match step.is_undone {
-                true => format!("({})", step.label),
-                false => step.label.to_owned(),
+            let shown = |step: super::HistoryStep| {
+                if step.is_undone { format!("({})", step.label) } else { step.label.to_owned() }
             };
             steps.map(shown).collect()
         };

@@ -56,10 +56,7 @@ impl Pick {
     /// Its side in a log: what was picked while the sides were exchanged lies on the other one when
     /// they are not.
     pub fn side_in(&self, survey: &Survey) -> Side {
-        match self.log.swapped_sides == survey.swapped_sides {
-            true => self.side,
-            false => self.side.other(),
-        }
+        if self.log.swapped_sides == survey.swapped_sides { self.side } else { self.side.other() }
     }
 }
 

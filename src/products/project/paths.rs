@@ -58,10 +58,7 @@ pub(super) fn placed(path: &Path) -> PathBuf {
 /// programs do, without the `\\?\` that the system puts before it.
 pub(super) fn canonical(path: &Path) -> io::Result<PathBuf> {
     let path = fs::canonicalize(path)?;
-    Ok(match cfg!(windows) {
-        true => path.to_str().and_then(plain).unwrap_or(path),
-        false => path,
-    })
+    Ok(if cfg!(windows) { path.to_str().and_then(plain).unwrap_or(path) } else { path })
 }
 
 /// `C:\lake` of `\\?\C:\lake`, and `\\server\lake` of `\\?\UNC\server\lake`.
@@ -76,10 +73,7 @@ fn plain(path: &str) -> Option<PathBuf> {
 /// An absolute path as text.
 fn text_of(path: &Path) -> String {
     let text = encoded(path.as_os_str().as_encoded_bytes());
-    match cfg!(windows) {
-        true => text.replace('\\', "/"),
-        false => text,
-    }
+    if cfg!(windows) { text.replace('\\', "/") } else { text }
 }
 
 /// `.` left out and `..` taken back where the text allows it; no link is looked at.

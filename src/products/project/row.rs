@@ -92,10 +92,7 @@ impl Key {
         let mut parts = Vec::new();
         let mut rest = text.trim();
         loop {
-            let (part, after) = match rest.starts_with('"') {
-                true => quoted(rest)?,
-                false => bare(rest)?,
-            };
+            let (part, after) = if rest.starts_with('"') { quoted(rest)? } else { bare(rest)? };
             parts.push(part);
             rest = after.trim_start();
             match rest.strip_prefix('.') {
@@ -154,10 +151,7 @@ pub(super) fn split(line: &str) -> Option<(Vec<String>, &str)> {
 fn joined(parts: &[String]) -> String {
     let shown = parts.iter().map(|part| {
         let is_plain = !part.is_empty() && part.chars().all(is_bare);
-        match is_plain {
-            true => part.clone(),
-            false => one_line(&Value::String(part.clone())),
-        }
+        if is_plain { part.clone() } else { one_line(&Value::String(part.clone())) }
     });
     shown.collect::<Vec<_>>().join(".")
 }

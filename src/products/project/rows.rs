@@ -167,9 +167,10 @@ fn put_log(
             let parts = ["log", key, "bottom", line.side.name(), &line.pings[0].to_string()];
             let corners = line.corners.iter();
             let corners = corners.map(|corner| Value::from(corner.to_vec()));
-            let what = match line.accepted {
-                true => ("accepted".to_owned(), Value::Boolean(true)),
-                false => ("corners".to_owned(), Value::Array(corners.collect())),
+            let what = if line.accepted {
+                ("accepted".to_owned(), Value::Boolean(true))
+            } else {
+                ("corners".to_owned(), Value::Array(corners.collect()))
             };
             let row = Table::from_iter([("last".to_owned(), whole(line.pings[1] as u64)), what]);
             put(Key::new(parts), &Value::Table(row));

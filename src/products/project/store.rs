@@ -149,9 +149,10 @@ impl Store {
             }
         }
         let is_saved = project == saved;
-        let begun = match is_saved || read.entries.is_empty() {
-            true => journal.restart(&sha256, VERSION),
-            false => journal.append(&Entry::Opened(Owner::now())),
+        let begun = if is_saved || read.entries.is_empty() {
+            journal.restart(&sha256, VERSION)
+        } else {
+            journal.append(&Entry::Opened(Owner::now()))
         };
         begun.map_err(not_writable(&path))?;
         let store = Self {

@@ -31,9 +31,10 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let (Some(products), Some(figures)) = (&app.log.products, &app.log.figures) else {
         parts::remark(
             ui,
-            match context.app.is_stopped() {
-                true => "No result yet: the search was stopped.",
-                false => "Searching…",
+            if context.app.is_stopped() {
+                "No result yet: the search was stopped."
+            } else {
+                "Searching…"
             },
         );
         return;

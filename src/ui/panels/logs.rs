@@ -193,12 +193,13 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     parts::table(ui, "height offsets", &HEIGHTS, |ui| {
         for (id, offset) in found.logs() {
             ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
-            let (value, error) = match offset.is_determined() {
-                false => (text::NONE.to_owned(), text::NONE.to_owned()),
-                true => (
+            let (value, error) = if !offset.is_determined() {
+                (text::NONE.to_owned(), text::NONE.to_owned())
+            } else {
+                (
                     app.view.options.units.signed(offset.offset_m, 3),
                     app.view.options.units.spread(offset.standard_error_m, 3),
-                ),
+                )
             };
             ui.label(RichText::new(value).small());
             ui.label(RichText::new(error).small());

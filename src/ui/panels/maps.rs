@@ -24,10 +24,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Shows or hides a layer, and says which it is now.
 fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, action: Action) {
     let shown = context.options().map.layers.is_visible(layer);
-    let text = match shown {
-        true => "Hide on the map",
-        false => "Show on the map",
-    };
+    let text = if shown { "Hide on the map" } else { "Show on the map" };
     context.named_button(ui.button(text), action);
 }
 

@@ -174,10 +174,7 @@ fn take_system(context: &mut ViewContext<'_>, typed: &str, in_force: &str) {
         return context.change(row.name, |settings| settings.source.crs = None);
     }
     let is_number = typed.bytes().all(|digit| digit.is_ascii_digit());
-    let named = match is_number {
-        true => format!("EPSG:{typed}"),
-        false => typed.to_owned(),
-    };
+    let named = if is_number { format!("EPSG:{typed}") } else { typed.to_owned() };
     let assignment = format!("{}={named}", row.key);
     match context.app.log.settings.with_assignment(&assignment) {
         Ok(named) => context.change(row.name, |settings| *settings = named),

@@ -15,23 +15,21 @@ use egui::{Align, Button, Layout, ProgressBar, Response, RichText, Ui, WidgetTex
 /// with `i`.
 pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
-    let (colour, sign, name) = match is_error {
-        true => (theme::error_colour(look), "!", "could not be done"),
-        false => (theme::accent_colour(look), "i", "was done"),
+    let (colour, sign, name) = if is_error {
+        (theme::error_colour(look), "!", "could not be done")
+    } else {
+        (theme::accent_colour(look), "i", "was done")
     };
     let (at, painter) = (rect.center(), ui.painter());
     let stroke = egui::Stroke::new(1.4, colour);
-    let below = match is_error {
-        true => {
-            let corners = [[0.0, -7.0], [7.5, 6.0], [-7.5, 6.0]];
-            let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
-            painter.add(egui::Shape::closed_line(points, stroke));
-            1.0
-        }
-        false => {
-            painter.circle_stroke(at, 6.5, stroke);
-            0.0
-        }
+    let below = if is_error {
+        let corners = [[0.0, -7.0], [7.5, 6.0], [-7.5, 6.0]];
+        let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
+        painter.add(egui::Shape::closed_line(points, stroke));
+        1.0
+    } else {
+        painter.circle_stroke(at, 6.5, stroke);
+        0.0
     };
     let font = egui::FontId::proportional(theme::SMALL);
     let centre = egui::Align2::CENTER_CENTER;
@@ -83,9 +81,10 @@ pub(crate) fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetT
             value.on_hover_text(hint);
         }
     };
-    match width.size().x > room {
-        true => ui.horizontal_top(row),
-        false => ui.horizontal(row),
+    if width.size().x > room {
+        ui.horizontal_top(row)
+    } else {
+        ui.horizontal(row)
     };
 }
 
@@ -273,9 +272,10 @@ fn number(
     let read = |text: &str| {
         let text = text.trim();
         let is_word = text.is_empty() || none_word.is_some_and(|word| word == text);
-        match is_word && none_word.is_some() {
-            true => Some(0.0),
-            false => number_field::parse(text.trim_end_matches(shown.suffix.trim())),
+        if is_word && none_word.is_some() {
+            Some(0.0)
+        } else {
+            number_field::parse(text.trim_end_matches(shown.suffix.trim()))
         }
     };
     let response = row(ui, setting.label, &hint, |ui| {

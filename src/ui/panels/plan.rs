@@ -25,9 +25,12 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut speed = asked.speed_mps.unwrap_or(0.0) / of_speed;
     let hint = "Speed of the boat over ground; 0 for the median of the survey.";
     row(ui, "Speed", hint, |ui| {
-        let written = |value: f64| match value > 0.0 {
-            true => format!("{value:.2} {}", units.speed.symbol()),
-            false => "as surveyed".to_owned(),
+        let written = |value: f64| {
+            if value > 0.0 {
+                format!("{value:.2} {}", units.speed.symbol())
+            } else {
+                "as surveyed".to_owned()
+            }
         };
         let value = number_field(&mut speed).range(0.0..=20.0 / of_speed);
         let value = value.custom_formatter(|value, _| written(value));

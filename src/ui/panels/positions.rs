@@ -51,9 +51,8 @@ fn table(ui: &mut Ui, app: &App, found: &FoundPositions) {
 
 fn values(app: &App, found: &FoundShift) -> [String; 5] {
     let units = app.view.options.units;
-    let of = |error: f64, value: &dyn Fn() -> String| match error.is_nan() {
-        true => text::NONE.to_owned(),
-        false => value(),
+    let of = |error: f64, value: &dyn Fn() -> String| {
+        if error.is_nan() { text::NONE.to_owned() } else { value() }
     };
     let (shift_m, error_m, error_s) = (&found.shift, found.shift_error_m, found.latency_error_s);
     [

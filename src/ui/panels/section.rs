@@ -173,9 +173,10 @@ fn heading(
 
 /// Points down while a part is open, to the right while it is folded.
 fn triangle(painter: &egui::Painter, at: egui::Pos2, folded: bool, ink: egui::Color32) {
-    let corners = match folded {
-        true => [[-2.5, -4.0], [3.5, 0.0], [-2.5, 4.0]],
-        false => [[-4.0, -2.5], [4.0, -2.5], [0.0, 3.5]],
+    let corners = if folded {
+        [[-2.5, -4.0], [3.5, 0.0], [-2.5, 4.0]]
+    } else {
+        [[-4.0, -2.5], [4.0, -2.5], [0.0, 3.5]]
     };
     let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
     painter.add(egui::Shape::convex_polygon(points, ink, egui::Stroke::NONE));

@@ -138,9 +138,10 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace) {
         PointSource::Starboard => "starboard",
         PointSource::Swath => "swath (StructureScan 3D)",
     };
-    let level = match point.source.is_side_scan() {
-        true => format!(" · level {}", point.level),
-        false => String::new(),
+    let level = if point.source.is_side_scan() {
+        format!(" · level {}", point.level)
+    } else {
+        String::new()
     };
     let class = products.classes.get(index).filter(|class| !class.is_kept());
     let class = class.map_or(String::new(), |class| format!(" · {}", PointClass::name(*class)));

@@ -189,10 +189,7 @@ fn space_out(vertices: &[Vertex], spacing_m: f32) -> Vec<Vertex> {
         }
         colours.give_to(kept.last_mut());
         if is_place(vertex) || kept.last().is_some_and(is_place) {
-            let vertex = match is_place(vertex) {
-                true => *vertex,
-                false => Vertex::BREAK,
-            };
+            let vertex = if is_place(vertex) { *vertex } else { Vertex::BREAK };
             kept.push(vertex);
             colours.add(vertex.colour);
         }

@@ -119,9 +119,10 @@ impl OffscreenPipeline {
     /// Draws over what is nearer only where it `tests_depth`.
     pub(super) fn new(device: &wgpu::Device, parts: PipelineParts<'_>, tests_depth: bool) -> Self {
         let layout = bind_group_layout(device, &[uniform_entry(0)]);
-        let depth_compare = match tests_depth {
-            true => wgpu::CompareFunction::GreaterEqual,
-            false => wgpu::CompareFunction::Always,
+        let depth_compare = if tests_depth {
+            wgpu::CompareFunction::GreaterEqual
+        } else {
+            wgpu::CompareFunction::Always
         };
         let depth = wgpu::DepthStencilState {
             format: DEPTH_FORMAT,

@@ -39,10 +39,7 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
         commands.push(Command::CompareWith(points));
     }
     if !logs.is_empty() {
-        commands.push(match has_log {
-            true => Command::Add(logs),
-            false => Command::OpenAll(logs),
-        });
+        commands.push(if has_log { Command::Add(logs) } else { Command::OpenAll(logs) });
     }
 }
 

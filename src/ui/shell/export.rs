@@ -121,9 +121,10 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
             let mut requested = !options.excluded_products.contains(&product);
             let tick = ui.checkbox(&mut requested, product.title());
             if tick.on_hover_text(files(context.app, product)).clicked() {
-                match requested {
-                    true => options.excluded_products.retain(|one| *one != product),
-                    false => options.excluded_products.push(product),
+                if requested {
+                    options.excluded_products.retain(|one| *one != product)
+                } else {
+                    options.excluded_products.push(product)
                 }
             }
             let size = bytes(about_bytes(Some(product), amounts));
@@ -177,9 +178,10 @@ fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
             line.request_focus();
         }
         let enter = line.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        match asked.is_named && !asked.folder.trim().is_empty() {
-            true if enter => pressed = Pressed::Export,
-            _ => goes_on = enter,
+        if asked.is_named && !asked.folder.trim().is_empty() && enter {
+            pressed = Pressed::Export
+        } else {
+            goes_on = enter
         }
     });
     if asked.known.as_ref().is_none_or(|(of, _)| *of != asked.folder) {

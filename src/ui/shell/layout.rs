@@ -150,9 +150,10 @@ impl Layout {
         if !self.is_automatic || is_stacked(&self.tree) == (height < ROOM) {
             return;
         }
-        self.tree = match height < ROOM {
-            true => Tree::new_tabs(egui::Id::unique("views"), View::ALL.to_vec()),
-            false => tree(LayoutPreset::Survey),
+        self.tree = if height < ROOM {
+            Tree::new_tabs(egui::Id::unique("views"), View::ALL.to_vec())
+        } else {
+            tree(LayoutPreset::Survey)
         };
         self.bring_to_front(self.focus);
     }

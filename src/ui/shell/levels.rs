@@ -82,10 +82,11 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal(|ui| {
         let switch = ui.checkbox(&mut is_automatic, "Automatic level");
         if switch.on_hover_text(hint).changed() {
-            let levels = match is_automatic {
-                true => None,
+            let levels = if is_automatic {
+                None
+            } else {
                 // Where they are: what is seen does not jump.
-                false => levels.or(Some([0.0, 255.0])),
+                levels.or(Some([0.0, 255.0]))
             };
             set(context, levels, "levels of the waterfall", false);
         }
@@ -161,9 +162,10 @@ fn follow(
     };
     let holds_black: bool = ui.data(|data| data.get_temp(held_id)).unwrap_or(false);
     let level = level_at(at).max(0.0);
-    let levels = match holds_black {
-        true => [level.min(white - APART).max(0.0), white],
-        false => [black, level.max(black + APART)],
+    let levels = if holds_black {
+        [level.min(white - APART).max(0.0), white]
+    } else {
+        [black, level.max(black + APART)]
     };
     let live = response.dragged() && !response.drag_stopped();
     let label = if holds_black { rows::PICTURE_BLACK.name } else { rows::PICTURE_WHITE.name };

@@ -139,9 +139,10 @@ fn matching_rows(rows: &[Vec<Vec<Span>>], words: &[String]) -> Vec<Vec<Vec<Span>
         matches(std::slice::from_ref(&row), words)
     };
     let found: Vec<_> = rows.iter().skip(1).filter(holds).cloned().collect();
-    match found.is_empty() {
-        true => rows.to_vec(),
-        false => rows.iter().take(1).cloned().chain(found).collect(),
+    if found.is_empty() {
+        rows.to_vec()
+    } else {
+        rows.iter().take(1).cloned().chain(found).collect()
     }
 }
 
@@ -210,9 +211,10 @@ fn job(ui: &Ui, spans: &[Span], words: &[String]) -> LayoutJob {
     let mut job = LayoutJob::default();
     let (ink, mark) = (ui.visuals().text_color(), ui.visuals().selection.bg_fill);
     for span in spans {
-        let font = match span.is_code {
-            true => FontId::monospace(CODE_SIZE),
-            false => FontId::proportional(TEXT_SIZE),
+        let font = if span.is_code {
+            FontId::monospace(CODE_SIZE)
+        } else {
+            FontId::proportional(TEXT_SIZE)
         };
         for (piece, is_sought) in pieces(&span.text, words) {
             let background = if is_sought { mark } else { Color32::TRANSPARENT };

@@ -47,9 +47,10 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
             None => "The scale bar gives the scale.".to_owned(),
         },
         View::Waterfall => {
-            let across = match app.view.options.waterfall.ground_range {
-                true => "distance on level ground",
-                false => "slant range",
+            let across = if app.view.options.waterfall.ground_range {
+                "distance on level ground"
+            } else {
+                "slant range"
             };
             format!(
                 "Range lines give the scale across the track, {across}; ping and time that along it."

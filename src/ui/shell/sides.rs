@@ -31,10 +31,7 @@ impl SidePanel {
     }
 
     fn choose(self, options: &mut PanelOptions, shown: bool) {
-        let chosen = match shown {
-            true => PanelShown::Always,
-            false => PanelShown::Never,
-        };
+        let chosen = if shown { PanelShown::Always } else { PanelShown::Never };
         match self {
             SidePanel::Steps => options.steps = chosen,
             SidePanel::Details => options.details = chosen,
@@ -125,9 +122,10 @@ impl SidePanel {
         let outline = Stroke::new(1.2, stroke.color);
         let kind = egui::StrokeKind::Inside;
         ui.painter().rect_stroke(window, 2.0, outline, kind);
-        match is_shown {
-            true => ui.painter().rect_filled(side, 0.0, stroke.color),
-            false => ui.painter().rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind),
+        if is_shown {
+            ui.painter().rect_filled(side, 0.0, stroke.color)
+        } else {
+            ui.painter().rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind)
         };
         context.keyed_button(button, action);
     }

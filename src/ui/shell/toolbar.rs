@@ -111,9 +111,10 @@ pub(super) fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut Water
                 }
                 for alone in [false, true] {
                     let is_it = shown.echogram == channel && shown.echogram_alone == alone;
-                    let label = match alone {
-                        false => format!("side-scan and {}", channel.name()),
-                        true => format!("{} alone", channel.name()),
+                    let label = if !alone {
+                        format!("side-scan and {}", channel.name())
+                    } else {
+                        format!("{} alone", channel.name())
                     };
                     if choices.choice(is_it, label).clicked() {
                         (shown.echogram, shown.echogram_alone) = (channel, alone);
@@ -173,9 +174,10 @@ fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOption
     let several_logs = context.app.log_count() > 1;
     let keys = Action::NextCloudColour.keys().unwrap_or_default();
     let hint = format!("What the colour of a point says ({keys}).");
-    let selected = match shown.points {
-        true => format!("points by {}", shown.colour.name()),
-        false => "no points".to_owned(),
+    let selected = if shown.points {
+        format!("points by {}", shown.colour.name())
+    } else {
+        "no points".to_owned()
     };
     DropDown::new("colours of points", egui::RichText::new(selected).small())
         .width(116.0)
@@ -195,9 +197,10 @@ fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOption
 fn bottom_colours(ui: &mut Ui, shown: &mut CloudOptions) {
     let keys = Action::NextBottomColour.keys().unwrap_or_default();
     let hint = format!("What the colour of the bottom says ({keys}).");
-    let selected = match shown.bottom {
-        true => format!("bottom by {}", shown.bottom_colour.name()),
-        false => "no bottom".to_owned(),
+    let selected = if shown.bottom {
+        format!("bottom by {}", shown.bottom_colour.name())
+    } else {
+        "no bottom".to_owned()
     };
     let selected = egui::RichText::new(selected).small();
     DropDown::new("colours of the bottom", selected)

@@ -150,10 +150,7 @@ impl BoxChip {
         let fine = Raster::new(survey, navigation, PIXEL_M);
         let [width, height] = ChipWindow::around(&fine.rect_of(mark));
         let coarser = f64::from(width.max(height) / TILE_PX as f32);
-        let raster = match coarser > 1.0 {
-            true => fine.coarser(coarser),
-            false => fine,
-        };
+        let raster = if coarser > 1.0 { fine.coarser(coarser) } else { fine };
         let window = ChipWindow::new(&raster, mark);
         if window.rows == 0 || window.columns == 0 {
             return None;
@@ -231,14 +228,8 @@ fn image(pixels: &[u8], window: &ChipWindow, of: &ChipKey) -> ColorImage {
             Orientation::Horizontal => (y, x),
             Orientation::Vertical => (x, y),
         };
-        let column = match turned.is_first {
-            true => window.columns - 1 - across,
-            false => across,
-        };
-        let row = match turned.flip {
-            true => window.rows - 1 - row,
-            false => row,
-        };
+        let column = if turned.is_first { window.columns - 1 - across } else { across };
+        let row = if turned.flip { window.rows - 1 - row } else { row };
         let level = pixels[row * TILE_PX + column];
         let [r, g, b] = colours[usize::from(level)];
         egui::Color32::from_rgb(r, g, b)

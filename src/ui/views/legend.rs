@@ -179,10 +179,7 @@ impl LegendScale {
         let parts = f64::from(height / 22.0).max(2.0);
         let step = ticks::round_step((high - low).max(1e-3), parts);
         for value in ticks::multiples(low, high, step) {
-            let share = match high > low {
-                true => ((value - top) / (bottom - top)) as f32,
-                false => 0.5,
-            };
+            let share = if high > low { ((value - top) / (bottom - top)) as f32 } else { 0.5 };
             let y = bar.top() + height * share;
             painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, text));
             let sign = if self.signed && value > 0.0 { "+" } else { "" };

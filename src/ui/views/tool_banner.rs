@@ -158,9 +158,10 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
         }
         (MeasurementKind::Height, View::Waterfall) => (
             "Height from shadow",
-            match is_drawing {
-                true => "now the end of the shadow",
-                false => "drag from the object's top, where its shadow begins, to the shadow's end",
+            if is_drawing {
+                "now the end of the shadow"
+            } else {
+                "drag from the object's top, where its shadow begins, to the shadow's end"
             },
         ),
     };

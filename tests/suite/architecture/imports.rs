@@ -106,9 +106,10 @@ impl Module {
             use_paths("", tree.trim_end_matches(';'), &mut found);
             let is_handed_on = before.lines().next_back().is_some_and(|line| line.contains("pub"));
             for (path, name) in found {
-                match is_handed_on {
-                    true => handed_on.push((path.clone(), name.clone())),
-                    false => module.taken.push(path.clone()),
+                if is_handed_on {
+                    handed_on.push((path.clone(), name.clone()))
+                } else {
+                    module.taken.push(path.clone())
                 }
                 module.scope.insert(name, path);
             }

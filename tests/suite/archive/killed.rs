@@ -29,10 +29,7 @@ fn killed(folder: &Path, args: &[&str], after: Duration) {
 
 /// The files under final names.
 fn final_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut there = match folder.is_dir() {
-        true => files(folder),
-        false => BTreeMap::new(),
-    };
+    let mut there = if folder.is_dir() { files(folder) } else { BTreeMap::new() };
     there.retain(|name, _| {
         !name.split('/').any(|part| part.starts_with('.') || part.ends_with(".part"))
     });

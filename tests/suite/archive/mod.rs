@@ -104,12 +104,11 @@ pub(super) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        match entry.path().is_dir() {
-            true => {
-                let inner = files(&entry.path()).into_iter();
-                found.extend(inner.map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
-            }
-            false => _ = found.insert(name, fs::read(entry.path()).expect("a file")),
+        if entry.path().is_dir() {
+            let inner = files(&entry.path()).into_iter();
+            found.extend(inner.map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else {
+            _ = found.insert(name, fs::read(entry.path()).expect("a file"));
         }
     }
     found

@@ -85,9 +85,10 @@ fn a_pinned_log_stays_and_a_damaged_table_is_refused() {
     let table = fs::read_to_string(&path).expect("a table");
     let pinned: String = table
         .lines()
-        .map(|line| match line.starts_with("log-2,") {
-            false => format!("{line}\n"),
-            true => {
+        .map(|line| {
+            if !line.starts_with("log-2,") {
+                format!("{line}\n")
+            } else {
                 let fields: Vec<&str> = line.split(',').collect();
                 format!("log-2,{},1.25,,,,yes,,,,,\n", fields[1])
             }

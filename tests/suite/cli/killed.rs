@@ -41,12 +41,11 @@ fn names(folder: &Path) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        match entry.path().is_dir() && name != SIDE {
-            true => {
-                let inner = self::names(&entry.path());
-                names.extend(inner.iter().map(|one| format!("{name}/{one}")));
-            }
-            false => _ = names.insert(name),
+        if entry.path().is_dir() && name != SIDE {
+            let inner = self::names(&entry.path());
+            names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+        } else {
+            _ = names.insert(name);
         }
     }
     names

@@ -20,9 +20,10 @@ fn held(files: &Files) -> Vec<(PathBuf, Bytes)> {
 /// The first share of every file; a description is written at once.
 fn cut(files: &Files, share: f64) -> Files {
     let cut = |(path, bytes): &(PathBuf, Vec<u8>)| {
-        let end = match path.extension().is_some_and(|ending| ending == "DAT") {
-            true => bytes.len(),
-            false => (bytes.len() as f64 * share) as usize,
+        let end = if path.extension().is_some_and(|ending| ending == "DAT") {
+            bytes.len()
+        } else {
+            (bytes.len() as f64 * share) as usize
         };
         (path.clone(), bytes[..end].to_vec())
     };
@@ -130,9 +131,10 @@ fn frames(pings: i32, halves: bool) -> Vec<Frame> {
         let frame =
             |channel, late_ms| Frame { depth_ft, ..Frame::new(channel, ping * 60 + late_ms) };
         let mut all = vec![frame(0, 0), frame(2, 4)];
-        match halves {
-            false => all.push(frame(5, 9)),
-            true => all.extend([frame(3, 9), frame(4, 11)]),
+        if !halves {
+            all.push(frame(5, 9))
+        } else {
+            all.extend([frame(3, 9), frame(4, 11)])
         }
         all
     });

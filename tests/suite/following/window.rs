@@ -95,9 +95,10 @@ fn end(app: &mut App) {
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-        match entry.path().is_dir() {
-            true => all.extend(files(&entry.path())),
-            false => all.push((entry.path(), std::fs::read(entry.path()).expect("a file"))),
+        if entry.path().is_dir() {
+            all.extend(files(&entry.path()))
+        } else {
+            all.push((entry.path(), std::fs::read(entry.path()).expect("a file")))
         }
     }
     all.sort();

@@ -317,16 +317,11 @@ fn model(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     let sound = fs::read(&path).expect("a model");
     let sidecar = fs::read_to_string(path.with_extension("json")).ok();
     let harms_sidecar = sidecar.is_some() && random.below(2) == 0;
-    let bytes = match harms_sidecar {
-        true => sound,
-        false => mutate::bytes(random, &sound),
-    };
+    let bytes = if harms_sidecar { sound } else { mutate::bytes(random, &sound) };
     fs::write(folder.join("model.onnx"), bytes).expect("a model");
     if let Some(sidecar) = sidecar {
-        let text = match harms_sidecar {
-            true => mutate::text(random, &sidecar),
-            false => sidecar.into_bytes(),
-        };
+        let text =
+            if harms_sidecar { mutate::text(random, &sidecar) } else { sidecar.into_bytes() };
         fs::write(folder.join("model.json"), text).expect("a sidecar");
     }
     seeds.copy("grey.png", folder);

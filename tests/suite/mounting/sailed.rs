@@ -169,12 +169,11 @@ fn products(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        match path.is_dir() {
-            true => {
-                let inner = products(&path).into_iter();
-                all.extend(inner.map(|(file, bytes)| (format!("{name}/{file}"), bytes)));
-            }
-            false => all.push((name, std::fs::read(path).expect("a file"))),
+        if path.is_dir() {
+            let inner = products(&path).into_iter();
+            all.extend(inner.map(|(file, bytes)| (format!("{name}/{file}"), bytes)));
+        } else {
+            all.push((name, std::fs::read(path).expect("a file")))
         }
     }
     all.sort();

@@ -168,10 +168,7 @@ impl Found {
             let name = truth.objects[index].kind.name();
             edit(&mut app, Edit::Classify(id, name.to_owned()));
             let error = target(&app, id).height_m / height_m - 1.0;
-            match error.is_nan() {
-                true => unknown += 1,
-                false => errors.push(error),
-            }
+            if error.is_nan() { unknown += 1 } else { errors.push(error) }
         }
         errors.sort_by(f64::total_cmp);
         Self { errors, unknown }

@@ -158,9 +158,10 @@ impl Found {
                 Err(_) => found.without += 1,
                 Ok(shape) => {
                     let solid = shape.posed.solid;
-                    match is_of(object.kind, solid.kind) {
-                        true => found.right += 1,
-                        false => found.wrong += 1,
+                    if is_of(object.kind, solid.kind) {
+                        found.right += 1
+                    } else {
+                        found.wrong += 1
                     }
                     let error = |height_m: f64| (height_m / object.height_m - 1.0).abs();
                     found.heights.push(error(solid.height_m));

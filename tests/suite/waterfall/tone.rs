@@ -31,10 +31,7 @@ fn falling() -> Survey {
             sides[side as usize] = Some(span(bytes.len(), 400, FAR_M as f32));
             bytes.extend((0..400).map(|sample| {
                 let range_m = (f64::from(sample) + 0.5) * FAR_M / 400.0;
-                match range_m < BED_M {
-                    true => 4,
-                    false => (bright * strength * BED_M / range_m) as u8,
-                }
+                if range_m < BED_M { 4 } else { (bright * strength * BED_M / range_m) as u8 }
             }));
         }
         spans.push(sides);

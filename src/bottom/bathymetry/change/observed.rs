@@ -59,9 +59,10 @@ impl ChangeField<'_> {
             .map(|(cell, sigma_m)| sigma_m * share_of(cell) as f32)
             .collect();
         let same = known().filter(|cell| bins[*cell].is_some()).count() as f64;
-        let range_m = match same >= SAME_SHARE * known().count() as f64 {
-            true => self.range_m(&quiet, &sigma_m, errors.range_m),
-            false => errors.range_m,
+        let range_m = if same >= SAME_SHARE * known().count() as f64 {
+            self.range_m(&quiet, &sigma_m, errors.range_m)
+        } else {
+            errors.range_m
         };
         let share = if all.is_empty() { 1.0 } else { median(&mut all) };
         ObservedErrors { sigma_m, range_m, share }

@@ -225,9 +225,10 @@ impl ChangeField<'_> {
             sums = [0, 1, 2, 3].map(|index| sums[index] + added[index]);
         }
         let [weight, x, y, squares] = sums;
-        let moment = match weight > 0.0 {
-            true => squares / weight - (x / weight).powi(2) - (y / weight).powi(2),
-            false => 0.0,
+        let moment = if weight > 0.0 {
+            squares / weight - (x / weight).powi(2) - (y / weight).powi(2)
+        } else {
+            0.0
         };
         // A change in one cell is as wide as that.
         2.0 * self.cell_area_m2 * moment.max(0.5)
@@ -249,10 +250,8 @@ impl ChangeField<'_> {
     /// Distance from each cell to the nearest one of some, metres.
     pub(super) fn away_from(&self, is_one: impl Fn(usize) -> bool) -> Vec<f32> {
         let cell_m = self.cell_area_m2.sqrt() as f32;
-        let start = (0..self.is_measured.len()).map(|cell| match is_one(cell) {
-            true => 0.0,
-            false => f32::INFINITY,
-        });
+        let start =
+            (0..self.is_measured.len()).map(|cell| if is_one(cell) { 0.0 } else { f32::INFINITY });
         let cells = chamfered(start.collect(), self.columns);
         cells.into_iter().map(|cells| cell_m * cells).collect()
     }

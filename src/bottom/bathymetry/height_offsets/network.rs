@@ -309,10 +309,7 @@ impl<'a> LogNetwork<'a> {
         }
         let observed = pairs.values().filter(|[_, weights]| *weights > 0.0);
         let squares: f64 = observed.map(|[sum, weights]| sum * sum / weights).sum();
-        match pairs.len() >= self.size {
-            false => 0.0,
-            true => squares / (pairs.len() + 1 - self.size) as f64,
-        }
+        if pairs.len() < self.size { 0.0 } else { squares / (pairs.len() + 1 - self.size) as f64 }
     }
 
     /// What the overlaps say of the heights of all logs but the first, which is taken for zero, and

@@ -83,12 +83,11 @@ pub fn joined(pieces: Vec<Isobath>) -> Vec<Isobath> {
             continue;
         };
         let [begin, end] = [first, last].map(|place| end(piece.depth_m, place));
-        match begin == end || by_begin.contains_key(&begin) {
-            true => lines.push(piece),
-            false => {
-                links.push([begin, end]);
-                by_begin.insert(begin, piece);
-            }
+        if begin == end || by_begin.contains_key(&begin) {
+            lines.push(piece)
+        } else {
+            links.push([begin, end]);
+            by_begin.insert(begin, piece);
         }
     }
     for ends in join(&links) {

@@ -132,12 +132,11 @@ impl ClipArea {
             .flat_map(|one| std::iter::once(&one.outline).chain(&one.holes))
             .map(open)
             .collect();
-        let polygons = match rings.is_empty() || self.is_empty() {
-            true => Vec::new(),
+        let polygons = if rings.is_empty() || self.is_empty() {
+            Vec::new()
+        } else {
             // In 64 bits, whose steps are far below those of the coordinates.
-            false => {
-                rings.overlay_as::<i64>(&self.rings, OverlayRule::Intersect, FillRule::EvenOdd)
-            }
+            rings.overlay_as::<i64>(&self.rings, OverlayRule::Intersect, FillRule::EvenOdd)
         };
         let polygon = |shape: Vec<Vec<[f64; 2]>>| {
             let mut rings = shape.into_iter().map(without_spikes);

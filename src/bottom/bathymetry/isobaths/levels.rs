@@ -32,9 +32,10 @@ impl DepthExtent {
     /// finer than the errors of measured depths.
     fn usual_interval_m(self, unit_m: f64) -> f64 {
         let [least_m, most_m] = self.range_m;
-        let apart_m = match most_m > least_m {
-            true => ((most_m - least_m) / TARGET_LEVELS).max(SIGMAS_APART * self.error_m),
-            false => 0.0,
+        let apart_m = if most_m > least_m {
+            ((most_m - least_m) / TARGET_LEVELS).max(SIGMAS_APART * self.error_m)
+        } else {
+            0.0
         };
         unit_m * readable(apart_m / unit_m)
     }
@@ -182,10 +183,7 @@ impl IsobathSettings {
         let step_m = self.step_m(levels_m);
         let fifth = |level_m: &&f64| step_m.is_some_and(|step_m| Self::is_index(**level_m, step_m));
         let index: Vec<f64> = levels_m.iter().filter(fifth).copied().collect();
-        match index.is_empty() {
-            true => levels_m.to_vec(),
-            false => index,
-        }
+        if index.is_empty() { levels_m.to_vec() } else { index }
     }
 
     /// Metres from one isobath to the next for some depths, where none are listed; no number for
@@ -209,10 +207,7 @@ impl IsobathSettings {
             return Err(NoIsobaths::TooMany { interval_m, least_m, most_m });
         }
         // A level bottom has an interval that is no number, and no isobath.
-        let count = match interval_m > 0.0 && first <= last {
-            true => (last - first) as usize + 1,
-            false => 0,
-        };
+        let count = if interval_m > 0.0 && first <= last { (last - first) as usize + 1 } else { 0 };
         Ok((0..count).map(|step| tidy((first + step as f64) * interval_m)).collect())
     }
 }
@@ -220,18 +215,12 @@ impl IsobathSettings {
 /// A number to two digits.
 fn two_digits(value: f64) -> f64 {
     let one = 10f64.powf(value.abs().log10().floor() - 1.0);
-    match one.is_normal() {
-        true => (value / one).round() * one,
-        false => value,
-    }
+    if one.is_normal() { (value / one).round() * one } else { value }
 }
 
 /// A round interval, at least so long; no number for a level bottom.
 fn readable(at_least_m: f64) -> f64 {
-    match at_least_m > 0.0 {
-        true => ticks::round_up(at_least_m),
-        false => f64::NAN,
-    }
+    if at_least_m > 0.0 { ticks::round_up(at_least_m) } else { f64::NAN }
 }
 
 /// To the micrometre: three times 0.1 is 0.3.

@@ -88,8 +88,9 @@ pub(super) fn crossing(surface: &Surface, edge: CellEdge, level_m: f64) -> [f64;
     let [from_m, to_m] = [cell, next].map(|cell| f64::from(surface.depth_m[cell]));
     let share = (level_m - from_m) / (to_m - from_m);
     let [east_m, north_m] = grid.centre_of(cell);
-    match runs_south {
-        true => [east_m, north_m - share * grid.cell_m],
-        false => [east_m + share * grid.cell_m, north_m],
+    if runs_south {
+        [east_m, north_m - share * grid.cell_m]
+    } else {
+        [east_m + share * grid.cell_m, north_m]
     }
 }

@@ -51,10 +51,7 @@ pub fn with_shoalest<'a>(
 /// A depth in the precision of a surface, rounded toward the shallow side.
 fn not_deeper(depth_m: f64) -> f32 {
     let rounded = depth_m as f32;
-    match f64::from(rounded) > depth_m {
-        true => rounded.next_down(),
-        false => rounded,
-    }
+    if f64::from(rounded) > depth_m { rounded.next_down() } else { rounded }
 }
 
 #[cfg(test)]

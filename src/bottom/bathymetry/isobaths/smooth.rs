@@ -32,9 +32,10 @@ fn cut_corners(line: &[[f64; 2]], toward_deep: bool) -> Vec<[f64; 2]> {
     let mut cut = Vec::with_capacity(2 * count);
     let mut corner = |before: [f64; 2], at: [f64; 2], after: [f64; 2]| {
         // The deeper side is on the left: cutting a turn to the left moves the line that way.
-        match !toward_deep || turns_left(before, at, after) {
-            true => cut.extend([between(before, at, 0.75), between(at, after, 0.25)]),
-            false => cut.push(at),
+        if !toward_deep || turns_left(before, at, after) {
+            cut.extend([between(before, at, 0.75), between(at, after, 0.25)])
+        } else {
+            cut.push(at)
         }
     };
     if is_ring {
@@ -42,10 +43,7 @@ fn cut_corners(line: &[[f64; 2]], toward_deep: bool) -> Vec<[f64; 2]> {
         corner(line[count - 2], line[0], line[1]);
     }
     line.windows(3).for_each(|three| corner(three[0], three[1], three[2]));
-    let ends = match is_ring {
-        true => [cut[0]; 2],
-        false => [line[0], line[count - 1]],
-    };
+    let ends = if is_ring { [cut[0]; 2] } else { [line[0], line[count - 1]] };
     if !is_ring {
         cut.insert(0, ends[0]);
     }

@@ -161,10 +161,7 @@ impl Workspace {
                 is_restored = true;
             }
         }
-        match is_restored {
-            true => self.paths.line(self.scores.grid(), motion),
-            false => within,
-        }
+        if is_restored { self.paths.line(self.scores.grid(), motion) } else { within }
     }
 
     fn track(

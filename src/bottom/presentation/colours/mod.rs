@@ -46,10 +46,7 @@ pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
     let Some([low, high]) = ends.filter(|_| value.is_finite()) else {
         return NONE;
     };
-    let share = match high > low {
-        true => (value - low) / (high - low),
-        false => 0.5,
-    };
+    let share = if high > low { (value - low) / (high - low) } else { 0.5 };
     share_colour(share)
 }
 

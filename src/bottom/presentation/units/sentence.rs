@@ -84,10 +84,7 @@ impl Units {
             0 if value >= 10.0 * FEET_PER_FATHOM => 0,
             some => some.clamp(1, 2),
         };
-        let shown = match value == 0.0 {
-            true => "0".to_owned(),
-            false => format!("{value:.decimals$}"),
-        };
+        let shown = if value == 0.0 { "0".to_owned() } else { format!("{value:.decimals$}") };
         Some((shown, symbol))
     }
 }

@@ -155,10 +155,7 @@ impl DepthPart {
             sigma_m,
             sources,
             crs,
-            name: match is_tile {
-                true => folder.to_string_lossy().into_owned(),
-                false => String::new(),
-            },
+            name: if is_tile { folder.to_string_lossy().into_owned() } else { String::new() },
         })
     }
 
@@ -205,10 +202,8 @@ impl DepthPart {
     /// or `None` where one of those that count is unknown.
     pub(super) fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
         let there = other.raster.transform.at([column as f64, row as f64]);
-        let place = match other.crs == self.crs {
-            true => there,
-            false => self.crs.place(other.crs.to_lon_lat(there)),
-        };
+        let place =
+            if other.crs == self.crs { there } else { self.crs.place(other.crs.to_lon_lat(there)) };
         let transform = &self.raster.transform;
         let at = [
             (place[0] - transform.origin[0]) / transform.per_column[0],

@@ -118,10 +118,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     let page = report_page::of(&record, shown.as_deref());
     write_bytes(&folder.join("change.html"), page)?;
     drop(status);
-    match args.json {
-        true => output::json(&record),
-        false => output::results(record.table()),
-    }
+    if args.json { output::json(&record) } else { output::results(record.table()) }
 }
 
 /// What the parts of the maps showed of their errors.

@@ -60,9 +60,10 @@ pub(super) fn of(record: &ChangeRecord, shown: Option<&ChangeImage>) -> String {
 
 fn figure(shown: &ChangeImage, reach_m: f64) -> String {
     let share = |rise_m: f32| (0.5 + 0.5 * f64::from(rise_m) / reach_m) as f32;
-    let pixels = shown.rise_m.iter().flat_map(|&rise_m| match rise_m.is_nan() {
-        true => [0; 4],
-        false => {
+    let pixels = shown.rise_m.iter().flat_map(|&rise_m| {
+        if rise_m.is_nan() {
+            [0; 4]
+        } else {
             let [red, green, blue] = difference_colour(share(rise_m));
             [red, green, blue, 255]
         }

@@ -92,10 +92,7 @@ impl Coding {
         };
         let is_nodata =
             self.nodata.is_some_and(|nodata| colours.iter().all(|value| *value == nodata));
-        match is_nodata || colour[3] == 0 {
-            true => RgbaPixel::default(),
-            false => colour,
-        }
+        if is_nodata || colour[3] == 0 { RgbaPixel::default() } else { colour }
     }
 }
 

@@ -42,10 +42,7 @@ impl Georeference {
     /// When it has none, or such as are not known or not north up.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
-        let code = match keys.is_geographic() {
-            true => keys.geographic(),
-            false => keys.projected(),
-        };
+        let code = if keys.is_geographic() { keys.geographic() } else { keys.projected() };
         let Some(epsg) = code else {
             return Err(BaseMapFault::Nowhere("a GeoTIFF with an EPSG number does"));
         };
@@ -62,9 +59,6 @@ impl Georeference {
         let numbers = [place.corner, place.pixel].concat();
         let usable =
             numbers.iter().all(|number| number.is_finite()) && pixel.iter().all(|side| *side > 0.0);
-        match usable && !is_turned {
-            true => Ok(place),
-            false => Err(BaseMapFault::Turned),
-        }
+        if usable && !is_turned { Ok(place) } else { Err(BaseMapFault::Turned) }
     }
 }

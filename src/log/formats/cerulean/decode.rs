@@ -169,9 +169,10 @@ impl<'a> Reader<'a> {
         let mut counts: Vec<(u16, usize)> = self.others.iter().map(|(&a, &b)| (a, b)).collect();
         counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
         let each = counts.iter().map(|(id, count)| format!("{count} packets with the id {id}"));
-        match counts.is_empty() {
-            true => "damaged packets".to_owned(),
-            false => each.collect::<Vec<String>>().join(", "),
+        if counts.is_empty() {
+            "damaged packets".to_owned()
+        } else {
+            each.collect::<Vec<String>>().join(", ")
         }
     }
 

@@ -153,10 +153,7 @@ fn take_message(payload: &[u8]) -> Option<Told> {
             time_s: f64::NAN,
             position: LonLat { lon_deg, lat_deg },
             // A boat at rest has no course.
-            cog_rad: match speed_mps > 0.0 {
-                true => east.atan2(north),
-                false => f32::NAN,
-            },
+            cog_rad: if speed_mps > 0.0 { east.atan2(north) } else { f32::NAN },
             compass_rad: heading
                 .map_or(f32::NAN, |heading| (f32::from(heading) / 100.0).to_radians()),
             speed_mps,

@@ -16,17 +16,14 @@ pub(super) fn unix_ms(unix_s: i64, calendar: [i16; 5], today_ms: u32) -> i64 {
         let days = i64::from(date?.to_epoch_days());
         Some(((days * 24 + hour) * 60 + minute) * 60 + second)
     };
-    let seconds_ms = 1000
-        * match unix_s > 0 {
-            true => unix_s,
-            false => from_calendar_s().unwrap_or(0),
-        };
+    let seconds_ms = 1000 * if unix_s > 0 { unix_s } else { from_calendar_s().unwrap_or(0) };
     let today_ms = i64::from(today_ms);
     let after_ms =
         (today_ms - seconds_ms.rem_euclid(DAY_MS) + DAY_MS / 2).rem_euclid(DAY_MS) - DAY_MS / 2;
-    match today_ms <= DAY_MS && after_ms.abs() <= 2000 {
-        true => seconds_ms + after_ms,
-        false => seconds_ms + today_ms % 1000,
+    if today_ms <= DAY_MS && after_ms.abs() <= 2000 {
+        seconds_ms + after_ms
+    } else {
+        seconds_ms + today_ms % 1000
     }
 }
 

@@ -135,10 +135,7 @@ fn is_valid(fields: Fields<'_>, flag: u16) -> bool {
 }
 
 fn trace(header: MessageHeader, fields: Fields<'_>) -> Trace {
-    let high_bits = match header.version >= WITH_HIGH_BITS {
-        true => fields.u16(16),
-        false => 0,
-    };
+    let high_bits = if header.version >= WITH_HIGH_BITS { fields.u16(16) } else { 0 };
     let high = |shift: u16| u32::from(high_bits >> shift & 0xF) << 16;
     let valid = |flag, value: i32| (value != 0 && is_valid(fields, flag)).then_some(value);
     let from_north = |flag, value: i32, per_degree: f32| {
@@ -186,10 +183,7 @@ fn old_trace(header: MessageHeader, fields: Fields<'_>) -> Trace {
         first_sample: fields.u32(20),
         interval_s: f64::from(fields.u32(16)) * 1e-9,
         weight: fields.i16(24),
-        heading_rad: match heading_min == 0.0 {
-            true => f32::NAN,
-            false => (heading_min / 60.0).to_radians(),
-        },
+        heading_rad: if heading_min == 0.0 { f32::NAN } else { (heading_min / 60.0).to_radians() },
         ..empty(header)
     }
 }

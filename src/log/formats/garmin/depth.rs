@@ -36,9 +36,10 @@ impl DepthEncoding {
             }
             at = header.body;
         }
-        match odd as f64 > DAMAGED_SHARE * ranges as f64 {
-            true => DepthEncoding::Unsigned,
-            false => DepthEncoding::Signed,
+        if odd as f64 > DAMAGED_SHARE * ranges as f64 {
+            DepthEncoding::Unsigned
+        } else {
+            DepthEncoding::Signed
         }
     }
 

@@ -78,9 +78,10 @@ struct RsdStart {
 /// Recognises a file by its header, or by its records where the header is damaged.
 fn sniff(bytes: &[u8]) -> Option<RsdStart> {
     let header = FileHeader::read(bytes);
-    let first_record = match header.is_some() && RecordHeader::read(bytes, HEADER).is_some() {
-        true => Some(HEADER),
-        false => walk::next_record(bytes, 0, SEARCHED_FOR_RECORDS),
+    let first_record = if header.is_some() && RecordHeader::read(bytes, HEADER).is_some() {
+        Some(HEADER)
+    } else {
+        walk::next_record(bytes, 0, SEARCHED_FOR_RECORDS)
     };
     (header.is_some() || first_record.is_some())
         .then(|| RsdStart { header, first_record: first_record.unwrap_or(HEADER.min(bytes.len())) })

@@ -28,10 +28,7 @@ pub(super) fn keep(
     let (near_m, far_m) = range_m.unwrap_or((0.0, 0.0));
     let span = ping.body.samples.map(|samples| SideSpan {
         file: 0,
-        encoding: match samples.is_wide {
-            true => Encoding::U16 { shift: 0 },
-            false => Encoding::U8,
-        },
+        encoding: if samples.is_wide { Encoding::U16 { shift: 0 } } else { Encoding::U8 },
         // Peers show the first sample of both sides at the transducer.
         order: SampleOrder::NearToFar,
         offset: samples.offset as u64,

@@ -105,9 +105,10 @@ fn behind(bytes: &[u8], end: usize) -> Option<usize> {
     let next = end.saturating_add(TRAILER);
     let is_record = |at| RecordHeader::read(bytes, at).is_some();
     let has_trailer = u32_le(bytes, end) == Some(TRAILER_MAGIC);
-    match has_trailer || next == len || is_record(next) {
-        true => Some(next.min(len)).filter(|_| end <= len),
-        false => (end == len || is_record(end)).then_some(end),
+    if has_trailer || next == len || is_record(next) {
+        Some(next.min(len)).filter(|_| end <= len)
+    } else {
+        (end == len || is_record(end)).then_some(end)
     }
 }
 

@@ -201,10 +201,7 @@ fn points(mut raster: Open) -> Result<RasterPoints, CellsError> {
     raster.each_known(|at, value| {
         let [x, y] = place.at(at.map(|index| index as f64));
         points.push([x, y, value]);
-        match points.len() > MOST_POINTS {
-            true => Err(CellsError::TooManyPoints),
-            false => Ok(()),
-        }
+        if points.len() > MOST_POINTS { Err(CellsError::TooManyPoints) } else { Ok(()) }
     })?;
     Ok(RasterPoints {
         points,

@@ -82,10 +82,7 @@ fn directory(tags: &[Tag], is_last: bool, all: &mut Vec<u8>) {
             behind.extend(bytes);
         }
     }
-    let next = match is_last {
-        true => 0,
-        false => (start + head + behind.len()) as u32,
-    };
+    let next = if is_last { 0 } else { (start + head + behind.len()) as u32 };
     all.extend(next.to_le_bytes());
     all.extend(behind);
 }
@@ -153,10 +150,7 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
 /// Cell size, the north-west corner, and the coordinate system: projected (1) or in degrees (2),
 /// cells are areas (1), its EPSG number.
 fn georeference(spec: &RasterSpec) -> [Tag; 3] {
-    let (model, system) = match spec.crs.is_degrees() {
-        true => (2, 2048),
-        false => (1, 3072),
-    };
+    let (model, system) = if spec.crs.is_degrees() { (2, 2048) } else { (1, 3072) };
     let keys =
         [[1, 1, 1, 3], [1024, 0, 1, model], [1025, 0, 1, 1], [system, 0, 1, spec.crs.epsg()]];
     let [width, height] = spec.cell;

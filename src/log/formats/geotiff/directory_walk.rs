@@ -88,9 +88,10 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
         let read = read.get_mut(..bytes)?;
         self.file.read_exact(read).ok()?;
         let add = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
-        Some(match self.is_big_endian {
-            true => read.iter().fold(0, add),
-            false => read.iter().rev().fold(0, add),
+        Some(if self.is_big_endian {
+            read.iter().fold(0, add)
+        } else {
+            read.iter().rev().fold(0, add)
         })
     }
 }
@@ -121,12 +122,13 @@ pub fn check_claims<R: Read + Seek>(file: &mut R) -> io::Result<()> {
         });
     }
     file.seek(SeekFrom::Start(0))?;
-    match is_sound {
-        true => Ok(()),
-        false => Err(io::Error::new(
+    if is_sound {
+        Ok(())
+    } else {
+        Err(io::Error::new(
             io::ErrorKind::InvalidData,
             "one of its tags claims more bytes than the file has",
-        )),
+        ))
     }
 }
 

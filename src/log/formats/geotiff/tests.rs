@@ -70,10 +70,7 @@ fn directories(bytes: &[u8]) -> Vec<Directory> {
                 }
             };
             let values = number(entry + 4, 4) as usize;
-            let first = match values * size <= 4 {
-                true => entry + 8,
-                false => number(entry + 8, 4) as usize,
-            };
+            let first = if values * size <= 4 { entry + 8 } else { number(entry + 8, 4) as usize };
             let values = (0..values).map(|index| number(first + index * size, size));
             (number(entry, 2) as u32, values.collect())
         };
@@ -111,9 +108,10 @@ fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
     }
     for pair in levels.windows(2) {
         let is_mask_of = pair[1].1.get(254)[0] & 4 != 0;
-        match is_mask_of {
-            true => assert_eq!(pair[0].1.get(256), pair[1].1.get(256)),
-            false => assert!(pair[0].0 > pair[1].0, "coarser tiles lie before finer ones"),
+        if is_mask_of {
+            assert_eq!(pair[0].1.get(256), pair[1].1.get(256))
+        } else {
+            assert!(pair[0].0 > pair[1].0, "coarser tiles lie before finer ones")
         }
     }
 }

@@ -153,10 +153,7 @@ impl<'a> Page<'a> {
         let sound_mps = self.fields.u32(36) as f32 / 100.0;
         let rate_hz = self.fields.u32(224) as f32;
         let sampled_m = count as f32 * sound_mps / 2.0 / rate_hz;
-        match (sampled_m - set_m).abs() < 0.1 * set_m {
-            true => sampled_m,
-            false => set_m,
-        }
+        if (sampled_m - set_m).abs() < 0.1 * set_m { sampled_m } else { set_m }
     }
 
     /// Height of the transducer above the bottom, metres; 0 where it is not known.

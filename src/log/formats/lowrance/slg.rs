@@ -146,11 +146,12 @@ pub(super) fn read_blocks(
         let is_end = found.is_none() && (rest <= 2 || (is_growing && rest < size));
         let to = found.unwrap_or(bytes.len());
         if !is_end {
-            let text = match found.is_none() && rest < size {
-                true => format!(
+            let text = if found.is_none() && rest < size {
+                format!(
                     "the recording was cut inside its last block ({rest} bytes of it are there); it was dropped"
-                ),
-                false => format!("{} bytes are no block and were skipped", to - at),
+                )
+            } else {
+                format!("{} bytes are no block and were skipped", to - at)
             };
             log.report.at(WarningKind::Gap, 0, at, text);
         }
@@ -276,9 +277,10 @@ fn keep(log: &mut Collected, block: &Block, time_s: f64) {
         position: lowrance_mercator_inverse(f64::from(x_m), f64::from(y_m)),
         cog_rad: finite(block.course_rad),
         compass_rad: f32::NAN,
-        speed_mps: match block.speed_kn >= 0.0 {
-            true => finite((f64::from(block.speed_kn) * MPS_PER_KNOT) as f32),
-            false => f32::NAN,
+        speed_mps: if block.speed_kn >= 0.0 {
+            finite((f64::from(block.speed_kn) * MPS_PER_KNOT) as f32)
+        } else {
+            f32::NAN
         },
     });
 }

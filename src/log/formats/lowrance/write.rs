@@ -157,11 +157,7 @@ impl<W: Write> Sl2Writer<W> {
     fn flags(&self, frame: &Sl2Frame) -> u16 {
         let heading = frame.fix.compass_rad.map_or(0, |_| HEADING);
         let temperature = self.temperature_c.map_or(0, |_| TEMPERATURE);
-        heading
-            | match frame.fresh {
-                true => FRESH | temperature,
-                false => REPEATED,
-            }
+        heading | if frame.fresh { FRESH | temperature } else { REPEATED }
     }
 }
 

@@ -161,12 +161,10 @@ impl<'a> Reader<'a> {
         if !told.variation_rad.is_nan() {
             self.variation_rad = told.variation_rad;
         }
-        let heading_rad = match self.tally.has_true_heading {
-            true => told.heading_rad,
-            false => {
-                told.magnetic_rad
-                    + if self.variation_rad.is_nan() { 0.0 } else { self.variation_rad }
-            }
+        let heading_rad = if self.tally.has_true_heading {
+            told.heading_rad
+        } else {
+            told.magnetic_rad + if self.variation_rad.is_nan() { 0.0 } else { self.variation_rad }
         };
         self.is_magnetic |= !self.tally.has_true_heading && !heading_rad.is_nan();
         let values = [told.cog_rad, heading_rad.rem_euclid(TAU), told.speed_mps];
@@ -292,10 +290,7 @@ impl<'a> Reader<'a> {
         }
         if self.offset_m != 0.0 {
             let offset_m = self.offset_m.abs();
-            log.report.log(match self.offset_m > 0.0 {
-                true => format!("the log says that the transducer hangs {offset_m:.2} m below the water line; depths count from the transducer: set draft_m to {offset_m:.2}"),
-                false => format!("the log says that the keel lies {offset_m:.2} m below the transducer; depths count from the transducer: set draft_m to what it hangs below the water's surface"),
-            });
+            log.report.log(if self.offset_m > 0.0 { format!("the log says that the transducer hangs {offset_m:.2} m below the water line; depths count from the transducer: set draft_m to {offset_m:.2}") } else { format!("the log says that the keel lies {offset_m:.2} m below the transducer; depths count from the transducer: set draft_m to what it hangs below the water's surface") });
         }
         if self.is_magnetic && self.variation_rad.is_nan() {
             log.report.log("headings are magnetic and no sentence tells the variation; set mounting.heading_offset_deg to it");

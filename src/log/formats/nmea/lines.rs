@@ -52,10 +52,7 @@ impl<'a> Lines<'a> {
     /// All of a text; of one that is being written without its last line, unless that has ended.
     pub(super) fn new(bytes: &'a [u8], is_growing: bool) -> Self {
         let ended = bytes.iter().rposition(|byte| is_line_end(*byte));
-        let length = match is_growing {
-            true => ended.map_or(0, |at| at + 1),
-            false => bytes.len(),
-        };
+        let length = if is_growing { ended.map_or(0, |at| at + 1) } else { bytes.len() };
         Self { bytes: &bytes[..length], line: (0, 0), at: 0 }
     }
 
@@ -165,10 +162,7 @@ fn time_of_day_s(text: &str) -> Option<f64> {
 /// Seconds from one time of the logger to a later one, which may be past a midnight.
 pub(super) fn stamps_apart_s(earlier_s: f64, later_s: f64) -> f64 {
     let apart_s = later_s - earlier_s;
-    match earlier_s < DAY_S && apart_s < -DAY_S / 2.0 {
-        true => apart_s + DAY_S,
-        false => apart_s,
-    }
+    if earlier_s < DAY_S && apart_s < -DAY_S / 2.0 { apart_s + DAY_S } else { apart_s }
 }
 
 #[cfg(test)]

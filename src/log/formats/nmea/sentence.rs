@@ -114,9 +114,10 @@ impl<'a> Framed<'a> {
                 let deviation_rad = self.eastward(2);
                 let magnetic_rad = self.degrees(1);
                 Sentence {
-                    magnetic_rad: match deviation_rad.is_nan() {
-                        true => magnetic_rad,
-                        false => magnetic_rad + deviation_rad,
+                    magnetic_rad: if deviation_rad.is_nan() {
+                        magnetic_rad
+                    } else {
+                        magnetic_rad + deviation_rad
                     },
                     variation_rad: self.eastward(4),
                     ..EMPTY

@@ -46,9 +46,10 @@ impl Tally {
         let Some(framed) = found.framed() else {
             return;
         };
-        match framed.has_sum {
-            true => self.with_sum += 1,
-            false => self.without_sum += 1,
+        if framed.has_sum {
+            self.with_sum += 1
+        } else {
+            self.without_sum += 1
         }
         let Some((address, told)) = framed.address().zip(framed.told()) else {
             return;
@@ -104,9 +105,10 @@ impl Tally {
     /// Whose times are taken: those of the positions, where there are any.
     pub(super) fn times_of(&self) -> Vec<Address> {
         let positions_of = self.positions_of();
-        match positions_of.is_empty() {
-            true => self.most(|_, counts| counts.times).into_iter().collect(),
-            false => positions_of,
+        if positions_of.is_empty() {
+            self.most(|_, counts| counts.times).into_iter().collect()
+        } else {
+            positions_of
         }
     }
 

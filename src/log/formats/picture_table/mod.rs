@@ -171,10 +171,7 @@ fn numbered(rows: &mut Reader, height: usize) -> Result<Vec<TablePing>, RowFault
     } else if rows.rows != height {
         return Err(RowFault::Count(height, rows.rows));
     }
-    match pings.is_empty() {
-        true => Err(RowFault::None),
-        false => Ok(pings),
-    }
+    if pings.is_empty() { Err(RowFault::None) } else { Ok(pings) }
 }
 
 /// Counts the rows of the picture from 0 on, as the table may not.
@@ -198,10 +195,7 @@ fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
 
 /// Lays the pings over the rows of the picture.
 fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
-    let encoding = match grey.is_wide {
-        true => Encoding::U16 { shift: 0 },
-        false => Encoding::U8,
-    };
+    let encoding = if grey.is_wide { Encoding::U16 { shift: 0 } } else { Encoding::U8 };
     let half = grey.width / 2;
     let mut sides: Vec<[SideSpan; 2]> = Vec::with_capacity(pings.len());
     for ping in pings {

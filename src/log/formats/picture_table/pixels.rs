@@ -74,10 +74,11 @@ fn unpack(decoder: Box<dyn ImageDecoder + '_>) -> Result<GreyPicture, PictureFau
     let picture = DynamicImage::from_decoder(decoder)?;
     let width = picture.width() as usize;
     let is_wide = is_wide(picture.color());
-    let samples = match is_wide {
+    let samples = if is_wide {
         // Their bytes are in the order of the machine, which is that of a sample.
-        true => bytemuck::cast_slice(picture.into_luma16().as_raw()).to_vec(),
-        false => picture.into_luma8().into_raw(),
+        bytemuck::cast_slice(picture.into_luma16().as_raw()).to_vec()
+    } else {
+        picture.into_luma8().into_raw()
     };
     Ok(GreyPicture { width, is_wide, samples })
 }

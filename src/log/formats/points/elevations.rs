@@ -112,9 +112,10 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
     Ok(Elevations {
         path,
         points: turned(file.points, downwards || depths),
-        plane: match degrees {
-            true => PointPlane::Degrees,
-            false => PointPlane::of_epsg(file.epsg, PointPlane::Metres),
+        plane: if degrees {
+            PointPlane::Degrees
+        } else {
+            PointPlane::of_epsg(file.epsg, PointPlane::Metres)
         },
         blank: file.blank,
         note: (!notes.is_empty()).then(|| notes.join("; ")),
@@ -163,9 +164,10 @@ fn of_raster(
     Ok(Elevations {
         path: path.to_owned(),
         points: turned(raster.points, downwards || depths),
-        plane: match raster.is_degrees {
-            true => PointPlane::Degrees,
-            false => PointPlane::of_epsg(raster.projected.map(u32::from), PointPlane::Metres),
+        plane: if raster.is_degrees {
+            PointPlane::Degrees
+        } else {
+            PointPlane::of_epsg(raster.projected.map(u32::from), PointPlane::Metres)
         },
         blank: 0,
         note,

@@ -53,10 +53,7 @@ impl LasFile {
     pub(super) fn withheld(&self) -> Vec<bool> {
         // Byte 15 holds the flag in every point format.
         const FLAGS: usize = 15;
-        let bit = match self.header.point_format().is_extended {
-            true => 0b100,
-            false => 0b1000_0000,
-        };
+        let bit = if self.header.point_format().is_extended { 0b100 } else { 0b1000_0000 };
         let records = (self.batches.iter())
             .flat_map(|batch| batch.raw_bytes().chunks_exact(batch.record_len()));
         records.map(|record| record.get(FLAGS).is_some_and(|flags| flags & bit != 0)).collect()

@@ -197,9 +197,10 @@ impl ColumnLayout {
 
     /// Fault of a line of so many fields that has no such column.
     fn too_short(&self, name: &str, fields: usize) -> PointLineFault {
-        match self.names == ["1", "2", "3"] {
-            true => PointLineFault::TooFewFields(fields),
-            false => PointLineFault::TooShort { column: name.to_owned(), fields },
+        if self.names == ["1", "2", "3"] {
+            PointLineFault::TooFewFields(fields)
+        } else {
+            PointLineFault::TooShort { column: name.to_owned(), fields }
         }
     }
 

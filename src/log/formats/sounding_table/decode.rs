@@ -285,12 +285,13 @@ impl Reader {
         log.has_times = has_times;
         log.start_unix_s = self.zero_s.filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);
         if !has_times {
-            let apart = match self.layout.has_pings() {
-                true => format!(
+            let apart = if self.layout.has_pings() {
+                format!(
                     "{:.3} s apart, as far as a boat of {USUAL_SPEED_MPS} m/s makes them",
                     self.apart_s
-                ),
-                false => "one second apart".to_owned(),
+                )
+            } else {
+                "one second apart".to_owned()
             };
             log.report.log(format!("the rows have no time that can be read (Unix seconds, 2021-10-12T00:53:20Z); they are taken as {apart}, in the order of the file"));
         }

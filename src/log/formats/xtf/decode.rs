@@ -153,9 +153,10 @@ impl<'a> Reader<'a> {
     fn keep(&mut self, log: &mut Collected, offset: usize, ping: &PingHeader, unix_s: f64) {
         let now_ms = (unix_s * 1000.0).round() as i64;
         let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) as f64 / 1000.0;
-        let depth_m = match self.provenance.has_depths_once {
-            true => ping.sensor_aux_altitude_m,
-            false => ping.sensor_altitude_m,
+        let depth_m = if self.provenance.has_depths_once {
+            ping.sensor_aux_altitude_m
+        } else {
+            ping.sensor_altitude_m
         };
         log.add_depth(ChannelKind::Primary, time_s, depth_m);
         self.positions.add(log, ping, time_s, self.transducer_m());

@@ -154,10 +154,7 @@ impl<'a> XtfWriter<'a> {
             ..FileHeader::zeroed()
         };
         let source = &self.log.survey.source;
-        let sonar = match source.device.is_empty() {
-            true => &source.format,
-            false => &source.device,
-        };
+        let sonar = if source.device.is_empty() { &source.format } else { &source.device };
         put_text(&mut header.sonar_name, sonar.as_bytes());
         let ranges = match self.log.survey.range_source {
             RangeSource::FishFinder => Some(FISH_FINDER),

@@ -68,10 +68,7 @@ fn fit_alike(
     (stored, stated): (NumberKind, Stated),
     known: Option<SideSpan>,
 ) {
-    let weight = |span: &SideSpan| match stated.is_weighted {
-        true => weight(bytes, span),
-        false => 0,
-    };
+    let weight = |span: &SideSpan| if stated.is_weighted { weight(bytes, span) } else { 0 };
     // The exponent is that of samples of weight 0.
     let (kind, exponent) = match known {
         Some(known) => {
@@ -122,10 +119,7 @@ fn meant(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind, stated: Stated) 
     if stored == NumberKind::U32 && stated.is_legacy && are_floating(bytes, spans) {
         return NumberKind::F32;
     }
-    match stated.is_polar && have_signs(bytes, spans, stored) {
-        true => signed,
-        false => stored,
-    }
+    if stated.is_polar && have_signs(bytes, spans, stored) { signed } else { stored }
 }
 
 /// Returns true if four bytes are plausible as floating point, as whole numbers of usual size are
@@ -233,10 +227,7 @@ fn weight(bytes: &[u8], span: &SideSpan) -> i32 {
     let header = samples.and_then(|at| at.checked_sub(size_of::<PingChannel>()));
     let header = header.and_then(|at| record::<PingChannel>(bytes, at));
     let weight = header.map_or(0, |header| header.weight);
-    match weight.unsigned_abs() <= HEAVIEST.unsigned_abs() {
-        true => i32::from(weight),
-        false => 0,
-    }
+    if weight.unsigned_abs() <= HEAVIEST.unsigned_abs() { i32::from(weight) } else { 0 }
 }
 
 #[cfg(test)]

@@ -85,12 +85,11 @@ impl Swath {
             let is_down = angle_rad.abs() <= STEEPEST_DEG.to_radians();
             let (right_m, depth_m) = (range_m * angle_rad.sin(), range_m * angle_rad.cos());
             let [east_m, north_m] = [right_m * cos, -right_m * sin];
-            let [x, y] = match is_degrees {
-                true => {
-                    let at = frame.to_lon_lat(east_m, north_m);
-                    [at.lon_deg, at.lat_deg]
-                }
-                false => [x + east_m, y + north_m],
+            let [x, y] = if is_degrees {
+                let at = frame.to_lon_lat(east_m, north_m);
+                [at.lon_deg, at.lat_deg]
+            } else {
+                [x + east_m, y + north_m]
             };
             is_down.then_some([x, y, -depth_m])
         };
@@ -151,10 +150,7 @@ pub(in crate::formats) fn read_multibeam(
     Ok(Elevations {
         path: path.to_owned(),
         points,
-        plane: match is_degrees {
-            true => PointPlane::Degrees,
-            false => PointPlane::Metres,
-        },
+        plane: if is_degrees { PointPlane::Degrees } else { PointPlane::Metres },
         blank: unplaced,
         note: Some("the multibeam depths count from the sonar; heave, draft, tide and a sound speed profile are not applied to them".to_owned()),
     })
@@ -173,18 +169,20 @@ fn swath(packet: &[u8]) -> Option<Swath> {
         0x17 | 0x18 => false,
         _ => return None,
     };
-    let layout = match is_old {
-        true => Layout {
+    let layout = if is_old {
+        Layout {
             velocity: 16,
             beam_count: 34,
             ranges: 36,
             has_whole_qualities: datagram.get(4) == Some(&0x14),
-        },
-        false => Layout { velocity: 28, beam_count: 66, ranges: 68, has_whole_qualities: false },
+        }
+    } else {
+        Layout { velocity: 28, beam_count: 66, ranges: 68, has_whole_qualities: false }
     };
-    let beam_deg = match is_old {
-        true => f64::from(*datagram.get(33)?) / 10.0,
-        false => f64::from(u16_at(46)?) / f64::from(u16_at(48)?),
+    let beam_deg = if is_old {
+        f64::from(*datagram.get(33)?) / 10.0
+    } else {
+        f64::from(u16_at(46)?) / f64::from(u16_at(48)?)
     };
     let [velocity_mps, rate_hz] = [u16_at(layout.velocity)?, u16_at(layout.velocity + 2)?];
     let unit_m = f64::from(velocity_mps) / (RANGES_A_SAMPLE * f64::from(rate_hz));
@@ -196,9 +194,10 @@ fn swath(packet: &[u8]) -> Option<Swath> {
     }
     let qualities = layout.ranges + 2 * count;
     let beam = |index: usize| {
-        let quality = match layout.has_whole_qualities {
-            true => *datagram.get(qualities + index)?,
-            false => datagram.get(qualities + index / 2)? >> (4 * (index % 2)),
+        let quality = if layout.has_whole_qualities {
+            *datagram.get(qualities + index)?
+        } else {
+            datagram.get(qualities + index / 2)? >> (4 * (index % 2))
         };
         let range_m = f64::from(u16_at(layout.ranges + 2 * index)?) * unit_m;
         let from_middle = index as f64 - (count / 2) as f64;

@@ -30,9 +30,10 @@ impl Packets {
         });
         let mut each: Vec<String> = each.collect();
         let last = each.pop().unwrap_or_default();
-        match each.is_empty() {
-            true => format!("{last} packets"),
-            false => format!("{} and {last} packets", each.join(", ")),
+        if each.is_empty() {
+            format!("{last} packets")
+        } else {
+            format!("{} and {last} packets", each.join(", "))
         }
     }
 }

@@ -36,9 +36,10 @@ impl PositionConverter {
     /// Distance between two recorded positions, metres.
     pub(super) fn apart_m(&self, one: [f64; 2], other: [f64; 2]) -> f64 {
         let [[x, y], [other_x, other_y]] = [one, other];
-        match self.is_degrees(one) && self.is_degrees(other) {
-            true => distance_m(LonLat::new(x, y), LonLat::new(other_x, other_y)),
-            false => (x - other_x).hypot(y - other_y),
+        if self.is_degrees(one) && self.is_degrees(other) {
+            distance_m(LonLat::new(x, y), LonLat::new(other_x, other_y))
+        } else {
+            (x - other_x).hypot(y - other_y)
         }
     }
 

@@ -256,9 +256,12 @@ impl Positions {
 
     /// What the ship's positions are moved by.
     fn arms_in_words(&self) -> String {
-        let layback = self.laybacks_m.map(|[from_m, to_m]| match from_m == to_m {
-            true => format!("the stated layback of {from_m:.1} m"),
-            false => format!("the stated layback of {from_m:.1} to {to_m:.1} m"),
+        let layback = self.laybacks_m.map(|[from_m, to_m]| {
+            if from_m == to_m {
+                format!("the stated layback of {from_m:.1} m")
+            } else {
+                format!("the stated layback of {from_m:.1} to {to_m:.1} m")
+            }
         });
         let offsets = "the stated offsets of antenna and transducer".to_owned();
         let offsets = self.has_offsets.then_some(offsets);

@@ -96,9 +96,10 @@ impl SideChannels {
         let index = known.or_else(partner).unwrap_or(self.pairs.len());
         if index == self.pairs.len() {
             let is_taken = self.pairs.iter().any(|pair| pair.name == channel.name);
-            let name = match is_taken {
-                true => format!("{}, channel {number}", channel.name),
-                false => channel.name.clone(),
+            let name = if is_taken {
+                format!("{}, channel {number}", channel.name)
+            } else {
+                channel.name.clone()
             };
             self.pairs.push(Pair { name, ..Pair::default() });
         }

@@ -53,10 +53,7 @@ impl CoordinateFormat {
 
     /// Writes a longitude alone, between 180° W and 180° E; UTM falls back to decimal degrees.
     pub fn longitude(self, lon_deg: f64) -> String {
-        let turns = match lon_deg.abs() > 180.0 {
-            true => (lon_deg / 360.0).round(),
-            false => 0.0,
-        };
+        let turns = if lon_deg.abs() > 180.0 { (lon_deg / 360.0).round() } else { 0.0 };
         self.angle(lon_deg - 360.0 * turns, ["E", "W"])
     }
 
@@ -84,10 +81,7 @@ impl CoordinateFormat {
                 (written, units == 0)
             }
         };
-        let hemisphere = match degrees < 0.0 && !is_zero {
-            true => negative,
-            false => positive,
-        };
+        let hemisphere = if degrees < 0.0 && !is_zero { negative } else { positive };
         format!("{written} {hemisphere}")
     }
 }

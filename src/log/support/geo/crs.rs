@@ -173,11 +173,12 @@ impl SourceCrs {
         }
         let of_source = |error: CrsError| CrsError::of_source(error.reason);
         let crs = Crs::from_epsg(number).map_err(of_source)?;
-        match crs.is_degrees() {
-            true => Err(CrsError::of_source(format!(
+        if crs.is_degrees() {
+            Err(CrsError::of_source(format!(
                 "{crs} has degrees; it is for positions in metres: name the projected system that they are of"
-            ))),
-            false => Ok(crs),
+            )))
+        } else {
+            Ok(crs)
         }
     }
 }
@@ -297,12 +298,13 @@ impl Crs {
     /// # Errors
     /// A sentence that names `source.crs`, the metres and the system.
     pub(crate) fn check_source(&self, metres: [f64; 2]) -> Result<(), CrsError> {
-        match self.reaches(metres) {
-            true => Ok(()),
-            false => Err(CrsError::of_source(format!(
+        if self.reaches(metres) {
+            Ok(())
+        } else {
+            Err(CrsError::of_source(format!(
                 "the log's position {:.0} E {:.0} N lies outside of {self}; name the system that the recorder was set to",
                 metres[0], metres[1]
-            ))),
+            )))
         }
     }
 

@@ -24,9 +24,10 @@ pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
 /// pi; NaN where they coincide.
 pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
     let [east_m, north_m] = LocalFrame::new(from).to_enu(to);
-    match east_m == 0.0 && north_m == 0.0 {
-        true => f64::NAN,
-        false => east_m.atan2(north_m).rem_euclid(std::f64::consts::TAU),
+    if east_m == 0.0 && north_m == 0.0 {
+        f64::NAN
+    } else {
+        east_m.atan2(north_m).rem_euclid(std::f64::consts::TAU)
     }
 }
 

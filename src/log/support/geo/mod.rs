@@ -63,9 +63,10 @@ pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
         [at.lon_deg + 360.0 * if turns.is_nan() { 0.0 } else { turns }, at.lat_deg]
     });
     let [west, south, east, north] = outline::bounds(places);
-    match west < -180.0 {
-        true => [west + 360.0, south, east + 360.0, north],
-        false => [west, south, east, north],
+    if west < -180.0 {
+        [west + 360.0, south, east + 360.0, north]
+    } else {
+        [west, south, east, north]
     }
 }
 

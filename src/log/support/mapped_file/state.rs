@@ -73,10 +73,11 @@ impl FileState {
             return Some(FileFault::Shorter { from: self.length, to: now.len() });
         }
         let known = *self.tail.get_or_init(|| hash_of_end(bytes));
-        let is_changed = match now.len() == self.length {
-            true => now.modified().ok() != self.modified,
+        let is_changed = if now.len() == self.length {
+            now.modified().ok() != self.modified
+        } else {
             // A longer one that was written over it.
-            false => hash_of_end(bytes) != known,
+            hash_of_end(bytes) != known
         };
         is_changed.then_some(FileFault::Changed)
     }

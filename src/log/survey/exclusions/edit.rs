@@ -125,9 +125,10 @@ impl ExclusionSettings {
     /// The stretches, if they are of this log.
     pub(super) fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
         let own = Identity::of(survey);
-        match self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
-            true => self.stretches.clone(),
-            false => Vec::new(),
+        if self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
+            self.stretches.clone()
+        } else {
+            Vec::new()
         }
     }
 

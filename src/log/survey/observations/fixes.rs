@@ -178,17 +178,19 @@ fn mark_false(pieces: &mut [Piece], fixes: &[Fix], fastest_mps: f64) {
     let mut kept = longest;
     for index in longest + 1..pieces.len() {
         let piece = pieces[index];
-        match follows(&pieces[kept], &piece) || length_s(&piece) > LONGEST_S {
-            true => kept = index,
-            false => pieces[index].is_false = true,
+        if follows(&pieces[kept], &piece) || length_s(&piece) > LONGEST_S {
+            kept = index
+        } else {
+            pieces[index].is_false = true
         }
     }
     kept = longest;
     for index in (0..longest).rev() {
         let piece = pieces[index];
-        match follows(&piece, &pieces[kept]) || length_s(&piece) > LONGEST_S {
-            true => kept = index,
-            false => pieces[index].is_false = true,
+        if follows(&piece, &pieces[kept]) || length_s(&piece) > LONGEST_S {
+            kept = index
+        } else {
+            pieces[index].is_false = true
         }
     }
 }

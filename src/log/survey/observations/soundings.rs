@@ -125,10 +125,7 @@ pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: boo
         .filter(is_loss)
         .map(|loss| loss[0].index..=until(loss[loss.len() - 1].index))
         .collect();
-    let below = match has_side_scan {
-        true => Vec::new(),
-        false => leaps_below(soundings, fixes, &others),
-    };
+    let below = if has_side_scan { Vec::new() } else { leaps_below(soundings, fixes, &others) };
     let found = [
         (SoundingFault::Glitch, glitches),
         (SoundingFault::FarBelow, below.into_iter().flatten().collect()),
@@ -277,9 +274,10 @@ fn travelled_m(fixes: &[Fix], from_s: f64, to_s: f64) -> f64 {
     let first = at(from_s - MARGIN_S).saturating_sub(1);
     let [from, to] = [&fixes[first], &fixes[at(to_s + MARGIN_S).min(last)]];
     let took_s = to.time_s - from.time_s;
-    match took_s > 0.0 {
-        true => distance_m(from.position, to.position) / took_s * (to_s - from_s),
-        false => 0.0,
+    if took_s > 0.0 {
+        distance_m(from.position, to.position) / took_s * (to_s - from_s)
+    } else {
+        0.0
     }
 }
 
@@ -303,10 +301,7 @@ mod tests {
 
     /// Depths about a bed of 1.5 m while the recorder has lost it.
     fn wandering(lost: std::ops::Range<usize>) -> impl Fn(usize) -> f32 {
-        move |i| match lost.contains(&i) {
-            true => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
-            false => 1.5,
-        }
+        move |i| if lost.contains(&i) { [1.5, 5.0, 3.0, 6.0][i / 7 % 4] } else { 1.5 }
     }
 
     #[test]

@@ -97,10 +97,7 @@ fn fit(
     let (of_object, of_look) = alone.numbers.split_at(OF_OBJECT);
     let mut numbers = of_object.to_vec();
     for (index, start) in starts.iter().enumerate() {
-        match index == first {
-            true => numbers.extend(of_look),
-            false => numbers.extend(start.of_look()),
-        }
+        if index == first { numbers.extend(of_look) } else { numbers.extend(start.of_look()) }
     }
     let problem = Problem::new(kind, looks);
     let mut best = FitState::new(&problem, numbers);

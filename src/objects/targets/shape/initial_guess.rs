@@ -60,10 +60,7 @@ fn height_m(target: &Target) -> f64 {
         let [start_m, end_m] = target.parts?.shadow_m?;
         Some(target.altitude_m * (end_m - start_m) / end_m)
     };
-    match target.height_m.is_finite() {
-        true => target.height_m,
-        false => in_middle_m().unwrap_or(f64::NAN),
-    }
+    if target.height_m.is_finite() { target.height_m } else { in_middle_m().unwrap_or(f64::NAN) }
 }
 
 /// Sizes and poses to begin with: of a typical slenderness, as long as the extents along the track,

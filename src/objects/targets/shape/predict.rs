@@ -31,10 +31,7 @@ impl PosedSolid {
     /// The same with its heading within a circle, or within half of one where it looks the same
     /// from both ends.
     pub(super) fn with_heading_in_range(self) -> Self {
-        let turn_rad = match self.solid.kind.is_boat() {
-            true => TAU,
-            false => PI,
-        };
+        let turn_rad = if self.solid.kind.is_boat() { TAU } else { PI };
         Self { heading_rad: self.heading_rad.rem_euclid(turn_rad), ..self }
     }
 

@@ -89,15 +89,10 @@ impl FitState {
         };
         let mut state = Self {
             steps: (0..numbers.len())
-                .map(|number| match problem.is_fixed(number) {
-                    true => 0.0,
-                    false => first_step(number),
-                })
+                .map(|number| if problem.is_fixed(number) { 0.0 } else { first_step(number) })
                 .collect(),
-            edge_steps: OutlineEdge::ALL.map(|edge| match problem.moves(edge) {
-                true => EDGE_STEP,
-                false => 0.0,
-            }),
+            edge_steps: OutlineEdge::ALL
+                .map(|edge| if problem.moves(edge) { EDGE_STEP } else { 0.0 }),
             numbers,
             predicted: vec![Predicted::default(); problem.looks.len()],
             costs: vec![0.0; problem.looks.len()],
@@ -274,18 +269,15 @@ impl Problem<'_> {
         let numbers = &mut state.numbers;
         let (sin, cos) = numbers[0].sin_cos();
         let (length_m, width_m) = (numbers[1].exp(), (numbers[1] - numbers[2]).exp());
-        let size_m = match edge.is_end() {
-            true => {
-                numbers[1] += by;
-                numbers[2] += by;
-                length_m
-            }
+        let size_m = if edge.is_end() {
+            numbers[1] += by;
+            numbers[2] += by;
+            length_m
+        } else {
             // The height stays.
-            false => {
-                numbers[2] -= by;
-                numbers[3] -= by;
-                width_m
-            }
+            numbers[2] -= by;
+            numbers[3] -= by;
+            width_m
         };
         let half_m = 0.5 * size_m * (by.exp() - 1.0);
         let [east, north] = match edge {
@@ -389,9 +381,10 @@ mod tests {
             let echo = f64::from(squares.strength) * f64::from(squares.predicted.object[at]);
             let power = f64::from(squares.predicted.bottom[at]) + echo;
             let darkest = dark + lighter * bin as f64 / bins as f64;
-            let expected = match squares.predicted.changed[ping].contains(&bin) {
-                true => power.ln().max(darkest) / SPECKLE_LN,
-                false => 0.0,
+            let expected = if squares.predicted.changed[ping].contains(&bin) {
+                power.ln().max(darkest) / SPECKLE_LN
+            } else {
+                0.0
             };
             let level = f64::from(squares.look.pings[ping].levels[bin]);
             (level - expected).powi(2)

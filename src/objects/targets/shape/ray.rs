@@ -214,10 +214,8 @@ impl<'a> EchoBins<'a> {
             }
             let [before, here] = [ray.tangent[index - 1], ray.tangent[index]];
             if here > horizon {
-                let visible = match before >= horizon {
-                    true => 1.0,
-                    false => (here - horizon) / (here - before),
-                };
+                let visible =
+                    if before >= horizon { 1.0 } else { (here - horizon) / (here - before) };
                 horizon = here;
                 if solid.is_some() {
                     let echo = weight * visible * ray.echo_m[index];
@@ -248,23 +246,17 @@ impl<'a> EchoBins<'a> {
         let per_bin = echo * self.per_m;
         // Most steps lie in one bin.
         let is_in_one = one_bin == other_bin && from >= 0.0 && to > 0.0;
-        let span = match is_in_one {
-            true => self.write_bins([one_bin as usize; 2]),
-            false => self.write([from, to]),
-        };
+        let span =
+            if is_in_one { self.write_bins([one_bin as usize; 2]) } else { self.write([from, to]) };
         let Some(span) = span else {
             return;
         };
-        let into = match of_solid {
-            true => &mut *self.object,
-            false => &mut *self.bottom,
-        };
-        match is_in_one {
-            true => into[span[0]] += per_bin,
-            false => {
-                let each = per_bin / (to - from).max(1e-6 * self.per_m);
-                add_shares(into, span, [from, to], each);
-            }
+        let into = if of_solid { &mut *self.object } else { &mut *self.bottom };
+        if is_in_one {
+            into[span[0]] += per_bin
+        } else {
+            let each = per_bin / (to - from).max(1e-6 * self.per_m);
+            add_shares(into, span, [from, to], each);
         }
     }
 

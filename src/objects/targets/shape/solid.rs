@@ -206,9 +206,10 @@ impl Solid {
         }
         let round = (0..=POINTS).map(|point| {
             let (sin, cos) = (std::f64::consts::TAU * point as f64 / POINTS as f64).sin_cos();
-            let half = match self.kind.is_boat() {
-                true => f64::from(boat_outline(cos as f32)).copysign(sin),
-                false => sin,
+            let half = if self.kind.is_boat() {
+                f64::from(boat_outline(cos as f32)).copysign(sin)
+            } else {
+                sin
             };
             [cos * length_m, half * width_m]
         });

@@ -97,9 +97,10 @@ fn endings_in_words() -> String {
 /// As above.
 pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
     CopyFormat::of(path)?;
-    match log_files.iter().any(|file| is_same_file(file, path)) {
-        true => Err(CopyError::IsLog(path.to_owned())),
-        false => Ok(()),
+    if log_files.iter().any(|file| is_same_file(file, path)) {
+        Err(CopyError::IsLog(path.to_owned()))
+    } else {
+        Ok(())
     }
 }
 

@@ -107,10 +107,8 @@ impl LogPartChoice {
             Some([from, to]) => [from.of_log(survey)?, to.of_log(survey)?],
             None => [f64::NEG_INFINITY, f64::INFINITY],
         };
-        let places = match survey.side_scan.is_empty() {
-            false => &navigation.pings,
-            true => &navigation.soundings,
-        };
+        let places =
+            if !survey.side_scan.is_empty() { &navigation.pings } else { &navigation.soundings };
         let is_in_area = |record: usize| {
             self.area.as_ref().is_none_or(|area| {
                 places.get(record).is_some_and(|place| {
@@ -128,10 +126,7 @@ impl LogPartChoice {
                 _ => stretches.push(record..record + 1),
             }
         }
-        match stretches.is_empty() {
-            true => Err(PartError::Empty),
-            false => Ok(stretches),
-        }
+        if stretches.is_empty() { Err(PartError::Empty) } else { Ok(stretches) }
     }
 }
 

@@ -82,9 +82,8 @@ fn record(
     let one = &of.one;
     let samples = one.mark.samples(survey);
     let target = of.target.as_ref();
-    let number = |value: f64, decimals: usize| match value.is_finite() {
-        true => format!("{value:.decimals$}"),
-        false => String::new(),
+    let number = |value: f64, decimals: usize| {
+        if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
     };
     let of_target = |value: fn(&Target) -> f64, decimals| {
         target.map_or_else(String::new, |target| number(value(target), decimals))

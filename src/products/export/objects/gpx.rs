@@ -21,9 +21,10 @@ pub(crate) fn objects_gpx(
         let columns =
             elements(of, |name, text| format!("<bathyscope:{name}>{text}</bathyscope:{name}>"));
         let at = object.position;
-        let remarks = match object.remarks.is_empty() {
-            true => String::new(),
-            false => format!("<cmt>{}</cmt>", xml(&object.remarks)),
+        let remarks = if object.remarks.is_empty() {
+            String::new()
+        } else {
+            format!("<cmt>{}</cmt>", xml(&object.remarks))
         };
         // Writing to a string does not fail.
         text += &format!(

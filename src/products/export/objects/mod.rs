@@ -36,10 +36,7 @@ pub(crate) struct ObjectLog<'a> {
 
 /// Text that no spreadsheet takes for a formula.
 fn plain(text: &str) -> String {
-    match text.starts_with(['=', '+', '-', '@']) {
-        true => format!("'{text}"),
-        false => text.to_owned(),
-    }
+    if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text.to_owned() }
 }
 
 /// The places of objects, counted.

@@ -38,10 +38,11 @@ impl TileStore {
     /// # Errors
     /// When the folder cannot be written into.
     pub(crate) fn in_folder(folder: &Path) -> io::Result<Self> {
-        let file = match cfg!(windows) {
+        let file = if cfg!(windows) {
             // There it has a name as long as it is open, and would be taken for a product.
-            true => tempfile::tempfile()?,
-            false => tempfile::tempfile_in(folder)?,
+            tempfile::tempfile()?
+        } else {
+            tempfile::tempfile_in(folder)?
         };
         Ok(Self { inner: Mutex::new(Inner { file, end: 0, places: BTreeMap::new() }) })
     }

@@ -139,9 +139,10 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
     let files =
         ["a.pmtiles", "b.pmtiles", "a.mbtiles", "b.mbtiles"].map(|name| folder.path().join(name));
     for (path, store) in files.iter().zip([&first, &turned, &first, &turned]) {
-        match path.extension().is_some_and(|ending| ending == "pmtiles") {
-            true => pmtiles(path, store, TileStyle::Colours, &set()).unwrap(),
-            false => mbtiles(path, store, TileStyle::Colours, &set()).unwrap(),
+        if path.extension().is_some_and(|ending| ending == "pmtiles") {
+            pmtiles(path, store, TileStyle::Colours, &set()).unwrap()
+        } else {
+            mbtiles(path, store, TileStyle::Colours, &set()).unwrap()
         }
     }
     let [a, b, c, d] = files.map(|path| fs::read(path).unwrap());

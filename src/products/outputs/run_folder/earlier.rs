@@ -44,9 +44,10 @@ pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> EarlierFiles 
                 let going = files.into_iter().filter(|file| goes(&file.file));
                 let there = going.filter(|file| folder.join(&file.file).is_file());
                 for file in there {
-                    match file.is_unchanged(folder) {
-                        true => found.unchanged.push(file.file),
-                        false => found.changed.push(file.file),
+                    if file.is_unchanged(folder) {
+                        found.unchanged.push(file.file)
+                    } else {
+                        found.changed.push(file.file)
                     }
                 }
             }

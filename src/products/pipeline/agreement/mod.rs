@@ -216,9 +216,10 @@ fn unmatched(matching: Matching, away_m: f64) -> ReferenceFault {
     if !away_m.is_finite() || away_m > f64::MAX / 4.0 {
         return ReferenceFault::NoPlace;
     }
-    match away_m >= 1.0 {
-        true => ReferenceFault::Elsewhere(away_m),
-        false => ReferenceFault::Unmatched(matching),
+    if away_m >= 1.0 {
+        ReferenceFault::Elsewhere(away_m)
+    } else {
+        ReferenceFault::Unmatched(matching)
     }
 }
 

@@ -72,12 +72,11 @@ pub fn choices(
         for geometry in GEOMETRIES {
             let in_force = settings == products.settings.calibration
                 && geometry == products.settings.cloud.geometry;
-            let cloud = match in_force {
-                true => products.cloud.clone(),
-                false => {
-                    let counted = (&*counted, &traits);
-                    Arc::new(placed(survey, products, counted, &made, geometry, progress)?)
-                }
+            let cloud = if in_force {
+                products.cloud.clone()
+            } else {
+                let counted = (&*counted, &traits);
+                Arc::new(placed(survey, products, counted, &made, geometry, progress)?)
             };
             let points = cloud.points.iter().enumerate();
             let points: Vec<(usize, &CloudPoint)> =
@@ -88,12 +87,11 @@ pub fn choices(
             if matches.is_empty() {
                 continue;
             }
-            let classes = match in_force {
-                true => products.classes.clone(),
-                false => {
-                    let rules = products.settings.class_rules();
-                    Arc::new(cloud::classify(&cloud, &rules, progress)?)
-                }
+            let classes = if in_force {
+                products.classes.clone()
+            } else {
+                let rules = products.settings.class_rules();
+                Arc::new(cloud::classify(&cloud, &rules, progress)?)
             };
             let is_kept = |(index, _): &(usize, &CloudPoint)| classes[*index].is_kept();
             let kept = points.iter().filter(|point| is_kept(point)).count();

@@ -315,10 +315,7 @@ impl Bottom {
         let is_inside = row < grid.rows && column < grid.columns;
         let cell = row * grid.columns + column;
         let surface = self.surface();
-        let depth_m = match is_inside {
-            true => surface.depth_m[cell],
-            false => f32::NAN,
-        };
+        let depth_m = if is_inside { surface.depth_m[cell] } else { f32::NAN };
         let ground = match depth_m.is_nan() {
             true => CornerGround::Unknown,
             false if surface.source[cell] == CellSource::None => CornerGround::Level,

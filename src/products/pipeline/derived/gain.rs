@@ -56,9 +56,8 @@ pub(super) fn made(
     progress: &Progress,
 ) -> Result<Option<GainTable>, Cancelled> {
     let ProcessedLog { survey, products } = log;
-    let table = |layout: &MosaicLayout| match layout.has_rays() {
-        true => gain_table(survey, layout, progress).map(Some),
-        false => Ok(None),
+    let table = |layout: &MosaicLayout| {
+        if layout.has_rays() { gain_table(survey, layout, progress).map(Some) } else { Ok(None) }
     };
     match table(&mosaic_layout_by(survey, products, |place| place))? {
         Some(made) => Ok(Some(made)),

@@ -100,8 +100,5 @@ fn drawn_on<'a>(
     shoal_safe: bool,
     progress: &Progress,
 ) -> Result<&'a Surface, Cancelled> {
-    match shoal_safe {
-        true => depth_map.shoalest(progress),
-        false => Ok(&depth_map.surface),
-    }
+    if shoal_safe { depth_map.shoalest(progress) } else { Ok(&depth_map.surface) }
 }

@@ -179,10 +179,7 @@ impl Derived {
     ) -> Result<Arc<LogPicture>, Cancelled> {
         let key = PictureKey::of(log);
         let make = || {
-            let gain = match key.is_normalised() {
-                true => self.gain(log, progress)?,
-                false => None,
-            };
+            let gain = if key.is_normalised() { self.gain(log, progress)? } else { None };
             Ok(Arc::new(picture::made(log, gain, key.is_even(), progress)?))
         };
         self.picture.get(key.clone(), progress, make)
@@ -199,10 +196,8 @@ impl Derived {
         whole: &ProcessedLog,
         progress: &Progress,
     ) -> Result<Arc<LogPicture>, Cancelled> {
-        let gain = match PictureKey::of(log).is_normalised() {
-            true => self.gain(whole, progress)?,
-            false => None,
-        };
+        let gain =
+            if PictureKey::of(log).is_normalised() { self.gain(whole, progress)? } else { None };
         Ok(Arc::new(picture::made(log, gain, false, progress)?))
     }
 }

@@ -47,9 +47,6 @@ pub(super) fn made(
 ) -> Result<LogPicture, Cancelled> {
     let factor = products.correction.range_factor();
     let scales = PingScales::new(survey, &products.bottom_line, &products.calibration, factor);
-    let factors = match is_even {
-        true => Some(stripe_factors(survey, &scales, progress)?),
-        false => None,
-    };
+    let factors = if is_even { Some(stripe_factors(survey, &scales, progress)?) } else { None };
     LogPicture::new(survey, Arc::new(scales), gain, factors, progress)
 }

@@ -110,10 +110,7 @@ fn misfit(row: &SettingRow, value: &Value, reason: &str) -> String {
         SettingKind::Number(_) => decimal_comma(&value).unwrap_or_default(),
         _ => String::new(),
     };
-    let needed = match is_serdes {
-        true => format!("it is {}", row.in_words()),
-        false => in_one_line(reason),
-    };
+    let needed = if is_serdes { format!("it is {}", row.in_words()) } else { in_one_line(reason) };
     format!("`{}` cannot be `{value}`: {needed}{hint}", row.key)
 }
 
@@ -197,9 +194,10 @@ fn no_setting(key: &str) -> String {
     if let Some((_, near)) = near.min().filter(|(slips, _)| *slips <= SLIP) {
         return format!("there is no setting `{key}`; is `{near}` meant?");
     }
-    match of_group.is_empty() {
-        true => format!("there is no setting `{key}`; process --help lists all"),
-        false => format!("there is no setting `{key}`; those of `{group}` are {listed}"),
+    if of_group.is_empty() {
+        format!("there is no setting `{key}`; process --help lists all")
+    } else {
+        format!("there is no setting `{key}`; those of `{group}` are {listed}")
     }
 }
 

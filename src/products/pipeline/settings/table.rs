@@ -83,19 +83,13 @@ impl Number {
     /// `None` where it always has one.
     pub fn none_word(&self) -> Option<&'static str> {
         let does_nothing = |without: &str| without.starts_with("no ");
-        let word = |without| match does_nothing(without) {
-            true => "none",
-            false => "automatic",
-        };
+        let word = |without| if does_nothing(without) { "none" } else { "automatic" };
         self.without.map(word)
     }
 
     /// The ends of its control.
     pub fn ends(&self) -> [f64; 2] {
-        match self.zero_is_none() {
-            true => [0.0, self.range[1]],
-            false => self.range,
-        }
+        if self.zero_is_none() { [0.0, self.range[1]] } else { self.range }
     }
 
     /// Returns true if it is counted, not measured.
@@ -214,11 +208,10 @@ impl SettingRow {
             SettingKind::Choice(_) | SettingKind::Text(_) => return Ok(()),
         };
         let fits = |value: &f64| (least..=most).contains(value);
-        match values.iter().all(fits) {
-            true => Ok(()),
-            false => {
-                Err(SettingsError(format!("{} must lie between {least} and {most}", self.key)))
-            }
+        if values.iter().all(fits) {
+            Ok(())
+        } else {
+            Err(SettingsError(format!("{} must lie between {least} and {most}", self.key)))
         }
     }
 

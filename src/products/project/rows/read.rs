@@ -350,10 +350,7 @@ impl RowReading<'_> {
         }
         let line = lines.last().map_or(0, |(_, row)| row.line);
         all.check().map_err(|what| ProjectError::line(line, what))?;
-        match all.is_empty() {
-            true => Ok(BottomSettings::default()),
-            false => Ok(all),
-        }
+        if all.is_empty() { Ok(BottomSettings::default()) } else { Ok(all) }
     }
 
     fn review(

@@ -49,10 +49,8 @@ fn setting_change(project: &Project, log: LogKey, b: usize) -> Option<Change> {
 /// A line of the bottom that is drawn or accepted, or one that is removed.
 fn bottom_change(log: &ProjectLog, is_drawn: bool, a: usize, b: usize) -> Change {
     let side = Side::BOTH[b % 2];
-    let of_log = match log.settings.bottom.is_empty() {
-        true => bottom(&[]),
-        false => log.settings.bottom.clone(),
-    };
+    let of_log =
+        if log.settings.bottom.is_empty() { bottom(&[]) } else { log.settings.bottom.clone() };
     let pings = [a.min(b), a.max(b)];
     let after = match is_drawn {
         true if a.is_multiple_of(3) => of_log.accepting(side, pings),

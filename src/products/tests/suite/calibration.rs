@@ -225,9 +225,8 @@ fn a_chosen_range_of_pings_is_written_as_a_setting() {
 /// The classes of points, where those of other pings do not count.
 fn of_pings(products: &Products, is_meant: impl Fn(u32) -> bool) -> Vec<PointClass> {
     let classed = products.cloud.points.iter().zip(products.classes.iter());
-    let class = |(point, class): (&CloudPoint, &PointClass)| match is_meant(point.ping) {
-        true => *class,
-        false => PointClass::Unclassified,
+    let class = |(point, class): (&CloudPoint, &PointClass)| {
+        if is_meant(point.ping) { *class } else { PointClass::Unclassified }
     };
     classed.map(class).collect()
 }

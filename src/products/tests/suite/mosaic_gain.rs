@@ -83,10 +83,7 @@ impl Swaths {
             let at = |step: usize| {
                 let seen = pings.iter().filter_map(|ping| ping.get(step).copied());
                 let seen: Vec<f64> = seen.filter(|level| !level.is_nan()).collect();
-                match 2 * seen.len() >= pings.len() {
-                    true => mean(seen.into_iter()),
-                    false => f64::NAN,
-                }
+                if 2 * seen.len() >= pings.len() { mean(seen.into_iter()) } else { f64::NAN }
             };
             (0..steps).map(at).collect()
         })

@@ -31,10 +31,7 @@ fn place(time_s: f64) -> [f64; 2] {
 /// The bottom lies 20 m deep, and for a while the recorder jumps off it and back.
 fn depth_m(time_s: f64) -> f64 {
     let is_lost = (LOST_S[0]..LOST_S[1]).contains(&time_s);
-    match is_lost && time_s % 4.0 < 2.0 {
-        true => 1.8,
-        false => 20.0 + 0.3 * (0.02 * time_s).sin(),
-    }
+    if is_lost && time_s % 4.0 < 2.0 { 1.8 } else { 20.0 + 0.3 * (0.02 * time_s).sin() }
 }
 
 /// Time, place and depth of each sounding.

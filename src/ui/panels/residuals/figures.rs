@@ -52,10 +52,7 @@ pub(super) fn ui(
 pub(super) fn orders(ui: &mut Ui, comparison: &Comparison) {
     for within in &comparison.orders {
         let name = format!("S-44 {}", within.order.order);
-        let verdict = match within.share >= 0.95 {
-            true => "",
-            false => ", 95 % required",
-        };
+        let verdict = if within.share >= 0.95 { "" } else { ", 95 % required" };
         let share = format!("{:.1} % within{verdict}", 100.0 * within.share);
         let hint = "Share of the points within what this order of IHO S-44 allows at their depth.";
         fact(ui, &name, hint, share);

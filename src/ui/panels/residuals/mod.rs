@@ -47,9 +47,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         });
         ui.data_mut(|data| data.insert_temp(id, over));
         plots::picture(ui, &agreement.tables, over, context.options());
-        let of = match agreement.reference.is_some() {
-            true => "Elevation of the points minus that of the reference at their place",
-            false => "Elevation of side-scan points minus that of the soundings at their place",
+        let of = if agreement.reference.is_some() {
+            "Elevation of the points minus that of the reference at their place"
+        } else {
+            "Elevation of side-scan points minus that of the soundings at their place"
         };
         parts::remark(ui, format!("{of}: above 0 is shallower."));
         on_map(ui, context);

@@ -78,9 +78,10 @@ fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
         moved = slider.changed();
     }
     if by != before || moved {
-        let radius_m = match moved {
-            true => (radius * units.length.metres()).clamp(RADII_M[0], RADII_M[1]),
-            false => radius_m,
+        let radius_m = if moved {
+            (radius * units.length.metres()).clamp(RADII_M[0], RADII_M[1])
+        } else {
+            radius_m
         };
         context.push(Command::MatchBy { by, radius_m });
     }

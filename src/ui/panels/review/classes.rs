@@ -34,10 +34,7 @@ impl Classes {
         }
         for index in 0..list.len() {
             ui.horizontal(|ui| {
-                let key = match index < KEYED {
-                    true => format!("{}", index + 1),
-                    false => String::new(),
-                };
+                let key = if index < KEYED { format!("{}", index + 1) } else { String::new() };
                 ui.add_sized([14.0, 18.0], egui::Label::new(key).selectable(false));
                 self.name(ui, context, &list, index);
                 place(ui, context, &list, index);
@@ -121,16 +118,14 @@ fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (class, name) in app.class_names().into_iter().enumerate() {
-            let (label, hint) = match class < KEYED {
-                true => (format!("{} {name}", class + 1), format!("Key {}", class + 1)),
-                false => (name.to_owned(), String::new()),
+            let (label, hint) = if class < KEYED {
+                (format!("{} {name}", class + 1), format!("Key {}", class + 1))
+            } else {
+                (name.to_owned(), String::new())
             };
             let chip =
                 toggle::chip(ui, name == now, label).accessible_name(format!("Class {name}"));
-            let chip = match hint.is_empty() {
-                true => chip,
-                false => chip.on_hover_text(hint),
-            };
+            let chip = if hint.is_empty() { chip } else { chip.on_hover_text(hint) };
             if chip.clicked() {
                 chosen = Some(name.to_owned());
             }

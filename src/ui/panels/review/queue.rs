@@ -106,10 +106,7 @@ fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     });
     if [low, high] != before {
         let unit_m = units.length.metres();
-        let high_m = match high >= any {
-            true => f64::INFINITY,
-            false => high.max(low) * unit_m,
-        };
+        let high_m = if high >= any { f64::INFINITY } else { high.max(low) * unit_m };
         *filter = low * unit_m..=high_m;
     }
 }

@@ -98,10 +98,7 @@ fn following(ui: &mut Ui, context: &ViewContext<'_>) {
     };
     let is_silent = matches!(status, FollowStatus::Silent { .. });
     let theme = context.theme();
-    let colour = match is_silent {
-        true => theme::stale_colour(theme),
-        false => theme::accent_colour(theme),
-    };
+    let colour = if is_silent { theme::stale_colour(theme) } else { theme::accent_colour(theme) };
     let label = ui.label(RichText::new(text).small().color(colour));
     label.on_hover_text(
         "New pings are shown with the calibration of the last run over the whole log; that run is repeated as the log grows, and at the end.",

@@ -74,9 +74,10 @@ pub(super) fn show(
 ) -> Option<ClipBox> {
     let clip = context.options().cloud.clip?;
     let dragged = handles(ui, scene, axes, clip);
-    let changed = match legend::has_room(axes.rect) {
-        true => numbers(ui, context, scene, axes, dragged),
-        false => dragged,
+    let changed = if legend::has_room(axes.rect) {
+        numbers(ui, context, scene, axes, dragged)
+    } else {
+        dragged
     };
     (changed != clip).then_some(changed)
 }
@@ -110,10 +111,7 @@ fn handles(ui: &Ui, scene: SceneBox, axes: &BoxAxes<'_>, clip: ClipBox) -> ClipB
                 WidgetInfo::labeled(Role::Slider, true, name)
             });
             let is_held = response.hovered() || response.dragged();
-            let fill = match is_held {
-                true => theme::HOVER_COLOUR,
-                false => theme::SELECTION_COLOUR,
-            };
+            let fill = if is_held { theme::HOVER_COLOUR } else { theme::SELECTION_COLOUR };
             let painter = ui.painter_at(axes.rect);
             painter.circle(at, HANDLE[0], fill, edge(axes.options));
             if response.dragged() {

@@ -94,9 +94,10 @@ pub(super) fn paint_read_out(
         }
         _ => String::new(),
     };
-    let sample = match point.source.is_side_scan() {
-        true => format!(", sample {:.0}", point.sample),
-        false => String::new(),
+    let sample = if point.source.is_side_scan() {
+        format!(", sample {:.0}", point.sample)
+    } else {
+        String::new()
     };
     let navigation = &products.navigation;
     let position = navigation.to_lon_lat(&survey.track, point.east_m, point.north_m);
@@ -139,10 +140,7 @@ pub(super) fn paint_legend(
 ) -> Vec<Rect> {
     let mut at = rect.left_top() + vec2(8.0, 36.0);
     let mut covered = Vec::new();
-    let mut lines = match options.cloud.points {
-        true => lines(options, scene),
-        false => Vec::new(),
-    };
+    let mut lines = if options.cloud.points { lines(options, scene) } else { Vec::new() };
     if bottom.is_some_and(|bottom| bottom.colour == BottomColour::Source) {
         let sources = CellSource::KNOWN.iter().zip(SOURCES);
         lines.extend(sources.map(|(source, [r, g, b])| {
@@ -251,9 +249,10 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             }
         }
     }
-    let (verb, colour) = match options.cloud.outlier_preview {
-        true => ("to be removed", theme::OUTLIER_COLOUR),
-        false => ("removed", theme::OUTLIER_COLOUR.gamma_multiply(0.4)),
+    let (verb, colour) = if options.cloud.outlier_preview {
+        ("to be removed", theme::OUTLIER_COLOUR)
+    } else {
+        ("removed", theme::OUTLIER_COLOUR.gamma_multiply(0.4))
     };
     let classes = scene.classes;
     if classes.noise() > 0 {

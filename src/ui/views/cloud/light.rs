@@ -47,9 +47,10 @@ pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
 /// In the very middle it keeps its direction.
 fn light_at(place: Vec2, azimuth_deg: f32) -> [f32; 2] {
     let altitude_deg = 90.0 * (1.0 - place.length()).clamp(0.0, 1.0);
-    let turned_deg = match place.length() > 0.05 {
-        true => place.x.atan2(-place.y).to_degrees().rem_euclid(360.0),
-        false => azimuth_deg,
+    let turned_deg = if place.length() > 0.05 {
+        place.x.atan2(-place.y).to_degrees().rem_euclid(360.0)
+    } else {
+        azimuth_deg
     };
     [turned_deg.round(), altitude_deg.max(LOWEST_DEG).round()]
 }

@@ -132,9 +132,10 @@ impl CloudPointer {
         (axes, camera): (&BoxAxes<'_>, OrbitCamera),
     ) {
         let shown = axes.shown();
-        let at = match response.clicked() {
-            true => response.interact_pointer_pos(),
-            false => response.hover_pos().filter(|_| !response.dragged()),
+        let at = if response.clicked() {
+            response.interact_pointer_pos()
+        } else {
+            response.hover_pos().filter(|_| !response.dragged())
         };
         let looks = context.options().cloud.points
             && (scene.shown(shown.outliers) <= MOST_ON_HOVER || response.clicked());

@@ -241,10 +241,7 @@ impl CloudScene {
 
     /// Number of points that are drawn.
     pub(super) fn shown(&self, outlier_preview: bool) -> usize {
-        match outlier_preview {
-            true => self.counts.all(),
-            false => self.counts.kept(),
-        }
+        if outlier_preview { self.counts.all() } else { self.counts.kept() }
     }
 
     /// Number and place of every point that is drawn.

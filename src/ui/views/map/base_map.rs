@@ -69,9 +69,10 @@ fn bounds(key: &BaseMapKey) -> GroundBounds {
     });
     let [west, south, east, north] = places.fold(NOWHERE, |all, [x, y]| joined(all, [x, y, x, y]));
     // A picture of half the Earth has edges where the plane of the survey has none.
-    match map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
-        true => near,
-        false => [west.max(near[0]), south.max(near[1]), east.min(near[2]), north.min(near[3])],
+    if map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
+        near
+    } else {
+        [west.max(near[0]), south.max(near[1]), east.min(near[2]), north.min(near[3])]
     }
 }
 

@@ -157,12 +157,11 @@ impl TilePainter for ShadeTiles {
         let look = |place| Some([between(&depth_map.surface.grid, place, shade)?]);
         paint(depth_map, key, progress, look, |[shade]| {
             // Level ground changes nothing under it.
-            match shade < level {
-                true => Color32::from_black_alpha((255.0 * (1.0 - shade / level)) as u8),
-                false => {
-                    let lit = (shade - level) / (255.0 - level).max(1.0);
-                    Color32::from_white_alpha((255.0 * HIGHLIGHT * lit) as u8)
-                }
+            if shade < level {
+                Color32::from_black_alpha((255.0 * (1.0 - shade / level)) as u8)
+            } else {
+                let lit = (shade - level) / (255.0 - level).max(1.0);
+                Color32::from_white_alpha((255.0 * HIGHLIGHT * lit) as u8)
             }
         })
     }

@@ -90,10 +90,8 @@ impl TrackLayer {
             progress.check().ok()?;
             let by_side_scan = |record: &Record<'_>| record.source == DepthSource::SideScan;
             side_scan_only |= records.iter().any(by_side_scan);
-            let colouring = match by_log {
-                true => Colouring::Log(shown.colour),
-                false => Colouring::Depth(range_m),
-            };
+            let colouring =
+                if by_log { Colouring::Log(shown.colour) } else { Colouring::Depth(range_m) };
             line.extend(vertices(&records, origin_m, &colouring));
         }
         let line = MapLine::new(origin_m, line, Specks::Kept, uploader);
@@ -161,9 +159,10 @@ fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Recor
         let record = |(sounding, place): (&Sounding, &'a PingNav)| Record {
             time_s: sounding.time_s,
             place,
-            depth_m: match sounding.is_good() {
-                true => correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32,
-                false => f32::NAN,
+            depth_m: if sounding.is_good() {
+                correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
+            } else {
+                f32::NAN
             },
             source: DepthSource::Sounding,
         };

@@ -355,9 +355,10 @@ fn boxes(context: &ViewContext<'_>) -> String {
         let boxes = reviewing.in_line();
         boxes.filter(|one| reviewing.placed(one.id).is_some())
     });
-    match logs().any(Reviewing::has_boxes) {
-        true => format!(", {}", text::plural(placed.count(), "box", "boxes")),
-        false => String::new(),
+    if logs().any(Reviewing::has_boxes) {
+        format!(", {}", text::plural(placed.count(), "box", "boxes"))
+    } else {
+        String::new()
     }
 }
 
@@ -369,10 +370,7 @@ fn layers(context: &ViewContext<'_>) -> String {
     let is_there = |layer: &MapLayer| *layer != MapLayer::BaseMap || has_base_map;
     let shown = shown.filter(|layer| stack.is_visible(*layer) && is_there(layer));
     let names: Vec<String> = shown.map(|layer| layer.name().to_lowercase()).collect();
-    match names.is_empty() {
-        true => String::new(),
-        false => format!("; layers: {}", names.join(", ")),
-    }
+    if names.is_empty() { String::new() } else { format!("; layers: {}", names.join(", ")) }
 }
 
 fn name(app: &App, products: &Products, track: &TrackLayer) -> String {

@@ -42,9 +42,10 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
         return;
     }
     let name = |at: Pos2, other: Pos2, text: &str| {
-        let (anchor, aside) = match at.x < other.x {
-            true => (Align2::RIGHT_CENTER, vec2(-12.0, 0.0)),
-            false => (Align2::LEFT_CENTER, vec2(12.0, 0.0)),
+        let (anchor, aside) = if at.x < other.x {
+            (Align2::RIGHT_CENTER, vec2(-12.0, 0.0))
+        } else {
+            (Align2::LEFT_CENTER, vec2(12.0, 0.0))
         };
         legend::words(painter, scene.options, at + aside, anchor, text);
     };
@@ -58,8 +59,5 @@ pub(super) fn name(app: &App) -> String {
     let apart = products
         .zip(app.view.selection)
         .is_some_and(|(products, mark)| products.navigation.antenna.get(mark.ping).is_some());
-    match apart {
-        true => ", antenna and transducer of the selected ping".to_owned(),
-        false => String::new(),
-    }
+    if apart { ", antenna and transducer of the selected ping".to_owned() } else { String::new() }
 }

@@ -175,10 +175,8 @@ fn paint(
     let faint = scene.text_colour().gamma_multiply(0.6);
     painter.add(Shape::line(way.to_vec(), Stroke::new(1.0, faint)));
     for (number, [from, to]) in lines.iter().enumerate() {
-        let colour = match selected == Some(number) {
-            true => theme::SELECTION_COLOUR,
-            false => theme::MEASURE_COLOUR,
-        };
+        let colour =
+            if selected == Some(number) { theme::SELECTION_COLOUR } else { theme::MEASURE_COLOUR };
         let stroke = Stroke::new(2.0, colour);
         let under = Stroke::new(4.0, casing.gamma_multiply(0.7));
         painter.line_segment([*from, *to], under);
@@ -205,12 +203,11 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
     let height = if is_narrow { 66.0 } else { 28.0 };
     let bar = Rect::from_min_max(foot + vec2(6.0, -84.0 - height), pos2(right, foot.y - 84.0));
     let words = RichText::new(words(context.app, planned)).size(11.5);
-    legend::framed(ui, context.options(), bar, |ui| match is_narrow {
-        true => {
+    legend::framed(ui, context.options(), bar, |ui| {
+        if is_narrow {
             ui.label(words);
             ui.horizontal(|ui| buttons(ui, context));
-        }
-        false => {
+        } else {
             ui.horizontal(|ui| {
                 ui.label(words);
                 buttons(ui, context);

@@ -215,10 +215,7 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
                 let away = context.units().measure(pass.range_m, 1);
                 let side = pass.side.name();
                 let ping = named_ping(context.app, (*log, first));
-                let to = match first == last {
-                    true => String::new(),
-                    false => format!(" to {last}"),
-                };
+                let to = if first == last { String::new() } else { format!(" to {last}") };
                 let name = format!("{ping}{to}, {side}, slant range {away}");
                 if ui.button(name).clicked() {
                     context.push(Command::RevealIn(*log, mark_of(pass)));
@@ -256,10 +253,7 @@ fn range_of(scene: &MapScene<'_>, rank: usize) -> Option<PingRange> {
 fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {
     let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
     // In one line a narrow map would run under the north arrow, or out of its tile.
-    let gap = |needed: f32| match scene.rect.width() < needed {
-        true => "\n",
-        false => "   ",
-    };
+    let gap = |needed: f32| if scene.rect.width() < needed { "\n" } else { "   " };
     let units = app.view.options.units;
     let mut text = place::written(app, scene.position(at));
     if app.view.options.coordinates != CoordinateFormat::Utm {

@@ -44,10 +44,7 @@ pub(super) fn note(options: &ViewOptions, has_swath: bool) -> String {
         SideColours::Paper => "points: blue port,\nred starboard",
         SideColours::Maritime => "points: red port,\ngreen starboard",
     };
-    match has_swath && options.swath.0 {
-        true => format!("{sides},\nviolet swath"),
-        false => sides.to_owned(),
-    }
+    if has_swath && options.swath.0 { format!("{sides},\nviolet swath") } else { sides.to_owned() }
 }
 
 /// The tiles of all kept points; inner `None` where there is none, outer when cancelled.

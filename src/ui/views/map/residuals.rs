@@ -83,9 +83,10 @@ impl ResidualLayer {
 /// A name whose end stands for all of it where it is long.
 fn shortened(name: &str) -> String {
     let count = name.chars().count();
-    match count > LETTERS {
-        true => format!("…{}", name.chars().skip(count - LETTERS + 1).collect::<String>()),
-        false => name.to_owned(),
+    if count > LETTERS {
+        format!("…{}", name.chars().skip(count - LETTERS + 1).collect::<String>())
+    } else {
+        name.to_owned()
     }
 }
 

@@ -76,10 +76,7 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
 
 fn paint(painter: &Painter, scene: &MapScene<'_>, x: f32, response: &Response) {
     let held = response.hovered() || response.dragged() || response.has_focus();
-    let ink = match held {
-        true => theme::SELECTION_COLOUR,
-        false => theme::canvas_text_colour(scene.options),
-    };
+    let ink = if held { theme::SELECTION_COLOUR } else { theme::canvas_text_colour(scene.options) };
     let plate = theme::plate_colour(scene.options);
     painter.vline(x, scene.rect.y_range(), Stroke::new(4.0, plate));
     painter.vline(x, scene.rect.y_range(), Stroke::new(1.5, ink));

@@ -106,10 +106,8 @@ pub(super) fn colour_of(state: ObjectState) -> State {
 /// The text of a cell; empty for what is not known.
 pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> String {
     let (of, units) = (app.listed_object(object), app.view.options.units);
-    let length = |value_m: f64| match value_m.is_finite() {
-        true => units.number(value_m, 2),
-        false => String::new(),
-    };
+    let length =
+        |value_m: f64| if value_m.is_finite() { units.number(value_m, 2) } else { String::new() };
     match column.values {
         ColumnValues::Length(value) => length(value(&of)),
         ColumnValues::Measured(value) => match value(&of) {

@@ -28,9 +28,10 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let listed = context.app.listed_objects().len();
         let all = context.app.objects().len();
         let objects = text::plural(all, "object", "objects");
-        let count = match listed == all {
-            true => objects,
-            false => format!("{} of {objects}, by the filter", text::count(listed)),
+        let count = if listed == all {
+            objects
+        } else {
+            format!("{} of {objects}, by the filter", text::count(listed))
         };
         ui.label(RichText::new(count).strong());
         let keys = "Up and Down select a row, Enter or a double-click shows it enlarged.";

@@ -60,9 +60,10 @@ impl ObjectsView {
         }
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
         Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-            match context.app.objects().is_empty() {
-                true => no_objects(ui, context),
-                false => self.table(ui, context),
+            if context.app.objects().is_empty() {
+                no_objects(ui, context)
+            } else {
+                self.table(ui, context)
             }
         });
     }

@@ -112,10 +112,7 @@ impl ObjectTableRow<'_> {
         let said = WidgetText::from(cell_text(app, self.object, column));
         let wrap = Some(TextWrapMode::Truncate);
         let galley = said.into_galley(ui, wrap, inner.width(), TextStyle::Body);
-        let anchor = match is_number(column) {
-            true => Align2::RIGHT_CENTER,
-            false => Align2::LEFT_CENTER,
-        };
+        let anchor = if is_number(column) { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
         let at = anchor.align_size_within_rect(galley.size(), inner).min;
         let is_cut = galley.elided;
         ui.painter().galley(at, galley, colour);

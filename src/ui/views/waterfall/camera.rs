@@ -64,10 +64,7 @@ impl CameraAxis {
         self.per_point = per_point;
         self.fitted = false;
         let half = per_point * points / 2.0;
-        self.centre = match 2.0 * half >= to {
-            true => to / 2.0,
-            false => self.centre.clamp(half, to - half),
-        };
+        self.centre = if 2.0 * half >= to { to / 2.0 } else { self.centre.clamp(half, to - half) };
     }
 
     fn settle(&mut self, from: f64, to: f64, points: f64, finest: f64) {
@@ -271,12 +268,11 @@ impl Camera {
     /// everything along the track.
     pub(super) fn toggle_one_to_one(&mut self, extent: &PictureExtent, size: Size) {
         self.ping_m = None;
-        match self.is_one_to_one {
-            true => {
-                self.is_one_to_one = false;
-                self.along.fit(0.0, extent.pings, size.along);
-            }
-            false => self.is_one_to_one = extent.ping_m.is_some(),
+        if self.is_one_to_one {
+            self.is_one_to_one = false;
+            self.along.fit(0.0, extent.pings, size.along);
+        } else {
+            self.is_one_to_one = extent.ping_m.is_some()
         }
     }
 

@@ -43,9 +43,10 @@ impl Veiled {
     /// Writes why at its end.
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let reason = self.reason.name();
-        let text = match self.area.width() < WORDY {
-            true => reason.to_owned(),
-            false => format!("excluded: {reason}"),
+        let text = if self.area.width() < WORDY {
+            reason.to_owned()
+        } else {
+            format!("excluded: {reason}")
         };
         let corner = self.area.left_bottom() + vec2(5.0, -22.0);
         labels.write(corner, Align2::LEFT_BOTTOM, &text, labels::INK);

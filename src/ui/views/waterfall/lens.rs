@@ -126,10 +126,7 @@ impl Lens {
     /// Distances from the middle that are seen of a side, metres; empty where none is.
     pub(super) fn seen_of(&self, side: Side) -> Range<f64> {
         let metres = self.metres();
-        let seen = match self.is_first(side) {
-            true => -metres.end..-metres.start,
-            false => metres,
-        };
+        let seen = if self.is_first(side) { -metres.end..-metres.start } else { metres };
         seen.start.max(0.0)..seen.end.max(0.0)
     }
 
@@ -174,10 +171,7 @@ impl Lens {
 
     /// A distance from the middle with the sign of where its side is shown.
     pub(super) fn signed_m(&self, side: Side, shown_m: f64) -> f64 {
-        match self.is_first(side) {
-            true => -shown_m,
-            false => shown_m,
-        }
+        if self.is_first(side) { -shown_m } else { shown_m }
     }
 
     /// Screen position of a ping at metres from the middle as shown, negative on the side that is
@@ -200,10 +194,8 @@ impl Lens {
         let Camera { along, across, .. } = &self.camera;
         let ping = along.centre + offset.along * along.per_point;
         let shown_m = across.centre + offset.across * across.per_point;
-        let side = match (shown_m < 0.0) == self.is_first(Side::Port) {
-            true => Side::Port,
-            false => Side::Starboard,
-        };
+        let side =
+            if (shown_m < 0.0) == self.is_first(Side::Port) { Side::Port } else { Side::Starboard };
         let range_m = match self.geometry() {
             PictureGeometry::Slant => shown_m.abs(),
             geometry => {

@@ -66,9 +66,10 @@ impl MeasureTool {
         let held = self.drags;
         if self.drags && response.drag_stopped() {
             self.drags = false;
-            match drag::is_given_up(ui, response) {
-                true => context.push(Command::Do(Action::TakeCornerBack)),
-                false => picked = set(response.interact_pointer_pos()),
+            if drag::is_given_up(ui, response) {
+                context.push(Command::Do(Action::TakeCornerBack))
+            } else {
+                picked = set(response.interact_pointer_pos())
             }
         }
         if response.double_clicked() {
@@ -163,10 +164,8 @@ fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let casing = egui::Color32::from_black_alpha(180);
     let count = figure.corners.len();
     let closes = figure.kind == MeasurementKind::Area && count > 2;
-    let next = |corner: usize| match corner + 1 == count {
-        true => closes.then_some(0),
-        false => Some(corner + 1),
-    };
+    let next =
+        |corner: usize| if corner + 1 == count { closes.then_some(0) } else { Some(corner + 1) };
     for (corner, at) in &corners {
         let to = next(*corner).and_then(|next| corners.iter().find(|(other, _)| *other == next));
         if let Some((_, to)) = to {
@@ -189,10 +188,8 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let colour = theme::MEASURE_COLOUR;
     let casing = egui::Color32::from_black_alpha(180);
     if let [(_, top), (_, end)] = ends[..] {
-        let along = match (end - top).length() > 0.0 {
-            true => (end - top).normalized(),
-            false => vec2(0.0, 1.0),
-        };
+        let along =
+            if (end - top).length() > 0.0 { (end - top).normalized() } else { vec2(0.0, 1.0) };
         let tick = TICK * along.rot90();
         for (width, ink) in [(4.0, casing), (2.0, colour)] {
             let stroke = Stroke::new(width, ink);
@@ -221,9 +218,10 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
 
 /// Numbers beside a place, on the side where there is room.
 fn label(painter: &Painter, lens: &Lens, at: Pos2, words: &str) {
-    let (shift, anchor) = match at.x < lens.rect.center().x {
-        true => (vec2(12.0, -12.0), Align2::LEFT_BOTTOM),
-        false => (vec2(-12.0, -12.0), Align2::RIGHT_BOTTOM),
+    let (shift, anchor) = if at.x < lens.rect.center().x {
+        (vec2(12.0, -12.0), Align2::LEFT_BOTTOM)
+    } else {
+        (vec2(-12.0, -12.0), Align2::RIGHT_BOTTOM)
     };
     labels::text(painter, at + shift, anchor, words);
 }

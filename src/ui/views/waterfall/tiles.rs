@@ -202,12 +202,11 @@ impl<'a> LensScale<'a> {
         let seen = self.lens.pings();
         QuadArea {
             pings: seen.start.max(0.0)..seen.end.min(self.axis.pings as f64),
-            bins: match shown.is_empty() {
-                true => 0.0..0.0,
-                false => {
-                    (near_m / self.axis.bin_m).max(0.0)
-                        ..(far_m / self.axis.bin_m).min(f64::from(self.axis.bins))
-                }
+            bins: if shown.is_empty() {
+                0.0..0.0
+            } else {
+                (near_m / self.axis.bin_m).max(0.0)
+                    ..(far_m / self.axis.bin_m).min(f64::from(self.axis.bins))
             },
         }
     }

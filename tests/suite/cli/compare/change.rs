@@ -18,11 +18,12 @@ const POND: &str = "longitude_deg = -82.11\nlatitude_deg = 29.41\nscattered_obje
 
 /// Surveys the pond, with a mound or without, into a folder of that name.
 fn survey(folder: &Path, name: &str, mound: bool, seed: &str) {
-    let mound = match mound {
-        true => format!(
+    let mound = if mound {
+        format!(
             "mounds = [{{ east_m = 1.0, north_m = 0.5, radius_m = {RADIUS_M:?}, height_m = {HEIGHT_M:?} }}]\n"
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     fs::write(folder.join("scene.toml"), format!("{POND}{mound}")).expect("a scene");
     run(folder, &["simulate", "scene.toml", "-o", name, "--seed", seed]);

@@ -248,11 +248,10 @@ impl Cube {
         }
         pages.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         let times = || points.gps_time().into_iter().flatten();
-        let ends = match points.is_empty() {
-            true => [0.0; 2],
-            false => {
-                [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)]
-            }
+        let ends = if points.is_empty() {
+            [0.0; 2]
+        } else {
+            [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)]
         };
         ends.iter().for_each(|time| bytes.extend(time.to_le_bytes()));
         bytes.resize(INFO_LENGTH, 0);

@@ -150,9 +150,10 @@ fn draw(
 /// Found in the accent, mistakes in the warning colour, the more the stronger.
 fn ground(context: &ViewContext<'_>, right: bool, share: f32) -> Color32 {
     let options = context.options();
-    let full = match right {
-        true => theme::accent_colour(options.theme),
-        false => theme::error_colour(options.theme),
+    let full = if right {
+        theme::accent_colour(options.theme)
+    } else {
+        theme::error_colour(options.theme)
     };
     if share > 0.0 {
         full.gamma_multiply(0.2 + 0.45 * share)

@@ -144,10 +144,7 @@ impl<'a> Way<'a> {
         let after = after.clamp(1, self.points.len() - 1);
         let (a, b) = (self.points[after - 1], self.points[after]);
         let step_m = self.metres[after] - self.metres[after - 1];
-        let share = match step_m > 0.0 {
-            true => (at_m - self.metres[after - 1]) / step_m,
-            false => 0.0,
-        };
+        let share = if step_m > 0.0 { (at_m - self.metres[after - 1]) / step_m } else { 0.0 };
         Some([0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * share))
     }
 

@@ -76,10 +76,7 @@ impl IsobathLayer {
         progress.check().ok()?;
         let [thin, thick] = [false, true].map(|is_index| {
             let vertices = vertices(&lines, is_index);
-            let specks = match vertices.len() > MANY {
-                true => Specks::Dropped,
-                false => Specks::Kept,
-            };
+            let specks = if vertices.len() > MANY { Specks::Dropped } else { Specks::Kept };
             MapLine::new(origin_m, vertices, specks, uploader)
         });
         Some(Self { origin_m, lines, note, thin, thick })
@@ -117,16 +114,15 @@ fn note(settings: &IsobathSettings, levels_m: &[f64], depths: DepthExtent, units
     if levels_m.is_empty() {
         return "no isobath in\nthese depths".to_owned();
     }
-    match settings.depths_m.is_empty() {
-        true => {
-            let step_m = settings.interval_m(depths);
-            let decimals = decimals(&[step_m], units);
-            let [thin, thick] = [1.0, INDEX].map(|times| units.in_unit(times * step_m));
-            let unit = units.symbol();
-            let error = if depths.allows(step_m) { "" } else { ",\nfiner than the error" };
-            format!("isobaths: {thin:.decimals$} {unit},\nthick {thick:.decimals$} {unit}{error}")
-        }
-        false => "isobaths at\nlisted depths".to_owned(),
+    if settings.depths_m.is_empty() {
+        let step_m = settings.interval_m(depths);
+        let decimals = decimals(&[step_m], units);
+        let [thin, thick] = [1.0, INDEX].map(|times| units.in_unit(times * step_m));
+        let unit = units.symbol();
+        let error = if depths.allows(step_m) { "" } else { ",\nfiner than the error" };
+        format!("isobaths: {thin:.decimals$} {unit},\nthick {thick:.decimals$} {unit}{error}")
+    } else {
+        "isobaths at\nlisted depths".to_owned()
     }
 }
 

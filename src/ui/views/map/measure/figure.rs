@@ -28,9 +28,10 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: 
         painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
     }
     if let (Some(at), Some(words)) = (corners.last(), measured::beside(app, figure)) {
-        let (shift, anchor) = match at.x < scene.rect.center().x {
-            true => (vec2(10.0, -10.0), Align2::LEFT_BOTTOM),
-            false => (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM),
+        let (shift, anchor) = if at.x < scene.rect.center().x {
+            (vec2(10.0, -10.0), Align2::LEFT_BOTTOM)
+        } else {
+            (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM)
         };
         legend::words(painter, scene.options, *at + shift, anchor, &words);
     }

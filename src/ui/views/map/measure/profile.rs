@@ -210,9 +210,10 @@ fn mark(
     if let Some(at) = frame.at(station) {
         painter.circle_filled(at, 3.5, theme::HOVER_COLOUR);
     }
-    let (shift, anchor) = match x < frame.area.center().x {
-        true => (8.0, egui::Align2::LEFT_BOTTOM),
-        false => (-8.0, egui::Align2::RIGHT_BOTTOM),
+    let (shift, anchor) = if x < frame.area.center().x {
+        (8.0, egui::Align2::LEFT_BOTTOM)
+    } else {
+        (-8.0, egui::Align2::RIGHT_BOTTOM)
     };
     let at = pos2(x + shift, frame.area.bottom() - 4.0);
     let words = words(station, options.units);

@@ -81,9 +81,8 @@ pub(super) fn overview_level(bounds: GroundBounds) -> i8 {
 /// The tiles of a level that touch both bounds, those nearest to the middle of the first first.
 pub(super) fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<MapTileKey> {
     let side_m = TEXELS as f64 * 2f64.powi(i32::from(level));
-    let both: [f64; 4] = std::array::from_fn(|edge| match edge < 2 {
-        true => view[edge].max(all[edge]),
-        false => view[edge].min(all[edge]),
+    let both: [f64; 4] = std::array::from_fn(|edge| {
+        if edge < 2 { view[edge].max(all[edge]) } else { view[edge].min(all[edge]) }
     });
     let [west, south, east, north] = both;
     // Also false where something is no number.

@@ -130,10 +130,8 @@ impl ShownBox<'_> {
 /// by the outline.
 fn caption(one: &Reviewed, review: &Review) -> String {
     let class = review.class_name(one.class);
-    let class = match one.name.is_empty() {
-        true => class.to_owned(),
-        false => format!("{} ({class})", one.name),
-    };
+    let class =
+        if one.name.is_empty() { class.to_owned() } else { format!("{} ({class})", one.name) };
     match one.score {
         Some(score) => format!("{class} {score:.2}"),
         None => class,
