@@ -12,7 +12,8 @@ const GAP_PINGS: u32 = 12;
 const MOST_LISTED: usize = 40;
 /// Fewer returns are no stretch: a fish, a bubble.
 const LEAST_RETURNS: usize = 4;
-/// Of the returns so large a share lies on one side where the bottom slopes across the track.
+/// Share of the returns above which they count as one-sided, as where the bottom slopes across the
+/// track.
 const ONE_SIDED: f64 = 0.75;
 
 /// First returns that lie above the recorded depth by more than the margin: dashed in the
@@ -29,11 +30,12 @@ pub struct AboveBottom {
     pub height_m: f64,
     /// The side on which most of these lie, where nearly all do.
     pub one_side: Option<Side>,
-    /// Where such first returns follow each other, those with most that do not count first.
+    /// Stretches of consecutive such first returns; those with most returns that do not count come
+    /// first.
     pub stretches: Vec<AboveStretch>,
 }
 
-/// A stretch of them on one side.
+/// A stretch of first returns above the recorded depth, on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AboveStretch {
     /// The side.
@@ -42,7 +44,7 @@ pub struct AboveStretch {
     pub pings: [usize; 2],
     /// First returns above the recorded depth in it.
     pub count: usize,
-    /// Those of them that do not count for the map.
+    /// Number of them that do not count for the map.
     pub uncounted: usize,
     /// Their median height above the recorded depth, metres.
     pub height_m: f64,
@@ -57,7 +59,7 @@ struct Above {
 }
 
 impl AboveBottom {
-    /// Of some results.
+    /// Finds the first returns above the recorded depth in the results of a log.
     pub(super) fn of(survey: &Survey, products: &Products) -> Self {
         let sides = Side::BOTH.map(|side| (side, of_side(survey, products, side)));
         let standing = |side: usize| sides[side].1.iter().filter(|above| above.stands_out);

@@ -30,7 +30,7 @@ macro_rules! actions {
                 match self { $(Action::$variant => $keys,)* }
             }
 
-            /// What it does, without what is known only at run time.
+            /// Returns the description of the command, without what is known only at run time.
             fn plain_hint(self) -> &'static str {
                 match self { $(Action::$variant => $hint,)* }
             }
@@ -225,7 +225,7 @@ actions! {
 }
 
 impl Action {
-    /// What it does, in a sentence.
+    /// Returns a sentence that describes the command.
     pub fn hint(self) -> &'static str {
         static OPEN: LazyLock<String> = LazyLock::new(|| {
             let plain = Action::Open.plain_hint().trim_end_matches('.');

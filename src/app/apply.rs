@@ -1,4 +1,4 @@
-//! What each command does to the state.
+//! Applies each command to the state.
 
 mod handlers;
 

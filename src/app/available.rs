@@ -1,4 +1,5 @@
-//! Which actions make sense now: menus grey the others, and the palette leaves them out.
+//! Determines which actions are available now: menus grey the others, and the palette leaves them
+//! out.
 
 use super::{Action, App};
 use bathyscope_bottom::calibration::ScaleMode;

@@ -76,7 +76,8 @@ impl App {
         }
     }
 
-    /// What was opened, and what is to be known of it.
+    /// Returns the notice about an opened base map: its size, its coordinate system, its path, and
+    /// a remark if it does not reach the start of the survey.
     fn words_about(&self, map: &BaseMap) -> String {
         let [columns, rows] = map.size;
         let pixel_m = map.pixel_m();

@@ -18,14 +18,14 @@ use std::sync::Arc;
 /// Undo's name for all of it.
 const LABEL: &str = "bottom";
 
-/// What a stroke of the pen says of its pings.
+/// Effect of a stroke of the pen on its pings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
     /// The bottom is where it was drawn.
     Bottom,
     /// No bottom is detected.
     Silence,
-    /// What the search found counts again.
+    /// Edits are removed: the first returns that the search found count again.
     Search,
 }
 
@@ -36,7 +36,7 @@ pub struct BottomStroke {
     pub side: Side,
     /// Pings with their fractions, and slant ranges, metres by the recorder's scale.
     pub path: Vec<[f64; 2]>,
-    /// What it says.
+    /// Effect of the stroke on its pings.
     pub ink: Ink,
 }
 
@@ -46,7 +46,7 @@ struct Kept {
     bottom: BottomSettings,
 }
 
-/// Where the bottom drawn on the open log is kept, and what is there.
+/// Sidecar file of the bottom that is drawn on the open log, and the contents of that file.
 #[derive(Default)]
 pub(super) struct BottomSidecar {
     /// `None` where nothing may be written: the demo.
@@ -152,7 +152,8 @@ impl App {
         }
     }
 
-    /// Where the bottom is now, metres: as drawn, as found, or as recorded.
+    /// Returns the present slant range of the bottom, metres: as drawn, else as found, else the
+    /// recorded depth; `None` where none is known.
     fn bottom_at(&self, survey: &Survey, mark: LogPlace, side: Side) -> Option<f64> {
         let line = self.log.settings.bottom.line_at(side, mark.ping);
         let drawn_m = line.and_then(|line| line.range_m(mark.ping));

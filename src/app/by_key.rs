@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Keys of settings that change how the waterfall looks, and no result.
 const PICTURE: &str = "picture.";
 
-/// What a bare key may change, as it is before the key acts.
+/// State that a bare key may change, as it was before the key acted.
 pub(crate) struct BeforeKey(UndoStep);
 
 impl App {
@@ -29,8 +29,8 @@ impl App {
         self.offer_undo(format!("key {keys}: {done}"));
     }
 
-    /// Whether a bare key must not act, and says why: it asks first, or what it is about is not
-    /// selected or not in sight.
+    /// Returns true if a bare key must not act, and notifies the analyst of the reason: the action
+    /// needs confirmation, or the thing that it acts on is not selected or not in sight.
     pub(crate) fn holds_key_back(
         &mut self,
         keys: &str,

@@ -17,10 +17,10 @@ const MODE: &str = "calibration.mode";
 /// Pings to either side of one that are proposed before it is known where the pings lie.
 const PINGS_ASIDE: usize = 50;
 
-/// What a trial is made of; equal keys give the same.
+/// Inputs of a trial; equal keys give the same trial.
 type TrialKey = (Same<Survey>, Same<Settings>, PingRange);
 
-/// What is under way about the scale of a log.
+/// Proposal, trial and change of the scale of a log that are under way.
 #[derive(Default)]
 pub(super) struct Calibrating {
     /// The stretch that waits for the analyst.
@@ -33,7 +33,7 @@ pub(super) struct Calibrating {
 
 /// A change of scale whose results are on their way.
 struct ScaleChange {
-    /// What was done, at the beginning of a sentence.
+    /// Description of the change, as the beginning of a sentence.
     what: String,
     calibration: CalibrationSettings,
     cloud: Arc<PointCloud>,
@@ -60,8 +60,8 @@ impl Calibrating {
         self.trial.is_running()
     }
 
-    /// What a change of scale did to the depths, in a sentence, if `products` are the results of
-    /// one.
+    /// Returns a sentence about the effect of the last change of scale on the depths, once, if
+    /// `products` are the results of that change.
     pub(super) fn said_of_change(&mut self, products: &Products) -> Option<String> {
         let change = self.change.take();
         let change = change.filter(|change| change.calibration == products.settings.calibration)?;
@@ -84,7 +84,7 @@ impl OpenLog {
         self.calibrating.proposal
     }
 
-    /// What the proposed stretch would change; `None` until that is known.
+    /// Returns the changes that the proposed stretch would make; `None` until they are known.
     pub fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
         let proposal = self.calibrating.proposal?;
         let trial = self.calibrating.trial.result();
@@ -120,8 +120,8 @@ impl App {
         }
     }
 
-    /// Takes the tool that proposes stretches, or lays it down. Where nothing is proposed yet, the
-    /// stretch at the selected ping is, or the best one.
+    /// Toggles the tool that proposes stretches. Where nothing is proposed yet, the stretch at the
+    /// selected ping is, or the best one.
     pub(super) fn take_calibration_tool(&mut self) {
         self.take_tool(Tool::Calibrate);
         let is_in_hand = self.log.reviewing.tool == Tool::Calibrate;

@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 /// Time between two lists of the drives.
 pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
 
-/// What lists the top folders of the drives.
+/// Function that lists the top folders of the drives.
 type Drives = fn() -> Vec<PathBuf>;
 
 /// The drives, and what was found on them.
 #[derive(Default)]
 pub(super) struct CardSearch {
-    /// Nothing is looked for without it.
+    /// Lists the drives; without it there is no search.
     drives: Option<Drives>,
     listing: Option<Task<Vec<PathBuf>>>,
     listed: Option<Instant>,

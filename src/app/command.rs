@@ -20,13 +20,13 @@ use std::path::PathBuf;
 pub enum Command {
     /// One of the commands of the table: menu, palette or key.
     Do(Action),
-    /// What a bare key asks for: what it changes is said, with undo.
+    /// A command given by a bare key: its change is reported, with undo.
     ByKey {
         /// The key, as the table of commands writes it.
         keys: Keys,
-        /// What it asks for.
+        /// The command.
         command: Box<Command>,
-        /// What had the keyboard.
+        /// View or panel that had the keyboard.
         focus: KeyFocus,
     },
     /// Open a log.
@@ -41,15 +41,15 @@ pub enum Command {
     SaveProject,
     /// Close a log.
     CloseLog(LogId),
-    /// Move a log down the list by so many places, or up.
+    /// Move a log down the list by a number of places, or up where it is negative.
     MoveLog(LogId, isize),
-    /// Let a log take part in maps, clouds and products, or leave it out.
+    /// Include a log in maps, clouds and products, or exclude it.
     SetLogVisible(LogId, bool),
     /// Hold the height of a log when heights are applied; of none the mean of all.
     HoldHeight(Option<LogId>),
     /// Show a log, and a place of it in all views.
     RevealIn(LogId, LogPlace),
-    /// Go to the state after so many steps of the history, of those taken back as well.
+    /// Go to the state after a number of steps of the history, undone steps included.
     GoToStep(usize),
     /// Open the bundled demo survey.
     OpenDemo,
@@ -57,7 +57,7 @@ pub enum Command {
     Change {
         /// The new settings.
         settings: Box<Settings>,
-        /// What changed, for the undo menu: `threshold`, `preset`.
+        /// Name of the change in the undo menu: `threshold`, `preset`.
         label: &'static str,
         /// The analyst is still dragging.
         live: bool,
@@ -68,7 +68,7 @@ pub enum Command {
     ProposeStretch(PingRange),
     /// Change how things are shown.
     Show(Box<ViewOptions>),
-    /// What the pointer is over; `None` when it left.
+    /// Set the place under the pointer; `None` when the pointer left.
     Hover(Option<LogPlace>),
     /// Select, without moving any view.
     Select(Option<LogPlace>),
@@ -87,7 +87,7 @@ pub enum Command {
     CompareWith(PathBuf),
     /// Take the reference of a point from elsewhere.
     MatchBy {
-        /// From where.
+        /// Method that finds the reference of a point.
         by: ReferenceBy,
         /// Largest distance of the nearest point, metres.
         radius_m: f64,
@@ -100,7 +100,7 @@ pub enum Command {
     ChooseExportFolder(PathBuf),
     /// Decide about a box or correct it. One undo step ends with the first edit that is not `live`.
     Edit {
-        /// What is done.
+        /// The decision or correction.
         edit: Edit,
         /// The analyst is still dragging.
         live: bool,
@@ -132,11 +132,11 @@ pub enum Command {
     UseModel(PathBuf),
     /// Exclude a part of a log from every result, or include it again.
     Exclude {
-        /// Which log.
+        /// The log.
         log: LogId,
-        /// What of it.
+        /// The part of the log.
         part: LogPart,
-        /// What becomes of it.
+        /// The change of its exclusion.
         edit: ExclusionEdit,
     },
     /// Accept the first returns of these pings, the first and the last, as bottom where they were
@@ -151,7 +151,7 @@ pub enum Command {
     },
     /// Draw the bottom over the waterfall.
     DrawBottom(BottomStroke),
-    /// Move the bottom at the selected ping outward by so many samples.
+    /// Move the bottom at the selected ping outward by a number of samples.
     NudgeBottom(i32),
     /// Show a false alarm or a missed object in all views.
     ShowMistake(Mistake),
@@ -173,7 +173,7 @@ pub enum Command {
     Dismiss(usize),
 }
 
-/// What is written, and where.
+/// Kind and path of a file or folder to write.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileToWrite {
     /// The ticked products, into a folder.
@@ -186,7 +186,7 @@ pub enum FileToWrite {
     Pings(PathBuf),
     /// The planned lines: GPX, KML, QGroundControl or Mission Planner by the ending.
     Plan(PathBuf),
-    /// What was measured: GeoJSON, or CSV by the ending.
+    /// The measured figure: GeoJSON, or CSV by the ending.
     Figure(PathBuf),
     /// The depth profile.
     Profile(PathBuf),
@@ -194,11 +194,11 @@ pub enum FileToWrite {
     Review(PathBuf),
     /// The reviews of all logs that differ from their files.
     Reviews,
-    /// What is open, as a project that is kept there from now on.
+    /// The open logs as a project, which is kept in this file from now on.
     Project(PathBuf),
 }
 
-/// What is read for the open survey, and from where.
+/// Kind and path of a file to read for the open survey.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileToOpen {
     /// A picture of the analyst's own to lie under the map.
@@ -213,6 +213,6 @@ pub enum FileToOpen {
     Table(PathBuf),
     /// The review of the open survey's boxes.
     Review(PathBuf),
-    /// What is known to lie in the open survey, or in the one that is being opened.
+    /// The objects known to lie in the open survey, or in the survey that is being opened.
     Truth(PathBuf),
 }

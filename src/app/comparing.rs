@@ -1,5 +1,5 @@
-//! What the survey is compared with: a file of points or another mission, opened in a background
-//! thread.
+//! Opens the reference that the survey is compared with, a file of points or another mission, in a
+//! background thread.
 
 use super::error::AppError;
 use super::reference_comparison::{Of, ReferenceComparison};
@@ -10,7 +10,7 @@ use bathyscope_products::pipeline::{Agreement, AgreementError, ProcessedLog, Ref
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where the reference of a point is taken from.
+/// Method that finds the reference of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ReferenceBy {
     /// The triangulated points of the reference, across gaps as wide as the depth map spans.
@@ -25,9 +25,9 @@ const RADIUS_M: f64 = 1.0;
 
 /// The reference, and how points find it.
 pub struct Comparing {
-    /// What the survey is compared with; its own soundings without.
+    /// Reference that the survey is compared with; without it, the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
-    /// Where the reference of a point is taken from.
+    /// Method that finds the reference of a point.
     pub by: ReferenceBy,
     /// Farthest point for [`ReferenceBy::Nearest`], metres.
     pub radius_m: f64,
@@ -54,7 +54,7 @@ impl Comparing {
         self.opening.is_some()
     }
 
-    /// What is drawn of it.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self {
             reference: self.reference.clone(),
@@ -166,7 +166,7 @@ fn open(
     Ok(Opened { of, agreement })
 }
 
-/// What was opened, what came out, and what is to be known of it.
+/// Returns the notice about an opened reference: result of the comparison, remarks, and path.
 fn words_about(agreement: &Agreement) -> String {
     let mut words = Vec::new();
     if let Some(found) = &agreement.comparison.residuals {

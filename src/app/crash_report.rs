@@ -19,7 +19,7 @@ const NEW: &str = "new.txt";
 /// Reports that are kept.
 const KEPT: usize = 10;
 
-/// Where reports of this process go, and what they say of its logs.
+/// Folder of the reports of this process, and the descriptions of the open logs in them.
 struct Keeper {
     folder: PathBuf,
     open: Vec<String>,

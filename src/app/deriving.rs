@@ -20,10 +20,10 @@ const BOTTOM_CORNERS: usize = 4_000_000;
 
 /// Isobaths as they are drawn.
 pub struct DrawnIsobaths {
-    /// What they run through.
+    /// Depth map that the isobaths are drawn from.
     pub depth_map: Arc<DepthMap>,
-    /// Which depths they are at: an interval that is left to the depths is round in the unit in
-    /// use.
+    /// Settings of the isobaths' depths: an interval that is chosen from the depths is round in the
+    /// unit in use.
     pub settings: IsobathSettings,
     /// Lines and depths; why there are none.
     pub isobaths: Result<Arc<Isobaths>, NoIsobaths>,
@@ -31,7 +31,7 @@ pub struct DrawnIsobaths {
     pub on_ground: Vec<Vec<[f64; 2]>>,
 }
 
-/// What is asked for, and what came of it.
+/// Requests for depth map, isobaths, mosaic, bottom and picture, and the last results.
 #[derive(Default)]
 pub(super) struct Deriving {
     /// Shared with what writes files, so that nothing is made twice.
@@ -129,8 +129,8 @@ impl App {
         }
     }
 
-    /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its
-    /// first results.
+    /// Returns the picture that the waterfall of the shown log is drawn with, as it was made last;
+    /// `None` before its first results.
     pub fn picture(&self) -> Option<&Arc<LogPicture>> {
         let made = self.pipeline.deriving.picture.result();
         let of_shown = made.filter(|(log, _)| *log == self.log.id);
@@ -265,7 +265,7 @@ impl App {
         evenly_apart_m(&levels_m).map(|metres| metres.map(|metres| metres as f32))
     }
 
-    /// What is being made of all logs, in words.
+    /// Returns a phrase for each derived result that is being made.
     pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
             (self.pipeline.deriving.depth_map.is_running(), "making the depth map"),

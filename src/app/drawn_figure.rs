@@ -2,10 +2,10 @@
 
 use bathyscope_products::project::Measurement;
 
-/// What is drawn.
+/// Figure that is drawn to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it measures, and between which corners.
+    /// Kind of the measurement, and its corners.
     pub measurement: Measurement,
     /// The next corner begins another figure.
     pub done: bool,

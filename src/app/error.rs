@@ -1,4 +1,4 @@
-//! Why something that was asked for is not done.
+//! Errors of operations that the analyst requests.
 
 use bathyscope_log::formats::base_map::BaseMapError;
 use bathyscope_log::formats::{AreaError, GaugeError, OpenError, TrackError};
@@ -13,7 +13,7 @@ use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
-/// Why something that was asked for is not done, in one sentence for the analyst.
+/// Reason that a requested operation failed, in one sentence for the analyst.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum AppError {
     /// The work ended in a panic.
@@ -81,13 +81,14 @@ pub(super) enum AppError {
     Remove {
         /// The system's error.
         source: io::Error,
-        /// Which file.
+        /// The file that cannot be removed.
         path: PathBuf,
     },
     /// Bottom edits cannot be written as text.
     #[error(transparent)]
     Bottom(#[from] toml::ser::Error),
-    /// What is exported cannot be made. The window draws pictures, and has errors of its own.
+    /// An export cannot be made. It may have any error type: the window draws pictures, and has
+    /// errors of its own.
     #[error(transparent)]
     Exporting(Box<dyn Error + Send + Sync>),
 }

@@ -1,4 +1,4 @@
-//! What is excluded from a log: drawn by the analyst, included again, and counted before the
+//! Excludes parts of a log that the analyst draws, includes them again, and counts them before the
 //! results follow.
 
 use super::{App, LogId, OpenLog};
@@ -8,7 +8,7 @@ use bathyscope_log::survey::{
 use bathyscope_products::pipeline::{Background, Jobs, Same, Settings};
 use std::sync::Arc;
 
-/// What an analyst says of a part of a log.
+/// A change of the exclusion of a part of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExclusionEdit {
     /// It is excluded.
@@ -17,7 +17,7 @@ pub enum ExclusionEdit {
     Include,
     /// It counts, and so do its soundings, whatever they were taken for.
     Trust,
-    /// Nothing any more: turns and stops that are found there are excluded, all else counts.
+    /// It has no edit any more: turns and stops found there are excluded, all else counts.
     Reset,
 }
 
@@ -37,16 +37,16 @@ impl ExclusionEdit {
     }
 }
 
-/// What the settings exclude from a log, and how much that is.
+/// Exclusions of a log by its settings, with their lengths.
 #[derive(Clone, Debug, Default)]
 pub struct FoundExclusions {
-    /// Which pings and soundings.
+    /// Excluded pings and soundings.
     pub exclusions: Exclusions,
     /// Length of each stretch along the track, metres.
     pub lengths_m: Vec<f64>,
 }
 
-/// How much is excluded.
+/// Amount that is excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExcludedExtent {
     /// Stretches.
@@ -60,7 +60,7 @@ pub struct ExcludedExtent {
 }
 
 impl FoundExclusions {
-    /// Of a log by its settings.
+    /// Finds the exclusions of a log from its settings.
     pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
         let exclusions = Exclusions::new(survey, navigation, settings);
         let lengths_m = (exclusions.stretches.iter())
@@ -74,7 +74,7 @@ impl FoundExclusions {
         self.exclusions.stretches.iter().zip(self.lengths_m.iter().copied())
     }
 
-    /// How much is excluded, for one reason or for all.
+    /// Returns the amount that is excluded, for one reason or for all.
     pub fn extent(&self, reason: Option<ExclusionReason>) -> ExcludedExtent {
         let counted = |(stretch, _): &(&ExcludedStretch, f64)| {
             reason.is_none_or(|reason| stretch.reason == reason)
@@ -89,10 +89,10 @@ impl FoundExclusions {
     }
 }
 
-/// What it is found of; equal keys give the same.
+/// Inputs of the exclusions; equal keys give the same exclusions.
 type ExclusionKey = (Same<Survey>, Same<Navigation>, ExclusionSettings);
 
-/// What the settings in force exclude: there before the results that go without it.
+/// Exclusions by the settings in force: found before the results that leave them out.
 #[derive(Default)]
 pub(super) struct ExclusionSearch {
     found: Background<ExclusionKey, Arc<FoundExclusions>>,
@@ -116,7 +116,8 @@ impl ExclusionSearch {
 }
 
 impl OpenLog {
-    /// What the settings in force exclude from it; `None` until it is known where its pings lie.
+    /// Returns the exclusions of the log by the settings in force; `None` until the places of its
+    /// pings are known.
     pub fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
         self.exclusion_search.found.result()
     }
@@ -191,7 +192,7 @@ impl App {
         }
     }
 
-    /// How much a part of a log is.
+    /// Returns the extent of a part of a log; `None` where the log has no results.
     pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
         let log = self.open_log(log)?;
         let survey = log.survey.as_ref()?;

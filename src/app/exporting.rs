@@ -13,11 +13,11 @@ use std::path::{Path, PathBuf};
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
-    /// What was written, in a sentence.
+    /// The work; its result is a sentence about the files that were written.
     task: Task<Result<String, AppError>>,
     /// The folder it is written into, where it is one.
     into: Option<PathBuf>,
-    /// Where the files of a run go, and of which log.
+    /// Log of a run, and folder of its files.
     run: Option<(LogId, PathBuf)>,
 }
 
@@ -158,7 +158,7 @@ impl App {
         beside.and_then(Path::parent).unwrap_or(Path::new("")).join(name)
     }
 
-    /// What the sizes of the products follow from.
+    /// Returns the amounts that determine the sizes of the products.
     pub fn amounts(&self) -> Amounts {
         let depth_map = self.depth_map().flatten();
         Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))

@@ -1,4 +1,4 @@
-//! What other instruments recorded of the open survey: readings of a gauge, and the track of
+//! Recordings of other instruments for the open survey: readings of a gauge, and the track of
 //! another receiver.
 //!
 //! Files are read in a background thread. A file becomes part of the settings only once it is known
@@ -25,7 +25,7 @@ const PAIRS: usize = 400;
 /// Undo's name for the track of another receiver.
 const TRACK: &str = "external track";
 
-/// What recorded a file.
+/// Kind of instrument that recorded a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Instrument {
     /// A gauge or tide table: readings of the water's height.
@@ -41,7 +41,7 @@ enum ExternalContent {
     Points(PathBuf),
 }
 
-/// What other instruments recorded, and what became of it.
+/// Recordings of other instruments, and their effect on the survey.
 #[derive(Default)]
 pub struct External {
     /// The survey with the recorder's own track, while another lies over it.
@@ -59,7 +59,7 @@ impl External {
         self.reading.is_some()
     }
 
-    /// What is drawn of it.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self { recorded: self.recorded.clone(), apart: self.apart.clone(), ..Self::default() }
     }
@@ -273,7 +273,8 @@ fn system_of(survey: &Survey) -> Option<&Crs> {
     survey.track.projected.as_ref()?.system.as_ref()
 }
 
-/// Where recorder and receiver have the boat while it recorded.
+/// Compares the places of the boat by the recorder's track and by the track in use, at times of the
+/// log.
 fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
     // As many as are drawn, whatever the length of the log: this runs while the clock is dragged.
     let evenly = |count: usize| count.div_ceil(PAIRS).max(1);

@@ -1,5 +1,5 @@
-//! The files of the open logs, looked at every second: a log that was cut, overwritten, or cannot
-//! be read to its end any more is said once. A log that grows stays what it is as far as it was
+//! Checks the files of the open logs every second: a log that was cut, overwritten, or cannot be
+//! read to its end any more is reported once. A log that grows stays what it is as far as it was
 //! read, and one that is followed is read from a copy.
 //!
 //! A thread of its own looks, for a disk may not answer; it wakes the window only where there is
@@ -15,18 +15,18 @@ use std::path::PathBuf;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-/// Time between two looks is so many naps; after each it is asked whether the logs are still open.
+/// Naps between two checks; after each nap the check ends if it was cancelled.
 const NAPS: u32 = 4;
-/// One of them.
+/// Length of a nap.
 const NAP: Duration = Duration::from_millis(250);
 
-/// What is looked at, and what was said.
+/// Logs whose files are checked, and faults that were reported.
 #[derive(Default)]
 pub(super) struct FileWatch {
-    /// The logs that are looked at, as they were read. They are not kept open for it.
+    /// Logs that are checked, as they were read. They are not kept open for it.
     logs: Vec<(LogId, Weak<Survey>)>,
     looking: Option<Task<Vec<(LogId, String)>>>,
-    /// Logs of which it was said.
+    /// Logs whose fault was reported.
     said: Vec<LogId>,
 }
 
@@ -37,7 +37,8 @@ struct WatchedLog {
 }
 
 impl App {
-    /// Whether the open logs still hold what they were opened with; see [`Survey::check_files`].
+    /// Checks that the open logs still hold what they were opened with; see
+    /// [`Survey::check_files`].
     ///
     /// # Errors
     /// Names the first that does not.
@@ -46,7 +47,7 @@ impl App {
         surveys.try_for_each(|survey| survey.check_files())
     }
 
-    /// Says what was found about the files of the logs, and has those looked at that are open now.
+    /// Notifies of faults found in the files of the logs, and starts the check of the open logs.
     pub(super) fn poll_file_watch(&mut self) {
         match self.file_watch.looking.as_ref().map(Task::poll) {
             Some(TaskOutcome::Done(found)) => {
@@ -109,7 +110,7 @@ impl WatchedLog {
     }
 }
 
-/// What a report may say of a log: not its name, and no position.
+/// Returns the description of a log for a crash report: without its name and without positions.
 fn kind(survey: &Survey) -> String {
     format!(
         "{}, {} bytes, {} side-scan pings, {} depths",

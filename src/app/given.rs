@@ -134,7 +134,8 @@ impl App {
     }
 }
 
-/// What is remembered of a log, where it is a file; the demo survey is none.
+/// Returns the recording and settings to remember of a log; `None` for the demo survey, which is no
+/// file.
 fn to_remember(log: &OpenLog) -> Option<(Arc<Survey>, Arc<Settings>)> {
     let survey = log.as_read.as_ref().or(log.survey.as_ref());
     let survey = survey.filter(|survey| !survey.source.files.is_empty())?;

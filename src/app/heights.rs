@@ -67,7 +67,8 @@ impl App {
         self.findings.heights.is_busy()
     }
 
-    /// By how much the heights of the visible logs differ; `None` of fewer than two.
+    /// Returns the height differences of the visible logs; `None` until they are found, and for
+    /// fewer than two logs.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
         let found = self.findings.heights.found.result()?;
         // Those of logs that are closed or not visible any more are being replaced.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use toml::Value;
 
 impl App {
-    /// What undo would come back to.
+    /// Returns the present state, as undo would restore it.
     pub(super) fn step_now(&self) -> UndoStep {
         UndoStep {
             shared: self.document.shared.clone(),
@@ -88,7 +88,7 @@ impl App {
         }
     }
 
-    /// Goes to the state after so many of the steps.
+    /// Goes to the state after the first `count` steps.
     pub(super) fn go_to_step(&mut self, count: usize) {
         let is_back = count < self.document.history.steps().filter(|step| !step.is_undone).count();
         self.withdraw(Action::Undo);
@@ -229,8 +229,8 @@ fn in_metres(number: &Number, value: f64, units: Units) -> String {
     }
 }
 
-/// What the one setting became that differs, as its control writes it; `None` where none or several
-/// do.
+/// Returns the new value of the only setting that differs, as its control writes it, or the name of
+/// the preset that the settings became; `None` where no setting or several differ.
 fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
     let (was, is) = if !Arc::ptr_eq(&before.shared, &after.shared) {
         (setting_values(&before.shared), setting_values(&after.shared))

@@ -9,7 +9,7 @@ use bathyscope_products::pipeline::Settings;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What the undo menu calls a change of it.
+/// Name of a change of the area in the undo menu.
 const LABEL: &str = "isobath area";
 
 /// The file that is being read.

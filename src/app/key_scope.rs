@@ -1,9 +1,9 @@
-//! Where the bare key of an action acts: a key without Ctrl and Alt that is no function key, and
-//! could be part of a text.
+//! Views in which the bare key of an action acts: a key without Ctrl and Alt that is no function
+//! key, and could be part of a text.
 
 use super::{Action, View};
 
-/// What has the keyboard.
+/// View or panel that has the keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyFocus {
     /// One of the views of the centre.
@@ -12,22 +12,22 @@ pub enum KeyFocus {
     Review,
 }
 
-/// Where a bare key acts.
+/// Views and panels in which a bare key acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyScope {
-    /// In each view.
+    /// Every view.
     Views,
-    /// In each view and in the review of boxes.
+    /// Every view and the review of boxes.
     Boxes,
-    /// In the waterfall and in the review of boxes.
+    /// The waterfall and the review of boxes.
     BoxesInWaterfall,
-    /// In the waterfall.
+    /// The waterfall.
     Waterfall,
-    /// In the waterfall and on the map.
+    /// The waterfall and the map.
     WaterfallAndMap,
-    /// On the map.
+    /// The map.
     Map,
-    /// In the 3D view.
+    /// The 3D view.
     Cloud,
 }
 
@@ -59,7 +59,7 @@ impl KeyScope {
         }
     }
 
-    /// In the manual, after the key.
+    /// Returns the phrase that follows the key in the manual.
     pub fn name(self) -> &'static str {
         match self {
             KeyScope::Views => "in each view",
@@ -84,7 +84,7 @@ pub fn is_bare(keys: &str) -> bool {
 }
 
 impl Action {
-    /// Where its bare key acts; `None` where it has no such key.
+    /// Returns the scope of the action's bare key; `None` where it has no such key.
     pub fn key_scope(self) -> Option<KeyScope> {
         use Action as A;
         Some(match self {

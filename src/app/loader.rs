@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The bundled demo survey.
 const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
-/// What is opened.
+/// Source of a log that is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LogOrigin {
     /// A file or folder.
@@ -24,7 +24,7 @@ pub(crate) enum LogOrigin {
 }
 
 impl LogOrigin {
-    /// What to call it.
+    /// Returns the name to show for it.
     pub(crate) fn name(&self) -> String {
         match self {
             LogOrigin::Path(path) => path.file_name().map_or_else(
@@ -44,7 +44,7 @@ impl LogOrigin {
     }
 }
 
-/// What is being opened, for the status line.
+/// Name and progress of the log that is being opened, for the status line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LoadStatus {
     /// Its name.
@@ -53,7 +53,7 @@ pub(crate) struct LoadStatus {
     pub fraction: f32,
 }
 
-/// What becomes of the logs that are open when another one has been read.
+/// Treatment of the open logs when another log has been read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OpenMode {
     /// They are closed.
@@ -75,7 +75,7 @@ pub(super) struct OpenRequest {
 /// The bottom edits of a sidecar file, or why they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
-/// What a path turned out to be.
+/// Contents of a path that was opened.
 pub(super) enum OpenedPath {
     /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a
     /// project.

@@ -29,11 +29,11 @@ pub struct Reveal {
     pub mark: LogPlace,
     /// Grows with each request.
     pub serial: u64,
-    /// What the views enlarge; without it they only bring the place into view.
+    /// Object that the views enlarge; without it they only bring the place into view.
     pub close_up: Option<CloseUp>,
 }
 
-/// How large an object is shown.
+/// Scale at which an object is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Enlarged {
     /// It fills about a third of the view.
@@ -49,7 +49,7 @@ pub enum Enlarged {
 /// An object that the views enlarge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloseUp {
-    /// How large.
+    /// Scale at which it is shown.
     pub enlarged: Enlarged,
     /// First ping of its box, and the first one after it.
     pub pings: [usize; 2],

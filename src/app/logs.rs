@@ -23,7 +23,7 @@ const CLOSED: usize = 10;
 /// A log that takes part in maps and clouds, with its results.
 #[derive(Clone, Debug)]
 pub struct ShownLog {
-    /// Which it is.
+    /// Identifier of the log.
     pub id: LogId,
     /// Its name: [`OpenLog::name`].
     pub name: String,
@@ -44,7 +44,7 @@ pub(super) struct OpenLogs {
     pub arrived: Vec<LogId>,
     /// Logs that were closed, the last one at the end: undo opens them again.
     pub closed: Vec<OpenLog>,
-    /// What was decided about boxes of logs that are closed and have no file.
+    /// Reviews of the boxes of closed logs that no project keeps.
     pub parked: Vec<Parked>,
 }
 
@@ -54,7 +54,7 @@ impl OpenLogs {
         LogId(self.last)
     }
 
-    /// What views show of them.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self {
             others: self.others.iter().map(OpenLog::for_picture).collect(),
@@ -221,7 +221,8 @@ impl App {
         self.meet_log();
     }
 
-    /// What the shown log takes over from the one that was shown before.
+    /// Takes over the order and filter of boxes, and a requested truth, from the log that was shown
+    /// before.
     fn take_over(&mut self, last: &mut OpenLog) {
         self.log.reviewing.take_tools(&mut last.reviewing);
         self.log.reviewing.judging.take_request(&mut last.reviewing);
@@ -377,7 +378,7 @@ impl App {
         self.name_logs();
     }
 
-    /// Lets a log take part in maps, clouds and products, or leaves it out, as an undo step.
+    /// Includes a log in maps, clouds and products, or excludes it, as an undo step.
     pub(super) fn set_log_visible(&mut self, id: LogId, is_visible: bool) {
         let before = self.step_now();
         if let Some(log) = self.log_mut(id) {

@@ -9,7 +9,7 @@ pub(super) struct LogsTask<T> {
     found: Option<T>,
 }
 
-/// How the work stands.
+/// State of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stands {
     /// There is none, or it goes on.
@@ -32,7 +32,7 @@ impl<T: Send + 'static> LogsTask<T> {
         self.task.is_some()
     }
 
-    /// What it found last.
+    /// Returns the last result.
     pub(super) fn found(&self) -> Option<&T> {
         self.found.as_ref()
     }

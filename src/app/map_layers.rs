@@ -1,4 +1,4 @@
-//! What the map shows, in which order, and how strongly.
+//! Layers of the map: which ones are shown, in which order, and how strongly.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub enum MapLayer {
     Points,
     /// The boat's track.
     Track,
-    /// How points differ from a reference.
+    /// Differences of points from a reference.
     Residuals,
     /// Boxes of objects.
     Boxes,
@@ -55,7 +55,7 @@ impl MapLayer {
         }
     }
 
-    /// What it shows, in a sentence.
+    /// Returns a sentence that describes the layer.
     pub fn hint(self) -> &'static str {
         match self {
             MapLayer::BaseMap => "A GeoTIFF of your own: File > Open base map.",
@@ -73,7 +73,7 @@ impl MapLayer {
     }
 }
 
-/// How a layer is shown.
+/// Display state of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayerShown {
     /// The layer.
@@ -147,7 +147,7 @@ impl LayerStack {
         self.layers.iter()
     }
 
-    /// How a layer is shown.
+    /// Returns the display state of a layer.
     pub fn of(&self, layer: MapLayer) -> LayerShown {
         let found = self.layers.iter().find(|shown| shown.layer == layer);
         found.copied().unwrap_or(LayerShown::at_first(layer))
@@ -159,17 +159,17 @@ impl LayerStack {
         shown.visible && shown.opacity > 0.0
     }
 
-    /// Draws a layer, or leaves it out.
+    /// Shows or hides a layer.
     pub fn set_visible(&mut self, layer: MapLayer, visible: bool) {
         self.change(layer, |shown| shown.visible = visible);
     }
 
-    /// Draws a layer that was left out, or leaves it out.
+    /// Shows a hidden layer, or hides a shown one.
     pub fn toggle(&mut self, layer: MapLayer) {
         self.change(layer, |shown| shown.visible = !shown.visible);
     }
 
-    /// How strongly a layer is drawn, 0 to 1.
+    /// Sets the opacity of a layer, 0 to 1.
     pub fn set_opacity(&mut self, layer: MapLayer, opacity: f32) {
         self.change(layer, |shown| shown.opacity = opacity.clamp(0.0, 1.0));
     }

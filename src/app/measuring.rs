@@ -1,5 +1,5 @@
-//! What the analyst draws to measure: a line, an area or the line of a depth profile on the map and
-//! in the waterfall, and the height of what casts a shadow in the waterfall.
+//! Figures that the analyst draws to measure: a line, an area or the line of a depth profile on the
+//! map and in the waterfall, and the height of what casts a shadow in the waterfall.
 
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
@@ -29,18 +29,18 @@ pub enum Measure {
     Corner(LonLat),
     /// One more corner at this place of the waterfall.
     Pick(Pick),
-    /// Where the next corner would be, under the pointer.
+    /// Place under the pointer, where the next corner would be.
     Next(Option<LonLat>),
 }
 
 /// The figure and the tool that draws it.
 #[derive(Default)]
 pub struct Measuring {
-    /// What a click on the map or the waterfall draws.
+    /// Kind of figure that a click on the map or the waterfall draws.
     pub tool: Option<MeasurementKind>,
-    /// What was drawn last.
+    /// Figure that was drawn last.
     pub figure: Option<Arc<Figure>>,
-    /// Where the next corner would be.
+    /// Place of the next corner, under the pointer.
     pub(super) next: Option<LonLat>,
     /// Depths along the figure, if it is the line of a profile,
     pub(super) set: Option<Arc<ProfileLine>>,
@@ -49,7 +49,7 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// What is drawn of it.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self { tool: None, figure: self.figure.clone(), ..Self::default() }
     }
@@ -70,7 +70,7 @@ impl Measuring {
         self.tool.or(drawn) == Some(MeasurementKind::Profile)
     }
 
-    /// Where in the side-scan corners of the figure were set, by their number.
+    /// Returns the places in the side-scan where corners of the figure were set, by corner number.
     pub fn picks(&self) -> &BTreeMap<usize, Pick> {
         static NONE: BTreeMap<usize, Pick> = BTreeMap::new();
         let figure = self.figure.as_deref();
@@ -102,7 +102,7 @@ impl Measuring {
 }
 
 impl App {
-    /// Takes a measuring tool in hand, or lays it down.
+    /// Toggles a measuring tool.
     pub(super) fn take_measuring_tool(&mut self, kind: MeasurementKind) {
         let again = self.map.measuring.tool == Some(kind);
         self.end_figure();
@@ -110,7 +110,7 @@ impl App {
         self.log.reviewing.tool = Tool::Look;
     }
 
-    /// Lays the tool down; whether there was one in hand.
+    /// Deselects the measuring tool; returns true if one was selected.
     pub(super) fn leave_measuring(&mut self) -> bool {
         let had_tool = self.map.measuring.tool.take().is_some();
         if had_tool {
@@ -119,7 +119,7 @@ impl App {
         had_tool
     }
 
-    /// Removes the figure, and lays the tool down.
+    /// Removes the figure, and deselects the tool.
     pub(super) fn remove_figure(&mut self) {
         self.map.measuring.tool = None;
         if self.map.measuring.figure.is_some() {
@@ -234,7 +234,7 @@ impl App {
         Some((one.id, (one.shadow != Some(shadow)).then_some(shadow)))
     }
 
-    /// Where a pick lies on the bottom.
+    /// Returns the position of a pick on the bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
         self.with_locator(pick, |locator, log| {
             let side = pick.side_in(locator.survey());
@@ -245,7 +245,7 @@ impl App {
         })?
     }
 
-    /// Hands over what places things of a pick's log.
+    /// Calls `with` with the object locator of a pick's log, if that log is open and has results.
     fn with_locator<T>(
         &self,
         pick: &Pick,

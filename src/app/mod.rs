@@ -1,4 +1,4 @@
-//! What the analyst sees and decides: state, commands and undo. Knows no widget and draws nothing.
+//! State, commands and undo of Bathyscope, without widgets and without drawing.
 //!
 //! The window reads [`App`] and pushes [`Command`]s; [`App::apply`] is the only place that changes
 //! state, and [`App::poll`] collects what the workers finished.

@@ -1,4 +1,4 @@
-//! How recorders are mounted: exchanging sides, and the default that a recorder has for its logs.
+//! Mounting of recorders: exchanging sides, and the default that a recorder has for its logs.
 
 use super::error::AppError;
 use super::{App, LogId, OpenLog};
@@ -22,12 +22,12 @@ pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings 
 }
 
 impl App {
-    /// What the shown log tells of its recorder; empty without a log.
+    /// Returns the recorder of the shown log, as far as the log states it; empty without a log.
     pub fn recorder(&self) -> String {
         self.log.recorder()
     }
 
-    /// How the recorder of the shown log is mounted as a rule, where that is known.
+    /// Returns the usual mounting of the shown log's recorder, where it is known.
     pub(crate) fn usual_mounting(&self) -> Option<MountingSettings> {
         self.document.mountings.get(&self.recorder()).copied()
     }
@@ -150,7 +150,7 @@ impl OpenLog {
         Some((products.calibration.sounding_lag?, products.settings.mounting.sounding_lag_s))
     }
 
-    /// What it tells of its recorder; empty in an empty window.
+    /// Returns its recorder, as far as the log states it; empty in an empty window.
     fn recorder(&self) -> String {
         let survey = self.survey.as_ref();
         survey.map_or_else(String::new, |survey| survey.source.recorder())

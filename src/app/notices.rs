@@ -1,5 +1,4 @@
-//! What the program says to the analyst: what is on screen, and all of it since the program was
-//! started.
+//! Notices of the program to the analyst: those on screen, and all since the program was started.
 
 use super::{Action, App};
 use crate::app::system_words::in_plain_words;
@@ -14,13 +13,13 @@ const KEPT: usize = 500;
 /// A sentence for the analyst.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// What happened and what to do.
+    /// Sentence that says what happened and what to do.
     pub text: String,
     /// Something could not be done (otherwise: something was).
     pub is_error: bool,
-    /// What can be done about it.
+    /// Action that is offered with it.
     pub offer: Option<Action>,
-    /// When it was said.
+    /// Time of the notice.
     pub at: SystemTime,
 }
 

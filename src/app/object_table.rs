@@ -15,7 +15,7 @@ const NUMBER: &str = "number";
 pub struct ObjectTable {
     /// The name of the column that it is sorted by; by number where there is no such column.
     pub sort: String,
-    /// From the largest down.
+    /// True if it is sorted from the largest down.
     pub falling: bool,
     /// Only objects in this state.
     pub state: Option<ObjectState>,

@@ -115,8 +115,8 @@ impl App {
         list.map_or(&[], |list| list.objects())
     }
 
-    /// What is decided about the boxes of each of [`App::processed_logs`], and the numbers that the
-    /// objects have here.
+    /// Returns the decisions about the boxes of each of [`App::processed_logs`], and the numbers
+    /// that the objects have here.
     pub(super) fn survey_review(&self) -> SurveyReview {
         let shown = self.visible_logs();
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
@@ -177,8 +177,8 @@ impl App {
         (*boxes == object.boxes).then_some(shape)
     }
 
-    /// How many passes of the boat over all visible logs saw the selected object, and how many
-    /// covered its place, once they are counted.
+    /// Returns the number of passes of the boat, over all visible logs, that saw the selected
+    /// object, and the number that covered its place, once they are counted.
     pub fn selected_object_passes(&self) -> Option<PassCount> {
         let (number, passes) = self.findings.objects.passes.result()?;
         let object = self.selected_object()?;

@@ -34,26 +34,26 @@ pub(super) fn log_colour(number: usize) -> [u8; 3] {
 
 /// A log with its settings, its results and its boxes. The default one is that of an empty window.
 pub struct OpenLog {
-    /// Which it is.
+    /// Identifier of the log.
     pub id: LogId,
     pub(super) name: String,
     /// The recording as its settings have it; `None` in an empty window.
     pub survey: Option<Arc<Survey>>,
     /// The recording as it was read, while something of its source is put right.
     pub(super) as_read: Option<Arc<Survey>>,
-    /// What is put right of its source in [`OpenLog::survey`].
+    /// Source settings that are applied in [`OpenLog::survey`].
     pub(super) source: SourceKey,
     /// Its colour where logs are told apart, red, green and blue.
     pub colour: [u8; 3],
     /// True if it takes part in maps, clouds and products.
     pub is_visible: bool,
-    /// Why it was left off the map when it was opened, until the analyst decides.
+    /// Reason that it was kept off the map when it was opened, until the analyst decides.
     pub apart: Option<Apart>,
     /// Shallowest and deepest sounding without a fault, metres.
     pub depth_span_m: Option<[f32; 2]>,
     /// The file of the recording, while it is kept in a project.
     pub(super) file: Option<LogFile>,
-    /// What is set for this log only.
+    /// Settings of this log only.
     pub own: Arc<LogSettings>,
     /// The settings that the analyst wants: those that all logs share with its own over them.
     pub settings: Arc<Settings>,
@@ -228,7 +228,7 @@ impl OpenLog {
         }
     }
 
-    /// What is drawn of it.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self {
             id: self.id,

@@ -1,4 +1,4 @@
-//! How things are shown: saved between runs, never part of a result.
+//! Display options: saved between runs, never part of a result.
 
 use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use bathyscope_bottom::picture::PictureGeometry;
@@ -98,7 +98,7 @@ impl ColourMap {
     }
 }
 
-/// Which way time runs in the waterfall.
+/// Direction of time in the waterfall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Orientation {
     /// Time runs to the right; port is up, starboard down.
@@ -168,7 +168,7 @@ impl EchogramChannel {
 pub struct WaterfallOptions {
     /// Colours of echo strength.
     pub colour_map: ColourMap,
-    /// Which way time runs.
+    /// Direction of time.
     pub orientation: Orientation,
     /// Show distances on level ground instead of slant ranges.
     pub ground_range: bool,
@@ -195,7 +195,8 @@ pub struct WaterfallOptions {
 }
 
 impl WaterfallOptions {
-    /// What is measured across the track.
+    /// Returns the quantity across the track: distance on level ground, or slant range with or
+    /// without the water column.
     pub fn geometry(&self) -> PictureGeometry {
         match (self.ground_range, self.water_column) {
             (true, _) => PictureGeometry::Ground,
@@ -229,7 +230,7 @@ impl Default for WaterfallOptions {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MapOptions {
-    /// What is drawn, in which order.
+    /// Layers, in drawing order.
     pub layers: LayerStack,
     /// Colour the tracks by the log that they are of, instead of by depth.
     pub track_by_log: bool,
@@ -237,7 +238,7 @@ pub struct MapOptions {
     pub flat_spots: bool,
     /// Draw lines of round coordinates.
     pub graticule: bool,
-    /// Whether the map is divided, and what is drawn where then.
+    /// Division of the map, and the side of it on which each layer is drawn.
     pub swipe: Swipe,
 }
 
@@ -253,7 +254,7 @@ impl Default for MapOptions {
     }
 }
 
-/// What the colour of a point says.
+/// Property that the colour of a point shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum CloudColour {
     /// Down-scan, port or starboard.
@@ -262,7 +263,7 @@ pub enum CloudColour {
     Source,
     /// Depth.
     Depth,
-    /// How strong the echo of the first return is.
+    /// Strength of the echo of the first return.
     Level,
     /// Slant range.
     Range,
@@ -304,7 +305,7 @@ impl CloudColour {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CloudOptions {
-    /// What the colour of a point says.
+    /// Property that the colour of a point shows.
     pub colour: CloudColour,
     /// Factor on z.
     pub vertical_exaggeration: f32,
@@ -319,12 +320,11 @@ pub struct CloudOptions {
     pub points: bool,
     /// Draw the bottom: the depth map as a body.
     pub bottom: bool,
-    /// What the colours of the bottom say.
+    /// Property that the colours of the bottom show.
     pub bottom_colour: BottomColour,
     /// Draw lines of equal depth on the bottom.
     pub isobaths: bool,
-    /// Where the light on the bottom comes from: degrees clockwise from north, and over the
-    /// horizon.
+    /// Direction of the light on the bottom: degrees clockwise from north, and above the horizon.
     pub light_deg: [f32; 2],
     /// Draw where the water's surface is, with the boat's track on it.
     pub water: bool,
@@ -373,10 +373,10 @@ impl Default for CloudOptions {
     }
 }
 
-/// Whether a panel beside the views is shown.
+/// Visibility of a panel beside the views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PanelShown {
-    /// Where the window is wide enough for it and the views.
+    /// Shown where the window is wide enough for it and the views.
     #[default]
     WithRoom,
     /// Always.
@@ -391,11 +391,11 @@ pub enum PanelShown {
 pub struct PanelOptions {
     /// The paper's steps, left.
     pub steps: PanelShown,
-    /// What is selected, right.
+    /// The selection, right.
     pub details: PanelShown,
 }
 
-/// Whether the points of a swath are drawn.
+/// Visibility of the points of a swath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct SwathShown(pub bool);
@@ -416,9 +416,9 @@ pub struct ViewOptions {
     pub panels: PanelOptions,
     /// Colours of the two sides.
     pub side_colours: SideColours,
-    /// How positions are written.
+    /// Format of positions.
     pub coordinates: CoordinateFormat,
-    /// What lengths, depths, areas and speeds are written in.
+    /// Units of lengths, depths, areas and speeds.
     pub units: Units,
     /// Waterfall.
     pub waterfall: WaterfallOptions,
@@ -426,20 +426,20 @@ pub struct ViewOptions {
     pub map: MapOptions,
     /// Cloud.
     pub cloud: CloudOptions,
-    /// Whether the points of a swath are drawn, on the map and in 3D.
+    /// Visibility of the points of a swath, on the map and in 3D.
     pub swath: SwathShown,
     /// Products that an export leaves out. Earlier versions called them `left_out`.
     #[serde(alias = "left_out")]
     pub excluded_products: Vec<Product>,
-    /// How a view is printed.
+    /// Print options of a view.
     pub print: PrintOptions,
     /// Order and filter of the table of objects.
     pub objects: ObjectTable,
 }
 
 impl ViewOptions {
-    /// What a person likes, for a survey that is opened anew: what hides or transforms a part of
-    /// the one before is as it is by default.
+    /// Returns the options for a survey that is opened anew: those that hide or transform a part of
+    /// the previous survey take their defaults, the others stay.
     #[must_use]
     pub(crate) fn for_new_survey(&self) -> Self {
         let usual = WaterfallOptions::default();

@@ -1,4 +1,4 @@
-//! What is out of date after a change of the open logs, for each kind of change.
+//! Drops or corrects what is out of date after a change of the open logs, for each kind of change.
 //!
 //! Most of what is made of logs follows them by itself: results are asked for where they are older
 //! than the settings ([`App::schedule`]), and what is made of results where these are others

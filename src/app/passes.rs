@@ -1,6 +1,6 @@
-//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at
-//! it. Logs are laid out for it, in a background thread; a search that nobody waits for any more is
-//! dropped.
+//! Finds the passes that saw a place: for the menu of the map, and to go from a selected place to
+//! the next pass over it. Logs are laid out for it, in a background thread; a search that nobody
+//! waits for any more is dropped.
 
 use super::{App, LogId, LogPlace, ShownLog, Task, TaskOutcome};
 use bathyscope_log::support::geo::LonLat;
@@ -14,12 +14,12 @@ const NO_PASS: &str = "no pass of the visible logs saw this place";
 /// A pass, and the log that it is of.
 pub type LogPass = (LogId, Pass);
 
-/// What is known of the passes over a place.
+/// State and result of a search for the passes over a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassesFound<'a> {
     /// They are being looked for.
     Searching,
-    /// Nobody asked for those over this place last.
+    /// The last search for the menu was for another place, or there was none.
     Unasked,
     /// The search was stopped.
     Stopped,
@@ -43,9 +43,9 @@ struct Listed {
 
 /// The way to a place in a pass.
 struct Next {
-    /// What was selected as it was asked for.
+    /// Selection when the way was requested.
     from: Option<(LogId, LogPlace)>,
-    /// Where it leads.
+    /// Destination of the way.
     to: Goal,
     /// `None` when it was cancelled; the inner one where the selected sample shows no ground.
     task: Task<Option<Option<Vec<LogPass>>>>,
@@ -89,8 +89,8 @@ pub fn mark_of(pass: &Pass) -> LogPlace {
 }
 
 impl App {
-    /// What is known of the passes of all visible logs over a position, in the order of the list of
-    /// logs.
+    /// Returns the passes of all visible logs over a position, in the order of the list of logs, or
+    /// the state of their search.
     pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
         let listed = self.findings.passes.listed.as_ref().filter(|one| one.at == at);
         match listed.map(|listed| (&listed.task, &listed.found)) {
@@ -230,7 +230,7 @@ fn found(
     Ok(all)
 }
 
-/// Where a sample of one of some logs lies; `None` where it shows no ground.
+/// Returns the position of a sample of a log in `shown`; `None` where the sample shows no ground.
 fn ground_of(
     shown: &[ShownLog],
     (id, mark): (LogId, LogPlace),

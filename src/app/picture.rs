@@ -1,4 +1,4 @@
-//! How the picture of the shown log is to be shown: keys and menus for `picture.*`.
+//! Changes the display of the shown log's picture: keys and menus for `picture.*`.
 
 use super::{App, EchogramChannel};
 use bathyscope_bottom::mosaic::Gain;

@@ -26,11 +26,11 @@ pub struct PlannedLines {
     pub frame: LocalFrame,
     /// First place of the first log: where the boat starts.
     home: LonLat,
-    /// What the lines are called.
+    /// Name of the lines.
     name: String,
 }
 
-/// By their lines: all else follows from them.
+/// Compares the lines and the origin of their frame: all else follows from them.
 impl PartialEq for PlannedLines {
     fn eq(&self, other: &Self) -> bool {
         self.plan.lines == other.plan.lines && self.frame.origin() == other.frame.origin()
@@ -50,7 +50,7 @@ pub enum PlanRequest {
         line: usize,
         /// 0 or 1.
         end: usize,
-        /// Where to.
+        /// New place of the end.
         to: LonLat,
     },
 }
@@ -58,7 +58,7 @@ pub enum PlanRequest {
 /// The planned lines and the work on them.
 #[derive(Default)]
 pub struct Planning {
-    /// What the next plan is asked for.
+    /// Settings of the next plan.
     pub asked: PlanSettings,
     /// The lines, once there are some.
     pub lines: Option<Arc<PlannedLines>>,
@@ -78,7 +78,7 @@ impl Planning {
         self.task.as_ref().map(Task::fraction)
     }
 
-    /// What is drawn of it.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self { lines: self.lines.clone(), ..Self::default() }
     }

@@ -1,5 +1,5 @@
-//! How far the positions of each log are off and how late they are: found where tracks cross over a
-//! slope, and put right when the analyst asks for it.
+//! Finds the errors and the latency of the positions of each log where tracks cross over a slope,
+//! and corrects them when the analyst asks for it.
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId};
@@ -14,7 +14,7 @@ const EAST: &str = "position_shift.east_m";
 const NORTH: &str = "position_shift.north_m";
 const LATENCY: &str = "mounting.latency_s";
 
-/// What was found of some logs.
+/// Position errors and latencies found for some logs.
 #[derive(Clone, Debug)]
 pub struct FoundPositions {
     /// Each log, in the order of the list when it was asked for.
@@ -22,7 +22,7 @@ pub struct FoundPositions {
 }
 
 impl FoundPositions {
-    /// What is said where nothing of it is worth applying.
+    /// Notice where no correction is worth applying.
     pub(crate) const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
 
     /// Returns true if anything of it differs from what was in force by more than crossings leave
@@ -43,7 +43,7 @@ impl App {
         self.findings.positions.is_busy()
     }
 
-    /// How the positions of the logs are off, once that was asked for.
+    /// Returns the position errors found last; `None` until they were requested and found.
     pub fn position_offsets(&self) -> Option<&FoundPositions> {
         self.findings.positions.found()
     }

@@ -15,7 +15,7 @@ use bathyscope_products::pipeline::Settings;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What is asked for.
+/// Request for the first returns of some settings.
 pub(super) struct PreviewRequest {
     pub survey: Arc<Survey>,
     pub image: ImageSettings,
@@ -38,8 +38,8 @@ impl PreviewRequest {
     }
 }
 
-/// What is measured once and kept between drags: the plain threshold needs its index, the tracker
-/// only the picture's scale, which takes no memory.
+/// Measurement that is made once and kept between drags: the plain threshold needs its index, the
+/// tracker only the picture's scale, which takes no memory.
 enum Measured {
     Index(ThresholdIndex),
     Scale(Normalisation),
@@ -60,7 +60,7 @@ impl Measured {
     }
 }
 
-/// What [`Measured`] depends on besides the survey.
+/// Inputs of [`Measured`] besides the survey.
 #[derive(Clone, Copy, PartialEq)]
 struct PreviewKey {
     method: Method,

@@ -10,7 +10,7 @@ const POINTS_AN_INCH: f64 = 96.0;
 /// Millimetres in an inch.
 const INCH_MM: f64 = 25.4;
 
-/// What a picture is made for.
+/// Medium that a picture is made for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Paper {
     /// 210 by 297 mm.
@@ -45,19 +45,19 @@ impl Paper {
     }
 }
 
-/// How a view is printed.
+/// Print options of a view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PrintOptions {
-    /// What it is made for.
+    /// Medium that the picture is made for.
     pub paper: Paper,
-    /// The long side lies across.
+    /// True if the long side lies across.
     pub landscape: bool,
     /// Pixels in an inch of paper.
     pub dpi: u32,
     /// Width without paper, pixels.
     pub width_px: u32,
-    /// On white instead of what the window has.
+    /// True to print on white instead of the background of the window.
     pub light: bool,
 }
 
@@ -104,7 +104,7 @@ impl PrintOptions {
 }
 
 impl App {
-    /// What the views show of this state, to be drawn elsewhere: without buttons, and without what
+    /// Returns a copy of the state to draw the views elsewhere: without buttons, and without what
     /// the pointer has selected.
     pub(crate) fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));

@@ -1,4 +1,4 @@
-//! What stands around a printed view: title, dates, coordinate system, what depths count from,
+//! Text around a printed view: title, dates, coordinate system, level that depths count from,
 //! scale.
 
 use super::{App, View};
@@ -21,8 +21,8 @@ pub(crate) struct PrintText {
 }
 
 impl App {
-    /// What stands around a print of a view. `scale` says how large it is on paper; printed at
-    /// `now`.
+    /// Returns the text around a print of a view. `scale` says how large it is on paper; `now` is
+    /// the time of printing.
     pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
         let facts = [self.recorded(now), self.system(view), self.datum(), Some(scale)];
         let facts = facts.into_iter().flatten();
@@ -64,7 +64,7 @@ impl App {
         Some(format!("{recorded}, printed {printed} by Bathyscope {}.", env!("CARGO_PKG_VERSION")))
     }
 
-    /// What positions are written in, and what lengths are.
+    /// Returns sentences about the coordinate system of positions and the unit of lengths.
     fn system(&self, view: View) -> Option<String> {
         let survey = self.log.survey.as_ref()?;
         let zone = UtmZone::of(survey.track.frame.origin());
@@ -81,7 +81,8 @@ impl App {
         })
     }
 
-    /// What depths count from, what was corrected, and what was not.
+    /// Returns a statement of the level that depths count from, the corrections, and those that are
+    /// missing.
     fn datum(&self) -> Option<String> {
         let products: &Products = self.log.products.as_ref()?;
         let statement = products.correction.statement();

@@ -7,7 +7,7 @@ use bathyscope_products::pipeline::DepthMap;
 use bathyscope_products::project::{Measurement, MeasurementKind};
 use std::sync::Arc;
 
-/// Most places that a line is looked at at.
+/// Largest number of places along a line at which depths are taken.
 const MOST_STATIONS: usize = 2000;
 
 /// The depths along a line, and what they were taken from.

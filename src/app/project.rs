@@ -31,11 +31,11 @@ const BASE_MAP: &str = "base_map";
 /// The files of the open logs with their hashes.
 type Hashed = Result<Vec<(LogId, LogFile)>, AppError>;
 
-/// Where the open project is kept, and what is under way about it.
+/// File of the open project, and the work under way on it.
 #[derive(Default)]
 pub(super) struct ProjectSaving {
     store: Option<Store>,
-    /// What is in it: what this window does not show is kept from here.
+    /// Contents of the project: parts that this window does not show are kept from here.
     project: Project,
     opening: Option<Task<Result<OpenedLogs, AppError>>>,
     /// A project that is about to be written for the first time: where, and what the open logs'
@@ -90,7 +90,7 @@ impl ProjectSaving {
 struct OpenedLogs {
     opened: OpenedProject,
     logs: Vec<(Arc<ProjectLog>, Survey, Settings)>,
-    /// What to tell about logs that are not there or lie elsewhere.
+    /// Notices about logs that are missing or lie elsewhere.
     notes: Vec<String>,
 }
 
@@ -236,7 +236,8 @@ impl App {
         self.files.project_saving = ProjectSaving::default();
     }
 
-    /// What is open as a project; what the window does not show stays as it is in `before`.
+    /// Returns the open survey as a project; parts that the window does not show stay as they are
+    /// in `before`.
     fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
         project.settings = Settings::clone(&self.document.shared);
@@ -430,7 +431,7 @@ impl App {
 }
 
 impl OpenLog {
-    /// What is decided about the log is kept in the project from now on, not next to the log.
+    /// Keeps decisions about the log in the project from now on, not next to the log.
     fn leave_sidecars(&mut self) {
         self.bottom_file = super::bottom::BottomSidecar::default();
         self.reviewing.keep_elsewhere();
@@ -450,8 +451,8 @@ pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
     }
 }
 
-/// What a project holds that was measured on the map; the same in memory where it is what was
-/// measured `before`.
+/// Returns the figure on the map that a project holds; the same in memory as `before` where both
+/// are equal.
 pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
     let measurement = project.measurements.get(&MEASUREMENT)?;
     let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
@@ -461,7 +462,7 @@ pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Op
     )
 }
 
-/// What a project keeps of the queue of boxes: a filter is of the moment.
+/// Part of the queue of boxes that a project keeps: without the filter, which is temporary.
 #[derive(Serialize, Deserialize)]
 struct KeptQueue {
     sort: Sort,

@@ -1,5 +1,5 @@
-//! How points agree with a reference: computed on demand, for it takes a triangulation of all
-//! soundings.
+//! Agreement of points with a reference: computed on demand, because it takes a triangulation of
+//! all soundings.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
@@ -9,7 +9,7 @@ use bathyscope_bottom::cloud::{PointClass, PointSource};
 use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 
-/// What is compared with the soundings of the survey itself.
+/// Sources of the points that are compared with the soundings of the survey itself.
 const WITH_SOUNDINGS: [PointSource; 3] =
     [PointSource::Port, PointSource::Starboard, PointSource::Swath];
 /// Said when comparing was stopped, and what to do.
@@ -27,7 +27,7 @@ pub(super) struct ReferenceComparison {
     problem: Option<String>,
 }
 
-/// What an agreement is of, or will be.
+/// Inputs of an agreement, found or requested.
 #[derive(Clone)]
 pub(super) struct Of {
     /// The classes of the points of every log, and how wide a gap a surface spans.
@@ -77,7 +77,7 @@ impl ReferenceComparison {
         self.task.as_ref().map(Task::fraction)
     }
 
-    /// What is drawn of it.
+    /// Returns a copy that holds only what is drawn.
     pub(super) fn for_picture(&self) -> Self {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
     }
@@ -104,13 +104,13 @@ impl ReferenceComparison {
 }
 
 impl App {
-    /// How the points differ from the reference, or side-scan from soundings while there is none;
-    /// `None` until it was asked for, and where no point lies over them.
+    /// Returns the agreement of the points with the reference, or of side-scan with soundings while
+    /// there is none; `None` until it was requested, and where no point lies over them.
     pub fn agreement(&self) -> Option<&Arc<Agreement>> {
         self.findings.reference_comparison.agreement.as_ref()
     }
 
-    /// Why there is no agreement, in a sentence.
+    /// Returns the reason that there is no agreement, in a sentence.
     pub fn agreement_problem(&self) -> Option<&str> {
         self.findings.reference_comparison.problem.as_deref()
     }

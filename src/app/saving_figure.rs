@@ -1,4 +1,4 @@
-//! What was measured, on its way into a file.
+//! Writes the measured figure into a file.
 
 use super::App;
 use super::error::AppError;
@@ -7,7 +7,7 @@ use bathyscope_products::project::MeasurementKind;
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// What is measured, once there is something between its corners.
+    /// Returns the measured figure, once there is something between its corners.
     pub fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let figure = &self.map.measuring.figure.as_deref()?.measurement;

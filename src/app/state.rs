@@ -35,7 +35,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What belongs to the open survey as a whole, whichever log is shown.
+/// State of the open survey as a whole, whichever log is shown.
 pub(super) struct Document {
     /// The settings that a new survey starts from: the preset, or those that the program was
     /// started with.
@@ -48,9 +48,9 @@ pub(super) struct Document {
     pub plane: LocalFrame,
     /// The metres of a log became those of another system, and the plane was not settled since.
     pub is_plane_moved: bool,
-    /// How recorders are mounted as a rule, by [`bathyscope_log::survey::Source::recorder`].
+    /// Usual mounting of recorders, by [`bathyscope_log::survey::Source::recorder`].
     pub mountings: Arc<Mountings>,
-    /// What undo goes back to.
+    /// Steps that undo goes back to.
     pub history: History<UndoStep>,
 }
 
@@ -71,13 +71,13 @@ impl Default for Document {
 /// The pipeline at work on the open logs.
 pub(super) struct PipelineWork {
     pub engine: Engine,
-    /// What the engine was asked for last.
+    /// Last request to the engine.
     pub requested: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
-    /// Nothing is processed before the analyst asks for it: the slider is still held, or the work
-    /// was stopped.
+    /// True if nothing is processed before the analyst asks for it: the slider is still held, or
+    /// the work was stopped.
     pub is_waiting: bool,
     pub previewer: Previewer,
-    /// What is made of all logs together.
+    /// Results that are derived from the open logs.
     pub deriving: Deriving,
 }
 
@@ -123,7 +123,7 @@ impl FileWork {
     }
 }
 
-/// What is searched for in the open logs, and what was found.
+/// Searches over the open logs, and their results.
 #[derive(Default)]
 pub(super) struct Findings {
     pub heights: Heights,
@@ -146,7 +146,7 @@ impl Findings {
     }
 }
 
-/// What the views show, and how.
+/// Display state of the views.
 #[derive(Default)]
 pub struct ViewState {
     /// Grows when another log is shown; views drop what they cached of it when it changes.
@@ -154,28 +154,28 @@ pub struct ViewState {
     /// Grows when the plane of the survey moves: with each survey opened, and with each track
     /// applied to it.
     pub plane_serial: u64,
-    /// What is selected.
+    /// Selected place.
     pub selection: Option<LogPlace>,
-    /// What the pointer is over.
+    /// Place under the pointer.
     pub hover: Option<LogPlace>,
     /// The last request to show a place.
     pub reveal: Option<Reveal>,
     /// Pings in the waterfall.
     pub visible: Range<usize>,
-    /// How things are shown.
+    /// Display options.
     pub options: ViewOptions,
-    /// Only a picture is drawn of it: views leave their buttons out.
+    /// True if only a picture is drawn of it: views leave their buttons out.
     pub is_picture: bool,
 }
 
-/// What the analyst lays on the map.
+/// Base map, reference, measurement and planned lines that the analyst adds to the map.
 #[derive(Default)]
 pub struct MapWork {
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
-    /// What the points are compared with.
+    /// Reference that the points are compared with.
     pub comparing: Comparing,
-    /// What is drawn on the map to measure.
+    /// Figure that is drawn on the map to measure, and its tool.
     pub measuring: Measuring,
     /// Lines to sail next.
     pub planning: Planning,
@@ -190,13 +190,13 @@ pub struct App {
     pub(super) pipeline: PipelineWork,
     pub(super) files: FileWork,
     pub(super) findings: Findings,
-    /// What the views show, and how.
+    /// Display state of the views.
     pub view: ViewState,
-    /// What the analyst lays on the map.
+    /// Base map, reference, measurement and planned lines that the analyst adds to the map.
     pub map: MapWork,
     /// Logs opened before, newest first.
     pub recent: Vec<PathBuf>,
-    /// What is said on the screen.
+    /// Notices on the screen.
     pub notices: Vec<Notice>,
     pub(super) said: NoticeHistory,
     pub(super) following: Following,
@@ -253,17 +253,17 @@ impl App {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
-    /// How work in a background thread is run.
+    /// Returns the runner of work in background threads.
     pub fn jobs(&self) -> &Jobs {
         &self.jobs
     }
 
-    /// What the engine does.
+    /// Returns the state of the engine.
     pub(crate) fn engine_status(&self) -> EngineStatus {
         self.pipeline.engine.status()
     }
 
-    /// What is being opened.
+    /// Returns the name and progress of the log that is being opened.
     pub(crate) fn load_status(&self) -> Option<LoadStatus> {
         self.files.loading.as_ref().map(Loading::status)
     }

@@ -1,4 +1,4 @@
-//! What undo goes back to.
+//! State that undo goes back to.
 
 use super::drawn_figure::Figure;
 use super::mounting::Mountings;
@@ -8,7 +8,7 @@ use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::{LogSettings, Settings};
 use std::sync::Arc;
 
-/// What undo goes back to: everything that an analyst changes.
+/// State that undo goes back to: everything that an analyst changes.
 #[derive(Clone, PartialEq)]
 pub(super) struct UndoStep {
     pub shared: Arc<Settings>,
@@ -21,7 +21,7 @@ pub(super) struct UndoStep {
     pub mountings: Arc<Mountings>,
 }
 
-/// What undo goes back to of one log.
+/// State of one log that undo goes back to.
 #[derive(Clone)]
 pub(super) struct LogStep {
     pub id: LogId,
@@ -31,7 +31,7 @@ pub(super) struct LogStep {
 }
 
 impl LogStep {
-    /// What undo would go back to of a log as it is.
+    /// Returns the present state of a log, as undo would restore it.
     pub(super) fn of(log: &OpenLog) -> Self {
         Self {
             id: log.id,

@@ -4,11 +4,11 @@
 use super::{LayerStack, MapLayer};
 use serde::{Deserialize, Serialize};
 
-/// Where a layer is drawn while the map is divided.
+/// Side of the divider on which a layer is drawn while the map is divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SwipeSide {
-    /// On both sides.
+    /// Both sides.
     #[default]
     Both,
     /// Left of the divider only.
@@ -18,7 +18,7 @@ pub enum SwipeSide {
 }
 
 impl SwipeSide {
-    /// In the order of the menu.
+    /// All sides in the order of the menu.
     pub const ALL: [Self; 3] = [Self::Left, Self::Both, Self::Right];
 
     /// Name in menus.
@@ -37,7 +37,7 @@ impl SwipeSide {
 pub struct Swipe {
     /// True if the map is divided.
     pub on: bool,
-    /// Where the divider stands, as a share of the map's width.
+    /// Position of the divider, as a share of the map's width.
     pub share: f32,
     /// Layers that are drawn on one side only.
     sides: Vec<(MapLayer, SwipeSide)>,
@@ -59,7 +59,7 @@ impl Default for Swipe {
 }
 
 impl Swipe {
-    /// Where a layer is drawn.
+    /// Returns the side of the divider on which a layer is drawn.
     pub fn side(&self, layer: MapLayer) -> SwipeSide {
         let found = self.sides.iter().find(|(other, _)| *other == layer);
         found.map_or(SwipeSide::Both, |(_, side)| *side)

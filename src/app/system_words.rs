@@ -1,17 +1,17 @@
-//! What the system says of files, and libraries of values, in plain words. It depends on
-//! `file_in_use` alone; any may use it.
+//! Puts messages of the system about files, and of libraries about values, into plain words. This
+//! module depends on `file_in_use` alone; any module may use it.
 
 use bathyscope_products::file_in_use::is_in_use;
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind};
 
-/// How the system's errors end in Rust's text.
+/// Start of the ending of the system's errors in Rust's text.
 const NUMBER: &str = " (os error ";
 
-/// Of a file that another program has open.
+/// Message about a file that another program has open.
 const IN_USE: &str = "another program has the file open; close it there, or choose another";
 
-/// What serde says that it expected, and what that is called elsewhere.
+/// Types as serde names them in its messages, with the plain words for them.
 const TYPES: [(&str, &str); 9] = [
     ("expected f64", "expected a number"),
     ("expected f32", "expected a number"),

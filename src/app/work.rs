@@ -1,4 +1,4 @@
-//! What runs in a background thread: started here, collected here.
+//! Starts work in background threads and collects its results.
 
 use super::figures::Figures;
 use super::loader::{Loading, OpenMode, OpenRequest, OpenedPath, ReadBottom};
@@ -326,8 +326,8 @@ fn with_name_quoted(text: String, origin: &LogOrigin) -> String {
     }
 }
 
-/// What is asked for by several logs: of those that are opened in place of others, the first one
-/// takes that place, and the others join it.
+/// Creates the requests to open several logs: the first one has the mode `place`, and the others
+/// join it.
 fn requests(origins: impl Iterator<Item = LogOrigin>, place: OpenMode) -> VecDeque<OpenRequest> {
     let each = origins.enumerate().map(|(index, origin)| OpenRequest {
         origin,

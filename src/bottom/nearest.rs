@@ -2,11 +2,11 @@
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-/// Places that can be asked for the nearest one.
+/// Index of places for searches of the nearest one.
 pub(crate) struct Nearest(ImmutableKdTree<f64, 2>);
 
 impl Nearest {
-    /// Of places; `None` without any.
+    /// Creates the index of some places; `None` without any.
     pub(crate) fn of(places: &[[f64; 2]]) -> Option<Self> {
         let index = (!places.is_empty()).then(|| ImmutableKdTree::new_from_slice(places))?;
         Some(Self(index.ok()?))

@@ -22,7 +22,7 @@ const COLUMNS_AT_ONCE: usize = 64;
 /// deviation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Equations {
-    /// Where the terms of each begin, and the end of the last.
+    /// Index of the first term of each equation, and the end of the last.
     starts: Vec<usize>,
     unknowns: Vec<u32>,
     factors: Vec<f64>,
@@ -30,8 +30,9 @@ pub(crate) struct Equations {
     weights: Vec<f64>,
 }
 
-/// Where the terms of every unknown lie, the lower triangle of the normal matrix, and the order in
-/// which it is factorised: the same as long as only weights, factors and goals change.
+/// Structure of the equations: the terms of every unknown, the lower triangle of the normal matrix,
+/// and the order in which it is factorised. It is the same as long as only weights, factors and
+/// goals change.
 pub(crate) struct Pattern {
     /// The triangle, its rows and columns in the order of elimination.
     starts: Vec<usize>,
@@ -138,7 +139,7 @@ impl Equations {
         self.weights[equation]
     }
 
-    /// Adds so many times the terms of one to what they say of each unknown.
+    /// Adds the terms of an equation, `times` times, to the entries of its unknowns in `out`.
     pub(crate) fn add_times(&self, equation: usize, times: f64, out: &mut [f64]) {
         for (unknown, factor) in self.terms(equation) {
             out[unknown] += times * factor;
@@ -161,13 +162,13 @@ impl Equations {
         self.weights[equation] * terms.sum::<f64>()
     }
 
-    /// What is left of an equation at some values of the unknowns, in standard deviations.
+    /// Returns the residual of an equation at some values of the unknowns, in standard deviations.
     pub(crate) fn residual(&self, equation: usize, values: &[f64]) -> f64 {
         self.times(equation, values) - self.weights[equation] * self.goals[equation]
     }
 
-    /// Adds to `out` what the equations say of each unknown: the transposed weighted matrix times a
-    /// vector with an entry for each equation.
+    /// Adds to `out` the transposed weighted matrix of the equations times a vector with an entry
+    /// for each equation.
     fn add_transposed(&self, entry: impl Fn(usize) -> f64, out: &mut [f64]) {
         for equation in 0..self.len() {
             let value = self.weights[equation] * entry(equation);
@@ -179,7 +180,8 @@ impl Equations {
 }
 
 impl Pattern {
-    /// Of some equations of so many unknowns; `None` where their matrix cannot be analysed.
+    /// Creates the pattern of some equations of this many unknowns; `None` where their matrix
+    /// cannot be analysed.
     pub(crate) fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
         let of_unknown = Occurrences::new(equations, unknowns);
         let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
@@ -333,7 +335,7 @@ impl Factor {
         }
     }
 
-    /// The variances of so many unknowns: the diagonal of the inverse of the normal matrix.
+    /// Returns the variances of the unknowns: the diagonal of the inverse of the normal matrix.
     pub(crate) fn variances(&self, unknowns: usize) -> Vec<f64> {
         let starts: Vec<usize> = (0..unknowns).step_by(COLUMNS_AT_ONCE).collect();
         let block = |start: &usize| {
@@ -358,7 +360,7 @@ pub(crate) struct Normal {
 }
 
 impl Normal {
-    /// From a seed.
+    /// Creates the generator from a seed.
     pub(crate) fn new(seed: u64) -> Self {
         Self { state: seed, spare: None }
     }

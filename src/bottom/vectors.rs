@@ -2,7 +2,7 @@
 
 /// A loop over numbers that is compiled for each kind of processor.
 pub trait VectorLoop {
-    /// What it gives.
+    /// Result of the loop.
     type Output;
 
     /// Runs it. Every implementation, and every function that it calls in its loops, is marked

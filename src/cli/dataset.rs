@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What is made, and how much of it.
+/// Options of a dataset: the kind and number of its pictures.
 #[derive(Debug, clap::Args)]
 pub(super) struct DatasetArgs {
     /// Instead of one survey, write pictures of many random ones with labels into this new folder
@@ -147,12 +147,12 @@ struct Maker<'a> {
     seed: u64,
     per_scene: usize,
     images: usize,
-    /// Where the surveys are kept, if they are.
+    /// Folder in which the surveys are kept; `None` if they are not kept.
     surveys: Option<PathBuf>,
     progress: &'a Progress,
 }
 
-/// What a part holds and was made from, for the manifest.
+/// Entry of a part in the manifest: its contents, and the scenes that it was made from.
 #[derive(Serialize)]
 struct PartRecord {
     #[serde(flatten)]
@@ -260,7 +260,7 @@ fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> KnownObject
     }
 }
 
-/// How a dataset was made: enough to make it again.
+/// Manifest of a dataset, with enough to make the dataset again.
 #[derive(Serialize)]
 struct Manifest<'a> {
     program: &'static str,

@@ -13,7 +13,7 @@ use bathyscope_products::pipeline::Settings;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where a run without a display writes.
+/// Output folder of a run without a display.
 const OUTPUT: &str = "bathyscope-out";
 
 /// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 
 /// The folder of a run before its manifest is there.
 const SIDE: &str = ".bathyscope-run";
-/// What comes behind the name where a folder of that name holds something else, such as the
+/// Ending of the folder's name where a folder of the plain name holds something else, such as the
 /// recording itself.
 const PRODUCTS: &str = "-products";
-/// What logs are called that have nothing in common.
+/// Name of a survey whose logs have no common name.
 const SURVEY: &str = "survey";
 /// Letters that a common name has at least.
 const LEAST: usize = 3;
@@ -70,8 +70,8 @@ fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
         || outputs::is_run_of(folder, surveys)
 }
 
-/// What the survey of some arguments is called: after the project, the log, the folder of the logs,
-/// or what their names have in common.
+/// Returns the name of a survey: that of the project, of the log, of the folder of the logs, or the
+/// common part of the logs' names.
 pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     let text =
         |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
@@ -89,8 +89,8 @@ pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     common(&names)
 }
 
-/// What names begin with alike, without a number that was cut in two and what joins it: `Rec` of
-/// `Rec00001` and `Rec00002`.
+/// Returns the common beginning of names, without a number that was cut in two and what joins it:
+/// `Rec` of `Rec00001` and `Rec00002`.
 fn common(names: &[String]) -> String {
     let Some((first, others)) = names.split_first() else {
         return SURVEY.to_owned();

@@ -20,7 +20,7 @@ pub(super) struct DesktopArgs {
     /// Take away again what was written
     #[arg(long)]
     remove: bool,
-    /// For packages: write into this folder in place of the user's, with an entry that starts
+    /// Write into this folder in place of the user's, for packages; the entry then starts
     /// `bathyscope` from the path
     #[arg(long, value_name = "DIR")]
     into: Option<PathBuf>,
@@ -48,7 +48,8 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
     output::results(format_args!("{did} in {}: {}", folder.display(), paths.join(", ")))
 }
 
-/// Where a user's desktop entries lie, by the XDG base directory specification.
+/// Returns the folder of a user's data, which holds desktop entries, by the XDG base directory
+/// specification.
 fn data_folder() -> Result<PathBuf, Failure> {
     if cfg!(windows) {
         return Err("this command is for Linux; on Windows the installer makes the entry of the start menu and the file types".into());
@@ -63,7 +64,7 @@ fn data_folder() -> Result<PathBuf, Failure> {
     })
 }
 
-/// Where this program lies.
+/// Returns the path of this program.
 fn program() -> Result<String, Failure> {
     let cannot = |why: &dyn Display| format!("cannot tell where this program lies: {why}");
     let program = std::env::current_exe().map_err(|error| cannot(&error))?;

@@ -1,4 +1,4 @@
-//! What a search found, in words.
+//! Describes the result of a search in words.
 
 use bathyscope_products::outputs::Proposed;
 use std::collections::BTreeMap;

@@ -1,12 +1,12 @@
-//! Why a command ends.
+//! Failure of a command.
 
 use std::fmt::Display;
 
-/// Why a command ends. Errors and sentences become one with `?`. It is no `Display` itself: a
-/// failure is never made of another.
+/// Failure that ends a command. Errors and sentences are converted to it by `?`. It does not
+/// implement `Display`: a failure is never made of another.
 #[derive(Debug)]
 pub(super) struct Failure {
-    /// What is printed.
+    /// Message that is printed.
     pub sentence: String,
 }
 

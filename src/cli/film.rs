@@ -73,7 +73,7 @@ pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Which pings each frame shows.
+/// Pings that each frame shows.
 #[derive(Clone, Debug, PartialEq)]
 struct Frames {
     first: usize,
@@ -87,8 +87,8 @@ struct Frames {
 }
 
 impl Frames {
-    /// Of a log in frames of some size, each so many seconds of the boat's time after the one
-    /// before.
+    /// Divides a log into frames of a size in pixels, each `step_s` seconds of the boat's time
+    /// after the one before, rounded to whole pings.
     fn new(log: &WaterfallLog, [width, height]: [u32; 2], step_s: f64) -> Self {
         let pings = log.pings.end - log.pings.start;
         let pixel_m = 2.0 * log.axis.far_m / f64::from(width);

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub(super) struct FilterArgs {
     /// The points: xyz, csv, txt, ply, las, laz or copc.laz; FILE.csv:x,y,z names its columns
     cloud: OsString,
-    /// Where the kept points go; the suffix decides the format
+    /// File for the kept points; the suffix decides the format
     #[arg(short, long, value_name = "CLOUD")]
     output: PathBuf,
     /// Radius of the sphere around a point, in the file's units

@@ -80,8 +80,8 @@ struct Cli {
     #[arg(long, conflicts_with = "surveys")]
     demo: bool,
 
-    /// What is known to lie in the survey (a table of objects, or a review): boxes are compared
-    /// with it
+    /// Objects known to lie in the survey (a table of objects, or a review), with which boxes are
+    /// compared
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 
@@ -146,9 +146,10 @@ fn program() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }
 
-/// What to say of a word in the place of a command or a log that is neither: a command is meant.
+/// Returns the message for a misspelt command: a word that is no command and no log, but close to a
+/// command.
 fn misspelt_command(word: &str) -> Option<String> {
-    // So many letters off, and less than half of the word.
+    // Largest edit distance for a suggestion; it is also less than half of the command's name.
     const SLIPS: usize = 2;
     if Path::new(word).exists() {
         return None;

@@ -5,7 +5,7 @@ use crate::app::LogOrigin;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// What is said wherever something would be drawn.
+/// Message of commands that would draw something.
 pub(crate) const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
 
 /// `bathyscope snapshot`, with whatever it would take.

@@ -27,7 +27,7 @@ pub(super) struct PlanArgs {
     /// its settings and decisions
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
-    /// Where the lines go: .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner)
+    /// File for the lines: .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Time from the start of the first line to the end of the last, turns included
@@ -177,7 +177,7 @@ fn in_words(plan: &Plan, path: &Path) -> String {
     lines.join("\n")
 }
 
-/// What is printed as JSON.
+/// Plan as printed with `--json`.
 #[derive(Serialize)]
 struct Printed {
     file: String,

@@ -36,8 +36,8 @@ pub(super) struct ProcessArgs {
     /// either way
     #[arg(long, conflicts_with = "each")]
     adjust: bool,
-    /// With --adjust: the log whose height stays, by the name of its file; without it the mean of
-    /// connected logs does
+    /// Log whose height stays, by the name of its file (with --adjust); without it the mean of
+    /// connected logs stays
     #[arg(long, value_name = "LOG", requires = "adjust")]
     hold: Option<String>,
     /// Move each log, too, by the shift of its positions that crossings over slopes show
@@ -47,8 +47,8 @@ pub(super) struct ProcessArgs {
     /// are, as first returns show it
     #[arg(long)]
     latency: bool,
-    /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time,
-    /// lon and lat, or GPX; `track.offset_s` is added to its times; the same as the setting
+    /// Positions of the boat from another receiver, in place of the recorder's track: CSV with
+    /// time, lon and lat, or GPX; `track.offset_s` is added to its times; the same as the setting
     /// `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
@@ -63,7 +63,7 @@ pub(super) struct ProcessArgs {
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
-    /// What to write besides points/first_returns.csv, points/cloud.csv, report.json and
+    /// Products to write in addition to points/first_returns.csv, points/cloud.csv, report.json and
     /// manifest.json; all but tiles when not given
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PRODUCT,...")]
     products: Vec<Requested>,
@@ -122,7 +122,7 @@ impl ProcessArgs {
     }
 }
 
-/// Where the products of one survey go.
+/// Returns the folder for the products of one survey.
 fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, Failure> {
     match &args.output {
         Some(folder) => Ok(folder.clone()),

@@ -11,7 +11,7 @@ use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::{self, Preset, Products, Settings, SourceError};
 use std::path::{Path, PathBuf};
 
-/// Where settings come from: the preset, then the files, then each `--set`, the last word winning.
+/// Sources of settings: the preset, then the files, then each `--set`; the last one wins.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct SettingsArgs {
     /// The settings to start from
@@ -54,8 +54,8 @@ impl SettingsArgs {
     }
 }
 
-/// How logs are opened: the settings, and the track of another receiver if they name one, read once
-/// for all.
+/// Opens logs with the settings and, if they name one, the track of another receiver, read once for
+/// all.
 pub(super) struct LogOpener {
     /// All settings.
     pub settings: Settings,

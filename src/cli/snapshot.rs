@@ -25,7 +25,7 @@ pub(super) struct SnapshotArgs {
     /// Picture to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// What to draw: one view, or the whole window
+    /// View to draw, or the whole window
     #[arg(long, value_enum, default_value_t = Picture::All)]
     view: Picture,
     /// Width and height in pixels
@@ -42,16 +42,16 @@ pub(super) struct SnapshotArgs {
     /// Search for objects first, and draw their boxes
     #[arg(long)]
     objects: bool,
-    /// What is known to lie in the survey: boxes are compared with it
+    /// Objects known to lie in the survey, with which boxes are compared
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
     /// Layers of the map to draw, comma-separated; those that are not named are left out
     #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
     layers: Option<Vec<MapLayer>>,
-    /// What the colours of the 3D points say
+    /// Quantity that the colours of the 3D points show
     #[arg(long, value_enum, default_value_t)]
     colours: CloudColour,
-    /// What the colours of the bottom in 3D say; `none` leaves it out
+    /// Quantity that the colours of the bottom in 3D show; `none` leaves it out
     #[arg(long, value_enum, default_value_t)]
     bottom: ShownBottom,
     /// Leave the points out of the 3D view: the bottom alone
@@ -60,11 +60,11 @@ pub(super) struct SnapshotArgs {
     /// GeoTIFF of your own to lie under the map
     #[arg(long, value_name = "FILE.tif")]
     base_map: Option<PathBuf>,
-    /// What the points are compared with, as `compare` takes it: the layer `residuals` shows the
-    /// differences
+    /// Reference that the points are compared with, as `compare` takes it: the layer `residuals`
+    /// shows the differences
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
-    /// How positions are written
+    /// Notation of positions
     #[arg(long, value_enum, default_value_t = Coordinates::Dd)]
     coordinates: Coordinates,
     /// Dark or light
@@ -74,7 +74,7 @@ pub(super) struct SnapshotArgs {
     settings: SettingsArgs,
 }
 
-/// What a picture shows.
+/// View in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Picture {
     /// Side-scan picture with the first return
@@ -101,15 +101,15 @@ enum ShownBottom {
     /// Depth
     #[default]
     Depth,
-    /// How strong the side-scan's echo is
+    /// Strength of the side-scan's echo
     Mosaic,
-    /// What the depth is worth
+    /// Uncertainty of the depth
     Uncertainty,
     /// Distance to the nearest depth
     Distance,
     /// The source of the depth: a sounding, a first return, or depths around
     Source,
-    /// How bright the bed is by itself (with surface.swath)
+    /// Brightness of the bed itself (with surface.swath)
     Hardness,
     /// No bottom: the points alone
     None,
@@ -129,7 +129,7 @@ impl ShownBottom {
     }
 }
 
-/// How positions are written.
+/// Notation of positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Coordinates {
     /// Decimal degrees

@@ -38,7 +38,7 @@ struct Step {
     work: Work,
 }
 
-/// What the steps are done to.
+/// Subject of the steps, such as one of several logs.
 #[derive(Clone, Debug, Default)]
 struct Work {
     /// Name before the step's name; empty where there is one thing only.
@@ -119,7 +119,8 @@ impl Step {
         })
     }
 
-    /// How many pings a second a share of the work makes, with the comma before it.
+    /// Returns the rate of a share of the work, pings a second, after a comma; empty where it is
+    /// unknown.
     fn rate(&self, share: f32, passed: Duration) -> String {
         let rate = self.work.pings as f32 * share / passed.as_secs_f32().max(f32::MIN_POSITIVE);
         if rate > 0.0 && rate.is_finite() { format!(", {rate:.0} pings/s") } else { String::new() }
@@ -130,10 +131,10 @@ fn lock(step: &Mutex<Step>) -> std::sync::MutexGuard<'_, Step> {
     step.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What was said where lines stay.
+/// Progress that was reported last, where lines stay (stderr is no terminal).
 #[derive(Debug, Default)]
 struct Lines {
-    /// When the step began that the last line was about, when that was said, and the share then.
+    /// Start of the step that the last line was about, time of that line, and share at that time.
     last: Option<(Instant, Instant, f32)>,
     /// The part of a step that is under way: when the step and the part began, and the share at the
     /// last look.
@@ -173,7 +174,8 @@ impl Lines {
         })
     }
 
-    /// When the part of the step under way began: its share falls where the next one does.
+    /// Returns the start of the current part of the step: where the share falls, the next part
+    /// begins.
     fn part_of(&mut self, step: &Step, fraction: f32, now: Instant) -> Instant {
         let began = match self.part {
             Some((of, began, share)) if of == step.began => {

@@ -21,9 +21,9 @@ use std::sync::Arc;
 pub(super) struct LogInput {
     /// Its file or folder.
     pub path: PathBuf,
-    /// How it is opened and processed.
+    /// Settings and track with which it is opened and processed.
     pub logs: Arc<LogOpener>,
-    /// What its project knows of its boxes.
+    /// Review of its boxes in its project.
     pub review: Option<KeptReview>,
     /// The frame that its project has it in.
     pub frame: Option<LocalFrame>,
@@ -35,11 +35,11 @@ pub(super) struct OpenedLog {
     pub survey: Arc<Survey>,
     /// The settings that it is processed with.
     pub settings: Settings,
-    /// What was decided about its boxes.
+    /// Review of its boxes.
     pub review: Option<KeptReview>,
 }
 
-/// What was decided about the boxes of all logs.
+/// Collects the reviews of all logs.
 pub(super) fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     let mut all = SurveyReview::default();
     for log in opened {

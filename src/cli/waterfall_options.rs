@@ -1,4 +1,4 @@
-//! How a command shows a log's side-scan: what pictures, pages and films share.
+//! Options of a log's side-scan view that pictures, pages and films share.
 
 use super::Failure;
 use super::settings::{SettingsArgs, check_against};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What lies across the side-scan picture.
+/// Quantity across the side-scan picture.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(super) struct GeometryArgs {
     /// Distance on level ground instead of slant range
@@ -86,7 +86,7 @@ impl WaterfallArgs {
 /// The pings asked for, or all of a log.
 ///
 /// # Errors
-/// When the log has not so many.
+/// When the log has fewer pings.
 pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
     let count = survey.side_scan.len();
     let pings = pings.unwrap_or(PingRange { start: 0, end: count });

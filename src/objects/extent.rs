@@ -1,4 +1,4 @@
-//! How the extent of a box's object is known.
+//! Extent of a box's object: found by Bathyscope, set by the analyst, or none (a point).
 
 use super::Mark;
 use serde::{Deserialize, Serialize};
@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 /// or clicked.
 const POINT_HALF_M: f64 = 0.05;
 
-/// How the extent of the object in a box is known. Slant ranges are by the recorder's scale, as
-/// those of [`Mark`].
+/// Source of the extent of the object in a box. Slant ranges are by the recorder's scale, as those
+/// of [`Mark`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ObjectExtent {
     /// The box holds the echo and its shadow, and the program finds them in it.

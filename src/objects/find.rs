@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 const OVERLAP: f32 = 0.25;
 /// A picture up to this many times the network's input is evaluated as a whole.
 const WHOLE: f32 = 1.5;
-/// How often a search reports what it has found, about.
+/// Number of reports of a search, approximately.
 const REPORTS: usize = 100;
 
 /// `detector.*` settings: who is asked, and which boxes count.
@@ -33,7 +33,7 @@ pub struct DetectorSettings {
     pub name_score: Option<f32>,
 }
 
-/// What a search has found while it runs.
+/// Result of a search so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoFar {
     /// The boxes in the pings that were searched, each object once, in order of the pings.
@@ -187,10 +187,10 @@ fn search(
     Ok(named(gathered.merged(grid.counts[1], model.nms(), iou)))
 }
 
-/// What the tiles have seen, until all of them have been searched.
+/// Boxes of the tiles, kept until all tiles have been searched.
 struct Gathered<'a> {
     grid: &'a TileGrid,
-    /// What each tile of each picture has seen.
+    /// Boxes of each tile of each picture.
     seen: Vec<Vec<Vec<TileDetection>>>,
     /// Tiles that are missing in each row, of all pictures.
     missing: Vec<usize>,

@@ -17,14 +17,15 @@ pub struct Mark {
     pub far_m: f64,
 }
 
-/// What a detector proposes, in the survey's terms. The box holds the echo and its shadow.
+/// Box that a detector proposes, in pings and slant ranges of the survey. It holds the echo and its
+/// shadow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detection {
     /// Index into the model's names ([`super::Model::names`]).
     pub class: usize,
     /// Score, 0 to 1.
     pub score: f32,
-    /// Where.
+    /// Side, pings and slant ranges of the box.
     pub mark: Mark,
 }
 

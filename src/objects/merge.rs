@@ -16,8 +16,8 @@ use std::collections::HashMap;
 const EDGE_PX: f32 = 2.0;
 /// Overlap within the strip from which two boxes are the same object.
 const SAME: f32 = 0.5;
-/// How sure a whole box must be, as a share of the score of a piece of another class, to take its
-/// place.
+/// Least score of a whole box that takes the place of a piece of another class, as a share of the
+/// score of the piece.
 const SURE_ENOUGH: f32 = 0.5;
 /// Rows of the picture whose boxes are looked at together.
 const BAND_PX: f32 = 512.0;
@@ -25,7 +25,7 @@ const BAND_PX: f32 = 512.0;
 /// A box as a tile saw it, in the whole picture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TileDetection {
-    /// What and where.
+    /// Class, score and box.
     pub found: Scored,
     /// The tile.
     pub tile: Rect,
@@ -69,8 +69,8 @@ impl TileDetection {
         (same || sure) && self.is_piece_of(whole)
     }
 
-    /// What a whole box comes to among those that take the place of a cut one: its own class first,
-    /// then the surest.
+    /// Returns the rank of a whole box among those that take the place of a cut one: its own class
+    /// first, then the surest.
     fn rank_for(&self, cut: &TileDetection) -> f32 {
         self.found.score + f32::from(u8::from(self.found.class == cut.found.class))
     }
@@ -162,7 +162,8 @@ mod tests {
         Rect::new([0.0, y0], [416.0, y0 + 416.0])
     }
 
-    /// What the tiles see of an object between two rows, each with the score given for it.
+    /// Returns the boxes of an object between two rows in three tiles, each with the score given
+    /// for it, `None` for no box.
     fn seen(class: usize, [y0, y1]: [f32; 2], scores: [Option<f32>; 3]) -> Vec<TileDetection> {
         let object = Rect::new([100.0, y0], [150.0, y1]);
         (0..3_u8)

@@ -1,4 +1,4 @@
-//! Of boxes that propose the same object, only the surest is kept.
+//! Suppresses overlapping boxes: of boxes that propose the same object, only the surest is kept.
 
 use super::{Rect, Scored};
 
@@ -14,7 +14,7 @@ pub enum OverlapMeasure {
     Darknet,
 }
 
-/// How boxes are suppressed.
+/// Rule by which boxes are suppressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Nms {
     /// The measure that is compared with the threshold.
@@ -64,9 +64,9 @@ pub(crate) fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
     boxes.retain(|_| dropped.next() == Some(false));
 }
 
-/// Which of the sorted boxes a surer one drops. Only boxes that start within the tallest box's
-/// height of each other along the track can overlap, so that in a long survey each is compared with
-/// its neighbours only.
+/// Returns, for each of the sorted boxes, true if a surer one drops it. Only boxes that start
+/// within the tallest box's height of each other along the track can overlap, so that in a long
+/// survey each is compared with its neighbours only.
 fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
     let start = |index: &usize| boxes[*index].rect.y0;
     let mut by_start: Vec<usize> = (0..boxes.len()).collect();

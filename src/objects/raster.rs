@@ -23,7 +23,7 @@ const MOST_SPEED_MPS: f64 = 8.0;
 /// Longest pause counted between two pings, seconds.
 const LONGEST_PAUSE_S: f64 = 2.0;
 
-/// Where every ping lies in the picture; the pixels are made a tile at a time.
+/// Places of the pings in the picture; the pixels are made a tile at a time.
 #[derive(Clone, Debug)]
 pub struct Raster {
     pixel_m: f64,

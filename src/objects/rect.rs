@@ -19,7 +19,7 @@ pub struct Rect {
 pub struct Labelled {
     /// Index into the class names.
     pub class: usize,
-    /// Where.
+    /// Edges of the box.
     pub rect: Rect,
 }
 
@@ -30,7 +30,7 @@ pub struct Scored {
     pub class: usize,
     /// Score, 0 to 1.
     pub score: f32,
-    /// Where.
+    /// Edges of the box.
     pub rect: Rect,
 }
 
@@ -52,7 +52,7 @@ impl Rect {
         (self.x1 - self.x0).max(0.0) * (self.y1 - self.y0).max(0.0)
     }
 
-    /// What two boxes share; inside out (area 0) when they do not meet.
+    /// Returns the intersection of two boxes; inside out (area 0) when they do not meet.
     pub fn intersection(&self, other: &Rect) -> Rect {
         Self::new(
             [self.x0.max(other.x0), self.y0.max(other.y0)],

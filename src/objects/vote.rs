@@ -1,4 +1,4 @@
-//! Where an object ends, by all boxes that propose it.
+//! Determines the edges of an object from all boxes that propose it.
 //!
 //! Suppression keeps the surest box of a cluster, whose edges need not be the best: its neighbours
 //! saw the same object. Box voting (S. Gidaris, N. Komodakis: Object detection via a multi-region

@@ -11,8 +11,8 @@ use std::time::Duration;
 const IN_USE: [i32; 3] = [32, 33, 1224];
 /// `ERROR_ACCESS_DENIED`: what Windows says, too, of renaming over a file that is open.
 const DENIED: i32 = 5;
-/// How often, and how long apart, a file is tried that another program may have open for a moment:
-/// scanners for viruses and indexers open each new file.
+/// Number of attempts, and time between them, for a file that another program may have open for a
+/// moment: scanners for viruses and indexers open each new file.
 const ATTEMPTS: u32 = 20;
 const APART: Duration = Duration::from_millis(50);
 

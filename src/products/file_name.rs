@@ -1,8 +1,8 @@
 //! A log's or a survey's name as that of a file or folder. It depends on no other module; any may
 //! use it.
 
-/// What Windows keeps out of names, by "Naming Files, Paths, and Namespaces" of its documentation,
-/// besides control characters.
+/// Characters that Windows forbids in names, by "Naming Files, Paths, and Namespaces" of its
+/// documentation, besides control characters.
 const FORBIDDEN: [char; 9] = ['<', '>', ':', '"', '/', '\\', '|', '?', '*'];
 /// Names of devices there, whatever ending they have. The last two come with a digit.
 const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];

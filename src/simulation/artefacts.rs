@@ -1,4 +1,4 @@
-//! What goes wrong, planned for the whole survey: which pings it meets, and how much.
+//! Plans the faults of the whole survey: which pings they affect, and how much.
 
 use super::arithmetic::{exp, from_db, sin};
 use super::noise::NoiseField;
@@ -15,9 +15,9 @@ pub(super) struct Trouble {
     pub gain: f64,
     /// Roll to starboard, radians.
     pub roll_rad: f64,
-    /// The ping is not in the log.
+    /// True if the ping is not in the log.
     pub missing: bool,
-    /// Another sounder interferes.
+    /// True if another sounder interferes.
     pub interference: bool,
     /// A fish in the water column.
     pub fish: Option<Fish>,

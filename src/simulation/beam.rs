@@ -17,7 +17,7 @@ pub(super) struct Beam {
     /// Distance along the track from the middle ray to an outer one, per metre of distance to the
     /// ground.
     spread: f64,
-    /// Distances from the track of the points at which the ground is looked at, metres, from 0
+    /// Distances from the track of the points at which the ground is sampled, metres, from 0
     /// outward.
     pub steps_m: Vec<f64>,
 }

@@ -8,7 +8,7 @@ use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, Terrace};
 use super::stones::Stones;
 use std::f64::consts::PI;
 
-/// What a kind of ground looks like.
+/// Appearance of a kind of ground.
 struct Character {
     /// Steepest slope that the swells can reach together, degrees.
     slope_deg: f64,
@@ -187,7 +187,7 @@ impl SceneBed {
         }
     }
 
-    /// How strongly the place scatters, as a factor of mean about 1.
+    /// Returns the scattering strength of a place, as a factor of mean about 1.
     pub(super) fn strength(&self, east_m: f64, north_m: f64) -> f64 {
         let texture = self.texture_spread * self.texture.at(east_m, north_m);
         let patches = self.patch_spread * self.patches.at(east_m, north_m);

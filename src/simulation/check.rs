@@ -18,7 +18,7 @@ macro_rules! all_within {
 }
 
 impl Scene {
-    /// Whether the scene can be simulated.
+    /// Checks that the scene can be simulated.
     ///
     /// # Errors
     /// One sentence about the first setting that is out of bounds.

@@ -1,5 +1,5 @@
-//! What one side of a ping receives from the ground: echo power by slant range, and the true first
-//! return.
+//! Computes the echo of the ground on one side of a ping: echo power by slant range, and the true
+//! first return.
 //!
 //! The ground is followed outward in steps, along three rays that stand for the width of the beam
 //! along the track. A step is insonified as far as nothing nearer hides it: on a height field it is
@@ -26,8 +26,7 @@ pub(super) struct Echo {
     pub canopy_m: f64,
     /// Objects insonified.
     pub seen: Vec<ObjectEcho>,
-    /// For each object that the beam meets, its index and what `power` would be if it were not
-    /// there.
+    /// Index of each object that the beam meets, with `power` as it would be without the object.
     pub without: Vec<(usize, Vec<f64>)>,
 }
 
@@ -177,7 +176,8 @@ impl Listener<'_> {
         last.unwrap_or(0.0)
     }
 
-    /// Where the middle ray sees an object, and where its shadow ends.
+    /// Finds the slant ranges at which the middle ray sees an object, and at which its shadow ends;
+    /// `None` where the ray does not see it.
     fn look_for(&self, object: usize, visible: &[[f64; 2]], reach_m: f64) -> Option<ObjectEcho> {
         let placed = &self.world.objects[object];
         let mut found: Option<ObjectEcho> = None;

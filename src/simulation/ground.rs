@@ -17,21 +17,21 @@ pub(super) struct Ground {
     pub under_boat_m: f64,
 }
 
-/// The ground without the objects on it, and how high each of them heights over it.
+/// The ground without the objects on it, and the height of each object above it.
 pub(super) struct Bare {
     /// Depth along the three rays, metres.
     depth_m: [Vec<f64>; 3],
     /// Scattering strength of the ground.
     strength: Vec<f64>,
-    /// What the weed over it leaves of an echo.
+    /// Share of an echo that the weed over the ground leaves.
     weed_loss: Vec<f64>,
     /// Depth under the boat, objects included, metres.
     under_boat_m: f64,
-    /// Where the rays meet objects.
+    /// Places where the rays meet objects.
     pub heights: Vec<ObjectHeights>,
 }
 
-/// Where the rays meet an object.
+/// Places where the rays meet an object.
 pub(super) struct ObjectHeights {
     /// Index of the object.
     pub object: usize,
@@ -75,7 +75,7 @@ impl Listener<'_> {
         })
     }
 
-    /// Where the rays meet an object; `None` where they pass it by.
+    /// Returns the places where the rays meet an object; `None` where they pass it by.
     fn heights_of(&self, object: usize, places: &[Vec<[f64; 2]>; 3]) -> Option<ObjectHeights> {
         let placed = &self.world.objects[object];
         let height_m = places.each_ref().map(|places| {

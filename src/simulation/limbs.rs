@@ -50,10 +50,10 @@ impl Limb {
 }
 
 impl Limbs {
-    /// A trunk that tapers and bends, with stout branches on both sides and often its root plate.
-    /// `height_m` is the diameter of its thick end; the width holds the branches. All this is what
-    /// tells a tree from a pipe: a bare trunk looks like one, to a person as to a network, so
-    /// scenes hold none.
+    /// Creates a trunk that tapers and bends, with stout branches on both sides and often its root
+    /// plate. `height_m` is the diameter of its thick end; the width holds the branches. All this
+    /// distinguishes a tree from a pipe: a bare trunk looks like a pipe, to a person as to a
+    /// network, so scenes hold none.
     pub(super) fn log(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let thick = 0.5 * height_m;
         let tip = thick * random.between(0.25, 0.5);

@@ -5,7 +5,7 @@ use super::path::BoatPose;
 use super::world::World;
 use bathyscope_log::survey::Side;
 
-/// One listening side at one place.
+/// One receiving side at one place.
 pub(super) struct Listener<'a> {
     pub world: &'a World,
     pub beam: &'a Beam,

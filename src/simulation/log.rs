@@ -1,5 +1,4 @@
-//! What the recorder writes down: fixes, recorded depths, and all channels' frames in the order of
-//! time.
+//! Writes the simulated log: fixes, recorded depths, and all channels' frames in the order of time.
 
 use super::random::{Random, RandomPurpose};
 use super::simulate::{ReceivedPing, SimulationRun, mercator};
@@ -77,7 +76,7 @@ impl SimulationRun<'_> {
         }
     }
 
-    /// What the down-scan's bottom lock says at a ping.
+    /// Returns the depth of the down-scan's bottom lock at a ping, metres.
     fn recorded_depth_m(&self, ping: u64) -> f64 {
         let noise = Random::new(self.seed, RandomPurpose::Sounding, ping).normal();
         let artefacts = &self.scene.artefacts;
@@ -94,7 +93,7 @@ fn sonar_range_m(depth_m: f64) -> f64 {
     5.0 * (1.6 * depth_m / 5.0).ceil().max(1.0)
 }
 
-/// What all frames of one ping share.
+/// Data that all frames of one ping share.
 struct Moment {
     milliseconds: i32,
     /// The fix that is valid, and its number.

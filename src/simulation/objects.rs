@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// An object in its place.
 pub(super) struct PlacedObject {
-    /// What and where.
+    /// Kind, place and size of the object.
     pub settings: ObjectSettings,
     /// Radius of the circle that holds it, metres.
     pub reach_m: f64,
@@ -21,8 +21,8 @@ pub(super) struct PlacedObject {
     shape: Shape,
 }
 
-/// How much stronger stone, wood and metal scatter than the ground where the scene does not say (6
-/// dB).
+/// Strength of the echoes of stone, wood and metal over those of the ground, as a factor, where the
+/// scene does not state it (6 dB).
 const USUAL_STRENGTH: f64 = 4.0;
 
 impl PlacedObject {
@@ -64,8 +64,8 @@ pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> 
         .collect()
 }
 
-/// How far scattered objects lie off the way at most, metres. They may lie under the boat: nobody
-/// knows where they are before the survey, and there the object gives the first return.
+/// Largest distance of scattered objects from the way, metres. They may lie under the boat: their
+/// places are unknown before the survey, and there the object gives the first return.
 const OFF_M: f64 = 7.0;
 
 /// A random object beside or below a random point of the way.

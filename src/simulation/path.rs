@@ -5,7 +5,7 @@ use super::scene::TrackSettings;
 use bathyscope_log::survey::MountingSettings;
 use std::f64::consts::PI;
 
-/// Where the boat is, and where it heads.
+/// Place and heading of the boat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BoatPose {
     /// Metres east of the scene's centre.
@@ -22,7 +22,7 @@ impl BoatPose {
         [sin(self.heading_rad), cos(self.heading_rad)]
     }
 
-    /// Where the antenna is while the transducer is here.
+    /// Returns the place of the antenna while the transducer is here.
     pub(super) fn antenna(self, mounting: &MountingSettings) -> Self {
         let [forward_e, forward_n] = self.forward();
         let (forward_m, right_m) = (mounting.forward_m, mounting.right_m);
@@ -112,7 +112,7 @@ impl Path {
         self.length_m
     }
 
-    /// Where the boat is after `travelled_m` metres (held at both ends).
+    /// Returns the place of the boat after `travelled_m` metres (held at both ends).
     pub(super) fn at(&self, travelled_m: f64) -> BoatPose {
         let mut rest = travelled_m.clamp(0.0, self.length_m);
         for leg in &self.legs {

@@ -4,7 +4,7 @@
 use super::arithmetic::{cos, ln, sin};
 use std::f64::consts::PI;
 
-/// What a stream of random numbers is for; part of its seed, so that no two purposes share numbers.
+/// Purpose of a stream of random numbers; part of its seed, so that no two purposes share numbers.
 #[derive(Clone, Copy)]
 pub(super) enum RandomPurpose {
     Bumps = 1,

@@ -1,4 +1,4 @@
-//! From echo power to recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's
+//! Converts echo power into recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's
 //! curve.
 
 use super::arithmetic::{exp, from_db, ln, to_db};
@@ -104,7 +104,7 @@ impl<'a> Receiver<'a> {
         self.after_gain(&echo.power, 0..self.samples).into_iter().fold(0.0, f64::max)
     }
 
-    /// What one side receives at a place.
+    /// Returns the echo that one side receives at a place.
     pub(super) fn listen(&self, world: &World, pose: BoatPose, side: Side, roll_rad: f64) -> Echo {
         let listener = Listener {
             world,
@@ -134,8 +134,9 @@ impl<'a> Receiver<'a> {
         smeared.zip(&self.echo_gain[samples]).map(|(power, gain)| power * gain).collect()
     }
 
-    /// By how much the mean levels of a ping differ for an object: its power as it is, and as it
-    /// would be without the object. The second echo, fish and glints are left out; both have them.
+    /// Returns the change of a ping's mean levels by an object, from its power as it is, and as it
+    /// would be without the object; `None` where the two do not differ. The second echo, fish and
+    /// glints are left out; both have them.
     pub(super) fn trace(
         &self,
         [with, without]: [&[f64]; 2],

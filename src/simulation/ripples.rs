@@ -1,4 +1,5 @@
-//! What water makes of sand: ripples in patches, pits scoured out of it, and mounds and hollows.
+//! Shapes that water makes of sand: ripples in patches, pits scoured out of it, and mounds and
+//! hollows.
 
 use super::arithmetic::{cos, exp, sin};
 use super::noise::{NoiseField, smooth};
@@ -61,8 +62,8 @@ impl Mound {
 }
 
 impl Pit {
-    /// How much lower the ground is at a place, metres; negative on the rim, where what was scoured
-    /// out lies.
+    /// Returns the depth of the pit at a place, below the ground around it, metres; negative on the
+    /// rim, where the scoured-out sand lies.
     pub(crate) fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);

@@ -1,4 +1,4 @@
-//! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its
+//! Settings of a simulated survey. All of it can be written as TOML; what is left out keeps its
 //! default.
 
 pub use super::clutter::Mound;
@@ -19,19 +19,19 @@ pub struct Scene {
     pub latitude_deg: f64,
     /// Unix time of the first ping, seconds; 0 for a recorder that does not know the time.
     pub start_unix_s: u32,
-    /// Ends the survey after so many seconds, wherever the boat is then; without it, at the end of
-    /// the track.
+    /// Time after which the survey ends, seconds, wherever the boat is then; without it, at the end
+    /// of the track.
     pub duration_s: Option<f64>,
     /// The ground.
     pub bed: BedSettings,
-    /// Where the boat goes.
+    /// Way of the boat.
     pub track: TrackSettings,
-    /// How it is recorded.
+    /// Settings of the recorder.
     pub recorder: RecorderSettings,
-    /// How the recorder is mounted: the boat's path is the transducer's, and what the log says
-    /// wrongly is what the settings of these names put right. The clock is off by whole seconds.
+    /// Mounting of the recorder: the boat's path is the transducer's, and the errors of the log are
+    /// those that the settings of these names correct. The clock is off by whole seconds.
     pub mounting: MountingSettings,
-    /// What is not as it should be.
+    /// Faults of the recording and disturbances.
     pub artefacts: Artefacts,
     /// Objects at known places.
     pub objects: Vec<ObjectSettings>,
@@ -86,16 +86,16 @@ pub struct BedSettings {
     pub patch_factor: f64,
 }
 
-/// How a recorder turns power into bytes.
+/// Law by which a recorder turns power into bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Curve {
     /// Bytes for each decibel.
     #[default]
     Decibel,
-    /// In proportion to the amplitude: dark ground, glaring echoes.
+    /// Bytes in proportion to the amplitude: dark ground, glaring echoes.
     Amplitude,
-    /// In proportion to the root of the amplitude: between the two.
+    /// Bytes in proportion to the root of the amplitude: between the two.
     Root,
 }
 
@@ -129,8 +129,7 @@ pub struct Bank {
     pub slope_deg: f64,
 }
 
-/// Where the boat goes: lines to and fro from west to east, then lines from south to north across
-/// them.
+/// Way of the boat: lines to and fro from west to east, then lines from south to north across them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackSettings {
@@ -159,7 +158,7 @@ pub struct TrackSettings {
     pub corners_m: Vec<[f64; 2]>,
 }
 
-/// How the echoes become bytes.
+/// Settings of the recorder, which turns echoes into bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecorderSettings {
@@ -173,8 +172,8 @@ pub struct RecorderSettings {
     pub beam_width_deg: f64,
     /// Horizontal (along-track) width of the side beam, degrees.
     pub beam_azimuth_deg: f64,
-    /// What the recorder adds to every slant range that it writes, metres: the delay of its
-    /// receiver.
+    /// Distance that the recorder adds to every slant range that it writes, metres: the delay of
+    /// its receiver.
     pub range_offset_m: f64,
     /// Length of the pulse: standard deviation of its power, metres of slant range.
     pub pulse_m: f64,
@@ -196,7 +195,7 @@ pub struct RecorderSettings {
     pub bottom_byte: f64,
     /// Bytes for each decibel.
     pub bytes_per_db: f64,
-    /// How power becomes bytes; `bytes_per_db` counts for decibels only.
+    /// Law by which power becomes bytes; `bytes_per_db` counts for decibels only.
     pub curve: Curve,
     /// Standard deviation of the window that levels are smoothed with along the ping before they
     /// are written, samples; 0 for none.
@@ -212,7 +211,8 @@ pub struct RecorderSettings {
     pub compass: bool,
 }
 
-/// What is not as it should be. The default is everything, in the amounts seen in the field.
+/// Faults of the recording and disturbances. The default is all of them, in the amounts seen in the
+/// field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Artefacts {
@@ -259,7 +259,7 @@ pub struct Artefacts {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectSettings {
-    /// What it is.
+    /// Kind of the object.
     pub kind: ObjectKind,
     /// Its centre, metres east.
     pub east_m: f64,

@@ -334,7 +334,8 @@ impl<'a> SimulationRun<'a> {
     }
 }
 
-/// When the recorder's clock says that the log begins, Unix seconds; 0 where it does not know.
+/// Returns the time at which the log begins by the recorder's clock, Unix seconds; 0 where it does
+/// not know the time.
 fn recorded_start_s(scene: &Scene) -> u32 {
     match scene.start_unix_s {
         0 => 0,
@@ -357,7 +358,7 @@ fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<WeedBed> {
     WeedBed::new(scene.artefacts.weed_m, path, seed).into_iter().chain(clumps).collect()
 }
 
-/// What the objects that one side met change in its levels.
+/// Returns the changes in the levels of one side by the objects that its beam met.
 fn traces(echo: &Echo, side: Side, trouble: &Trouble, receiver: &Receiver) -> Vec<Trace> {
     let without = echo.without.iter();
     without

@@ -25,9 +25,9 @@ pub struct TrainingScene {
 pub struct TrainingPlace {
     /// The side.
     pub side: Side,
-    /// Where the picture starts along the track, of all places where it can start: 0 to 1.
+    /// Start of the picture along the track, as a share of all places where it can start: 0 to 1.
     pub along: f64,
-    /// Where it starts outward, of all places where it can start: 0 to 1.
+    /// Start of the picture outward, as a share of all places where it can start: 0 to 1.
     pub outward: f64,
 }
 

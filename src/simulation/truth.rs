@@ -1,4 +1,4 @@
-//! What the log hides: where everything really was.
+//! Truth that the log hides: the real places of boat and objects, and the true ranges.
 
 use super::echo::ObjectEcho;
 use super::object_kind::ObjectKind;
@@ -28,9 +28,9 @@ pub struct PingTruth {
     /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this,
     /// less `recorder.range_offset_m`.
     pub metres_per_sample: f64,
-    /// What the port side should find.
+    /// Truth about the port side.
     pub port: SideTruth,
-    /// What the starboard side should find.
+    /// Truth about the starboard side.
     pub starboard: SideTruth,
 }
 
@@ -41,8 +41,8 @@ pub struct SideTruth {
     /// vertical plane across the boat's heading, metres. NaN where there is no water under the
     /// boat.
     pub first_return_m: f64,
-    /// The echo of weed comes before that of the ground, or within 10 cm of it: the first return is
-    /// a canopy, not an error.
+    /// True if the echo of weed comes before that of the ground, or within 10 cm of it: the first
+    /// return is then an above-bottom return, not an error.
     pub weed: bool,
 }
 
@@ -59,7 +59,7 @@ impl PingTruth {
 /// An object, and the passes that insonified it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectTruth {
-    /// What it is.
+    /// Kind of the object.
     pub kind: ObjectKind,
     /// Position of its centre.
     pub position: LonLat,
@@ -104,10 +104,11 @@ pub struct ObjectPass {
     /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the
     /// shore, metres.
     pub reach_m: f64,
-    /// How many pings before the first and after the last still insonify it, because the beam is
-    /// wide: one standard deviation of its two-way width on the ground.
+    /// Number of pings before the first and after the last that still insonify it, because the beam
+    /// is wide: one standard deviation of its two-way width on the ground.
     pub spread_pings: usize,
-    /// What a picture shows of it; `None` where speckle, noise, or the shadow of another hides it.
+    /// Part of it that a picture shows; `None` where speckle, noise, or the shadow of another hides
+    /// it.
     pub shown: Option<VisiblePart>,
 }
 
@@ -134,8 +135,9 @@ impl ObjectPass {
     }
 }
 
-/// From one ping with an echo to the next of the same pass at most. In a turn the beam swings over
-/// an object more than once, with bare ground between: these are sightings of their own.
+/// Largest step from one ping with an echo to the next of the same pass, pings. In a turn the beam
+/// swings over an object more than once, with bare ground between: these are sightings of their
+/// own.
 const PASS_GAP: usize = 3;
 
 /// Adds what one ping recorded of an object to its sightings.

@@ -1,16 +1,16 @@
-//! What of an object a picture shows: the part of its echo and shadow that stands out from the
-//! speckle and the noise.
+//! Determines the part of an object that a picture shows: the part of its echo and shadow that
+//! stands out from the speckle and the noise.
 //!
-//! Geometry alone promises more than anybody can see: the thin end of a trunk, a shadow filled with
-//! noise, an object in the shadow of another. So each ping is simulated twice, with the object and
-//! without it, and what a recorder would write on average is compared. Where the two differ by a
-//! good part of the speckle's spread, the object is shown; and where all that differs, weighed as
-//! the best filter would, does not rise out of the speckle, nothing is.
+//! Geometry alone predicts more than an observer can see: the thin end of a trunk, a shadow filled
+//! with noise, an object in the shadow of another. So each ping is simulated twice, with the object
+//! and without it, and the mean levels that a recorder would write are compared. Where the two
+//! differ by a good part of the speckle's spread, the object is shown; where the whole difference,
+//! weighed as the best filter would, does not rise out of the speckle, nothing is shown.
 
 use bathyscope_log::survey::Side;
 use std::ops::Range;
 
-/// By how much one ping's levels differ for an object.
+/// Differences of one ping's levels by an object.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Trace {
     /// Index of the object.
@@ -26,7 +26,7 @@ pub(super) struct Trace {
     pub stands_out: Vec<f32>,
 }
 
-/// What is shown of an object in one pass, and the box around it. Pings count recorded pings.
+/// Part of an object that is shown in one pass, and the box around it. Pings count recorded pings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisiblePart {
     /// First ping that shows it.
@@ -37,11 +37,11 @@ pub struct VisiblePart {
     pub near_m: f64,
     /// Farthest slant range that shows its echo or its shadow, metres.
     pub far_m: f64,
-    /// What each ping shows of it, in their order; pings that show nothing are left out.
+    /// Part of it that each ping shows, in their order; pings that show nothing are left out.
     pub slices: Vec<VisibleSlice>,
 }
 
-/// What one ping shows of an object.
+/// Part of an object that one ping shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleSlice {
     /// The ping.
@@ -50,15 +50,16 @@ pub struct VisibleSlice {
     pub near_m: f64,
     /// Farthest slant range that shows it, metres.
     pub far_m: f64,
-    /// How much it adds to the object's visibility; the object is seen where that adds up to 1. The
-    /// sum over its samples of the squared difference, in standard deviations of the speckle, over
-    /// the samples of one grain of speckle, is its share in the square of the signal-to-noise ratio
-    /// behind the best (matched) filter; visibility is that over the square of [`SEEN_RATIO`].
+    /// Contribution to the object's visibility; the object is seen where the contributions add up
+    /// to 1. The sum over its samples of the squared difference, in standard deviations of the
+    /// speckle, over the samples of one grain of speckle, is its share in the square of the
+    /// signal-to-noise ratio behind the best (matched) filter; visibility is that over the square
+    /// of [`SEEN_RATIO`].
     pub visibility: f32,
 }
 
-/// Signal-to-noise ratio from which an observer tells an object from chance (A. Rose, J. Opt. Soc.
-/// Am. 38, 1948).
+/// Signal-to-noise ratio from which an observer can distinguish an object from chance (A. Rose, J.
+/// Opt. Soc. Am. 38, 1948).
 const SEEN_RATIO: f32 = 5.0;
 /// Side of the square over which an eye averages speckle, metres.
 const EYE_M: f64 = 0.2;
@@ -73,9 +74,9 @@ const PLAIN: f32 = 1.5;
 /// a twig.
 const TRIMMED: f64 = 0.01;
 
-/// What the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their
-/// order, and what stands out in them; `spacing_m` lies between two pings, and `grain` neighbouring
-/// samples have one speckle.
+/// Returns the part of an object that the pings of one pass show; `None` where nothing stands out.
+/// `rows` are pings, in their order, and what stands out in them; `spacing_m` lies between two
+/// pings, and `grain` neighbouring samples have one speckle.
 pub(super) fn visible_part(
     rows: &[(usize, &Trace)],
     spacing_m: f64,
@@ -115,12 +116,12 @@ pub(super) fn visible_part(
     })
 }
 
-/// What stands out, a row for each ping.
+/// Levels that stand out, a row for each ping.
 struct VisibilityPicture {
     rows: usize,
     columns: usize,
     levels: Vec<f32>,
-    /// Whether each stands out, once [`VisibilityPicture::extent`] has looked.
+    /// True where a level stands out; set by [`VisibilityPicture::extent`].
     stands_out: Vec<bool>,
 }
 

@@ -16,7 +16,7 @@ pub(super) struct WeedBed {
 
 /// Lowest and highest canopy above the ground, metres.
 const CANOPY_M: (f64, f64) = (0.25, 0.45);
-/// How far the outline goes in and out, as a share of the radius (standard deviation).
+/// Raggedness of the outline, as a share of the radius (standard deviation).
 const RAGGED: f64 = 0.25;
 /// Width of the rim over which the canopy comes down, metres.
 const RIM_M: f64 = 1.0;
@@ -73,7 +73,7 @@ impl WeedBed {
         middle * smooth(inside / RIM_M)
     }
 
-    /// How densely the place is grown: 0 (a gap) to about 3.
+    /// Returns the density of the weed at a place: 0 (a gap) to about 3.
     pub(super) fn density(&self, east_m: f64, north_m: f64) -> f64 {
         let rim = smooth(self.inside(east_m, north_m) / RIM_M);
         rim * (1.0 + 0.9 * self.stems.at(east_m, north_m)).max(0.0)

@@ -23,7 +23,7 @@ impl World {
         self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
     }
 
-    /// What weed over a place leaves of the echo of the ground.
+    /// Returns the share of the ground's echo that weed over a place leaves.
     pub(super) fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
         let grown = |weed: &WeedBed| weed.height_m(east_m, north_m) > 0.0;
         if self.weed.iter().any(grown) { WEED_LOSS } else { 1.0 }

@@ -1,12 +1,13 @@
-//! Which graphics adapter draws: the first that opens a device. A driver may be listed and fail
-//! then, as DirectX 12 does over some software drivers, where Vulkan on the same computer works.
+//! Chooses the graphics adapter: the first that opens a device. A driver may be listed and then
+//! fail to open one, as DirectX 12 does over some software drivers, where Vulkan on the same
+//! computer works.
 
 use crate::ui::block_on::block_on;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
 use wgpu::{Adapter, DeviceType, PowerPreference, Surface};
 
-/// How a device is set up, for the window and for pictures.
+/// Returns the graphics setup for the window and for pictures drawn without it.
 pub(super) fn setup() -> WgpuSetup {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     let descriptor = Arc::clone(&setup.device_descriptor);

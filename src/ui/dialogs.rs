@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 /// that there is none.
 const TOO_FAST: Duration = Duration::from_millis(600);
 
-/// What is to be typed for a copy of a log.
+/// Label of the path field for a copy of a log.
 const COPY_FIELD: &str = "File to write, .xtf, .sl2, .csv, .parquet or .gpx";
 
-/// What a path is for.
+/// Purpose of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathPurpose {
     /// Logs to be opened in the place of those that are open.
@@ -29,7 +29,7 @@ pub(super) enum PathPurpose {
     ExportInto,
     /// A review of the open survey.
     OpenReview,
-    /// What is known to lie in the open survey.
+    /// Known objects of the open survey (the truth for detections).
     OpenTruth,
     /// The file that the project is kept in.
     SaveProject,
@@ -43,7 +43,7 @@ pub(super) enum PathPurpose {
     SaveProfile,
     /// A picture to lie under the map.
     OpenBaseMap,
-    /// What the points are compared with.
+    /// The reference that the points are compared with.
     OpenReference,
     /// The area that isobaths end at.
     OpenIsobathArea,
@@ -123,7 +123,7 @@ impl PathPurpose {
     }
 }
 
-/// What a system dialog came back with.
+/// Result of a system dialog.
 struct Chosen {
     /// Empty when nothing was chosen.
     paths: Vec<PathBuf>,
@@ -143,8 +143,8 @@ pub(super) struct Dialogs {
     field: Option<Field>,
     /// Name that a file to be written gets unless another is chosen.
     proposed: Option<PathBuf>,
-    /// What was typed while the system's dialog was waited for. Where there is none, it is the
-    /// beginning of the path.
+    /// Text typed while the system's dialog was awaited; the beginning of the path if there is no
+    /// such dialog.
     typed: String,
 }
 
@@ -153,9 +153,9 @@ struct Field {
     purpose: PathPurpose,
     path: String,
     instead: bool,
-    /// It has been given the keyboard.
+    /// True once the field has been given the keyboard.
     focused: bool,
-    /// What it holds was typed: what is typed next goes on from there.
+    /// True if the text was typed by the user: typing then continues at its end.
     goes_on: bool,
 }
 
@@ -217,7 +217,7 @@ impl Field {
     }
 }
 
-/// How the path field was closed.
+/// Button that closed the path field.
 enum Answer {
     Go,
     Cancel,
@@ -325,7 +325,7 @@ impl Dialogs {
     }
 }
 
-/// What is asked for with these paths; all but logs take the first.
+/// Returns the command for these paths; all purposes but logs take the first path.
 fn command(purpose: PathPurpose, paths: Vec<PathBuf>) -> Option<Command> {
     let path = paths.first()?.clone();
     Some(match purpose {

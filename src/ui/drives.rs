@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where Linux shows cards, sticks and drives that a person put in.
+/// Folders where Linux mounts cards, sticks and drives.
 const LINUX: [&str; 3] = ["/media", "/run/media", "/mnt"];
 
 /// Their top folders. Asking takes as long as the slowest of them: a drive of a network may need

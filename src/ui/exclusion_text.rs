@@ -15,7 +15,7 @@ pub(super) fn extent(extent: &ExcludedExtent, units: Units) -> String {
     }
 }
 
-/// What a drag with the tool will do.
+/// Describes the effect of a drag with the tool on the stretch that it covers.
 pub(super) fn of_drag(edit: ExclusionEdit, covered: &ExcludedExtent, units: Units) -> String {
     let what = match edit {
         ExclusionEdit::Exclude => "exclude",
@@ -26,7 +26,7 @@ pub(super) fn of_drag(edit: ExclusionEdit, covered: &ExcludedExtent, units: Unit
     format!("{what} {}", extent(covered, units))
 }
 
-/// Why a ping does not count, `excluded: turn`; `None` where it does.
+/// Reason why a ping is excluded, `excluded: turn`; `None` where it is not.
 pub(super) fn at(app: &App, log: LogId, ping: usize) -> Option<String> {
     let stretch = app.excluded_at(log, ping)?;
     Some(format!("excluded: {}", stretch.reason.name()))
@@ -42,7 +42,7 @@ pub(super) fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> boo
     chosen.clicked()
 }
 
-/// How much of the log that is shown is excluded, behind a comma; empty where nothing is.
+/// Number of excluded stretches of the shown log, after a comma; empty if there are none.
 pub(super) fn and_stretches(app: &App) -> String {
     let found = app.log.exclusions();
     let count = found.map_or(0, |found| found.exclusions.stretches.len());

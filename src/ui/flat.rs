@@ -10,7 +10,7 @@ use std::any::Any;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What draws in a place of a pass; frames that share one look the same there.
+/// Paint callback of one look; frames that share it look the same in that place of a pass.
 type Drawing = Arc<dyn Any + Send + Sync>;
 
 /// Fills an area with an opaque colour.

@@ -66,7 +66,8 @@ pub(in crate::ui) fn keep_arrows(ctx: &egui::Context, control: Id, across: bool,
     ctx.memory_mut(|memory| memory.set_focus_lock_filter(control, arrows));
 }
 
-/// Where the keys of this frame walk from a row; to the first one from none.
+/// Returns the row that the keys of this frame move to from the row `here`; the first row if `here`
+/// is `None` and the key moves by rows or pages.
 pub(in crate::ui) fn moved(
     ui: &Ui,
     here: Option<usize>,

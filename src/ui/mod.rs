@@ -34,7 +34,7 @@ use bathyscope_products::pipeline::Settings;
 use egui::{Event, Response, Ui, WidgetText};
 use render::Uploader;
 
-/// What a panel or view gets: the state to read, the list to push commands to.
+/// Input of a panel or view: the state to read and the list to push commands to.
 pub struct ViewContext<'a> {
     /// The state; read only.
     pub app: &'a App,
@@ -53,13 +53,13 @@ impl<'a> ViewContext<'a> {
         self.commands.push(command);
     }
 
-    /// What fills buffers of the window's GPU.
+    /// Returns the uploader that fills buffers of the window's GPU; `None` without a GPU.
     pub(crate) fn uploader(&self) -> Option<Uploader> {
         let state = self.render_state?;
         Some(Uploader::new(&state.device, &state.queue))
     }
 
-    /// What is shown, and how.
+    /// Display options: what is shown, and how.
     pub fn options(&self) -> &'a ViewOptions {
         &self.app.view.options
     }
@@ -156,7 +156,7 @@ pub(crate) fn take_typed(ui: &Ui) -> String {
     typed
 }
 
-/// What an action does, and its key.
+/// Returns the hint of an action, with its key.
 pub(crate) fn hint_with_key(action: Action) -> String {
     match action.keys() {
         Some(keys) => format!("{} ({keys})", action.hint()),
@@ -164,7 +164,7 @@ pub(crate) fn hint_with_key(action: Action) -> String {
     }
 }
 
-/// What the shell asks of a view besides drawing itself; menu, keys and palette lead here.
+/// Request of the shell to a view; menu, keys and palette send these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewRequest {
     /// Show everything.

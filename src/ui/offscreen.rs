@@ -25,17 +25,17 @@ const STEPS: u64 = 100;
 /// Longest wait for the GPU to finish one frame.
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
-/// What to do where nothing draws.
+/// Advice for a computer without a working graphics driver.
 pub(crate) const DRIVER: &str = if cfg!(windows) {
     "install the newest driver of the graphics card, with DirectX 12 or Vulkan"
 } else {
     "install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU)"
 };
 
-/// Why there is no picture, in one sentence.
+/// Reason why there is no picture, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// Nothing here draws.
+    /// No graphics adapter works.
     #[error("no graphics adapter: {DRIVER}: {0}")]
     NoAdapter(#[from] WgpuError),
     /// The adapter holds no picture of this size.
@@ -62,7 +62,7 @@ pub enum PictureError {
     /// The adapter gives a part of it back.
     #[error("the picture could not be read back whole")]
     Cut,
-    /// What it is to show cannot be had, as the window says.
+    /// The content of the picture is not available; the text is the notice that the window shows.
     #[error("{0}")]
     Notice(String),
     /// The drawing was cancelled.

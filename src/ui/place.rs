@@ -1,4 +1,4 @@
-//! Where a mark lies on the ground.
+//! Computes slant range, depth, heading and position of a mark.
 
 use crate::app::{App, LogPlace};
 use crate::ui::text;
@@ -7,8 +7,8 @@ use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
 use bathyscope_log::survey::{HeadingSource, Side};
 use bathyscope_products::pipeline::Products;
 
-/// What samples and recorded depths are in metres by the last results; as recorded while there are
-/// none.
+/// Returns the corrections that turn samples and recorded depths into metres, from the last
+/// results; without results, ranges and depths stay as recorded.
 pub(super) fn reduction(app: &App) -> Reduction<'_> {
     let products = app.log.products.as_ref();
     products.map_or_else(Reduction::default, Products::reduction)
@@ -57,7 +57,7 @@ pub(super) fn ranges_m(app: &App, mark: &bathyscope_objects::Mark) -> [f64; 2] {
     })
 }
 
-/// What says how deep it is under the boat.
+/// Source of the depth under the boat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DepthBy {
     /// The recorder's own sounding.
@@ -83,7 +83,7 @@ pub(super) struct BottomBelow {
     pub altitude_m: f64,
     /// Depth as the map has it, metres.
     pub depth_m: f64,
-    /// What it is measured by.
+    /// Source of the depth.
     pub by: DepthBy,
 }
 

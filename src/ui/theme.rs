@@ -66,7 +66,7 @@ pub(crate) fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
     }
 }
 
-/// What is inferred and not measured: the shape of an object.
+/// Colour of what is inferred and not measured: the shape of an object.
 pub(crate) const INFERRED_COLOUR: Color32 = Color32::from_rgb(255, 122, 46);
 
 /// Background of waterfall, map and cloud.
@@ -115,7 +115,7 @@ pub(crate) fn proposal_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
-/// What is under way or in force: numbers of steps, the focused view, progress.
+/// Colour of what is under way or in force: numbers of steps, the focused view, progress.
 pub(crate) fn accent_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [72, 176, 176], [14, 120, 124])
 }
@@ -286,7 +286,7 @@ pub(crate) fn excluded_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.75)
 }
 
-/// What is drawn on the map to measure, set off by a casing.
+/// Colour of measuring figures on the map, set off by a casing.
 pub(crate) const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
 
 /// Curves, axes and numbers of the profile.

@@ -10,13 +10,13 @@ use eframe::egui_wgpu::{RenderState, WgpuError};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What the desktop knows the program as; its options lie in a folder of this name.
+/// Name of the program for the desktop; the folder of its options has the same name.
 const APP_ID: &str = "bathyscope";
 
-/// Why the window cannot be opened: what is missing, a display or a graphics driver.
+/// Reason why the window cannot be opened: what is missing, a display or a graphics driver.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WindowError {
-    /// Nothing here draws.
+    /// No graphics adapter works.
     #[error(
         "the window cannot be opened, for there is no graphics adapter: {DRIVER}; `bathyscope process` works without one: {0}"
     )]
@@ -91,7 +91,7 @@ pub(crate) fn open_window(
     Ok(eframe::run_native(APP_ID, options, Box::new(start))?)
 }
 
-/// What stands for the window where no desktop entry or resource does.
+/// Icon of the window where no desktop entry or resource gives one.
 fn icon() -> egui::IconData {
     let png = include_bytes!("../../assets/desktop/bathyscope.png");
     eframe::icon_data::from_png_bytes(png).unwrap_or_default()

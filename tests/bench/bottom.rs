@@ -80,7 +80,7 @@ fn upload(state: &RenderState, side: usize) -> BottomBuffers {
     BottomBuffers::new(&uploader, CELL_M, tiles)
 }
 
-/// Over a share of the survey about its middle.
+/// Returns a camera over a share of the survey about its middle.
 fn camera(side: usize, frame: usize, share: f32) -> OrbitCamera {
     let size_m = side as f32 * CELL_M;
     let middle = Vec3::new(0.5 * size_m, -0.5 * size_m, -4.0);

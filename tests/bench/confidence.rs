@@ -1,5 +1,5 @@
-//! What the confidence of a first return is worth: the share of picks within 25 cm of the true
-//! first return at each level.
+//! Measures how well the confidence of a first return predicts its error: the share of picks within
+//! 25 cm of the true first return at each level.
 
 use super::truth::KnownSurvey;
 use bathyscope_bottom::first_return::{

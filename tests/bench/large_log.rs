@@ -17,7 +17,7 @@ const EAST: usize = offset_of!(Header, x_m);
 const NORTH: usize = offset_of!(Header, y_m);
 const FRAME_SIZE: usize = offset_of!(Header, frame_size);
 
-/// From one patch to the next, metres of Lowrance's Mercator, and patches in a row.
+/// Distance from one patch to the next, metres of Lowrance's Mercator, and patches in a row.
 const PATCH_M: i32 = 45;
 const PATCHES: i32 = 20;
 

@@ -1,4 +1,5 @@
-//! What levels between the lines is worth where something is not as it assumes, and on recordings.
+//! Measures the gain by echo levels between the lines where something is not as the method assumes,
+//! and on recordings.
 //!
 //! Simulated ponds are those of the bench `surface`, with one thing changed at a time; errors are
 //! those of cells more than a metre from a sounding. A recording has no known bed: points are left
@@ -24,12 +25,12 @@ const STRETCH_M: f64 = 15.0;
 /// A levels that changes a pond by less than this share has not harmed it.
 const HARM: f64 = 1.05;
 
-/// What is changed of a pond.
+/// Change of a pond: its name and the function that makes it.
 type Change = (&'static str, fn(&mut Scene));
 /// Ponds as they are, of which the echoes that look north count alone.
 const ONE_LOOK: &str = "one look";
 
-/// One thing each that the method does not know or assumes otherwise.
+/// Changes by one thing each that the method does not know or assumes otherwise.
 const CHANGES: &[Change] = &[
     ("as they are", |_| {}),
     (ONE_LOOK, |scene| scene.track.cross_lines = 0),

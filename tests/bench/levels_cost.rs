@@ -1,5 +1,5 @@
-//! What levels costs beside the surface that it corrects, on a survey of ten lines and 100 000
-//! pings.
+//! Measures the cost of depths from echo levels beside that of the surface that they correct, on a
+//! survey of ten lines and 100 000 pings.
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};

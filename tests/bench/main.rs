@@ -31,7 +31,7 @@ mod surface;
 mod truth;
 mod waterfall;
 
-/// That of the program: what is measured of memory is what its users see.
+/// Allocator of Bathyscope, so that the measured memory is what its users see.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

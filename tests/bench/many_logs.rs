@@ -21,10 +21,10 @@ const PINGS: usize = 100_000;
 const SAMPLES: u32 = 200;
 /// Frames timed.
 const FRAMES: usize = 200;
-/// Between two looks at whether work is done: as often as the window looks.
+/// Interval of the checks that work is done: as often as Bathyscope checks.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// What one window gave.
+/// Figures that one window gave.
 struct Figures {
     frame_ms: f64,
     slowest_ms: f64,
@@ -115,7 +115,8 @@ fn settle(app: &mut App) {
     }
 }
 
-/// What frames of the whole window take on its thread while the pointer moves over the views.
+/// Measures the times that frames of the whole window take on its thread while the pointer moves
+/// over the views.
 fn frames(state: &RenderState, shell: &mut Shell) -> Vec<Duration> {
     let context = egui::Context::default();
     let size = egui::vec2(1600.0, 1000.0);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Between two looks at the memory.
+/// Interval of the measurements of memory.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Runs the benchmark and prints anonymous memory; file pages of the map are the system's to take

@@ -1,4 +1,4 @@
-//! What a stretch of a benchmark took from the machine.
+//! Processor time and memory that a part of a benchmark took.
 
 /// Processor time of this process so far, user and system, all threads (Linux; 0 elsewhere): what a
 /// busy machine leaves true.

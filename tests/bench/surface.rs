@@ -18,7 +18,7 @@ const SEEDS: u64 = 10;
 /// The weights were compared on ponds from this seed on; the figures reported are those of seeds
 /// from 1.
 const TUNING_SEED: u64 = 101;
-/// Farther than this from any sounding a cell lies between the lines, metres.
+/// Distance from the nearest sounding beyond which a cell lies between the lines, metres.
 pub(super) const BETWEEN_M: f64 = 1.0;
 /// Edges of bands of distance to the nearest sounding, metres.
 const BANDS_M: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 10.0];
@@ -79,7 +79,7 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
     ]
 }
 
-/// With depths from echo levels.
+/// Returns settings with depths from echo levels.
 pub(super) fn from_levels() -> SurfaceSettings {
     SurfaceSettings {
         swath: SwathDepth::Always,
@@ -143,8 +143,8 @@ pub(super) fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
     pond.known.map_errors(map, &soundings)
 }
 
-/// What first returns gain, what levels gain over that, and what the stated errors of either are
-/// worth, by the distance to the nearest sounding.
+/// Prints the gain by first returns, the gain by echo levels over that, and the share of errors
+/// within the stated ones, by the distance to the nearest sounding.
 fn print_by_distance(kind: &str, ponds: &[Mission]) {
     let triangles = settings(SurfaceSettings::default().side_scan_weight, false);
     let maps =

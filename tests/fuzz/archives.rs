@@ -1,4 +1,5 @@
-//! What an archive keeps of its logs: rows in Parquet files, records, the table of offsets.
+//! Reads the files that an archive keeps of its logs: rows in Parquet files, records, the table of
+//! offsets.
 
 use super::projects::held_as;
 use super::{say, scratch};

@@ -1,5 +1,4 @@
-//! What is done to a recording: cut short, a byte changed, a field of a record's header set to an
-//! extreme.
+//! Damages recordings: cut short, a byte changed, a field of a record's header set to an extreme.
 
 use bathyscope_test_support::records::{FieldKind, RecordLayout};
 use std::fmt;
@@ -14,13 +13,13 @@ const CHANGED_FIELDS: u64 = 1_000;
 /// Something wrong with a file.
 #[derive(Clone, Debug)]
 pub(super) enum Harm {
-    /// It ends here.
+    /// It ends at this offset.
     Cut(usize),
     /// Other bytes stand at a place.
     Changed {
-        /// Where.
+        /// Offset of the first changed byte.
         at: usize,
-        /// What.
+        /// The other bytes.
         bytes: Vec<u8>,
     },
 }
@@ -43,7 +42,7 @@ impl Harm {
         }
     }
 
-    /// Does it.
+    /// Applies the harm to a file.
     pub(super) fn apply(&self, file: &mut Vec<u8>) {
         match self {
             Harm::Cut(at) => file.truncate(*at),
@@ -60,7 +59,7 @@ impl Harm {
     }
 }
 
-/// All that is done to a file, one in `each` of it; the cuts first and from the end, so that the
+/// Returns all harms of a file, one in `each` of them; the cuts first and from the end, so that the
 /// file only shrinks.
 pub(super) fn harms(
     bytes: &[u8],

@@ -181,7 +181,7 @@ pub(super) fn repair_sl2(bytes: &mut [u8]) {
     repair_offsets(bytes, 28);
 }
 
-/// As [`repair_sl2`].
+/// Does the same as [`repair_sl2`] for SL3.
 pub(super) fn repair_sl3(bytes: &mut [u8]) {
     repair_offsets(bytes, 8);
 }

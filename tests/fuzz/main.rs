@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory that an input may take beside a multiple of its own size.
 const SPARE: usize = 64 << 20;
-/// How many times its own size an input may take.
+/// Multiple of its own size that an input may take as memory.
 const TIMES: usize = 4;
 
 /// Bytes that are allocated now, and at most.

@@ -1,5 +1,5 @@
-//! What the program keeps itself: settings, projects with their journals, the files that earlier
-//! versions kept beside a log, scenes.
+//! Reads the files that Bathyscope itself writes: settings, projects with their journals, the files
+//! that earlier versions kept beside a log, scenes.
 
 use super::logs::sl2_seeds;
 use super::say;

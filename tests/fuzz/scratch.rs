@@ -25,7 +25,7 @@ pub(super) fn with_file<T>(name: &str, bytes: &[u8], read: impl FnOnce(&Path) ->
     read(&path)
 }
 
-/// What `write` puts into a file.
+/// Returns the bytes that `write` puts into a file.
 pub(super) fn written(name: &str, write: impl FnOnce(fs::File)) -> Vec<u8> {
     let path = folder().join(name);
     let file = fs::File::options().read(true).write(true).create(true).truncate(true).open(&path);

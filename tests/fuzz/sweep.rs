@@ -83,14 +83,14 @@ impl PingPlace {
     }
 }
 
-/// What one harm did.
+/// Result of one harm.
 enum Found {
     Refused { lost: usize },
     Opened { lost: usize, has_unplaced: bool },
     Panicked,
 }
 
-/// What all harms of a file did.
+/// Results of all harms of a file.
 #[derive(Default)]
 struct Outcome {
     harms: usize,

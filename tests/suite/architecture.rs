@@ -169,7 +169,7 @@ fn the_pipeline_computes_and_writes_nothing() {
     assert!(offences.is_empty(), "{offences:#?}");
 }
 
-/// What makes results: the window asks the state for them.
+/// Modules that make results: the window asks the state for these.
 const MAKES_RESULTS: [&str; 9] = [
     "bathyscope_bottom::bathymetry",
     "bathyscope_bottom::calibration",

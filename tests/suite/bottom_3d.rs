@@ -117,7 +117,7 @@ fn read_back(
     image::RgbaImage::from_raw(SIDE_PX, SIDE_PX, bytes).expect("all pixels")
 }
 
-/// From above over the edge between the tiles.
+/// Returns a camera that looks down at the edge between the tiles.
 fn overhead(distance_m: f32) -> OrbitCamera {
     OrbitCamera {
         target: Vec3::new(64.0, -32.0, -4.0),

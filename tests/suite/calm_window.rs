@@ -30,7 +30,7 @@ pub(crate) fn window_of(pixels: [f32; 2], pixels_per_point: f32, draws: bool) ->
     window
 }
 
-/// Where the views are, with their titles.
+/// Returns the area of the views, with their titles.
 fn views(window: &Window) -> Rect {
     let names = ["Waterfall, pings", "Map, track of", "3D point cloud"];
     let nodes = names.into_iter().flat_map(|name| {

@@ -7,7 +7,7 @@ use bathyscope::app::{Command, LogPlace, MapLayer};
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
 use egui_kittest::kittest::Queryable as _;
 
-/// What the window asked of the desktop in the last frame about the whole screen.
+/// Returns the requests for the whole screen that Bathyscope sent to the desktop in the last frame.
 fn full_screen_requests(window: &Window) -> Vec<bool> {
     let output = window.output().viewport_output.get(&ViewportId::ROOT);
     let commands = output.into_iter().flat_map(|output| &output.commands);
@@ -36,7 +36,7 @@ fn asked_by(window: &mut Window, key: Key) -> Vec<bool> {
     asked
 }
 
-/// As the desktop does it.
+/// Sets the state of the whole screen, as the desktop does.
 fn set_full_screen(window: &mut Window, on: bool) {
     let viewports = &mut window.input_mut().viewports;
     viewports.entry(ViewportId::ROOT).or_default().fullscreen = Some(on);

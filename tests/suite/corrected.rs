@@ -1,4 +1,5 @@
-//! What is known of the water, entered in the window as an analyst would, and taken back.
+//! Tests corrections of depths and positions, entered in Bathyscope as an analyst would, and
+//! undone.
 
 use crate::window::{Window, app, demo_window, drop_file, press, type_export_folder};
 use bathyscope::app::{Action, Command};

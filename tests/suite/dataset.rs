@@ -54,8 +54,8 @@ impl Changed {
     }
 }
 
-/// For every label whose neighbourhood it has to itself: its IoU with what really changed; and the
-/// changed pixels in and outside of all boxes.
+/// Compares labels with the pixels that objects change: adds the IoU of every label that has no
+/// other near it, and counts the changed pixels in and outside of all boxes.
 fn compare(training: &TrainingScene, seed: u64, ious: &mut Vec<f32>) -> [usize; 2] {
     let (simulated, with, raster) = survey(&training.scene, seed);
     let bare = Scene { objects: Vec::new(), ..training.scene.clone() };

@@ -49,7 +49,7 @@ pub(super) fn click(window: &mut Window, at: Pos2) {
     window.step();
 }
 
-/// Where a ping of a log lies on the screen of the map.
+/// Returns the place of a ping of a log on the screen of the map.
 pub(super) fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
     let at = places_on_map(window);
     let log = app(window).open_log(log).expect("it is open");
@@ -57,7 +57,8 @@ pub(super) fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
     at([boat.east_m, boat.north_m])
 }
 
-/// Where places of the plane lie on the screen of the map: by two that are measured there.
+/// Returns the conversion from places of the plane to the screen of the map, by two places that are
+/// measured there.
 pub(super) fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + use<> {
     let rect = window.get_by_label_contains("Map, track of").rect();
     let probes = [rect.center(), rect.center() + egui::vec2(40.0, 0.0)];

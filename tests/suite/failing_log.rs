@@ -17,10 +17,10 @@ use std::time::{Duration, Instant};
 
 /// Pages before the file fails, at most.
 const MOST_PAGES: usize = 6;
-/// How long one is looked at that has nothing to say: two looks at its files.
+/// Time in which a window with nothing to report is watched: two checks of its files.
 const SILENCE: Duration = Duration::from_millis(2500);
 
-/// What happens to a file.
+/// Harm to a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Harm {
     Cut,
@@ -33,7 +33,7 @@ enum Harm {
     Gone,
 }
 
-/// Where the log lies.
+/// Paths of the log.
 struct Disk {
     /// The log as the window opens it, and as it is harmed.
     seen: PathBuf,
@@ -131,7 +131,7 @@ fn page(window: &mut Window, pages: usize) {
     }
 }
 
-/// What the window says of the file.
+/// Returns the notices of the file.
 fn said(app: &App) -> Vec<String> {
     let said = app.said().map(|notice| notice.text.clone());
     said.filter(|text| text.contains("river.sl2")).collect()

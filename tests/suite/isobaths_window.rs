@@ -9,7 +9,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 
-/// Where the drawn isobaths run.
+/// Returns the places of the points of the drawn isobaths.
 fn places(window: &Window) -> Vec<LonLat> {
     let app = app(window);
     let drawn = app.isobaths().expect("isobaths");

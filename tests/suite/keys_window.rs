@@ -124,7 +124,7 @@ fn type_key(window: &mut Window, held: Modifiers, key: Key) {
     press(window, held, key);
 }
 
-/// Nothing selected, no tool in hand, nothing open.
+/// Clears the selection, leaves the tool and closes what is open.
 fn rest(window: &mut Window) {
     for _ in 0..2 {
         press(window, Modifiers::NONE, Key::Escape);
@@ -141,7 +141,7 @@ fn rest(window: &mut Window) {
 
 type Opens = fn(&mut Window);
 
-/// What can have the keyboard, and how it gets it.
+/// Places that can have the keyboard, and the gesture that gives it to each.
 const PLACES: [(&str, Opens); 14] = [
     ("waterfall", |window| press(window, Modifiers::NONE, Key::Num1)),
     ("map", |window| press(window, Modifiers::NONE, Key::Num2)),

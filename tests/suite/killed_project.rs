@@ -26,9 +26,9 @@ use std::time::Duration;
 
 /// Kills of the test; `BATHYSCOPE_KILLS` asks for more.
 const KILLS: usize = 6;
-/// Where the program that is killed works.
+/// Environment variable of the folder in which the program that is killed works.
 const FOLDER: &str = "BATHYSCOPE_KILLED_PROJECT";
-/// The project that it opens, and the gesture that it begins with.
+/// Environment variable of the project that it opens, and the gesture that it begins with.
 const BEGINS: &str = "BATHYSCOPE_KILLED_BEGINS";
 /// The longest that a program edits, milliseconds.
 const LONGEST_MS: f64 = 400.0;

@@ -43,8 +43,8 @@ fn samples(survey: &Survey, ping: usize, side: Side) -> Vec<u16> {
     })
 }
 
-/// Whether pings, samples, ranges, times, depths and fixes of a copy are those of the log. Times
-/// count from the first ping of an XTF.
+/// Checks that pings, samples, ranges, times, depths and fixes of a copy are those of the log.
+/// Times count from the first ping of an XTF.
 fn assert_same(log: &Survey, copy: &Survey, place_m: f64) {
     assert_eq!(log.side_scan.len(), copy.side_scan.len());
     assert_eq!(log.range_source, copy.range_source);

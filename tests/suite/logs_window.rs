@@ -174,8 +174,8 @@ fn a_recording_is_opened_once_and_closed_again() {
     assert!(window.query_by_label_contains("Map, empty").is_some());
 }
 
-/// How far the one depth map of all logs is from the ground that was sailed over, RMS in metres,
-/// where a depth is within 2 m.
+/// Computes the error of the depth map of all logs against the bottom that was sailed over, RMS in
+/// metres, where a depth is within 2 m.
 fn error_of_depth_map_m(app: &App, mean_m: f64) -> f64 {
     let depth_map = app.depth_map().flatten().expect("a depth map");
     let grid = &depth_map.surface.grid;

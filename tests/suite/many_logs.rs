@@ -26,8 +26,8 @@ use bathyscope_simulation::{
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// What the transducer of a log hangs lower or higher over the ground than that of the mean log,
-/// metres: its water level less its draft.
+/// Height of the transducer of each log above that of the mean log, metres: its water level less
+/// its draft.
 pub(super) const HIGHER_M: [f64; 10] =
     [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5, -0.31, 0.24];
 
@@ -37,7 +37,7 @@ struct Lake {
     truths: Vec<Arc<Simulated>>,
 }
 
-/// Where objects lie on the bottom, metres from the lake's middle.
+/// Places of objects on the bottom, metres from the lake's middle.
 pub(super) const OBJECTS: [[f64; 2]; 4] = [[4.0, 9.0], [-9.0, -3.5], [12.0, -8.0], [-3.0, 14.0]];
 
 fn object([east_m, north_m]: [f64; 2]) -> ObjectSettings {
@@ -153,7 +153,7 @@ impl Lake {
     }
 }
 
-/// What the offsets should be: the logs that hang higher over the ground measure deeper.
+/// Returns the true height offsets, metres: the logs whose transducers hang higher measure deeper.
 pub(super) fn true_offsets_m(count: usize) -> Vec<f64> {
     let higher_m = &HIGHER_M[..count];
     let mean_m = higher_m.iter().sum::<f64>() / count as f64;

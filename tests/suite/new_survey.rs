@@ -1,5 +1,5 @@
-//! What a survey that is opened anew starts from: nothing of the survey before, and what its own
-//! log was last given.
+//! Tests the settings that a newly opened survey starts from: none of the survey before, and those
+//! that its own log was last given.
 
 use crate::many_logs::write_logs;
 use bathyscope::app::{Action, App, Command, Jobs, ViewOptions};

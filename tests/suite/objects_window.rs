@@ -16,7 +16,7 @@ use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a detector that sees all objects would propose in every log, each log with a list of
+/// Proposes the boxes of a detector that sees all objects in every log, each log with a list of
 /// classes of its own.
 fn propose(window: &mut Window, folder: &Path) {
     for (index, id) in ids(window).into_iter().enumerate() {
@@ -59,7 +59,7 @@ pub(super) fn proposed() -> (tempfile::TempDir, Window) {
     proposed_of(2)
 }
 
-/// So many logs with their boxes.
+/// Opens a number of logs with their boxes.
 pub(super) fn proposed_of(logs: usize) -> (tempfile::TempDir, Window) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), logs);

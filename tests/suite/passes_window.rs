@@ -10,10 +10,10 @@ use bathyscope_test_support::Moments;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 
-/// Nearer to the boat a slant range hardly tells how far a place is.
+/// Least distance from the boat at which a slant range shows well how far a place is, metres.
 const LEAST_OUT_M: f64 = 2.0;
-/// How far a place may lie beside the samples of the ping that begins its strip, besides the way to
-/// the next ping: the boat turns.
+/// Distance that a place may have from the samples of the ping that begins its strip, besides the
+/// way to the next ping, metres: the boat turns.
 const BESIDE_M: f64 = 0.3;
 
 fn passes_at(window: &mut Window, at: LonLat) -> Vec<LogPass> {

@@ -1,5 +1,5 @@
-//! What is known of a point besides its place: the level of its echo and its slant range, in the
-//! cloud, in files and in colours.
+//! Tests the attributes of a point besides its place: the level of its echo and its slant range, in
+//! the cloud, in files and in colours.
 
 use crate::cli::run;
 use crate::support::{demo_log, real_data};

@@ -33,7 +33,7 @@ fn draw_bottom(window: &mut Window) {
     settle(window);
 }
 
-/// What was decided, as far as it can be compared.
+/// Returns the decisions about all logs, as far as they can be compared.
 fn decisions(window: &Window) -> Vec<String> {
     let logs = app(window).logs().map(|log| {
         let settings = toml::to_string(&*log.settings).expect("settings are text");

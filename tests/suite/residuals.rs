@@ -1,4 +1,4 @@
-//! How points differ from a reference, on the map and in the panel.
+//! Tests the differences of points from a reference, on the map and in the panel.
 
 use crate::cli::{refusal, run};
 use crate::support::{demo_log, manifest_entry};

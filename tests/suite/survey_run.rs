@@ -85,7 +85,7 @@ fn states(log: &OpenLog) -> Vec<State> {
     log.reviewing.review.boxes().map(|one| one.state).collect()
 }
 
-/// What was decided about all logs, as far as it can be compared.
+/// Returns the decisions about all logs, as far as they can be compared.
 fn decisions(window: &Window) -> Vec<String> {
     let logs = app(window).logs().map(|log| {
         let settings = toml::to_string(&*log.settings).expect("settings are text");

@@ -26,7 +26,7 @@ fn is_metric(text: &str) -> bool {
     })
 }
 
-/// What the accessibility tree says: names, values and descriptions.
+/// Returns the texts of the accessibility tree: names, values and descriptions.
 fn said(window: &Window) -> Vec<String> {
     let nodes = window.query_all_by(|_| true);
     let words = nodes.flat_map(|node| {
@@ -36,7 +36,7 @@ fn said(window: &Window) -> Vec<String> {
     words.flatten().collect()
 }
 
-/// What is painted, and where.
+/// Returns the texts that are painted, and their positions.
 pub(crate) fn painted(window: &Window) -> Vec<(String, Pos2)> {
     fn take(shape: &Shape, into: &mut Vec<(String, Pos2)>) {
         match shape {

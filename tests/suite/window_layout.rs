@@ -1,4 +1,4 @@
-//! What stays in its place in the window, whatever comes and goes in it.
+//! Tests that controls and panels of Bathyscope stay in their places, whatever comes and goes.
 
 use crate::calm_window::window_of;
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};

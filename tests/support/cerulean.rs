@@ -1,6 +1,6 @@
 //! Writes small svlog files for tests, packet by packet as `mod.rs` describes them.
 
-/// How a generated file is made.
+/// Options of a generated file.
 #[derive(Clone, Debug)]
 pub struct SvlogOptions {
     /// Pings of each side.
@@ -39,7 +39,7 @@ impl Default for SvlogOptions {
     }
 }
 
-/// When recording began: `date -u -d "2026-03-04 10:00:00" +%s`.
+/// Start of the recording, Unix seconds: `date -u -d "2026-03-04 10:00:00" +%s`.
 pub const BEGAN_S: f64 = 1_772_618_400.0;
 /// Clock of the sonar at the first ping, milliseconds.
 pub const FIRST_MS: u32 = 75_000;

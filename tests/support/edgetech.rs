@@ -1,6 +1,6 @@
 //! Writes small JSF files for tests, field by field as `mod.rs` describes them.
 
-/// How a generated file is made.
+/// Options of a generated file.
 #[derive(Clone, Debug)]
 pub struct JsfOptions {
     /// Pings of each subsystem.

@@ -1,6 +1,6 @@
 //! Writes small SDF files for tests, page by page as `mod.rs` describes them.
 
-/// How a generated file is made.
+/// Options of a generated file.
 #[derive(Clone, Debug)]
 pub struct SdfOptions {
     /// Pages.

@@ -1,6 +1,6 @@
-//! What tests of several crates need: where recordings lie, small logs written byte by byte from
-//! the format notes, not by Bathyscope's own writers, and random numbers that are the same in every
-//! run.
+//! Support for tests of several crates: the folder of recordings, small logs written byte by byte
+//! from the format notes, not by Bathyscope's own writers, and random numbers that are the same in
+//! every run.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, missing_docs, reason = "as in tests")]
 

@@ -1,6 +1,6 @@
 //! Writes small NMEA logs for tests, sentence by sentence as `mod.rs` describes them.
 
-/// How a generated log is made.
+/// Options of a generated log.
 #[derive(Clone, Debug)]
 pub struct NmeaOptions {
     /// Seconds that it lasts; a position comes each second.
@@ -11,17 +11,17 @@ pub struct NmeaOptions {
     pub date: Option<&'static str>,
     /// Depths a second.
     pub depths: usize,
-    /// What a depth is written as: `DPT`, `DBT`, or `DBT` in feet only.
+    /// Sentence that a depth is written as: `DPT`, `DBT`, or `DBT` in feet only.
     pub depth_in: DepthIn,
     /// Second field of DPT, metres.
     pub offset_m: f64,
     /// Heading, degrees, and the type that it is written as: `HDT`, `HDG`, `HDM`.
     pub heading: Option<(f64, &'static str)>,
-    /// What stands before each sentence.
+    /// Text before each sentence.
     pub stamp: Stamp,
 }
 
-/// What a depth is written as.
+/// Sentence that a depth is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthIn {
     /// DPT, metres.
@@ -32,7 +32,7 @@ pub enum DepthIn {
     Feet,
 }
 
-/// What the logger writes before each sentence.
+/// Text that the logger writes before each sentence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stamp {
     /// Nothing.

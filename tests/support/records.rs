@@ -1,12 +1,12 @@
-//! Where the records of a whole log are, and what their headers state: found without the readers,
-//! from the format notes.
+//! Finds the records of a whole log and the values in their headers, without the readers, from the
+//! format notes.
 
 use std::ops::Range;
 
-/// Where the records of a whole file are.
+/// Function that finds the byte ranges of the records of a whole file.
 pub type FindRecords = fn(&[u8]) -> Vec<Range<u64>>;
 
-/// What stands in a field.
+/// Kind of the number in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldKind {
     /// A whole number of so many bytes: a size, a count, an offset, a time.
@@ -24,7 +24,7 @@ impl FieldKind {
     }
 }
 
-/// What the sweep knows of a format.
+/// Layout of the records of a format, as the sweep needs it.
 #[derive(Clone, Copy)]
 pub struct RecordLayout {
     /// Finds the records.
@@ -120,7 +120,7 @@ const SON_FIELDS: &[(usize, FieldKind)] = &[
     (66, Whole(1)),
 ];
 
-/// What is known of a file, by its first bytes; `None` of other formats.
+/// Returns the layout of the records of a file, by its first bytes; `None` for other formats.
 pub fn layout_of(bytes: &[u8]) -> Option<RecordLayout> {
     let (find, fields, big_endian): (FindRecords, _, _) = match bytes {
         [2, 0, _, 0, ..] => (sl2_records, SL2_FIELDS, false),

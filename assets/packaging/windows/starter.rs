@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What goes wrong later is said by the program itself.
+/// Starts the program, which reports later errors itself.
 fn start() -> io::Result<()> {
     let program = env::current_exe()?
         .with_file_name("bin")

@@ -1,4 +1,4 @@
-//! What carries out each command without arguments.
+//! Functions that carry out the commands without arguments.
 
 use crate::app::{Action, App, LogOrigin, MapLayer, Orientation, SideColours, ThemeChoice, Tool};
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};

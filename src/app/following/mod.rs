@@ -27,15 +27,15 @@ use step::{FollowedLog, Grown, StepError, Tools};
 
 /// Time between two looks at the log.
 const LOOK: Duration = Duration::from_millis(250);
-/// What was added waits no longer than this to be shown.
+/// Longest time that added bytes wait to be shown.
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
-/// Results of the whole log are made anew when it is so many times as long as at the last time.
+/// Growth of the log, as a factor, after which results of the whole log are made again.
 const WHOLE_AGAIN: f64 = 1.25;
-/// Or when nothing was added for so long.
+/// Time without added bytes after which results of the whole log are made again.
 const QUIET: Duration = Duration::from_secs(8);
 /// Time between two runs over the whole log.
 const BETWEEN_WHOLE: Duration = Duration::from_secs(3);
-/// Nothing was added for so long: that is said.
+/// Time without added bytes after which the status line reports it.
 const SILENT: Duration = Duration::from_secs(5);
 
 /// The log that is followed, if one is.
@@ -60,8 +60,9 @@ struct Active {
     whole_bytes: u64,
     whole_at: Instant,
     looked: Option<Instant>,
-    /// When something was added last, and since when something waits to be shown.
+    /// Time at which added bytes were last found.
     added: Instant,
+    /// Time at which bytes that are not shown yet were first found.
     waiting: Option<Instant>,
     /// It is read to its end once more, and that is all.
     ends: Option<End>,
@@ -73,13 +74,14 @@ struct Active {
 
 /// A step under way.
 struct Stepping {
-    /// What it goes on from, and whether that are fresh results of the whole log.
+    /// Recording that the step goes on from.
     from: Arc<Survey>,
+    /// True if that recording has fresh results of the whole log.
     is_fresh: bool,
     task: Task<(Tools, Result<Grown, StepError>)>,
 }
 
-/// Why a log is not followed any more.
+/// Reason that a log is no longer followed.
 enum End {
     /// The analyst does not want it any more.
     Asked,
@@ -87,7 +89,7 @@ enum End {
     Failed,
 }
 
-/// How following goes, for the status line.
+/// State of following, for the status line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FollowStatus {
     /// The log is being copied.
@@ -96,12 +98,12 @@ pub enum FollowStatus {
     Growing {
         /// Side-scan pings that are shown.
         pings: usize,
-        /// Since when something waits to be shown.
+        /// Time that added bytes have waited to be shown.
         behind: Duration,
     },
-    /// Nothing was added for a while.
+    /// The log has not grown for a while.
     Silent {
-        /// For how long.
+        /// Time without growth.
         since: Duration,
     },
     /// Its results are made of the whole log once more.
@@ -138,7 +140,7 @@ impl App {
         self.following.serial
     }
 
-    /// How following goes; `None` while no log is followed.
+    /// Returns the state of following; `None` while no log is followed.
     pub fn follow_status(&self) -> Option<FollowStatus> {
         let active = self.following.active.as_ref()?;
         if active.ends.is_some() {
@@ -158,7 +160,7 @@ impl App {
         })
     }
 
-    /// Time until the log is looked at again; `None` while none is followed.
+    /// Time until the log is read again; `None` while none is followed.
     pub(crate) fn follow_due(&self) -> Option<Duration> {
         let active = self.following.active.as_ref()?;
         let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
@@ -342,7 +344,7 @@ impl App {
         }
     }
 
-    /// What is known of a log, to go on from.
+    /// Returns the present state of a log, which a step goes on from.
     fn ground_of(&self, id: LogId) -> Option<FollowedLog> {
         let log = self.open_log(id)?;
         Some(FollowedLog {

@@ -139,7 +139,8 @@ fn flatter(products: &Products) -> Option<(PingRange, String)> {
     })
 }
 
-/// By how much one calibration puts a first return at the median depth deeper than another, metres.
+/// Returns how much deeper a first return at the median depth lies by the calibration `after` than
+/// by `before`, metres.
 fn depth_change_m(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<f64> {
     let depth_m = after.measured_offset.or(before.measured_offset)?.depth_m;
     let mut spans = Side::BOTH.into_iter().filter_map(|side| survey.span(0, side));

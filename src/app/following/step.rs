@@ -1,5 +1,4 @@
-//! What is done in a background thread about a log that is followed: its new bytes are taken in,
-//! and its results made of them.
+//! Reads the new bytes of a followed log in a background thread, and makes its results from them.
 
 use bathyscope_log::formats::{
     GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail,
@@ -18,16 +17,16 @@ use std::sync::Arc;
 /// the work for each ping stays the same however long the log is.
 const LEAST_SHARE: f64 = 1.0 / 4000.0;
 
-/// Why a step could not be done.
+/// Reason that a step failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum StepError {
     /// The log is not what it was.
     #[error(transparent)]
     Growing(#[from] GrowingError),
-    /// What is there now cannot be read.
+    /// The log cannot be read as it is now.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// What is set of its source does not fit.
+    /// The settings of its source do not fit the log.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The settings cannot be used.
@@ -44,9 +43,9 @@ pub(super) enum StepError {
 /// The log as it is known, with what is set for it.
 #[derive(Clone)]
 pub(super) struct FollowedLog {
-    /// As it was read.
+    /// The recording as it was read.
     pub read: Arc<Survey>,
-    /// As its settings have it.
+    /// The recording with its settings applied.
     pub survey: Arc<Survey>,
     pub products: Products,
     pub shared: Arc<Settings>,
@@ -72,8 +71,8 @@ impl FollowedLog {
     }
 }
 
-/// What goes from one step to the next: the copy of the log, and what its records and results go on
-/// with.
+/// State that one step hands to the next: the copy of the log, and what its records and results go
+/// on with.
 pub(super) struct Tools {
     pub growing: GrowingLog,
     /// The bytes of the log as it was when it began to be followed.
@@ -82,13 +81,13 @@ pub(super) struct Tools {
     results: Option<(Arc<Settings>, GrowingResults)>,
 }
 
-/// What a step came to.
+/// Result of a step.
 pub(super) enum Grown {
-    /// Nothing was added, or too little to be shown yet: so many bytes wait.
+    /// No bytes were added, or too few to be shown yet: this number of bytes waits.
     Waits(u64),
     /// The log with what was added.
     Longer(Box<FollowedLog>),
-    /// What was added does not tell how it goes on: all of it has to be read again.
+    /// The added bytes do not show how the log goes on: all of it has to be read again.
     Anew,
 }
 
@@ -142,8 +141,8 @@ impl Tools {
         })))
     }
 
-    /// What the results go on with by the settings in force; measured over the whole log where they
-    /// changed.
+    /// Returns the state that the results go on with by the settings in force; it is measured over
+    /// the whole log where the settings changed.
     fn results_for(
         &mut self,
         ground: &FollowedLog,

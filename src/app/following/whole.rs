@@ -1,4 +1,4 @@
-//! When everything is made anew from the whole log, and how following ends.
+//! Makes all results from the whole log again, and ends following.
 
 use super::step;
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};

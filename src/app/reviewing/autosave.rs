@@ -25,7 +25,7 @@ struct Writing {
     task: Task<Result<(), ExportError>>,
 }
 
-/// What is kept, and what an earlier run left.
+/// Decisions that are kept as they are made, and those that an earlier run left.
 #[derive(Default)]
 pub(super) struct Autosave {
     /// The log; `None` when it is no file.
@@ -63,14 +63,14 @@ impl Autosave {
         Some(self.log.as_ref()?.with_extension(SUFFIX))
     }
 
-    /// How long the next write has to wait.
+    /// Returns the time until the next write is due.
     fn wait(&self) -> Duration {
         let passed = self.last.map_or(EVERY, |last| last.elapsed());
         EVERY.saturating_sub(passed)
     }
 
-    /// What one write does: where to, and whether decisions that lie there were never taken up.
-    /// They go under another name, that of no file.
+    /// Returns the function that does the next write. Where the file holds decisions of an earlier
+    /// run that were never taken up, the function first renames it to a name that no file has.
     fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), ExportError> + Send + use<>> {
         let path = self.path()?;
         let was_left = self.left.take().is_some();

@@ -163,7 +163,7 @@ impl App {
         }
     }
 
-    /// Takes a tool, or lays it down when it is in hand.
+    /// Toggles a tool.
     pub(in crate::app) fn take_tool(&mut self, tool: Tool) {
         if self.log.survey.is_none() {
             return;
@@ -177,7 +177,7 @@ impl App {
         self.log.reviewing.tool = if in_hand { Tool::Look } else { tool };
     }
 
-    /// Lays the tool down; without a tool in hand, deselects the box.
+    /// Deselects the tool; where none is selected, deselects the box.
     pub(in crate::app) fn leave_tool(&mut self) {
         if self.log.reviewing.tool == Tool::Look {
             self.select_box(None);

@@ -78,7 +78,7 @@ impl ObjectSearch {
     }
 }
 
-/// How far a search is.
+/// Progress of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchStatus {
     /// The log that is being searched; `None` while the next one is still being processed.
@@ -98,13 +98,13 @@ impl App {
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
-    /// What the model's file was taken for, once it has been loaded.
+    /// Returns the description of the model, as its file was understood, once it has been loaded.
     pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.findings.search.detector.as_ref()?;
         Some(detector.model.description())
     }
 
-    /// How far the search under way is; `None` while none runs.
+    /// Returns the progress of the search under way; `None` while none runs.
     pub fn search_status(&self) -> Option<SearchStatus> {
         let search = &self.findings.search;
         let running = search.running.as_ref();
@@ -204,9 +204,9 @@ impl App {
         self.findings.search.running = Some(Detecting { log: id, messages, pings: 0, all, task });
     }
 
-    /// What of the shown log the boxes do not speak of, in a sentence, because a search still runs
-    /// or was stopped; `None` where it has been searched from end to end, and where nothing is
-    /// known of a search.
+    /// Returns a sentence about the part of the shown log that was searched, because a search still
+    /// runs or was stopped; `None` where it has been searched from end to end, and where no search
+    /// is known.
     pub fn search_note(&self) -> Option<String> {
         let review = &self.log.reviewing.review;
         let running = self.findings.search.running.as_ref();

@@ -7,7 +7,7 @@ use bathyscope_log::survey::Side;
 use bathyscope_objects::ObjectExtent;
 use bathyscope_objects::review::{Edit, Reviewed};
 
-/// What of the selected box the arrow keys move while it is edited.
+/// Part of the selected box that the arrow keys move while it is edited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BoxEdge {
     /// All of it.
@@ -50,8 +50,8 @@ impl BoxEdge {
         }
     }
 
-    /// The edit that moves it by so many pings along the track and pixels of the raster to
-    /// starboard; `None` of the whole box.
+    /// Returns the edit that moves it by a number of pings along the track and of pixels of the
+    /// raster to starboard; `None` of the whole box.
     pub(super) fn moved(
         self,
         one: &Reviewed,

@@ -23,8 +23,8 @@ pub(super) struct ReviewOpening {
 }
 
 impl App {
-    /// Where the review of the shown log is or would be kept: its file, or the sidecar file of the
-    /// log.
+    /// Returns the path that the review of the shown log has or would have: its file, or the
+    /// sidecar file of the log.
     pub fn review_path(&self) -> Option<PathBuf> {
         self.log.review_path()
     }
@@ -158,7 +158,8 @@ impl App {
 }
 
 impl OpenLog {
-    /// Where its review is or would be kept: its file, or the sidecar file of the log.
+    /// Returns the path that its review has or would have: its file, or the sidecar file of the
+    /// log.
     fn review_path(&self) -> Option<PathBuf> {
         let beside = || {
             let log = self.survey.as_ref()?.source.files.first()?;

@@ -11,10 +11,10 @@ use bathyscope_objects::truth::{
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What lies in the bundled demo survey: what `bathyscope simulate` writes for its scene.
+/// Objects in the bundled demo survey, as `bathyscope simulate` writes them for its scene.
 const DEMO_TRUTH: &str = include_str!("../../../assets/demo.objects.csv");
 
-/// What the list of mistakes is sorted by.
+/// Order of the list of mistakes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MistakeSort {
     /// The surest false alarms first, then the largest misses.
@@ -41,7 +41,7 @@ impl MistakeSort {
     }
 }
 
-/// Where truth comes from.
+/// Source of the truth.
 #[derive(Clone, Debug, PartialEq)]
 enum TruthSource {
     File(PathBuf),
@@ -69,12 +69,12 @@ pub struct Judging {
     outdated: bool,
     standing: Option<Standing>,
     sort: MistakeSort,
-    /// The missed object that is looked at.
+    /// The missed object that is shown.
     missed: Option<usize>,
 }
 
 impl Judging {
-    /// Where the truth comes from; `None` while none is known.
+    /// Returns the name of the source of the truth; `None` while none is known.
     pub fn source(&self) -> Option<String> {
         let (source, _) = self.truth.as_ref()?;
         Some(match source {
@@ -90,7 +90,7 @@ impl Judging {
         self.comparison.as_ref()
     }
 
-    /// What the boxes at the confidence slider amount to.
+    /// Returns the counts and mistakes of the boxes at the confidence slider.
     pub fn standing(&self) -> Option<&Standing> {
         self.standing.as_ref()
     }
@@ -100,12 +100,12 @@ impl Judging {
         self.standing().map_or(&[], |standing| &standing.mistakes)
     }
 
-    /// What mistakes are sorted by.
+    /// Returns the order of the mistakes.
     pub fn sort(&self) -> MistakeSort {
         self.sort
     }
 
-    /// The missed object that is looked at, as an index into the truth's objects.
+    /// Returns the missed object that is shown, as an index into the truth's objects.
     pub fn missed(&self) -> Option<usize> {
         self.missed
     }
@@ -129,7 +129,7 @@ impl Judging {
         self.opening.is_some() || self.running.is_some()
     }
 
-    /// No missed object is looked at any more.
+    /// Deselects the missed object.
     pub(in crate::app) fn look_away(&mut self) {
         self.missed = None;
     }
@@ -232,7 +232,7 @@ impl Reviewing {
         self.judging.standing = Some(standing);
     }
 
-    /// Place in the list of the mistake that is looked at.
+    /// Returns the index in the list of the mistake that is shown.
     pub fn mistake_at(&self) -> Option<usize> {
         let is_here = |one: &Mistake| match one {
             Mistake::FalseAlarm { id, .. } => self.selected == Some(*id),
@@ -243,7 +243,7 @@ impl Reviewing {
 }
 
 impl OpenLog {
-    /// Where its truth is, and whether nobody asked for that.
+    /// Returns the source of its truth, and true if nobody requested that truth.
     fn known_truth(&mut self, is_file: bool) -> Option<(TruthSource, bool)> {
         if let Some(path) = self.reviewing.judging.requested.take() {
             return Some((TruthSource::File(path), false));

@@ -6,7 +6,7 @@ use crate::app::{App, LogBox, OpenLog};
 use bathyscope_objects::review::{BoxId, DecisionCounts, Edit, Queue, Reviewed, State};
 use std::sync::Arc;
 
-/// How far the review of all logs is.
+/// Progress of the review of all logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReviewCounts {
     /// The boxes in sight.
@@ -29,7 +29,7 @@ impl App {
         self.reviewed_logs().any(|log| log.reviewing.has_boxes())
     }
 
-    /// How far the work is.
+    /// Returns the progress of the review of all logs.
     pub fn review_counts(&self) -> ReviewCounts {
         let logs = self.reviewed_logs().map(|log| &log.reviewing);
         logs.filter(|reviewing| reviewing.has_boxes()).fold(

@@ -40,10 +40,10 @@ use places::BoxPlaces;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a drag in the waterfall does.
+/// Effect of a drag in the waterfall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
-    /// Nothing: it moves the picture.
+    /// Moves the picture.
     #[default]
     Look,
     /// Moves the selected box, or its edges.
@@ -79,7 +79,7 @@ pub struct Reviewing {
     pub selected: Option<BoxId>,
     /// Order, filter and confidence threshold; the same for all open logs.
     pub queue: Queue,
-    /// What a drag does.
+    /// Effect of a drag.
     pub tool: Tool,
     /// The edge of the selected box that the arrow keys move while it is edited.
     pub edge: BoxEdge,
@@ -104,7 +104,7 @@ pub struct Reviewing {
     refused: Option<PathBuf>,
     autosave: Autosave,
     places: BoxPlaces,
-    /// How the boxes stand to the truth.
+    /// Comparison of the boxes with the truth.
     pub judging: Judging,
 }
 
@@ -146,7 +146,7 @@ impl Reviewing {
         self.review.boxes().len() > 0
     }
 
-    /// Returns true if a tool is in hand or a box selected.
+    /// Returns true if a tool or a box is selected.
     pub(crate) fn is_in_use(&self) -> bool {
         self.tool != Tool::Look || self.selected.is_some()
     }
@@ -177,7 +177,7 @@ impl Reviewing {
             .filter(move |one| one.mark.pings.end > pings.start)
     }
 
-    /// How far the work is.
+    /// Returns the numbers of boxes by decision.
     pub fn counts(&self) -> DecisionCounts {
         self.counts
     }
@@ -214,7 +214,7 @@ impl Reviewing {
         size_m(self.raster().map(AsRef::as_ref), mark)
     }
 
-    /// What is drawn of it: the boxes in line, with nothing to save.
+    /// Returns a copy that holds only what is drawn: the boxes in line, with nothing to save.
     pub(super) fn for_picture(&self) -> Self {
         let mut copy = Self {
             saved: self.review.clone(),
@@ -335,7 +335,8 @@ impl Reviewing {
         self.autosave = Autosave::default();
     }
 
-    /// What is kept of the boxes when their log is closed.
+    /// Returns the part of the review that is kept when the log is closed; `None` without boxes,
+    /// and where a project keeps them.
     pub(super) fn park(&mut self) -> Option<Parked> {
         (self.has_boxes() && !self.is_in_project).then(|| Parked {
             is_kept: self.autosave.holds(&self.review),

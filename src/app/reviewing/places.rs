@@ -1,5 +1,5 @@
-//! Where the boxes' objects lie in the world: computed in a background thread, a box again when it
-//! was moved and all again when the track, the first returns or the scale are others.
+//! Places of the boxes' objects in the world: computed in a background thread, for a box again when
+//! it was moved, and for all when the track, the first returns or the scale changed.
 
 use super::Reviewing;
 use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
@@ -21,7 +21,7 @@ pub struct LocatedObject {
     pub corners: [[f64; 2]; 4],
 }
 
-/// What places are worked out from.
+/// Results that places are computed from.
 #[derive(Clone)]
 struct PlaceInputs(Products);
 

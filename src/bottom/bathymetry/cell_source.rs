@@ -12,7 +12,7 @@ pub enum CellSource {
     None = 0,
     /// No depth was measured in it: it lies between depths that were.
     Interpolated = 1,
-    /// None was measured in it, but the levels of its echoes tell how it slopes: inferred, not
+    /// No depth was measured in it, but the levels of its echoes determine its slope: inferred, not
     /// measured.
     FromLevels = 2,
     /// A first return of the side-scan lies in it, and no sounding.
@@ -22,7 +22,7 @@ pub enum CellSource {
 }
 
 impl CellSource {
-    /// Those that a depth can have.
+    /// The sources that a depth can have.
     pub const KNOWN: [Self; 4] =
         [Self::Sounding, Self::FirstReturn, Self::FromLevels, Self::Interpolated];
 
@@ -47,7 +47,7 @@ impl CellSource {
     }
 }
 
-/// What was measured in each cell of a grid; points without weight count for nothing.
+/// Returns the best source measured in each cell of a grid; points without weight do not count.
 pub(super) fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSource> {
     let mut cells = vec![CellSource::None; grid.len()];
     for point in points.iter().filter(|point| point.weight > 0.0) {

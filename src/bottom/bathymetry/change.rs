@@ -1,5 +1,5 @@
-//! How the bottom changed between two depth maps: by how much each cell rose, whether that can be
-//! told from their errors, and the volumes that were filled and cut.
+//! Change of the bottom between two depth maps: the rise of each cell, whether it exceeds the
+//! errors, and the volumes that were filled and cut.
 //!
 //! A change is detected where it passes the level of detection, 1.96 times the standard deviation
 //! of the difference (Lane, Westaway and Hicks 2003, Earth Surf. Process. Landforms 28; Wheaton et
@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 /// Standard deviations that 95 % of normal errors do not exceed.
 const WITHIN_95: f64 = 1.96;
 
-/// What errors have in common.
+/// Errors that the cells of a difference have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeErrors {
     /// Standard deviation of what is the same in all cells: draft, water level, sound speed;
@@ -32,11 +32,11 @@ pub struct ChangeErrors {
 }
 
 impl ChangeErrors {
-    /// Nothing beside the depths' own errors.
+    /// No errors in common, only the depths' own errors.
     const NONE: Self = Self { systematic_m: 0.0, range_m: 0.0 };
 }
 
-/// What is known of a cell in both maps.
+/// Change of a cell that has a depth in both maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellChange {
     /// Rise of the bottom, metres; negative where it sank.
@@ -48,12 +48,12 @@ pub struct CellChange {
 }
 
 impl CellChange {
-    /// Changes below it cannot be told from errors, in 95 of 100 cells where there is none; metres.
+    /// Returns the level of detection, metres: errors alone stay below it in 95 of 100 cells.
     pub fn detection_level_m(&self, errors: &ChangeErrors) -> f64 {
         WITHIN_95 * self.sigma_m.hypot(errors.systematic_m)
     }
 
-    /// Returns true if the change passes it.
+    /// Returns true if the change exceeds the level of detection.
     pub(crate) fn is_detected(&self, errors: &ChangeErrors) -> bool {
         self.rise_m.abs() > self.detection_level_m(errors)
     }
@@ -62,7 +62,7 @@ impl CellChange {
 /// Cells together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChangeSum {
-    /// How many.
+    /// Number of cells.
     pub cells: usize,
     /// Square metres.
     pub area_m2: f64,
@@ -70,9 +70,9 @@ pub struct ChangeSum {
     pub volume_m3: f64,
     /// Connected places.
     pub places: usize,
-    /// Of the variances, each by its area.
+    /// Sum of the variances of the cells, each multiplied by the area of the cell.
     variance_m4: f64,
-    /// Of the volumes that are drawn between measured places.
+    /// Sum of the variances of the volumes that are drawn between measured places.
     between_m6: f64,
 }
 
@@ -84,8 +84,8 @@ impl ChangeSum {
         self.variance_m4 += cell.area_m2 * cell.sigma_m.powi(2);
     }
 
-    /// Adds a place whose volume is so uncertain for what is drawn in it between measured places,
-    /// cubic metres.
+    /// Adds a place; `between_m3` is the standard deviation of its volume because of depths that
+    /// are drawn between measured places, cubic metres.
     fn add_place(&mut self, between_m3: f64) {
         self.places += 1;
         self.between_m6 += between_m3.powi(2);
@@ -114,7 +114,7 @@ pub struct ChangeTotals {
     pub all: ChangeSum,
     /// The places where the bottom rose, from detected cells to the rim.
     pub fill: ChangeSum,
-    /// Those where it sank.
+    /// The places where it sank.
     pub cut: ChangeSum,
     /// Both: errors that are the same everywhere move fill and cut together.
     pub net: ChangeSum,
@@ -192,7 +192,7 @@ impl ChangeTotals {
     }
 }
 
-/// The number, in metres, below which so large a share of the counted ones lies.
+/// Returns the quantile of the counted values at `share`, metres; `None` without any.
 fn share_m(counts_mm: &BTreeMap<i64, usize>, all: usize, share: f64) -> Option<f64> {
     let mut below = 0;
     let found = counts_mm.iter().find(|(_, count)| {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// Fewer crossings than this say nothing of slopes.
 const FEWEST: usize = 6;
-/// Rounds in which the two parts are told apart.
+/// Rounds in which the two parts are separated.
 const ROUNDS: usize = 4;
 
 /// Standard deviation of a depth by crossings: a part that is the same everywhere, as of waves and
@@ -14,9 +14,9 @@ const ROUNDS: usize = 4;
 /// The noise from one sounding to the next is not in it: the map averages it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CrossingError {
-    /// On level ground, metres.
+    /// Part on a level bottom, metres.
     pub level_m: f64,
-    /// For a slope of one metre a metre, metres.
+    /// Part for a slope of one metre a metre, metres.
     pub per_slope_m: f64,
 }
 

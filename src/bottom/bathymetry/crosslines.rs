@@ -1,5 +1,5 @@
-//! Where tracks cross, and how far the depths of the two passes differ there: what a survey says
-//! about its own repeatability.
+//! Finds where tracks cross and how far the depths of the two passes differ there: a survey's own
+//! measure of its repeatability.
 
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::median;
@@ -28,9 +28,9 @@ impl TrackDepth {
 /// One of the two passes over a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrosslinePass {
-    /// Which track.
+    /// Index of the track.
     pub track: usize,
-    /// When, seconds.
+    /// Time of the pass, seconds.
     pub time_s: f64,
     /// Median of the depths of this pass within [`REACH_M`] of the crossing, or between its
     /// neighbours where none is so near, metres.
@@ -48,7 +48,7 @@ pub struct Crossing {
     pub passes: [CrosslinePass; 2],
     /// Angle between the two courses, degrees, at most 90.
     pub angle_deg: f64,
-    /// What the depth grows by a metre to the east and to the north, metres, from the depths along
+    /// Increase of the depth per metre to the east and to the north, metres, from the depths along
     /// both passes; NaN where they are too few.
     pub gradient: [f64; 2],
 }
@@ -67,8 +67,8 @@ impl Crossing {
 
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
 pub const REACH_M: f64 = 0.5;
-/// Depths within this distance of a crossing, along their own track, give the slope there, metres,
-/// or within so many usual pieces of a coarser track; and how many at least.
+/// Depths within this distance of a crossing, along their own track, give the slope there, metres;
+/// on a coarser track, depths within this number of its usual pieces; and the fewest depths.
 const SLOPE_REACH_M: f64 = 3.0;
 const SLOPE_REACH: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
@@ -80,14 +80,14 @@ const LEAST_WAY_M: f64 = 10.0;
 /// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point
 /// anywhere.
 const PIECE_M: f64 = 0.5;
-/// Longer pieces, and those that took longer, span a gap in the track, metres and seconds; or so
-/// many times the usual piece of a track whose depths lie farther apart.
+/// Longest piece of a track that spans no gap, metres, and its longest time, seconds; or this
+/// number of usual pieces of a track whose depths lie farther apart.
 const LONGEST_PIECE_M: f64 = 5.0;
 const LONGEST_PIECE_S: f64 = 5.0;
 const LONGEST_PIECE: f64 = 3.0;
 /// No piece is longer, metres: it would lie in too many squares.
 const MOST_PIECE_M: f64 = 100.0;
-/// Places give a velocity where they are so far apart in time at least, and at most, seconds.
+/// Least and greatest time between two places that give a velocity, seconds.
 const VELOCITY_S: [f64; 2] = [1.0, 10.0];
 /// Side of the squares that pieces are sorted into, metres.
 const SQUARE_M: f64 = 5.0;
@@ -152,12 +152,12 @@ pub(super) struct Gaps {
     pub(super) longest_m: f64,
     /// Seconds.
     longest_s: f64,
-    /// Depths this far away tell the slope, metres.
+    /// Depths within this distance give the slope, metres.
     slope_reach_m: f64,
 }
 
 impl Gaps {
-    /// Returns those of a track by its usual piece.
+    /// Returns the limits of a track from its usual piece.
     pub(super) fn of(depths: &[TrackDepth]) -> Self {
         let (mut ways_m, mut times_s) = (Vec::new(), Vec::new());
         let mut from = depths.first();
@@ -192,7 +192,7 @@ pub(super) fn way_m(from: &TrackDepth, to: &TrackDepth) -> f64 {
 /// A straight piece of a track, between two of its depths.
 struct Piece {
     track: usize,
-    /// Depths this far away tell the slope, metres.
+    /// Depths within this distance give the slope, metres.
     slope_reach_m: f64,
     /// Indices of the depths at its ends.
     ends: [usize; 2],
@@ -233,7 +233,7 @@ fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
     found
 }
 
-/// Where two pieces cross.
+/// Crossing of two pieces of tracks.
 struct TrackCrossing<'a> {
     pieces: [&'a Piece; 2],
     place: [f64; 2],
@@ -282,7 +282,8 @@ impl Piece {
         span(0).flat_map(move |east| norths.clone().map(move |north| [east, north]))
     }
 
-    /// Where the pieces cross, if that lies in this square (a pair may share several).
+    /// Returns the crossing with another piece, if it lies in this square (a pair may share
+    /// several).
     fn crosses<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<TrackCrossing<'a>> {
         let way_m = (other.along_m - self.along_m).abs();
         if self.track == other.track && way_m < LEAST_WAY_M {
@@ -328,7 +329,8 @@ impl TrackCrossing<'_> {
         }
     }
 
-    /// What depth grows by on the plane that falls along both passes as their depths do.
+    /// Returns the gradient of the depth, to the east and north, on the plane that falls along both
+    /// passes as their depths do.
     fn gradient(&self, tracks: &[Vec<TrackDepth>]) -> [f64; 2] {
         let [a, b] = self.pieces.map(Piece::direction);
         let [along_a, along_b] = [0, 1].map(|index| {

@@ -1,22 +1,22 @@
-//! Whether depths between those measured come from the levels of the echoes, and what became of it.
+//! Setting and result of depths between the lines that come from the levels of the echoes.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where depths between the lines come from the levels of the echoes (`crate::swath`).
+/// Setting for depths between the lines from the levels of the echoes (`crate::swath`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SwathDepth {
-    /// Nowhere: depths between the lines are interpolated.
+    /// Levels are not used: depths between the lines are interpolated.
     Off,
-    /// Where left-out soundings show that they tell depths.
+    /// Levels are used if left-out soundings show that they improve the depths.
     #[default]
     Auto,
-    /// Wherever they can be read.
+    /// Levels are used wherever they can be read.
     Always,
 }
 
-/// What became of depths from levels on a surface.
+/// Result of depths from levels on a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FromLevels {
     /// They are switched off, or the surface is none of a log.
@@ -28,20 +28,20 @@ pub enum FromLevels {
         /// metres; `None` where too few could be left out.
         left_out_m: Option<[f64; 2]>,
     },
-    /// They are not.
+    /// They are not used, for this reason.
     Refused(LevelsRefused),
 }
 
-/// Why depths do not come from levels.
+/// Reason why depths do not come from levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LevelsRefused {
     /// No log has side-scan echoes with places.
     NoSideScan,
-    /// What the recorder writes of an echo cannot be told.
+    /// The meaning of the recorder's levels cannot be determined.
     NoLaw,
     /// Too few echoes lie where depths were measured.
     TooFewEchoes,
-    /// Too little of the ground is seen from two sides.
+    /// Too little of the bottom is insonified from two sides.
     OneSide,
     /// The logs have too many recorders and range settings between them to learn the curves of
     /// each.
@@ -55,9 +55,9 @@ pub enum LevelsRefused {
     /// Left-out soundings are predicted no better; root mean squares of their errors by triangles
     /// and with levels, metres.
     NoBetter {
-        /// By triangles.
+        /// Error by triangles, metres.
         without_m: f64,
-        /// With levels.
+        /// Error with levels, metres.
         with_m: f64,
     },
 }
@@ -97,7 +97,7 @@ impl FromLevels {
 }
 
 impl fmt::Display for FromLevels {
-    /// What depths between the lines are: `interpolated`, or `from echo levels (...)`.
+    /// Writes the source of depths between the lines: `interpolated`, or `from echo levels (...)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Off => f.write_str("interpolated"),

@@ -9,10 +9,10 @@ const EXAGGERATIONS: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 /// The slope that the steeper tenth of a surface has at most after exaggeration: beyond it the
 /// picture is all black and white.
 const STEEP: f64 = 0.8;
-/// Slopes that are looked at to choose the exaggeration.
+/// Number of slopes examined to choose the exaggeration.
 const SLOPES: usize = 50_000;
 
-/// Where the light comes from, and what the relief is multiplied with.
+/// Direction of the light, and factor on the relief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Direction of the light, degrees clockwise from grid north. From the north-west, as maps have
@@ -25,8 +25,8 @@ pub struct Light {
 }
 
 impl Light {
-    /// From the north-west, half-way up, with the factor of 1, 2, 5, 10, 20, 50 that suits the
-    /// slopes of a surface.
+    /// Returns light from the north-west, half-way up, with the factor of 1, 2, 5, 10, 20, 50 that
+    /// suits the slopes of a surface.
     pub fn suited(surface: &Surface) -> Self {
         let step = (surface.grid.len() / SLOPES).max(1);
         let mut slopes: Vec<f64> = (0..surface.grid.len())
@@ -48,7 +48,7 @@ impl Light {
         }
     }
 
-    /// Brightness of level ground, 1 to 255.
+    /// Returns the brightness of a level bottom, 1 to 255.
     pub fn level_ground(&self) -> u8 {
         brightness(self.altitude_deg.to_radians().sin())
     }

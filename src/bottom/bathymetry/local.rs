@@ -8,15 +8,15 @@ use super::tin::largest_radius_m;
 use super::{DepthPoint, Grid};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Standard deviation of a depth that stands alone in its cell, metres: what differences between
-/// two logs scatter by on level ground.
+/// Standard deviation of a depth that stands alone in its cell, metres: the scatter of differences
+/// between two logs on a level bottom.
 const ALONE_M: f64 = 0.03;
-/// Lines through the cells of a tile depend on so many cells beyond its edge, however their corners
-/// are cut.
+/// Number of cells beyond the edge of a tile that lines through its cells depend on, however their
+/// corners are cut.
 pub const LOCAL_MARGIN_CELLS: usize = 4;
 
-/// How far from a cell the points lie that it depends on, metres, but for the cells that they fall
-/// into.
+/// Returns the greatest distance from a cell to the points that it depends on, metres, not counting
+/// the size of the cells that they fall into.
 ///
 /// A triangle that counts lies, with all nodes that decide whether it is one, in its circumscribed
 /// circle: no two places of that are farther apart than its diameter.

@@ -1,4 +1,4 @@
-//! What the many soundings of one place say together.
+//! Merges the soundings of one place into one depth.
 
 use super::DepthPoint;
 use bathyscope_log::support::statistics::{median, weighted_median};

@@ -1,5 +1,5 @@
-//! How far the positions of each log are off, and how late they are, from where tracks cross over a
-//! bottom that slopes.
+//! Offsets and latencies of the positions of each log, from crossings of tracks over a bottom that
+//! slopes.
 //!
 //! A log whose positions are off measures at a crossing the depth of another place, and the slope
 //! of the bottom tells how far away that is. With the gradient `G` of the depth, heights `h`,
@@ -43,7 +43,7 @@ const LATENCY: usize = 2;
 const HEIGHT: usize = 3;
 const UNKNOWNS: usize = 4;
 
-/// What is looked for.
+/// Unknowns that are to be found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
     /// Shifts to the east and north.
@@ -53,26 +53,27 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Returns true if anything is.
+    /// Returns true if any unknown is wanted.
     pub fn is_anything(self) -> bool {
         self.shifts || self.latencies
     }
 }
 
-/// How positions of a log are corrected.
+/// Correction of the positions of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
-    /// Added to its positions, metres to the east.
+    /// Metres to the east, added to its positions.
     pub east_m: f64,
-    /// And to the north.
+    /// Metres to the north, added to its positions.
     pub north_m: f64,
     /// Delay of its positions after the depths recorded with them, seconds: the boat is where it
-    /// will be recorded to be so much later.
+    /// will be recorded to be this much later.
     pub latency_s: f64,
 }
 
 impl Shift {
-    /// What is added to a place that is passed at some velocity, metres.
+    /// Returns the correction of a place that is passed at some velocity, metres to the east and
+    /// north.
     pub fn at(&self, velocity_mps: [f64; 2]) -> [f64; 2] {
         let [east, north] = velocity_mps;
         [self.east_m + self.latency_s * east, self.north_m + self.latency_s * north]
@@ -109,7 +110,7 @@ pub struct FoundShift {
 }
 
 impl FoundShift {
-    /// Nothing was looked for.
+    /// Zero shift without errors, where no unknown was wanted.
     pub const NONE: Self = Self {
         shift: Shift { east_m: 0.0, north_m: 0.0, latency_s: 0.0 },
         shift_error_m: f64::NAN,
@@ -133,10 +134,10 @@ pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
     track.iter().enumerate().map(moved).collect()
 }
 
-/// A log that crossings are of.
+/// A log in the adjustment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CorrectedLog {
-    /// How its positions were corrected before its depths were compared.
+    /// Correction applied to its positions before its depths were compared.
     pub shift: Shift,
     /// Its height offset, where that is known and the shift stays: a log that a person has pinned.
     pub pinned_m: Option<f64>,
@@ -195,7 +196,7 @@ struct Adjustment<'a> {
     logs: &'a [CorrectedLog],
     /// Those that have numbers, of these logs.
     crossings: Vec<&'a Crossing>,
-    /// What the differences of their depths scatter by, metres.
+    /// Expected standard deviations of the differences of their depths, metres.
     sigmas_m: Vec<f64>,
     wanted: Wanted,
 }
@@ -267,7 +268,7 @@ impl<'a> Adjustment<'a> {
         }
     }
 
-    /// What the unknowns and their errors say of a log.
+    /// Returns the shift of a log and its errors, from all unknowns and their errors.
     fn found(&self, log: usize, values: &[f64], errors: &[f64]) -> FoundShift {
         let placed = &self.logs[log];
         let of = |unknown: usize| UNKNOWNS * log + unknown;
@@ -326,7 +327,8 @@ impl<'a> Adjustment<'a> {
         variances.into_iter().map(|variance| variance.max(0.0).sqrt()).collect()
     }
 
-    /// What the unknowns add to the difference of a crossing, and what is known of it, metres.
+    /// Returns the terms that the unknowns add to the difference of a crossing, and its known part,
+    /// metres.
     fn sides(&self, one: &Crossing) -> (Vec<(usize, f64)>, f64) {
         let mut terms = Vec::with_capacity(2 * UNKNOWNS);
         let mut known_m = 0.0;
@@ -350,7 +352,8 @@ impl<'a> Adjustment<'a> {
         (terms, known_m)
     }
 
-    /// What some values of the unknowns leave of the difference of a crossing, metres.
+    /// Returns the part of the difference of a crossing that some values of the unknowns do not
+    /// explain, metres.
     fn left_m(&self, one: &Crossing, values: &[f64]) -> f64 {
         let (terms, known_m) = self.sides(one);
         let explained: f64 = terms.iter().map(|(unknown, factor)| factor * values[*unknown]).sum();

@@ -198,7 +198,7 @@ impl NodeSlopes {
         (weights > 0.0).then(|| sum.map(|sum| sum / weights))
     }
 
-    /// For questions about many places, of which most lie in the triangle of the one before.
+    /// Returns a sampler for many places, of which most lie in the triangle of the place before.
     pub(super) fn sampler<'a>(&'a self, triangles: TinSampler<'a>) -> BendSampler<'a> {
         BendSampler { slopes: self, triangles, corners: Vec::with_capacity(3) }
     }
@@ -235,8 +235,8 @@ impl Bend {
 }
 
 impl BendSampler<'_> {
-    /// At a place; `None` where there is no triangle. Straight where no slope is known, or the
-    /// planes through the corners lie on both sides of the triangle.
+    /// Returns the bend at a place; `None` where there is no triangle. It is zero where no slope is
+    /// known, or the planes through the corners lie on both sides of the triangle.
     pub(super) fn at(&mut self, [east_m, north_m]: [f64; 2]) -> Option<Bend> {
         let Self { slopes, triangles, corners } = self;
         let nodes = triangles.nodes_at([east_m, north_m])?;
@@ -281,7 +281,7 @@ enum BentTriangles<'a> {
 }
 
 impl<'a> BentSampler<'a> {
-    /// Of triangles, straight ones without slopes.
+    /// Creates a sampler of bent triangles, or of straight ones without slopes.
     pub(crate) fn new(tin: &'a Tin, slopes: Option<&'a NodeSlopes>) -> Self {
         let triangles = tin.sampler(Between::Linear);
         let triangles = match slopes {
@@ -303,7 +303,8 @@ impl<'a> BentSampler<'a> {
     }
 }
 
-/// How much deeper the cubic patch is than the triangle where its corners have these weights.
+/// Returns the depth of the cubic patch less that of the triangle, metres, where its corners have
+/// these weights.
 fn patch_m(corners: &[(Node, Option<[f64; 2]>)], weights: [f64; 3]) -> f64 {
     let corners = || corners.iter().zip(weights).enumerate();
     let (mut edges_m, mut middle_m) = (0.0, 0.0);

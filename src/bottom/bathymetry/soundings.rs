@@ -12,7 +12,7 @@ pub struct DepthPoint {
     pub north_m: f64,
     /// Metres below the transducer.
     pub depth_m: f64,
-    /// What it counts where several depths meet; 1 for a recorder's own sounding, 0 for none.
+    /// Weight where several depths meet; 1 for a recorder's own sounding, 0 to ignore the depth.
     pub weight: f64,
     /// True if it is a depth of the recorder, under the boat or across the track, or of a
     /// reference, and no first return of the side-scan.

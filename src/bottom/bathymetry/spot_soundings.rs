@@ -7,7 +7,7 @@ use crate::presentation::ticks;
 use bathyscope_log::support::outline::bounds;
 use std::collections::HashMap;
 
-/// Where nobody says how far figures are apart, about so many fit along the diagonal of a map.
+/// Approximate number of figures along the diagonal of a map, where the settings name no distance.
 const ALONG_DIAGONAL: f64 = 40.0;
 
 /// Chooses depths that are `radius_m` apart at least, shoal first: the shallowest of all, then the
@@ -39,8 +39,8 @@ pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
     chosen
 }
 
-/// How far spot soundings are apart by the settings, or, where these leave it open, a round
-/// distance by the extent of the depths; `None` without an extent.
+/// Returns the distance between spot soundings by the settings, metres, or, where these leave it
+/// open, a round distance by the extent of the depths; `None` without an extent.
 pub fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
     let [west, south, east, north] = bounds(points.iter().map(DepthPoint::place));
     let by_extent = || {

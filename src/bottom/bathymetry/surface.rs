@@ -15,21 +15,20 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// How the depth between soundings is found.
+/// Method that finds the depth between soundings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceMethod {
-    /// On the Delaunay triangles: through every sounding, so that no shoal that was measured is
-    /// lost. They bend to the slopes on the lines ([`Bends`]) where left-out soundings are then
-    /// predicted better, and are plane elsewhere. Older projects may name a plate that bent least,
-    /// which is gone.
+    /// Delaunay triangles: through every sounding, so that no shoal that was measured is lost. They
+    /// bend to the slopes on the lines ([`Bends`]) where left-out soundings are then predicted
+    /// better, and are plane elsewhere. Older projects may name a plate of least bending, which no
+    /// longer exists.
     #[default]
     #[serde(alias = "auto", alias = "smooth")]
     Linear,
-    /// By natural neighbours (Sibson): smooth but at the soundings.
+    /// Natural neighbours (Sibson): smooth except at the soundings.
     Natural,
-    /// By inverse distance squared of the nearest 64 within the gap: smooth, draws towards the
-    /// mean.
+    /// Inverse distance squared of the nearest 64 within the gap: smooth, draws towards the mean.
     InverseDistance,
 }
 
@@ -44,14 +43,14 @@ impl SurfaceMethod {
     }
 }
 
-/// Depths that were left out are doubts of cells within this, metres.
+/// Depths that were excluded cast doubt on cells within this distance, metres.
 const DOUBTED_M: f64 = 1.0;
 
 /// `surface.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SurfaceSettings {
-    /// How the depth between soundings is found.
+    /// Method that finds the depth between soundings.
     pub method: SurfaceMethod,
     /// Side of a cell, metres; chosen from the spacing of the soundings ([`suited_cell_m`]) when
     /// not given.
@@ -63,10 +62,10 @@ pub struct SurfaceSettings {
     /// Most cells along the longer side: where a cell would make more of them, or more than 20
     /// million in all, it is larger.
     pub max_side: usize,
-    /// What a recorder's own depth, a sounding or one of a swath, counts where several depths fall
-    /// into one cell; 0 leaves them out.
+    /// Weight of a recorder's own depth, a sounding or one of a swath, where several depths fall
+    /// into one cell; 0 excludes them.
     pub down_scan_weight: f64,
-    /// What a side-scan point counts there; 0 leaves them out.
+    /// Weight of a side-scan point there; 0 excludes them.
     pub side_scan_weight: f64,
     /// True if all side-scan points above the recorded depth count: their depth may be that of weed
     /// or fish.
@@ -75,7 +74,7 @@ pub struct SurfaceSettings {
     /// the other side do not, for longer than this along the track, metres: a bank, no clump of
     /// weed, fish or object.
     pub longest_above_bottom_m: f64,
-    /// Whether depths between the lines come from the levels of the echoes.
+    /// Setting for depths between the lines from the levels of the echoes.
     pub swath: SwathDepth,
     /// True if echoes and objects are placed on the bottom that the log measured, where it did
     /// ([`bathyscope_log::survey::Relief`]); otherwise on a level one.
@@ -103,8 +102,8 @@ impl Default for SurfaceSettings {
 }
 
 impl SurfaceSettings {
-    /// What a point of the bottom counts: a side-scan point by its confidence; 0 when its source is
-    /// left out.
+    /// Returns the weight of a point of the bottom; for a side-scan point it includes the
+    /// confidence. 0 when its source is excluded.
     pub fn weight(&self, point: &CloudPoint) -> f64 {
         match point.source {
             // Both are depths of the recorder itself.
@@ -127,7 +126,7 @@ impl SurfaceSettings {
     }
 }
 
-/// What the spread of a cell is.
+/// Meaning of the spread of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
     /// Disagreement of the soundings that carry a cell: the standard deviation of their depths
@@ -142,28 +141,28 @@ pub enum Spread {
 /// Depths on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// How the depth between soundings was found.
+    /// Method that found the depth between soundings.
     pub method: SurfaceMethod,
     /// Bends of the triangles between the soundings; `None` where they are straight.
     pub bends: Option<Bends>,
-    /// Whether depths between those measured come from the levels of the echoes (`crate::swath`).
+    /// Result of depths between measured ones from the levels of the echoes (`crate::swath`).
     pub levels: FromLevels,
-    /// What the spreads are.
+    /// Meaning of the spreads.
     pub spread_is: Spread,
-    /// Where the cells are.
+    /// Grid of the cells.
     pub grid: Grid,
     /// Depth at the centre of each cell, metres, row by row; NaN where nothing is known.
     pub depth_m: Vec<f32>,
-    /// What [`Surface::spread_is`] says, metres; NaN where nothing is known.
+    /// Spread as [`Surface::spread_is`] defines it, metres; NaN where nothing is known.
     pub spread_m: Vec<f32>,
     /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is
     /// known.
     pub distance_m: Vec<f32>,
     /// The source of the depth in each cell.
     pub source: Vec<CellSource>,
-    /// How much brighter the bed of each cell is than that of the median cell, decibels of power,
-    /// once slope, angle, range and the recorder's gain are taken out: hard ground is bright; NaN
-    /// where no echo says. `None` without depths from levels.
+    /// Brightness of the bed of each cell over that of the median cell, decibels of power, once
+    /// slope, angle, range and the recorder's gain are taken out: a hard bottom is bright; NaN
+    /// where no echo determines it. `None` without depths from levels.
     pub hardness_db: Option<Vec<f32>>,
 }
 
@@ -184,7 +183,7 @@ impl Surface {
         }
     }
 
-    /// A grid of which nothing is known yet, its sources least of all.
+    /// Creates a surface of unknown depths, without sources.
     pub(super) fn unknown(grid: Grid, method: SurfaceMethod) -> Self {
         let unknown = || vec![f32::NAN; grid.len()];
         Self {
@@ -249,7 +248,7 @@ impl Surface {
         }
     }
 
-    /// How its depths were found: `linear triangles, between the lines from echo levels`.
+    /// Returns the method of its depths: `linear triangles, between the lines from echo levels`.
     pub fn method_in_words(&self) -> String {
         let straight = self.method.in_words();
         let method = match self.bends {
@@ -407,7 +406,8 @@ pub fn surface(
     Ok(Some(made))
 }
 
-/// The same where nobody asks what its depths are worth: the spreads are those of the soundings.
+/// Does the same as [`surface()`] without bends and stated errors: the spreads are those of the
+/// soundings.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -468,7 +468,7 @@ impl Cell {
     }
 }
 
-/// The nodes, ready to be asked.
+/// The nodes, prepared for sampling.
 pub(super) struct DepthField {
     method: SurfaceMethod,
     gap_m: f64,
@@ -482,7 +482,7 @@ struct Near {
     index: ImmutableKdTree<f64, 2>,
 }
 
-/// Asks a [`DepthField`] from one thread.
+/// Samples a [`DepthField`] in one thread.
 struct Sampler<'a> {
     field: &'a DepthField,
     tin: TinSampler<'a>,
@@ -500,7 +500,7 @@ impl DepthField {
         Some(Self { method: settings.method, gap_m, tin, near })
     }
 
-    /// On triangles alone of which none depends on what lies far away
+    /// Creates a field on triangles alone, of which none depends on what lies far away
     /// ([`Tin::with_local_triangles`]).
     pub(super) fn local(nodes: Vec<Node>, gap_m: f64) -> Option<Self> {
         let tin = Tin::new(nodes)?.with_max_gap(gap_m);
@@ -512,7 +512,7 @@ impl DepthField {
         })
     }
 
-    /// Asks for every cell, rows in parallel.
+    /// Fills every cell of a grid, rows in parallel.
     pub(super) fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
         let mut made = Surface::unknown(grid, self.method);
         progress.start(grid.rows as u64);

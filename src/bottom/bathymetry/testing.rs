@@ -20,7 +20,7 @@ pub(super) struct Golden {
     pub place: [f64; 2],
     /// scipy's and GDAL's linear interpolation.
     pub linear: f64,
-    /// From exact Voronoi areas (shapely).
+    /// Natural neighbours, from exact Voronoi areas (shapely).
     pub natural: f64,
     /// All points, power 2.
     pub inverse_distance: f64,

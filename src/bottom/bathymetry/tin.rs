@@ -36,10 +36,10 @@ pub(super) fn largest_radius_m(max_gap_m: f64) -> f64 {
     2.0 * max_gap_m / 3f64.sqrt()
 }
 
-/// How the depth between the corners is found.
+/// Method that finds the depth between the corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Between {
-    /// On the plane of the triangle.
+    /// Depth on the plane of the triangle.
     Linear,
     /// Sibson's natural neighbours: each node counts with the area that the place would take from
     /// its Voronoi cell.
@@ -95,7 +95,7 @@ impl Tin {
         Self { max_radius_m: largest_radius_m(self.max_gap_m), ..self }
     }
 
-    /// Whether a triangle is one that [`Tin::with_max_gap`] keeps.
+    /// Returns true if [`Tin::with_max_gap`] and [`Tin::with_local_triangles`] keep a triangle.
     fn is_known(&self, mut corners: [Point2<f64>; 3]) -> bool {
         // In one order, so that the same triangle of another triangulation is rounded alike.
         corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));

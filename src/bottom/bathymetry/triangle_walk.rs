@@ -4,7 +4,7 @@
 use spade::handles::{FixedFaceHandle, InnerTag};
 use spade::{HasPosition, Point2, Triangulation};
 
-/// Where a walk ended.
+/// End of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WalkEnd {
     /// The place lies in this triangle, and on none of its edges.
@@ -61,7 +61,7 @@ where
 /// "Adaptive Precision Floating-Point Arithmetic", 1997: `ccwerrboundA`, 3.33e-16).
 const ROUNDING: f64 = 4e-16;
 
-/// Whether a place lies to the left of an edge; `None` where rounding decides.
+/// Returns true if a place lies to the left of an edge; `None` where rounding decides.
 fn side([from, to]: [Point2<f64>; 2], place: Point2<f64>) -> Option<bool> {
     let left = (from.x - place.x) * (to.y - place.y);
     let right = (from.y - place.y) * (to.x - place.x);

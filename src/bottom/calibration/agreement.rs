@@ -1,5 +1,4 @@
-//! How far the first returns of a stretch can be believed to show the bottom that the recorder
-//! measured.
+//! Agreement of the first returns of a stretch with the bottom that the recorder measured.
 
 use super::scale::Usable;
 use bathyscope_log::support::statistics::median;
@@ -24,13 +23,13 @@ pub(super) struct DepthAgreement {
 struct Sums {
     /// Their number, port and starboard.
     counts: [f64; 2],
-    /// Of the share by which a pick's `r / d` exceeds the log's median.
+    /// Sum of the shares by which a pick's `r / d` exceeds the log's median.
     excess: f64,
     squares: f64,
 }
 
 impl DepthAgreement {
-    /// Of picks in ping order, over a log of `pings` pings.
+    /// Sums up picks in ping order, over a log of `pings` pings.
     pub(super) fn new(picks: &[Usable], pings: usize) -> Self {
         let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
         let typical = median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
@@ -54,11 +53,11 @@ impl DepthAgreement {
         }
     }
 
-    /// How much the scale of a stretch may be off, metres at the log's median depth: twice the
-    /// scatter of `r / d` over both sides together, which holds a slope across the track, and the
-    /// square of the share of pings that give no pick on the poorer side. A few of those are fish
-    /// and interference; where there are many, what is left was selected: over boulders and weed
-    /// the pings at which they end below the margin.
+    /// Returns the possible error of the scale of a stretch, metres at the log's median depth:
+    /// twice the scatter of `r / d` over both sides together, which holds a slope across the track,
+    /// and the square of the share of pings that give no pick on the poorer side. A few of those
+    /// are fish and interference; where there are many, the picks that remain were selected: over
+    /// boulders and weed, they are the pings at which these end below the margin.
     ///
     /// Zero where the log has no picks at all: then nothing distinguishes one stretch from another.
     pub(super) fn doubt_m(&self, pings: &Range<usize>) -> f64 {

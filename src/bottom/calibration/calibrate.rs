@@ -139,12 +139,13 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     })
 }
 
-/// What the header's scale makes of the first returns at the flat spot, less the constant `lead_m`
-/// that ranges have over depths: an offset of a few centimetres moves the flat spot's scale, and is
-/// none of the header's. Over a log whose range was changed there are no other picks to compare.
-/// Silent where a depth would change by less than it scatters by, but never because it scatters by
-/// much, and where it would change by less than anyone would act on. A stretch that slopes across
-/// the track says nothing of a scale.
+/// Returns a warning where the header's scale and the soundings disagree about the first returns at
+/// the flat spot, after subtraction of the constant `lead_m` that ranges have over depths: an
+/// offset of a few centimetres moves the flat spot's scale, and is no error of the header's. Over a
+/// log whose range was changed there are no other picks to compare. `None` where a depth would
+/// change by less than it scatters by, but never because it scatters by much, and where it would
+/// change by less than anyone would act on. A stretch that slopes across the track determines no
+/// scale.
 fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     let (spread, factor) = (spot.spread()?, spot.factor?);
     let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
@@ -161,8 +162,8 @@ fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     })
 }
 
-/// Where side-scan and soundings differ by more than both are uncertain by, and nothing was said of
-/// it yet: no offset was looked for.
+/// Returns a warning where side-scan and soundings differ by more than the uncertainty of either,
+/// and no other warning says so: no offset was to be taken off.
 fn remaining(made: &Calibration) -> Option<String> {
     let [left_m, two_sigma_m] = made.remaining_offset_m()?;
     let is_silent = matches!(made.offset_note, Some(note) if note != REFUSED);

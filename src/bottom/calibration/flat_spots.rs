@@ -1,4 +1,4 @@
-//! Where the bottom is flat along the track, and both sides detect it.
+//! Finds stretches where the bottom is flat along the track, and both sides detect it.
 
 use super::FlatSpot;
 use super::agreement::DepthAgreement;
@@ -90,7 +90,7 @@ pub fn stretch_around(survey: &Survey, navigation: &Navigation, ping: usize) -> 
     }
 }
 
-/// What there is to know about a stretch that the user chose, whatever it is good for.
+/// Describes a stretch that the user chose, whether or not it suits a calibration.
 pub fn stretch(
     survey: &Survey,
     navigation: &Navigation,
@@ -101,7 +101,7 @@ pub fn stretch(
     describe(survey, navigation, &picks, pings)
 }
 
-/// As [`stretch`], of the usable picks.
+/// Describes a stretch as [`stretch`] does, from the usable picks.
 pub(super) fn describe(
     survey: &Survey,
     navigation: &Navigation,

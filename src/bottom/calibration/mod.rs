@@ -1,5 +1,5 @@
-//! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over
-//! the whole log.
+//! Conversion of samples to metres: the flat spot and its pixels per metre, the header's scale, the
+//! fit over the whole log.
 //!
 //! In: a survey with its navigation and first returns. Out: flat spots, and a calibration.
 //!
@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Which scale turns samples into metres.
+/// Scale that turns samples into metres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ScaleMode {
@@ -44,7 +44,7 @@ pub enum ScaleMode {
     Header,
 }
 
-/// What a scale from a flat spot is for pings of another recorded range.
+/// Meaning of a flat spot's scale for pings of another recorded range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PpdReach {
@@ -56,14 +56,14 @@ pub enum PpdReach {
     Factor,
 }
 
-/// What is done about a constant between first-return ranges and recorded depths.
+/// Treatment of a constant between first-return ranges and recorded depths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OffsetMode {
     /// Ranges stay as they are.
     None,
-    /// As [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they are
-    /// ([`RangeSource`]).
+    /// The same as [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they
+    /// are ([`RangeSource`]).
     Auto,
     /// The constant that the log shows is taken off, where it is one that an instrument causes
     /// ([`RangeOffset`]): the pulse's leading edge (a few centimetres early), and draft or keel
@@ -75,14 +75,14 @@ pub enum OffsetMode {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationSettings {
-    /// Which scale turns samples into metres.
+    /// Scale that turns samples into metres.
     pub mode: ScaleMode,
     /// Side-scan pings `A..B` of the flat spot; the best-ranked one when empty.
     pub pings: Option<PingRange>,
-    /// What the flat spot's scale is for pings of another recorded range.
+    /// Meaning of the flat spot's scale for pings of another recorded range.
     pub ppd: PpdReach,
-    /// What is done about a constant offset. A scale from a flat spot holds it already, so it acts
-    /// on the header's only.
+    /// Treatment of a constant offset. A scale from a flat spot holds it already, so it acts on the
+    /// header's only.
     pub offset: OffsetMode,
 }
 
@@ -164,8 +164,8 @@ pub struct FlatSpot {
     pub tilt: f64,
     /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
     pub ppd: Option<Scale>,
-    /// Recorded depth over the header's slant range, median over the same picks: what a metre of
-    /// the header measures.
+    /// Recorded depth over the header's slant range, median over the same picks: the true length of
+    /// a metre of the header.
     pub factor: Option<f64>,
 }
 
@@ -179,7 +179,7 @@ impl FlatSpot {
         PingRange { start: self.pings.start, end: self.pings.end }
     }
 
-    /// How flat it is and what its first returns say, in three lines.
+    /// Returns the flatness of the stretch and the scale by its first returns, in three lines.
     pub fn summary(&self) -> String {
         let [port, starboard] = self.picks;
         let scale = match self.ppd.zip(self.factor) {
@@ -238,31 +238,31 @@ pub struct DepthFit {
     pub picks: usize,
 }
 
-/// How picks become slant ranges.
+/// Conversion of picks to slant ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Which scale is in force.
+    /// Scale in force.
     pub mode: ScaleMode,
-    /// What the flat spot's scale is for pings of another range.
+    /// Meaning of the flat spot's scale for pings of another range.
     pub reach: PpdReach,
-    /// Where pixels per metre were measured, if anywhere.
+    /// Stretch on which pixels per metre were measured, if any.
     pub flat_spot: Option<FlatSpot>,
     /// The scale that the log's headers imply (median over the log).
     pub header: Option<Scale>,
     /// Range against depth over the whole log.
     pub fit: Option<DepthFit>,
-    /// Taken off every slant range, metres: [`Calibration::measured_offset`] where it is in force,
-    /// else 0.
+    /// Offset taken off every slant range, metres: [`Calibration::measured_offset`] where it is in
+    /// force, else 0.
     pub offset_m: f64,
     /// The constant between ranges and depths that the log shows, in force or not.
     pub measured_offset: Option<RangeOffset>,
-    /// Why no offset is taken off where one was asked for, in a few words for a panel.
+    /// Reason why no offset is taken off, in a few words for a panel.
     pub offset_note: Option<&'static str>,
     /// Widths of the beams that slopes show.
     pub beams: BeamWidths,
     /// Delay of the soundings, as slopes along the track show it; `None` where they show no lag.
     pub sounding_lag: Option<SoundingLag>,
-    /// What does not agree, in sentences.
+    /// Disagreements, in sentences.
     pub warnings: Vec<String>,
 }
 
@@ -272,14 +272,13 @@ impl Calibration {
         self.flat_spot.as_ref()?.ppd
     }
 
-    /// What a metre of the header measures at the flat spot ([`FlatSpot::factor`]).
+    /// Returns the true length of a metre of the header at the flat spot ([`FlatSpot::factor`]).
     pub fn factor(&self) -> Option<f64> {
         self.flat_spot.as_ref()?.factor
     }
 
-    /// How much longer first-return ranges are than recorded depths by the scale in force, at the
-    /// median depth, and two standard errors of that, metres; `None` where the log does not show
-    /// it.
+    /// Returns the excess of first-return ranges over recorded depths by the scale in force, at the
+    /// median depth, and two standard errors of it, metres; `None` where the log does not show it.
     pub fn remaining_offset_m(&self) -> Option<[f64; 2]> {
         let found = self.measured_offset?;
         let left_m = match (self.mode, self.factor()) {
@@ -291,8 +290,8 @@ impl Calibration {
         Some([left_m, found.uncertainty_m])
     }
 
-    /// What is done to the recorded ranges, for the edge of a picture; `None` where they stay as
-    /// they are.
+    /// Returns the change of the recorded ranges, for the edge of a picture; `None` where they stay
+    /// as they are.
     pub fn range_change(&self) -> Option<String> {
         match (self.mode, self.reach, self.ppd(), self.factor()) {
             (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => {

@@ -1,4 +1,4 @@
-//! What speaks against a stretch as the place of a calibration, in sentences.
+//! Objections to a stretch as the place of a calibration, in sentences.
 
 use super::FlatSpot;
 use bathyscope_log::survey::{Side, Survey};
@@ -9,9 +9,9 @@ const SHORT_M: f64 = 5.0;
 const SLOPING: f64 = 0.03;
 /// A relief beyond this share of the depth makes the scale one of several depths.
 const UNEVEN: f64 = 0.15;
-/// Share of the pings without bottom from which that is said.
+/// Share of the pings without bottom above which this is an objection.
 const LOST: f64 = 0.1;
-/// A spread is larger than that of the best stretch when it is so many times as large, and beyond
+/// A spread is larger than that of the best stretch when it is this many times as large, and beyond
 /// this share of the scale.
 const WIDER: f64 = 1.5;
 const WIDE: f64 = 0.01;
@@ -19,8 +19,8 @@ const WIDE: f64 = 0.01;
 pub(super) const VERY_WIDE: f64 = 0.03;
 
 impl FlatSpot {
-    /// Why it is a worse place for a calibration than `best`, or none at all; empty where nothing
-    /// speaks against it.
+    /// Returns the reasons why it is a worse place for a calibration than `best`, or none at all;
+    /// empty where there is no objection.
     pub fn objections(&self, survey: &Survey, best: Option<&FlatSpot>) -> Vec<String> {
         if self.depth_m.is_nan() {
             return vec![
@@ -64,7 +64,8 @@ impl FlatSpot {
         found
     }
 
-    /// Where half the pings give no usable first return on a side that was recorded.
+    /// Returns a sentence where more than half the pings give no usable first return on a side that
+    /// was recorded.
     pub(super) fn few_returns(&self, survey: &Survey) -> Option<String> {
         let recorded = survey.side_scan.get(self.pings.start)?;
         let poorer = Side::BOTH
@@ -80,8 +81,8 @@ impl FlatSpot {
         ))
     }
 
-    /// Where the scales of single pings scatter by much, by themselves or next to those of the best
-    /// stretch.
+    /// Returns a sentence where the scales of single pings scatter by much, by themselves or
+    /// compared with those of the best stretch.
     fn wide_spread(&self, best: Option<&FlatSpot>) -> Option<String> {
         let spread = self.spread()?;
         let percent = 100.0 * spread;

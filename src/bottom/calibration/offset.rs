@@ -11,7 +11,7 @@ use super::scale::Usable;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::Side;
 
-/// Pings that are looked at together: long enough to quiet the noise of the recorded depth, short
+/// Pings that are evaluated together: long enough to quiet the noise of the recorded depth, short
 /// against slopes.
 const BLOCK_PINGS: usize = 24;
 /// Picks on each side of a block, at least.
@@ -23,22 +23,22 @@ const MIN_BLOCKS: usize = 4;
 /// metres, and the receiver's and the detector's filters, samples.
 const MOST_M: f64 = 0.25;
 const MOST_SAMPLES: f64 = 3.0;
-/// How early an edge is found by its pulse and the filters alone, and how late, metres and samples.
-/// What goes beyond could also be a share of the depth, so the log must show that it is none.
+/// Largest offset of an edge that its pulse and the filters alone cause, early and late, metres and
+/// samples. A larger one could also be a share of the depth, so the log must show that it is none.
 const EARLY_M: f64 = 0.10;
 const EARLY_SAMPLES: f64 = 1.5;
 const LATE_M: f64 = 0.01;
 const LATE_SAMPLES: f64 = 0.5;
 /// Largest error of an offset that is still better than none, metres.
 pub(super) const TOLERANCE_M: f64 = 0.04;
-/// How much an offset that is more than an edge may change down to the depths of the log, and how
-/// uncertain that may be, metres: of 240 simulated logs none gets a wrong offset by these, and the
-/// river of the tests, whose recorder rounds depths to 0.1 m, keeps its.
+/// Largest change of an offset that is more than an edge, down to the depths of the log, and
+/// largest uncertainty of that change, metres: of 240 simulated logs none gets a wrong offset by
+/// these, and the river of the tests, whose recorder rounds depths to 0.1 m, keeps its offset.
 const MOST_DRIFT_M: f64 = 0.07;
 const MOST_UNCERTAIN_M: f64 = 0.10;
 /// Share of the deeper side's picks in a block that may be flagged as an above-bottom return: where
-/// there are more, the ground is not what was found first. Those of the other blocks count, flagged
-/// or not: to leave them out would select the late ones.
+/// there are more, the bottom is not what was found first. The picks of the other blocks count,
+/// flagged or not: to leave flagged ones out would select the late ones.
 const MOST_FLAGGED: f64 = 0.4;
 /// Share of the blocks that support an offset, at least: of fewer, which ones they are is an
 /// accident.
@@ -68,7 +68,7 @@ pub struct RangeOffset {
     /// Error of the slope by the scatter (two standard errors); infinite where the depths do not
     /// vary.
     pub k_uncertainty: f64,
-    /// How much the noise of the recorded depths may take from the slope.
+    /// Largest part of the slope that the noise of the recorded depths may take away.
     pub k_attenuation: f64,
 }
 
@@ -78,11 +78,11 @@ pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
 }
 
 impl RangeOffset {
-    /// What the picks at recorded depths, flagged or not, show; `None` where no stretch has enough
-    /// of them on both sides.
+    /// Returns the offset that the picks at recorded depths, flagged or not, show; `None` where no
+    /// stretch has enough of them on both sides.
     ///
     /// On a slope the nearest bottom on the upper side is nearer than the water is deep, so the
-    /// deeper side of each block of pings speaks: there, the nearest bottom is straight below.
+    /// deeper side of each block of pings is used: there, the nearest bottom is straight below.
     pub(super) fn of(picks: &[Usable]) -> Option<Self> {
         let all = blocks(picks).count();
         let blocks: Vec<(f64, f64)> = blocks(picks).filter_map(depth_and_excess).collect();
@@ -118,8 +118,8 @@ impl RangeOffset {
         ))
     }
 
-    /// Why the offset must not be taken off the ranges, in a sentence; `sample_m` is the range of
-    /// one sample. `None` when it may.
+    /// Returns a sentence that says why the offset must not be taken off the ranges; `sample_m` is
+    /// the range of one sample. `None` when it may.
     pub(super) fn objection(&self, sample_m: f64) -> Option<String> {
         let Self { offset_m, blocks, .. } = *self;
         let drift_m = ((self.k - 1.0) * self.depth_m).abs();

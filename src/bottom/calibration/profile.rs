@@ -62,8 +62,8 @@ impl Profile {
         self.along_m.last().copied().unwrap_or(0.0)
     }
 
-    /// Pings from `start` on that cover `length_m` and are `min_pings` at least; `None` where one
-    /// has no depth to lean on.
+    /// Returns the pings from `start` on that cover `length_m` and are `min_pings` at least; `None`
+    /// where one has no usable depth.
     pub(super) fn stretch(
         &self,
         start: usize,
@@ -98,8 +98,8 @@ impl Profile {
         }
     }
 
-    /// How much the depth varies over a stretch: rise of its line and twice the scatter about it,
-    /// metres.
+    /// Returns the variation of the depth over a stretch: rise of its line and twice the scatter
+    /// about it, metres.
     pub(super) fn variation_m(&self, pings: &Range<usize>) -> f64 {
         let (slope, scatter_m) = self.sums(pings).line();
         let length_m = self.along_m[pings.end - 1] - self.along_m[pings.start];

@@ -71,7 +71,8 @@ pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usabl
     picks
 }
 
-/// As [`usable_picks`], with those that are flagged and those that differ much.
+/// Returns the picks of [`usable_picks`] and also those that are flagged and those that differ
+/// much.
 pub(super) fn picks_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     (0..survey.side_scan.len())
         .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
@@ -120,7 +121,8 @@ pub fn header_scale(survey: &Survey) -> Option<Scale> {
     scale_of(header_scales(survey).collect())
 }
 
-/// How many times the recorded scale changes by more than 1 % from one ping to the next.
+/// Returns the number of times that the recorded scale changes by more than 1 % from one ping to
+/// the next.
 pub(super) fn range_changes(survey: &Survey) -> usize {
     let scales: Vec<f64> = header_scales(survey).collect();
     scales.windows(2).filter(|pair| (pair[1] / pair[0] - 1.0).abs() > 0.01).count()

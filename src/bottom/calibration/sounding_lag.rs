@@ -104,7 +104,7 @@ fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, p
 struct Window {
     /// Times and ranges, seconds and metres.
     ranges: Vec<[f64; 2]>,
-    /// What ranges grow by, metres a second.
+    /// Growth of the ranges, metres a second.
     growth_mps: f64,
 }
 

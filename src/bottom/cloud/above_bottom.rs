@@ -1,5 +1,5 @@
-//! Which first returns above the recorded depth are no bottom, and how far along the track they go
-//! on.
+//! Finds first returns above the recorded depth that are no bottom, and how far along the track
+//! they go on.
 //!
 //! A clump of weed, a fish and an object are soon passed; a bank or the edge of a scarp goes on, on
 //! the side where it lies. What both sides see above the recorded depth is the top of weed or of
@@ -20,7 +20,7 @@ const AROUND_M: f64 = 5.0;
 /// Way to both sides over which it is judged how closely the recorded depth follows the first
 /// returns, metres: weed and objects fill less than half of it, else it is a long stretch.
 const FOLLOWED_M: f64 = 30.0;
-/// Pings on so much of the way share that judgement, metres.
+/// Length of the way on which pings share that judgement, metres.
 const SHARED_M: f64 = 2.0;
 /// A first return above the recorded depth by more standard deviations than this is above the
 /// bottom.

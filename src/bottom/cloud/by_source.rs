@@ -21,12 +21,12 @@ impl<T> Default for BySource<T> {
 }
 
 impl<T> BySource<T> {
-    /// Of the entries of each source, made by `part`.
+    /// Creates the list from the entries of each source, made by `part`.
     pub fn from_parts(part: impl FnMut(PointSource) -> Arc<Vec<T>>) -> Self {
         Self(PointSource::ALL.map(part))
     }
 
-    /// Those of one source.
+    /// Returns the entries of one source.
     pub fn of(&self, source: PointSource) -> &Arc<Vec<T>> {
         &self.0[source as usize]
     }

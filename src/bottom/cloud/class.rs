@@ -1,12 +1,12 @@
-//! What each point of a cloud is: decided here once, for the map, every file, every count and every
-//! view.
+//! Class of each point of a cloud: decided here once, for the map, every file, every count and
+//! every view.
 
 use super::{CloudPoint, OutlierSettings, PointCloud, PointSource, outliers};
 use bathyscope_log::named;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-/// What a point is, in the code of ASPRS LAS 1.4 and its topo-bathymetric profile. Classes from 64
+/// Class of a point, in the code of ASPRS LAS 1.4 and its topo-bathymetric profile. Classes from 64
 /// on are free for users; those here are named in LAS files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
@@ -55,15 +55,16 @@ impl PointClass {
     }
 }
 
-/// What the class of a point is decided by.
+/// Rules that decide the class of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassRules<'a> {
-    /// First returns of less confidence than this are not kept, and nobody's neighbours
+    /// First returns of less confidence than this are not kept, and do not count as neighbours
     /// (`first_return.min_confidence`).
     pub min_confidence: f32,
     /// True if all above-bottom returns count as bottom (`surface.above_bottom`).
     pub above_bottom: bool,
-    /// They do in stretches longer than this, metres (`surface.longest_above_bottom_m`).
+    /// Above-bottom returns count as bottom in stretches longer than this, metres
+    /// (`surface.longest_above_bottom_m`).
     pub longest_above_bottom_m: f64,
     /// The outlier filter.
     pub outliers: &'a OutlierSettings,
@@ -124,7 +125,7 @@ pub fn classify(
 /// Number of points of each class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClassCounts {
-    /// In the order of [`PointClass::ALL`].
+    /// Counts in the order of [`PointClass::ALL`].
     counts: [usize; PointClass::ALL.len()],
     /// First returns of the side-scan.
     pub side_scan: usize,
@@ -133,7 +134,7 @@ pub struct ClassCounts {
 }
 
 impl ClassCounts {
-    /// Of a cloud with a class for each point.
+    /// Counts the points of a cloud with a class for each point.
     pub fn of(cloud: &PointCloud, classes: &[PointClass]) -> Self {
         let mut all = Self::default();
         for (index, class) in PointClass::ALL.into_iter().enumerate() {

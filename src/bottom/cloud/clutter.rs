@@ -19,14 +19,15 @@ const AROUND_M: f64 = 300.0;
 const STRETCH_M: f64 = 50.0;
 /// Ranges within this share of each other are the same.
 const SAME_RANGE: f64 = 0.08;
-/// Nearer ranges, metres, and those beyond so many steps of [`SAME_RANGE`] are taken together.
+/// Nearer ranges, metres, are taken together, and so are those beyond this number of steps of
+/// [`SAME_RANGE`].
 const NEAREST_M: f64 = 0.3;
 const RANGES: usize = 96;
-/// Fewer returns that are too high say nothing of others at their range.
+/// Fewest returns that are too high for others at their range to count as clutter.
 const FEWEST: u32 = 40;
 /// Over a bed that is deep enough for it, clutter is the first return of this share of the pings.
 const PREVALENT: f64 = 0.25;
-/// Clutter on so many pings of a side, and on this share of them, is worth a warning.
+/// Fewest returns that are clutter, and least share of them, that are worth a warning.
 const WORTH_SAYING: usize = 100;
 const WORTH_SAYING_SHARE: f64 = 0.03;
 
@@ -35,7 +36,7 @@ const WORTH_SAYING_SHARE: f64 = 0.03;
 enum Height {
     /// None was found.
     Nothing,
-    /// At the recorded depth, or beyond it.
+    /// The first return lies at the recorded depth, or beyond it.
     Bottom,
     /// Above the bottom.
     Above,
@@ -143,7 +144,8 @@ impl Stretches {
     }
 }
 
-/// Which first returns are clutter, one entry a ping and side; and all of it, where there is any.
+/// Finds the first returns that are clutter, one entry a ping and side, and sums them up, where
+/// there are any.
 pub(super) fn clutter(
     survey: &Survey,
     returns: &FirstReturns,

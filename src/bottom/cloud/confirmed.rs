@@ -10,10 +10,10 @@ const LONGEST: usize = 4;
 /// stands out by.
 const WITHIN_M: f64 = 0.15;
 
-/// For each sounding whether it counts although it stands out from those around it: the recorder
-/// had the bottom right before and after it, and a first return of the nearest ping, or of the one
-/// before or behind that, lies at its depth. `ranges_m` are those of port and starboard, NaN
-/// without a first return, on the scale of `altitude_m`.
+/// Returns a flag for each sounding, true if it counts although it stands out from those around it:
+/// the recorder had the bottom right before and after it, and a first return of the nearest ping,
+/// or of the one before or behind that, lies at its depth. `ranges_m` are the ranges of port and
+/// starboard, NaN without a first return, on the scale of `altitude_m`.
 pub(super) fn confirmed(
     survey: &Survey,
     ranges_m: &[Vec<f64>; 2],

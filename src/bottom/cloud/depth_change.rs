@@ -1,9 +1,9 @@
-//! By how much the depths of a cloud change when it is built again, for example by another scale.
+//! Change of the depths of a cloud when it is built again, for example by another scale.
 
 use super::{CloudPoint, PointClass, PointCloud, PointSource};
 use bathyscope_log::support::statistics::median;
 
-/// How the side-scan depths that count for the map change.
+/// Change of the side-scan depths that count for the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthChange {
     /// Depths that were compared.
@@ -15,8 +15,8 @@ pub struct DepthChange {
 }
 
 impl DepthChange {
-    /// Of the points that `classes` keeps of a cloud, against those of the same first returns in
-    /// another one; `None` where none is in both.
+    /// Compares the points that `classes` keeps of a cloud with those of the same first returns in
+    /// another cloud; `None` where none is in both.
     pub fn between(
         before: &PointCloud,
         classes: &[PointClass],

@@ -1,4 +1,4 @@
-//! Where a first return lies, seen from the boat.
+//! Place of a first return, seen from the boat.
 
 use super::Geometry;
 use bathyscope_log::survey::{PingNav, Side};

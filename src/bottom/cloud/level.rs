@@ -1,4 +1,4 @@
-//! How strong the echo of a first return is.
+//! Level of the echo of a first return.
 
 use bathyscope_log::survey::{Side, Survey};
 

@@ -53,13 +53,14 @@ use bathyscope_log::survey::{Exclusions, SoundingFault};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Where a first return is placed.
+/// Method that places a first return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Geometry {
     /// `z = r cos(alpha_2)`, `y = r sin(alpha_2)`, as printed in the paper.
     Published,
-    /// As published, with `PPD` measured so that the depth at the flat spot is reproduced.
+    /// The published geometry, with `PPD` measured so that the depth at the flat spot is
+    /// reproduced.
     SelfConsistent,
     /// `z = r`, `y = 0`: the first return is straight below.
     Nadir,
@@ -72,15 +73,15 @@ pub enum Geometry {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CloudSettings {
-    /// Where a first return is placed.
+    /// Method that places a first return.
     pub geometry: Geometry,
     /// Angle of the first return from the vertical, degrees; 16 in the published code.
     pub alpha2_deg: f64,
-    /// Which recorded depths are kept.
+    /// Recorded depths that are kept.
     pub down_scan: DownScan,
 }
 
-/// Which recorded depths belong to the cloud.
+/// Recorded depths that belong to the cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DownScan {
@@ -115,7 +116,7 @@ impl Default for OutlierSettings {
     }
 }
 
-/// What measured a point.
+/// Measurement that a point comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PointSource {
     /// The recorder's own depth.
@@ -148,7 +149,7 @@ impl PointSource {
 /// One point, and where it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudPoint {
-    /// What measured it.
+    /// Measurement that the point comes from.
     pub source: PointSource,
     /// The side-scan ping; for other points the side-scan ping nearest in time (0 in a log without
     /// side-scan).
@@ -251,8 +252,8 @@ impl CloudPoint {
         [self.east_m, self.north_m, self.z_m]
     }
 
-    /// The confidence if what lies above the recorded depth is ground, as where it goes on for
-    /// long; that of any other point is its own.
+    /// Returns the confidence of the point if it is bottom although it lies above the recorded
+    /// depth, as in a long stretch; any other point has its own confidence.
     pub fn ground_confidence(&self) -> f32 {
         ground_confidence(self.confidence, self.above_bottom)
     }

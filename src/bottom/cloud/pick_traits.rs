@@ -1,4 +1,4 @@
-//! What a point has of its first return, whatever the geometry and the calibration.
+//! Properties that a point has from its first return, whatever the geometry and the calibration.
 
 use super::above_bottom::{AboveDepth, height_m, way_m};
 use super::clutter::{Clutter, clutter};
@@ -7,31 +7,31 @@ use crate::first_return::{FirstReturns, Pick, ground_confidence};
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use rayon::prelude::*;
 
-/// What a first return is, wherever it is placed.
+/// Properties of a first return, wherever it is placed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PickTrait {
     /// True if it is something above the bottom.
     pub(super) above_bottom: bool,
     /// The length of the stretch of such returns, metres; 0 of the bottom and of clutter.
     pub(super) above_bottom_m: f32,
-    /// True of clutter, which says nothing of the slope of the bottom.
+    /// True if it is clutter, which does not show the slope of the bottom.
     pub(super) is_clutter: bool,
-    /// Of what it is.
+    /// Confidence that it is what `above_bottom` states.
     pub(super) confidence: f32,
-    /// How strong its echo is.
+    /// Level of its echo, 0 to 255.
     pub(super) level: u8,
 }
 
-/// That of all first returns. Several clouds of the same returns share it: it costs as much as all
-/// else of a cloud.
+/// Properties of all first returns. Several clouds of the same returns share them: they cost as
+/// much as all else of a cloud.
 pub struct PickTraits {
-    /// By side, port first, one a ping.
+    /// Properties by side, port first, one a ping.
     sides: [Vec<PickTrait>; 2],
     clutter: Option<Clutter>,
 }
 
 impl PickTraits {
-    /// Of a survey's first returns.
+    /// Finds the properties of a survey's first returns.
     pub fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
         let (is_clutter, clutter) = clutter(survey, returns, &way_m(&navigation.pings));
         let above = AboveDepth::new(survey, navigation, returns, &is_clutter);
@@ -73,7 +73,7 @@ impl PickTraits {
         self.clutter
     }
 
-    /// Those of a side, one a ping.
+    /// Returns the properties of a side, one a ping.
     pub(super) fn side(&self, side: Side) -> &[PickTrait] {
         &self.sides[side as usize]
     }

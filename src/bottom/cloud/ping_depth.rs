@@ -1,10 +1,10 @@
-//! The depth under the boat at every ping, and what it comes from.
+//! The depth under the boat at every ping, and its source.
 
 use super::{CloudPoint, Correction, Geometry, PointClass, PointCloud};
 use bathyscope_log::survey::{Exclusions, PingNav, Survey};
 use serde::Serialize;
 
-/// What the depth under the boat comes from.
+/// Source of the depth under the boat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DepthSource {
     /// The recorder's own sounding.
@@ -22,7 +22,7 @@ pub enum DepthSource {
 pub struct PingDepth {
     /// Metres, corrected as the cloud is; NaN without one.
     pub depth_m: f32,
-    /// What it comes from.
+    /// Source of the depth.
     pub source: DepthSource,
     /// True where the first return of one side alone lies up a slope, and the depth is that of the
     /// same slope under the boat.
@@ -106,7 +106,7 @@ pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions:
     }
 }
 
-/// Over how much of the track the depth comes from what.
+/// Shares of the track by the source of the depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TrackShare {
     /// Pings whose depth is the recorder's own.
@@ -125,7 +125,7 @@ pub struct TrackShare {
 const LONGEST_STEP_M: f64 = 50.0;
 
 impl TrackShare {
-    /// Of the depths at the pings and their places.
+    /// Sums up pings and track length by the source of the depth at each ping.
     pub fn of(depths: &[PingDepth], places: &[PingNav]) -> Self {
         let mut share = Self::default();
         for (index, depth) in depths.iter().enumerate() {
@@ -148,7 +148,7 @@ impl TrackShare {
         share
     }
 
-    /// Adds that of another track.
+    /// Adds the shares of another track.
     pub fn add(&mut self, other: &Self) {
         self.sounding_pings += other.sounding_pings;
         self.side_scan_only_pings += other.side_scan_only_pings;

@@ -1,5 +1,5 @@
-//! Which record of a log measured a point: what its time, its boat's place and its exclusion follow
-//! from.
+//! Record of a log that measured a point: the point's time, its boat's place and its exclusion
+//! follow from it.
 
 use super::{CloudPoint, PointSource};
 use bathyscope_log::survey::{
@@ -12,7 +12,7 @@ use std::num::NonZero;
 pub struct RecordIndex(NonZero<u32>);
 
 impl RecordIndex {
-    /// `None` beyond four billion.
+    /// Creates the index; `None` beyond four billion.
     pub fn new(index: usize) -> Option<Self> {
         let next = u32::try_from(index).ok()?.checked_add(1)?;
         NonZero::new(next).map(Self)
@@ -83,7 +83,7 @@ impl PointRecord {
         }
     }
 
-    /// Where the boat was then.
+    /// Returns the place of the boat at the record.
     pub fn place(self, navigation: &Navigation) -> Option<&PingNav> {
         match self {
             Self::Ping(index) => navigation.pings.get(index),
@@ -92,7 +92,7 @@ impl PointRecord {
         }
     }
 
-    /// Why it is excluded; `None` where it counts.
+    /// Returns the reason why the record is excluded; `None` where it counts.
     pub fn exclusion(self, exclusions: &Exclusions) -> Option<ExclusionReason> {
         match self {
             Self::Ping(index) => exclusions.ping(index),

@@ -1,5 +1,5 @@
-//! What samples and recorded depths are in metres, by the calibration and the corrections in force:
-//! the one place that says so, for the points of the cloud and for every read-out, line and axis.
+//! Converts samples and recorded depths to metres, by the calibration and the corrections in force:
+//! the one place that does so, for the points of the cloud and for every read-out, line and axis.
 //!
 //! Slant ranges are those of the picture as calibrated, by the true speed of sound. Depths count
 //! from the [`DepthReference`].
@@ -9,7 +9,7 @@ use super::{CloudPoint, Correction, PointRecord};
 use crate::calibration::Calibration;
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 
-/// From the recorder's samples and depths to ranges and depths. The default one leaves both as
+/// Conversion of the recorder's samples and depths to ranges and depths. The default leaves both as
 /// recorded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reduction<'a> {
@@ -18,7 +18,7 @@ pub struct Reduction<'a> {
 }
 
 impl<'a> Reduction<'a> {
-    /// By a calibration and a correction.
+    /// Creates the conversion by a calibration and a correction.
     pub fn new(calibration: &'a Calibration, correction: &'a Correction) -> Self {
         Self { calibration: Some(calibration), correction: Some(correction) }
     }
@@ -67,7 +67,8 @@ impl<'a> Reduction<'a> {
         (range_m - start_m) / step_m
     }
 
-    /// Where a slant range lies on the recorder's own scale, which the picture is drawn by, metres.
+    /// Returns the place of a slant range on the recorder's own scale, which the picture is drawn
+    /// by, metres.
     pub fn recorded_range_m(&self, span: &SideSpan, range_m: f64) -> f64 {
         span.range_m(self.sample_at(span, range_m))
     }
@@ -78,7 +79,7 @@ impl<'a> Reduction<'a> {
         self.factor() * recorded_m
     }
 
-    /// The depth that one recorded at a time of the log means, metres below
+    /// Returns the depth that a depth recorded at a time of the log means, metres below
     /// [`Reduction::reference`].
     pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
         match self.correction {
@@ -87,19 +88,19 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// The depth of a bottom so far below the transducer at a time of the log, metres below
-    /// [`Reduction::reference`].
+    /// Returns the depth of a bottom `altitude_m` below the transducer at a time of the log, metres
+    /// below [`Reduction::reference`].
     pub fn depth_below_m(&self, time_s: f64, altitude_m: f64) -> f64 {
         self.depth_m(time_s, altitude_m / self.factor())
     }
 
-    /// What depths count from.
+    /// Returns the reference that depths count from.
     pub fn reference(&self) -> DepthReference {
         self.correction.map_or(DepthReference::Transducer, Correction::reference)
     }
 
-    /// What depths count from, in words, and that they are levelled to those of other logs where
-    /// they are.
+    /// Returns that reference in words, with the levelling to the depths of other logs where there
+    /// is one.
     pub fn reference_name(&self) -> String {
         let name = self.reference().name();
         match self.correction.map_or(0.0, Correction::height_offset_m) {

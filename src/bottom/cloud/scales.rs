@@ -1,4 +1,4 @@
-//! Between which values the points of a cloud are coloured.
+//! Ends of the scales by which the points of a cloud are coloured.
 
 use super::{PointClass, PointCloud, Reduction};
 use bathyscope_log::support::statistics::{colour_ends, wider};
@@ -15,7 +15,7 @@ pub struct PointScales {
 }
 
 impl PointScales {
-    /// Of the kept points of a log; `classes` holds the class of each point.
+    /// Finds the scales of the kept points of a log; `classes` holds the class of each point.
     pub fn of(
         survey: &Survey,
         cloud: &PointCloud,
@@ -30,7 +30,7 @@ impl PointScales {
         }
     }
 
-    /// Those that both need.
+    /// Returns scales that cover both.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self { level: wider(self.level, other.level), range_m: wider(self.range_m, other.range_m) }

@@ -1,4 +1,5 @@
-//! Depths across the track to points. They are depths already: no slant range, no first return.
+//! Makes points of depths across the track. They are depths already: no slant range, no first
+//! return.
 
 use super::{CloudPoint, Correction, PointSource, RecordIndex};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -8,8 +9,8 @@ use bathyscope_log::survey::{
 };
 use rayon::prelude::*;
 
-/// Of the depths of a ping in a stretch across the track of this share of the depth, one makes a
-/// point: the sonar does not see finer.
+/// Length of a stretch across the track as a share of the depth: the depths of a ping in a stretch
+/// make one point, as the sonar resolves nothing finer.
 const STRETCH_SHARE: f64 = 0.1;
 /// Stretches are this long at least, metres.
 const LEAST_STRETCH_M: f64 = 0.2;
@@ -68,8 +69,8 @@ fn add_points(
     points.extend(placed.filter(|point| point.east_m.is_finite()));
 }
 
-/// Of each stretch across the track the sounding of median depth: a place that was measured, and no
-/// spike.
+/// Keeps the sounding of median depth of each stretch across the track: a place that was measured,
+/// and no spike.
 fn thinned(mut soundings: Vec<SwathSounding>) -> Vec<SwathSounding> {
     let mut depths_m: Vec<f64> = soundings.iter().map(|one| one.depth_m).collect();
     let Some(depth_m) = upper_median(&mut depths_m, f64::total_cmp) else {

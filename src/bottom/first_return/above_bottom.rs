@@ -1,4 +1,4 @@
-//! Which picks lie above the bottom that the recorder saw.
+//! Flags the picks that lie above the bottom that the recorder reported.
 //!
 //! Boulders and banks are flagged with weed and fish. The echo does not distinguish them: on
 //! simulated ponds it grows behind weed and fades behind boulders (level 0.1 to 0.4 m behind the

@@ -12,8 +12,8 @@ impl BottomEdit {
 }
 
 impl BottomSettings {
-    /// With the first returns of these pings accepted as bottom where they were found; what was
-    /// drawn stays.
+    /// Returns the settings with the first returns of these pings accepted as bottom where they
+    /// were found; manual picks stay.
     pub fn accepting(&self, side: Side, pings: [usize; 2]) -> Self {
         let drawn = self.lines.iter().filter(|line| !line.accepted && line.side == side);
         let whole = vec![BottomEdit::accepted(side, pings)];
@@ -29,7 +29,7 @@ impl BottomSettings {
         parts.into_iter().fold(self.clone(), |all, part| all.with(part))
     }
 
-    /// With nothing accepted in these pings; what was drawn stays.
+    /// Returns the settings with no first return of these pings accepted; manual picks stay.
     pub fn not_accepting(&self, side: Side, pings: [usize; 2]) -> Self {
         let accepted = BottomSettings {
             lines: (self.lines.iter().filter(|line| line.accepted)).cloned().collect(),
@@ -39,7 +39,7 @@ impl BottomSettings {
         rest.into_iter().fold(self.drawn_only(), |all, part| all.with(part))
     }
 
-    /// Only what was drawn: first returns that were accepted are as they were found.
+    /// Returns the manual picks alone: first returns that were accepted are as they were found.
     pub fn drawn_only(&self) -> Self {
         let lines = self.lines.iter().filter(|line| !line.accepted);
         Self { lines: lines.cloned().collect(), ..*self }

@@ -9,19 +9,20 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A first return has to lie beyond the depth by so much to be doubted, metres: depths may be
+/// Least distance beyond the depth at which a first return is doubted, metres: depths may be
 /// rounded to 0.1 m.
 const LEAST_BEYOND_M: f64 = 0.2;
-/// With so much confidence it is believed all the same, and the depth may be wrong, unless the
-/// other side bears the depth out: it lies within these shares of it, as on a bank.
+/// Confidence from which such a first return is believed all the same (the depth may be wrong),
+/// unless the range of the other side confirms the depth: it lies within these shares of the depth,
+/// as on a bank.
 const CERTAIN: f32 = 0.6;
 const BEARS_OUT: Range<f64> = 0.75..1.0;
-/// On a bank of 35 degrees the lower side is as many times as far as the upper one. Sides that are
-/// farther apart do not bear each other out against the depth.
+/// Largest ratio of the ranges of the two sides that confirm each other against the depth: that of
+/// the lower side to the upper one on a bank of 35 degrees.
 const MOST_APART: f64 = 1.25;
-/// Sides of a level bottom differ by less than this share. So many pings show how far its first
-/// returns lie from the depth, and how far they scatter about that: not more than so many standard
-/// deviations.
+/// Largest difference of the two sides over a level bottom, as a share; fewest such pings that
+/// determine the share of the depth at which a log's first returns lie; and distance of the limit
+/// beyond the median of these shares, in standard deviations of their scatter.
 const LEVEL: f64 = 0.03;
 const FEWEST_LEVEL: usize = 200;
 const OWN_SIGMAS: f64 = 4.0;
@@ -75,7 +76,7 @@ fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     Some(middle + OWN_SIGMAS * spread_about(&mut shares, middle))
 }
 
-/// Doubts first returns beyond what a function of the depth says.
+/// Doubts first returns that lie beyond the range that a function of the depth returns.
 fn doubt_beyond(
     survey: &Survey,
     first: usize,

@@ -8,7 +8,7 @@ use super::{FirstReturns, Pick};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use serde::{Deserialize, Serialize};
 
-/// Where the bottom line comes from. Bottom edits stay on top of either.
+/// Source of the bottom line. Bottom edits stay on top of either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BottomLine {
@@ -56,7 +56,7 @@ pub fn at_recorded_depth(
     line
 }
 
-/// For each ping whether its pick on a side is a manual one.
+/// Returns for each ping true if its pick on a side is a manual one.
 fn drawn(returns: &FirstReturns, side: Side) -> Vec<bool> {
     let mut drawn = vec![false; returns.side(side).len()];
     for (_, [first, last]) in returns.drawn.iter().filter(|(of, _)| *of == side) {

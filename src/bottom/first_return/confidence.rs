@@ -1,14 +1,14 @@
-//! How sure a first return is: the chance that it lies within 25 cm of the nearest ground on its
+//! Confidence of a first return: the chance that it lies within 25 cm of the nearest ground on its
 //! side.
 //!
-//! What speaks for and against a pick ([`Evidence`]) is gathered from the method that found it,
-//! from the picks around it, from those of the other side and from the recorded depth. One law for
-//! each method makes a chance of it. Both were fitted to the picks of simulated ponds (seeds 101 to
-//! 120 of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the
-//! threshold on bytes and words), a third of them as if no depth had been recorded, and are checked
-//! on others: `cargo bench -- confidence`. Over weed, whose echo comes before that
-//! of the ground, no law can know that from a boulder: what lies above the recorded depth gets the
-//! share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
+//! Evidence for and against a pick ([`Evidence`]) is gathered from the method that found it, from
+//! the picks around it, from those of the other side and from the recorded depth. One law for each
+//! method makes a chance of it. Both were fitted to the picks of simulated ponds (seeds 101 to 120
+//! of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the threshold
+//! on bytes and words), a third of them as if no depth had been recorded, and are checked on
+//! others: `cargo bench -- confidence`. Over weed, whose echo comes before that of the ground, no
+//! law can distinguish it from a boulder: a pick above the recorded depth gets the share of such
+//! picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 
 use super::{Method, Pick, above_bottom};
 use bathyscope_log::survey::{Side, Survey};
@@ -27,16 +27,17 @@ pub(super) struct MethodPick {
 }
 
 impl MethodPick {
-    /// Nothing found.
+    /// Result where no place was found.
     pub(super) const NONE: MethodPick = MethodPick { sample: f32::NAN, signs: [0.0; 3] };
 }
 
-/// What speaks for a pick and against it.
+/// Evidence for and against a pick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     /// Slant range by the recorder's scale, metres; NaN without a pick.
     pub range_m: f32,
-    /// What the method says.
+    /// Signs of the method itself: mean score and margins of the tracker's line, or movements of
+    /// the threshold's pick when its level is changed.
     pub signs: [f32; 3],
     /// Share of the neighbouring picks of the same side that lie on a line with this one, 0 to 1.
     pub own: f32,
@@ -48,16 +49,17 @@ pub struct Evidence {
     pub beyond_dead_zone_m: f32,
 }
 
-/// Pings to both sides that are looked at.
+/// Pings to both sides that are evaluated.
 pub(super) const REACH: usize = 8;
-/// Neighbours lie on a line with a pick within this many metres and so many more a ping away: a bed
-/// that slopes 20 degrees along the track moves 5 cm at every ping.
+/// Largest distance of a neighbour on a line with a pick, metres, and its growth for each ping
+/// between them: a bed that slopes 20 degrees along the track moves 5 cm at every ping.
 const ON_LINE_M: [f32; 2] = [0.10, 0.05];
-/// The other side detects the bottom as far out within so many metres and this share of the range.
+/// Largest distance between the two sides' ranges to agree, metres, and its growth as a share of
+/// the range.
 const AS_FAR: [f32; 2] = [0.25, 0.15];
 
-/// Of picks that lie more than 0.34 m above the recorded depth so many are the ground, 0 to 1: on
-/// 12 logs of two simulators, with weed, fish, boulders, mounds and slopes, 1.6 % of 1 430.
+/// Share of the picks more than 0.34 m above the recorded depth that are the ground, 0 to 1: on 12
+/// logs of two simulators, with weed, fish, boulders, mounds and slopes, 1.6 % of 1 430.
 pub(super) const ABOVE_BOTTOM_SHARE: f32 = 0.03;
 /// The same by the height above the recorded depth, metres: 98 % of 60 picks from 0.20 to 0.25 m,
 /// 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
@@ -145,8 +147,8 @@ impl Gathering<'_> {
     }
 }
 
-/// Share of the ranges around a ping, itself left out, that lie within what is allowed so many
-/// pings away.
+/// Share of the ranges around a ping, itself left out, that differ from `range_m` by no more than
+/// `allowed_m` returns for their distance in pings.
 fn support(ranges_m: &[f32], ping: usize, range_m: f32, allowed_m: impl Fn(usize) -> f32) -> f32 {
     let around = ping.saturating_sub(REACH)..ranges_m.len().min(ping + REACH + 1);
     let count = around.len() - 1;

@@ -18,32 +18,32 @@ use std::sync::Arc;
 const REACH: usize = 10;
 /// Fewest of these pings that need a first return.
 const LEAST: usize = 5;
-/// The sides of one bottom are as far within this share: on a bank of 33 degrees they differ by a
-/// sixth.
+/// Largest difference of the sides over one bottom, as a share: on a bank of 33 degrees they differ
+/// by a sixth.
 const SIDES_AGREE: f64 = 0.25;
-/// The second echo is as many times as far as the first return: twice, and more on a bank, where
-/// that comes from up the slope.
+/// Ratios of a second echo to the first return: twice, and more on a bank, where the first return
+/// comes from up the slope.
 const SECOND_ECHO: Range<f64> = 1.75..2.6;
-/// The depth at both ends of a stretch leaps to as many times what it was.
+/// Ratios by which the depth leaps at both ends of a stretch.
 const LEAP: Range<f64> = 1.75..2.25;
-/// The same from one sounding to the next where no first return lies near the depth on more than a
-/// share of the soundings.
+/// Ratios of such a leap from one sounding to the next, for stretches without first returns, or
+/// with first returns near the depth at less than this share of the soundings.
 const EXACT_LEAP: Range<f64> = 1.9..2.1;
 const MOST_SEEN: f64 = 0.1;
-/// The first returns stay within this share over such a leap.
+/// Largest change of the first returns over such a leap, as a share.
 const STAYS: f64 = 0.25;
 /// Soundings to both sides of an end that are compared: on a steep bank only the next ones are
 /// still at one depth.
 const BESIDE: [usize; 2] = [3, 1];
-/// Fewer soundings make no stretch.
+/// Fewest soundings of a stretch.
 const SHORTEST: usize = 5;
-/// A stretch goes on over so many soundings that do not show the fault.
+/// Most soundings within a stretch that do not show the fault.
 const LONGEST_PAUSE: usize = 8;
-/// A depth is held for at least so many soundings, and for so many times as long as the log's
-/// coarse steps make it stay the same over a level bottom.
+/// A depth counts as held if it stays the same for more than this many soundings, and for more than
+/// this many times the usual length over a level bottom with the log's coarse steps.
 const HELD: usize = 12;
 const HELD_TIMES: usize = 3;
-/// The first returns move by so much meanwhile, metres and share of the depth.
+/// Least movement of the first returns over a held depth, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
 
 /// A stretch of soundings that do not count.
@@ -113,7 +113,7 @@ fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> 
     pick.map_or(f64::NAN, |pick| pick_range_m(survey, ping, side, pick))
 }
 
-/// As [`range_m`], of a pick.
+/// Slant range of a given pick by the recorder's scale, metres; NaN without one.
 pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
     let span = survey.span(ping, side).filter(|_| pick.is_some());
     span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
@@ -250,8 +250,8 @@ fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     found
 }
 
-/// The stretches by what both sides say together, by each side alone where the other tells of
-/// something nearer, as a wall, and those at whose depth no side sees anything.
+/// Finds second echoes by both sides together, by each side alone where the other side's range is
+/// nearer, as at a wall, and at depths where no side has a first return.
 fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     let all = 0..soundings.len();
     let below_m = all.clone().map(|sounding| witnesses.below_m(sounding)).collect();

@@ -36,21 +36,20 @@ pub struct BottomEdit {
     /// the ends. None where no bottom is detected.
     #[serde(default)]
     pub corners: Vec<[f64; 2]>,
-    /// The first returns stay where they were found, and are bottom whatever the recorded depth.
-    /// Such a stretch has no corners.
+    /// True if the first returns stay where they were found, and are bottom whatever the recorded
+    /// depth. Such a stretch has no corners.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub accepted: bool,
 }
 
-/// More edits than this were not made by a person.
+/// Most edits of a file: more were not made by a person.
 const MOST_LINES: usize = 100_000;
 
 impl BottomEdit {
-    /// The line along a path of the pen, from ping to ping; `path` holds pings with their fractions
-    /// (ping 7 lies between 7 and
-    /// 8) and slant ranges, metres. Where the pen went back, what it drew last counts. Corners that
-    ///    lie on the line within `tolerance_m` are left out. `None` of a path that meets none of
-    ///    the `count` pings.
+    /// Creates the line along a path of the pen, from ping to ping; `path` holds pings with their
+    /// fractions (ping 7 has 7.0 to 8.0) and slant ranges, metres. Where the pen went back, what it
+    /// drew last counts. Corners that lie on the line within `tolerance_m` are left out. Returns
+    /// `None` for a path that meets none of the `count` pings.
     pub fn along(
         path: &[[f64; 2]],
         side: Side,
@@ -108,7 +107,7 @@ impl BottomEdit {
         }
     }
 
-    /// What is left of it outside of some pings.
+    /// Returns the parts of the edit before and after some pings.
     pub(super) fn outside(&self, pings: [usize; 2]) -> impl Iterator<Item = BottomEdit> + use<> {
         let [first, last] = self.pings;
         let before = (first < pings[0]).then(|| [first, last.min(pings[0].saturating_sub(1))]);
@@ -135,7 +134,7 @@ impl BottomSettings {
     /// End of the name of the file that they are kept in, in place of the log's.
     pub const SIDECAR: &str = "bottom.toml";
 
-    /// Nothing yet, over a log.
+    /// Creates empty settings for a log.
     pub fn of(survey: &Survey) -> Self {
         let identity = Identity::of(survey);
         Self {
@@ -146,7 +145,7 @@ impl BottomSettings {
         }
     }
 
-    /// Whether it was drawn on this log.
+    /// Checks that the edits were drawn on this log.
     ///
     /// # Errors
     /// When it was drawn on another log.
@@ -197,7 +196,7 @@ impl BottomSettings {
         self.lines.is_empty()
     }
 
-    /// With one more line; of what was drawn in its pings before, nothing stays.
+    /// Returns the settings with one more line; it replaces all that was drawn in its pings before.
     pub fn with(&self, line: BottomEdit) -> Self {
         let mut all = self.without(line.side, line.pings);
         all.lines.push(line);
@@ -205,7 +204,8 @@ impl BottomSettings {
         all
     }
 
-    /// With the first returns that were found in these pings, from the first to the last.
+    /// Returns the settings without the edits of these pings, from the first to the last: the first
+    /// returns found there count again.
     pub fn without(&self, side: Side, pings: [usize; 2]) -> Self {
         let lines = self.lines.iter().flat_map(|line| {
             let meets = line.side == side && line.pings[0] <= pings[1] && line.pings[1] >= pings[0];
@@ -236,8 +236,8 @@ impl BottomSettings {
         lines.map(|line| line.span().count()).sum()
     }
 
-    /// How many first returns of this log were drawn and accepted, in sentences for its report;
-    /// empty where none was.
+    /// States in sentences for the log's report how many of its first returns were drawn and
+    /// accepted; empty where none was.
     pub fn statement(&self, survey: &Survey) -> String {
         // A drawing of another log is not even counted: it may claim any number of pings.
         if self.is_empty() || self.belongs_to(survey).is_err() {

@@ -37,7 +37,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a sample of the picture is.
+/// Meaning of a sample of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SampleMode {
@@ -57,7 +57,7 @@ pub struct ImageSettings {
     pub samples: SampleMode,
 }
 
-/// How the first return is found.
+/// Method of finding the first return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -71,7 +71,7 @@ pub enum Method {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FirstReturnSettings {
-    /// How the first return is found.
+    /// Method of finding the first return.
     pub method: Method,
     /// Normalised intensity, 0 to 1, that a sample must reach to count as a return.
     pub threshold: f32,
@@ -82,7 +82,7 @@ pub struct FirstReturnSettings {
     pub above_bottom_margin_m: f64,
     /// Least confidence of a first return whose point is kept, 0 to 1.
     pub min_confidence: f32,
-    /// Which bottom the picture is laid out by.
+    /// Bottom line that the picture is laid out by.
     pub bottom_line: BottomLine,
 }
 
@@ -113,7 +113,7 @@ impl FirstReturnSettings {
     }
 }
 
-/// Where the bottom was first detected on one side of one ping.
+/// First detection of the bottom on one side of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
     /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no
@@ -122,8 +122,8 @@ pub struct Pick {
     /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated
     /// ponds ([`Evidence`]); 0 when there is no pick.
     pub confidence: f32,
-    /// Nearer than the recorded depth by more than the margin: an above-bottom return (weed, fish,
-    /// another obstacle).
+    /// True if it is nearer than the recorded depth by more than the margin: an above-bottom return
+    /// (weed, fish, another obstacle).
     pub above_bottom: bool,
 }
 
@@ -151,8 +151,7 @@ pub struct FirstReturns {
     pub port: Arc<Vec<Pick>>,
     /// One entry per [`Survey::side_scan`] ping.
     pub starboard: Arc<Vec<Pick>>,
-    /// What the search should say about itself (for example words whose sign bit defeats the
-    /// threshold).
+    /// Warnings about the search (for example words whose sign bit defeats the threshold).
     pub warnings: Vec<String>,
     /// Stretches of manual picks: first and last ping, and the side.
     pub drawn: Vec<(Side, [usize; 2])>,
@@ -223,8 +222,8 @@ pub fn detect(
     detect_with(survey, image, settings, &normalisation, progress)
 }
 
-/// As [`detect`] by a scale that was measured before: that of a picture of which the survey is a
-/// part.
+/// Detects as [`detect`] does, by a scale that was measured before, for example on a picture of
+/// which the survey is a part.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -291,8 +290,8 @@ fn none(survey: &Survey) -> FirstReturns {
     FirstReturns { port: none.clone(), starboard: none, ..FirstReturns::default() }
 }
 
-/// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their
-/// confidence is fitted to.
+/// Returns the evidence for the picks that [`detect`] finds, port and starboard: the law of their
+/// confidence is fitted to it.
 pub fn evidence(
     survey: &Survey,
     image: &ImageSettings,
@@ -326,7 +325,7 @@ pub fn evidence(
     Ok(gathering.evidence())
 }
 
-/// What a method found, with a depth a ping, NaN where there is none to believe.
+/// Places that a method found, with a depth a ping, NaN where there is none to believe.
 struct Settled {
     found: [Vec<MethodPick>; 2],
     depths_m: Vec<f32>,

@@ -16,7 +16,7 @@ pub(super) const BLOCK: usize = 512;
 /// word of [`SampleMode::Words`]. The middle of the picture (the dead zone) counts as zeros.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Normalisation {
-    /// What a value of the picture is.
+    /// Meaning of a value of the picture.
     pub samples: SampleMode,
     /// Slant range around the transducer that is set to zero, metres.
     pub dead_zone_m: f64,
@@ -116,7 +116,7 @@ impl Normalisation {
         }
     }
 
-    /// What the picture should say about itself: words that went negative beyond the dead zone.
+    /// Returns a warning where words are negative beyond the dead zone.
     pub fn warning(&self) -> Option<String> {
         (self.lowest < 0).then(|| {
             format!(

@@ -239,7 +239,7 @@ impl<V: Copy + Send + Sync + PartialOrd> Staircases<V> {
     }
 }
 
-/// Samples of which only the maximum is looked at first; most hold no new one.
+/// Samples that are first examined by their maximum alone; most hold no new one.
 const STRIDE: usize = 32;
 
 fn climb_bytes(

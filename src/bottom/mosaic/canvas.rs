@@ -23,7 +23,8 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// For a window in the north-west of as many columns and rows of cells.
+    /// Creates a canvas for a window in the north-west corner of this many columns and rows of
+    /// cells.
     pub(super) fn new(
         window: Grid,
         [columns, rows]: [usize; 2],
@@ -72,7 +73,7 @@ impl Canvas {
         vectorised(PaintStrip { canvas: self, corners, strip, lines });
     }
 
-    /// As [`Canvas::paint`]; not vectorised.
+    /// Paints as [`Canvas::paint`] does; not vectorised.
     #[inline(always)]
     fn paint_cells(
         &mut self,
@@ -134,7 +135,7 @@ impl Canvas {
         }
     }
 
-    /// What is in each cell.
+    /// Returns the sums of all cells.
     pub(super) fn sums(&self) -> &[CellSum] {
         &self.sums
     }
@@ -192,7 +193,7 @@ struct GroundBetween {
     next: MosaicRay,
     dp: [f64; 2],
     ds: [f64; 2],
-    /// Of the square in `f`.
+    /// Coefficient of the square in `f`.
     bend: f64,
 }
 
@@ -213,8 +214,9 @@ impl GroundBetween {
         Self { here, next, dp, ds, bend: -cross(dp, ds) }
     }
 
-    /// Where a place lies between the rays: the share of the way from the first to the second, and
-    /// the distance out along the ray there, metres on the ground; NaN where it does not.
+    /// Finds a place between the rays: returns the share of the way from the first to the second,
+    /// and the distance out along the ray there, metres on the ground; NaN where it does not lie
+    /// between them.
     #[inline(always)]
     fn find(&self, place: [f64; 2]) -> [f64; 2] {
         let q = minus(place, self.here.at);

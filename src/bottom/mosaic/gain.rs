@@ -41,14 +41,14 @@ const FACTORS: [f32; 2] = [0.25, 4.0];
 const BRIGHT_SHARE: f64 = 0.98;
 const BRIGHT_LEVEL: f32 = 210.0;
 const STRETCHES: [f32; 2] = [0.5, 8.0];
-/// Of the pings that make the table, every so many shows what is bright.
+/// Step between the pings of the table that determine what is bright.
 const BRIGHT_EVERY: usize = 8;
 
 /// Factors on the recorded levels, by side, range and angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GainTable {
     far_m: f64,
-    /// Of the whole mosaic.
+    /// Factor on the whole mosaic.
     stretch: f32,
     /// Port first.
     sides: [Curves; 2],
@@ -204,12 +204,12 @@ impl Curves {
     }
 }
 
-/// What the bins at one place of a curve say of it.
+/// Sums over the bins at one place of a curve.
 #[derive(Clone, Copy, Default)]
 struct Weighed {
-    /// Of the levels.
+    /// Sum of the levels.
     sum: f64,
-    /// What the levels would sum to if this curve were one: each count times the value of the other
+    /// Sum that the levels would have if this curve were 1: each count times the value of the other
     /// curve.
     expected: f64,
     count: f64,
@@ -374,7 +374,7 @@ pub(super) struct RangeFactors {
 }
 
 impl RangeFactors {
-    /// Makes them those of a ray, so many at least.
+    /// Replaces the factors by those of a ray, at least `count` of them.
     #[inline(always)]
     fn reach(&mut self, curve: &[f32], bins_per_m: f64, ray: &MosaicRay, count: usize) {
         let is_like = (self.start_m, self.step_m) == (ray.start_m, ray.step_m);

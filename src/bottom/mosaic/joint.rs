@@ -11,8 +11,8 @@ use crate::bathymetry::height_offsets::{Datum, LogOverlap, OverlapKind, adjust};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 
-/// Cells in which levels are compared: metres, unless that would make more than so many along a
-/// side.
+/// Side of the cells in which levels are compared, metres, and most such cells along a side:
+/// beyond, the cells are larger.
 pub const LEVEL_CELL_M: f64 = 1.0;
 const MOST_CELLS: f64 = 2000.0;
 /// Cells of a block give one difference, since neighbours show the same echoes: its side in cells,
@@ -47,7 +47,7 @@ pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
     found
 }
 
-/// What all logs cover: west, south, east and north, metres; `None` when nothing is shown.
+/// Bounds of all logs: west, south, east and north, metres; `None` when nothing is shown.
 pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
     bounds_of(logs.iter().map(|log| &*log.layout))
 }

@@ -1,4 +1,4 @@
-//! Where every ping's echoes fall in the plane of the map, and which tiles they touch.
+//! Places every ping's echoes in the plane of the map, and finds the tiles that they touch.
 
 mod thinned;
 
@@ -33,7 +33,7 @@ const PROBE_M: f64 = 20.0;
 pub struct MosaicRay {
     /// The boat.
     pub at: [f64; 2],
-    /// What a metre on the ground, outward, is in the plane.
+    /// Vector of one metre on the ground, outward, in the plane.
     pub out: [f64; 2],
     /// Slant range of the first return, metres: height over level ground.
     pub altitude_m: f64,
@@ -107,7 +107,7 @@ impl MosaicRay {
     }
 }
 
-/// What the layout keeps of a ping.
+/// Place and direction of a ping, as the layout keeps them.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     at: [f64; 2],
@@ -122,7 +122,7 @@ struct Ranges {
     count: u32,
 }
 
-/// Strips in a box that shows whether they need to be looked at.
+/// Pings whose strips share a box, which shows if the strips need to be examined.
 const BOXED: usize = 64;
 
 /// West, south, east and north, metres in the plane of the map.
@@ -131,24 +131,24 @@ pub type Bounds = [f64; 4];
 /// Pings in the plane of the map: all of a survey, or as many as a coarse picture shows.
 #[derive(Clone, Debug)]
 pub struct MosaicLayout {
-    /// Which pings of the survey these are.
+    /// Indices of these pings in the survey.
     pings: Vec<u32>,
-    /// Which pings of the survey each of these stands for: first, and one after the last.
+    /// Pings of the survey that each of these stands for: first, and one after the last.
     stands_for: Vec<[u32; 2]>,
     placed: Vec<Option<Placed>>,
-    /// By side, port first.
+    /// Slant ranges of each ping, by side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
     altitudes_m: [Vec<f32>; 2],
-    /// How far rays reach, metres: asked for again and again, and on ground that is not level slow
-    /// to say. Empty until all else is known.
+    /// Reach of each ray, metres: used again and again, and slow to compute on ground that is not
+    /// level. Empty until all else is known.
     shown_m: [Vec<f64>; 2],
     /// The ground across the track, and heights over it under the boat where it is not level.
     relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
-    /// Whether the ground between a ping and the next is shown.
+    /// True where the ground between a ping and the next is shown.
     joined: Vec<bool>,
     water_column: bool,
     far_m: f64,
-    /// Around the strips that begin at each run of [`BOXED`] pings.
+    /// Boxes around the strips that begin at each run of [`BOXED`] pings.
     boxes: Vec<Bounds>,
 }
 
@@ -210,8 +210,8 @@ impl MosaicLayout {
         }
     }
 
-    /// All pings at one place: for what depends on ranges and altitudes alone, where the boat's
-    /// place is not known.
+    /// Creates a layout with all pings at one place: for what depends on ranges and altitudes
+    /// alone, where the boat's place is not known.
     pub fn placeless(survey: &Survey, returns: &FirstReturns, calibration: &Calibration) -> Self {
         let here = Placed { at: [0.0; 2], starboard: [1.0, 0.0] };
         let placed = vec![Some(here); survey.side_scan.len()];
@@ -303,18 +303,19 @@ impl MosaicLayout {
         self.pings.is_empty()
     }
 
-    /// Which ping of the survey a ping of this layout is.
+    /// Returns the index in the survey of a ping of this layout.
     pub fn ping(&self, index: usize) -> Option<usize> {
         self.pings.get(index).map(|ping| *ping as usize)
     }
 
-    /// Which pings of the survey a ping of this layout stands for, itself among them.
+    /// Returns the pings of the survey that a ping of this layout stands for, itself among them.
     pub(crate) fn stands_for(&self, index: usize) -> std::ops::Range<usize> {
         let [from, to] = self.stands_for.get(index).copied().unwrap_or_default();
         from as usize..to as usize
     }
 
-    /// What all strips cover, with the ground between them; `None` when nothing is shown.
+    /// Returns the bounds of all strips, with the ground between them; `None` when nothing is
+    /// shown.
     pub fn bounds(&self) -> Option<Bounds> {
         let all = self.boxes.iter().copied().fold(NOWHERE, box_around);
         (all[0] <= all[2]).then_some(all)
@@ -410,7 +411,7 @@ impl MosaicLayout {
         self.bounds().map(|bounds| grid_over(bounds, cell_m))
     }
 
-    /// Which strips touch which tile of a grid.
+    /// Lists the strips that touch each tile of a grid.
     pub fn index(&self, grid: &Grid) -> TileIndex {
         let mut tiles: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
         let tile_m = grid.cell_m * TILE_CELLS as f64;
@@ -449,9 +450,9 @@ impl MosaicLayout {
     }
 }
 
-/// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew
-/// pass most of it by. They do where all of the ground lies on one side of the strip, seen along
-/// its rays.
+/// Returns true if a strip may lie on some ground that its bounds touch: long, thin strips that run
+/// askew pass most of it by. They do where all of the ground lies on one side of the strip, seen
+/// along its rays.
 fn lies_on(
     strip: &[MosaicRay; 2],
     corners: &[[f64; 2]; 4],
@@ -486,7 +487,8 @@ fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Op
     (0..survey.side_scan.len()).map(ranges).collect()
 }
 
-/// Whether each ping and the next are near enough to each other to show the ground between them.
+/// Returns for each ping true if it and the next are near enough to each other to show the ground
+/// between them.
 fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -> Vec<bool> {
     (0..placed.len())
         .map(|ping| {
@@ -506,7 +508,7 @@ pub fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Op
     (way_m <= LONGEST_STEP_M && pause_s <= LONGEST_PAUSE_S).then_some(way_m)
 }
 
-/// What all of some layouts cover; `None` when nothing is shown.
+/// Returns the bounds of several layouts together; `None` when nothing is shown.
 pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a MosaicLayout>) -> Option<Bounds> {
     layouts.filter_map(MosaicLayout::bounds).reduce(box_around)
 }

@@ -14,12 +14,12 @@ const STEPS: usize = 4;
 /// they smooth.
 const MOST_AVERAGED: usize = 16;
 
-/// What all lines of a picture have in common.
+/// Input and settings that all lines of a picture share.
 #[derive(Clone, Copy)]
 pub(super) struct LineContext<'a> {
     survey: &'a Survey,
     layout: &'a MosaicLayout,
-    /// Where levels are normalised.
+    /// Gain table; `None` where levels are as recorded.
     gain: Option<&'a GainTable>,
     water_column: bool,
     /// Steps in a metre on the ground.
@@ -27,7 +27,7 @@ pub(super) struct LineContext<'a> {
 }
 
 impl<'a> LineContext<'a> {
-    /// For cells of a size.
+    /// Creates the context for cells of `cell_m` metres.
     pub(super) fn new(
         survey: &'a Survey,
         layout: &'a MosaicLayout,
@@ -49,7 +49,7 @@ impl<'a> LineContext<'a> {
 /// least one sample.
 pub(super) struct MosaicLine {
     side: Side,
-    /// Which ping of the layout it is of, if any.
+    /// Index of its ping in the layout; `None` while the line is empty.
     of: Option<usize>,
     /// The steps that it holds, and all steps of the ray.
     steps: Range<usize>,
@@ -69,7 +69,7 @@ pub(super) struct MosaicLine {
 }
 
 impl MosaicLine {
-    /// Of nothing yet.
+    /// Creates an empty line.
     pub(super) fn none(side: Side) -> Self {
         Self {
             side,

@@ -47,11 +47,11 @@ pub use part::{MosaicPart, join_parts, part};
 use crate::presentation::colours;
 use serde::{Deserialize, Serialize};
 
-/// How levels are made even across the track.
+/// Method of evening out the levels across the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gain {
-    /// As recorded.
+    /// Levels as recorded.
     Recorded,
     /// Divided by the survey's own mean level of each side, a curve by range times a curve by angle
     /// (empirical gain normalisation), and brought to one brightness. Shadows stay dark.
@@ -90,9 +90,9 @@ pub struct MosaicSettings {
     pub cell_m: f64,
     /// Colours of the exported picture.
     pub colours: Colours,
-    /// What a cell shows that was seen more than once.
+    /// Rule for cells that were seen more than once.
     pub overlap: Overlap,
-    /// How levels are made even across the track.
+    /// Method of evening out the levels across the track.
     pub gain: Gain,
     /// True if the water column stays in: slant ranges are then taken for distances on the ground.
     pub water_column: bool,

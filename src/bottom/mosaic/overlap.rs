@@ -1,11 +1,11 @@
-//! What a cell shows that was seen more than once.
+//! Rules for cells of the mosaic that were seen more than once.
 
 use serde::{Deserialize, Serialize};
 
 /// Weight of the edges of a swath; its middle has 1.
 const EDGE_WEIGHT: f64 = 0.03;
 
-/// What a cell shows that was seen more than once.
+/// Rule for cells that were seen more than once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Overlap {
@@ -14,15 +14,15 @@ pub enum Overlap {
     Later,
     /// The brighter echo: objects stay, shadows are lost.
     Brighter,
-    /// The echo that lies nearest to the middle of its swath, halfway out, where a side-scan hears
-    /// the ground best: objects and shadows stay, and a swath's weak ends show only where there is
-    /// nothing else.
+    /// The echo that lies nearest to the middle of its swath, halfway out, where side-scan
+    /// insonifies the ground best: objects and shadows stay, and a swath's weak ends show only
+    /// where there is nothing else.
     Middle,
     /// The mean, weighted towards the middle of each swath: smooth, but objects and shadows fade.
     Blend,
 }
 
-/// What was seen of a cell so far.
+/// Weighted sum of the echoes seen in a cell so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct CellSum {
     /// Sum of levels times their weights.
@@ -32,7 +32,7 @@ pub(super) struct CellSum {
 }
 
 impl CellSum {
-    /// Of one echo, or of all that a log shows of the cell.
+    /// Creates the sum of one echo, or of all that a log shows of the cell.
     #[inline(always)]
     pub(super) fn of(level: f32, weight: f32) -> Self {
         Self { weighted: level * weight, weight }
@@ -61,7 +61,8 @@ impl Overlap {
         matches!(self, Self::Middle | Self::Blend)
     }
 
-    /// What an echo counts at a share of the way out: most in the middle of the swath.
+    /// Returns the weight of an echo at a share of the way out: greatest in the middle of the
+    /// swath.
     #[inline(always)]
     pub(super) fn weight(self, way: f64) -> f32 {
         let way = way.clamp(0.0, 1.0);

@@ -25,9 +25,9 @@ impl MosaicTile {}
 pub struct MosaicLog {
     /// The recording.
     pub survey: Arc<Survey>,
-    /// Where its echoes lie, in the plane that all logs share.
+    /// Places of its echoes, in the plane that all logs share.
     pub layout: Arc<MosaicLayout>,
-    /// What its levels are normalised by.
+    /// Table that its levels are normalised by.
     pub gain: GainTable,
 }
 
@@ -190,8 +190,7 @@ fn draw<E>(
     Ok(())
 }
 
-/// How far places at equal distances along both rays of a strip are apart at most, in the plane of
-/// the map.
+/// Largest distance between places equally far along both rays of a strip, in the plane of the map.
 fn farthest_apart_m(strip: &[MosaicRay; 2]) -> f64 {
     let [near, far] =
         [|ray: &MosaicRay| ray.at, |ray: &MosaicRay| ray.place(ray.range_m(ray.count as f64))]

@@ -1,5 +1,5 @@
-//! What one log shows of a tile, in numbers that can be stored and joined with those of other logs
-//! at any later time.
+//! Part of a tile that one log shows, in numbers that can be stored and joined with those of other
+//! logs at any later time.
 
 use super::layout::TILE_CELLS;
 use super::overlap::CellSum;
@@ -7,13 +7,13 @@ use super::paint::{MosaicTile, painted_log};
 use super::{MosaicLog, MosaicSettings, Overlap, TileIndex};
 use crate::bathymetry::Grid;
 
-/// What one log shows of a tile.
+/// Part of a tile that one log shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MosaicPart {
     /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
     pub levels: Vec<u8>,
-    /// What each of them counts where it meets those of other logs, 0 where nothing was seen; empty
-    /// where `mosaic.overlap` weighs nothing.
+    /// Weight of each level where it is joined with those of other logs, 0 where nothing was seen;
+    /// empty where `mosaic.overlap` uses no weights.
     pub weights: Vec<f32>,
 }
 

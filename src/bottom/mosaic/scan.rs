@@ -1,8 +1,8 @@
-//! Which cells of a grid lie in a strip, row by row.
+//! Finds the cells of a grid that lie in a strip, row by row.
 
 use std::ops::Range;
 
-/// The cells, within so many columns and rows, whose middles lie in a polygon.
+/// The cells, within some columns and rows, whose middles lie in a polygon.
 pub(super) struct Scan<'a> {
     /// Counted in cells from the middle of the first.
     corners: &'a [[f64; 2]; 4],
@@ -14,7 +14,8 @@ pub(super) struct Scan<'a> {
 }
 
 impl<'a> Scan<'a> {
-    /// Of a polygon; its corners are counted in cells from the middle of the first.
+    /// Creates the scan of a polygon; its corners are counted in cells from the middle of the
+    /// first.
     #[inline(always)]
     pub(super) fn new(corners: &'a [[f64; 2]; 4], columns: usize, rows: usize) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -46,7 +47,8 @@ fn cells(from: f64, to: f64, count: usize) -> Range<usize> {
     start..end.max(start)
 }
 
-/// Where a row crosses a polygon, first and last; the first is beyond the last where it does not.
+/// Returns the first and the last place where a row crosses a polygon; the first is beyond the last
+/// where it does not.
 #[inline(always)]
 fn crossing(corners: &[[f64; 2]; 4], row: f64) -> [f64; 2] {
     let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -1,5 +1,4 @@
-//! How often each level occurs in a log's picture, and the levels that are shown as black and
-//! white.
+//! Counts the levels in a log's picture, and chooses the levels that are shown as black and white.
 
 use super::Tone;
 use super::log_picture::LogPicture;
@@ -27,7 +26,7 @@ pub struct LevelHistogram {
 }
 
 impl LevelHistogram {
-    /// Of the echoes of a log, shown with some tone.
+    /// Creates the histogram of the echoes of a log, shown with some tone.
     pub fn of(picture: &LogPicture, tone: &Tone) -> Self {
         let levels: Vec<f32> = picture.levels(tone).collect();
         if tone.is_plain() {
@@ -57,7 +56,7 @@ impl LevelHistogram {
     }
 }
 
-/// Where a histogram ends: beyond what nearly all levels lie below.
+/// Returns the level where a histogram ends: beyond what nearly all levels lie below.
 fn reach(levels: &mut [f32]) -> f32 {
     if levels.is_empty() {
         return 256.0;

@@ -1,4 +1,4 @@
-//! What the picture of one log is shown with, made once for its results.
+//! Data that the picture of one log is shown with, made once for its results.
 
 use super::{Extremes, PingScales, Tone};
 use crate::mosaic::GainTable;
@@ -31,7 +31,7 @@ struct PictureEcho {
 /// Scales, gain and sampled echoes of a log.
 #[derive(Debug)]
 pub struct LogPicture {
-    /// What recorded ranges are worth.
+    /// Scales between recorded ranges and calibrated ranges, ping by ping.
     pub scales: Arc<PingScales>,
     /// Least and greatest of the scales.
     pub extremes: Extremes,
@@ -46,7 +46,7 @@ pub struct LogPicture {
 }
 
 impl LogPicture {
-    /// Of a log; `factors` are those of the stripe filter, if it was asked for.
+    /// Creates the picture of a log; `factors` are those of the stripe filter, if it was asked for.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -79,9 +79,9 @@ impl LogPicture {
         })
     }
 
-    /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the
-    /// stripe filter]` of a side, the mean over some pings, or [`MOST_PINGS_OF_ROW`] of them. Of
-    /// the last ping beyond the end; without the filter the factor is 1.
+    /// Returns what a row of a tile is brought to one level by: `[altitude, scale, offset, factor
+    /// of the stripe filter]` of a side, the mean over some pings, or [`MOST_PINGS_OF_ROW`] of
+    /// them. Beyond the end it is that of the last ping; without the filter the factor is 1.
     pub fn row(&self, side: Side, pings: Range<usize>) -> [f32; 4] {
         let scales = self.scales.side(side);
         let factors = self.factors.as_ref().map(|sides| &sides[side as usize]);
@@ -114,7 +114,8 @@ impl LogPicture {
     }
 }
 
-/// Every so many echoes of pings spread evenly over the log, beyond the transmit pulse.
+/// Samples the echoes in even steps, of pings spread evenly over the log, beyond the transmit
+/// pulse.
 fn echoes(
     survey: &Survey,
     scales: &PingScales,

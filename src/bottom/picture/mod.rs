@@ -1,4 +1,4 @@
-//! How the side-scan of one log is shown: gain, stripes, levels, and where an echo lies across the
+//! Display of the side-scan of one log: gain, stripes, levels, and the place of an echo across the
 //! track.
 //!
 //! In: a survey with its first returns and calibration. Out: tables of gain and scale for each

@@ -1,12 +1,11 @@
-//! What a recorded range is worth at every ping: its calibrated slant range, and its distance on
-//! the ground.
+//! Converts recorded ranges at every ping into calibrated slant ranges and distances on the ground.
 
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
 use crate::mosaic::altitudes_m;
 use bathyscope_log::survey::{Side, Survey};
 
-/// What is measured across the track.
+/// Quantity that is measured across the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureGeometry {
     /// Slant range as recorded, the water column among it.
@@ -47,8 +46,8 @@ impl PingScale {
         (slant_m - f64::from(self.offset_m)) / f64::from(self.scale)
     }
 
-    /// Where a recorded range lies across the track, metres from the middle; what lies before the
-    /// ground lies in the middle.
+    /// Returns the distance of a recorded range from the middle, metres across the track; 0 for
+    /// what lies before the ground.
     pub fn across_m(&self, geometry: PictureGeometry, recorded_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
@@ -81,8 +80,8 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Every combination of least and greatest: what is monotonic in each is least and greatest at
-    /// one of them.
+    /// Returns every combination of least and greatest: a value that is monotonic in each is least
+    /// and greatest at one of them.
     fn corners(&self) -> impl Iterator<Item = PingScale> {
         let Self { least, most } = *self;
         (0..8).map(move |corner| {
@@ -91,16 +90,16 @@ impl Extremes {
         })
     }
 
-    /// Where recorded ranges from `near_m` to `far_m` can lie across the track, at whichever ping:
-    /// nearest and farthest.
+    /// Returns the nearest and the farthest distance across the track at which recorded ranges from
+    /// `near_m` to `far_m` can lie, at any ping.
     pub fn across_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
         [nearest.fold(f64::MAX, f64::min), farthest.fold(0.0, f64::max)]
     }
 
-    /// Which recorded ranges can be shown between two distances from the middle, at whichever ping:
-    /// nearest and farthest.
+    /// Returns the nearest and the farthest recorded range that can be shown between two distances
+    /// from the middle, at any ping.
     pub fn recorded_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self.corners().map(|one| one.recorded_at_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.recorded_at_m(geometry, far_m));
@@ -115,8 +114,8 @@ pub struct PingScales {
 }
 
 impl PingScales {
-    /// Of a log by its first returns and its calibration, with all ranges times `range_factor`:
-    /// where sound runs at another speed than the recorder took.
+    /// Creates the scales of a log from its first returns and its calibration, with all ranges
+    /// times `range_factor`: for sound that runs at another speed than the recorder took.
     pub fn new(
         survey: &Survey,
         returns: &FirstReturns,
@@ -154,18 +153,18 @@ impl PingScales {
         Self { sides: Side::BOTH.map(side) }
     }
 
-    /// Of so many pings over level ground, with ranges as recorded.
+    /// Creates scales of `pings` pings over level ground, with ranges as recorded.
     pub fn level(pings: usize, altitude_m: f32) -> Self {
         let scale = PingScale { altitude_m, ..PingScale::default() };
         Self { sides: [vec![scale; pings], vec![scale; pings]] }
     }
 
-    /// Of a side, ping by ping.
+    /// Returns the scales of a side, ping by ping.
     pub fn side(&self, side: Side) -> &[PingScale] {
         &self.sides[side as usize]
     }
 
-    /// Of a side at a ping; that of the nearest ping beyond the ends.
+    /// Returns the scale of a side at a ping; that of the last ping beyond the end.
     pub fn at(&self, side: Side, ping: usize) -> PingScale {
         let scales = self.side(side);
         let known = scales.get(ping).or(scales.last());

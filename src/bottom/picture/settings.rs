@@ -8,13 +8,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PictureSettings {
-    /// Whether levels are divided by the log's own mean at their range and angle, as in the mosaic.
+    /// Gain normalisation: levels are shown as recorded, or divided by the log's own mean at their
+    /// range and angle, as in the mosaic.
     pub gain: Gain,
     /// Time-varied gain for spreading, dB for each decade of slant range: `k log10 r`.
     pub spreading_db: f64,
     /// Time-varied gain for absorption, dB for each metre that sound goes: `2 alpha r`.
     pub absorption_db_m: f64,
-    /// By how much starboard is brightened against port, dB.
+    /// Brightening of starboard against port, dB.
     pub balance_db: f64,
     /// True if each echo is replaced by the median of the 3 x 3 about it.
     pub despeckle: bool,
@@ -26,7 +27,7 @@ pub struct PictureSettings {
     /// Level shown as 1, of 255; automatic without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white: Option<f64>,
-    /// What is shown is raised to 1 / gamma: above 1 lifts the dark.
+    /// Gamma: what is shown is raised to 1 / gamma, so that above 1 it lifts the dark.
     pub gamma: f64,
     /// True if later pings stand to the left, or above.
     pub flip: bool,
@@ -53,7 +54,7 @@ impl Default for PictureSettings {
     }
 }
 
-/// What the settings do to the echoes of a log, in numbers: the part of them that a histogram
+/// Effect of the settings on the echoes of a log, in numbers: the part of them that a histogram
 /// depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
@@ -112,7 +113,7 @@ impl Tone {
     }
 }
 
-/// Slant range below which time-varied gain does not change any more, metres: nothing is heard
+/// Slant range below which time-varied gain does not change any more, metres: nothing is detected
 /// there but the pulse.
 pub const LEAST_RANGE_M: f32 = 0.05;
 

@@ -90,7 +90,7 @@ fn middle_mean(echoes: &[u8]) -> f32 {
     (sum / (to - from)) as f32
 }
 
-/// What brings every level to the median of those about it.
+/// Returns the factors that bring every level to the median of those about it.
 fn factors(levels: &[f32]) -> Vec<f32> {
     let factor = |(ping, &level): (usize, &f32)| {
         if level.is_nan() {

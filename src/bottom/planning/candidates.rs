@@ -11,18 +11,18 @@ use std::ops::Range;
 
 /// Headings that are tried over half a turn.
 const HEADINGS: usize = 18;
-/// Lines of one heading that are looked at closely.
+/// Lines of one heading that are evaluated closely.
 const BEST_OF_HEADING: usize = 6;
-/// Lines of one heading are so far apart at least, metres.
+/// Least distance between lines of one heading, metres.
 const LEAST_OFFSET_M: f64 = 1.0;
-/// Crossing an object that was seen from one side only is worth as much as depths for so many
+/// Worth of a line across an object that was seen from one side only: that of depths for this many
 /// square metres of which nothing is known.
 const OBJECT_M2: f64 = 150.0;
-/// A line goes on beside an object for so far to either side, metres: its shadow and its ends are
-/// in the picture then.
+/// Length of a line beside an object, to either side, metres: its shadow and its ends are in the
+/// picture then.
 const BESIDE_M: f64 = 5.0;
 
-/// What limits a line.
+/// Limits of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Metres a second.
@@ -34,7 +34,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Shorter lines are not worth a turn, metres.
+    /// Returns the length below which a line is not worth a turn, metres.
     pub(super) fn least_m(&self) -> f64 {
         2.0 * self.radius_m
     }
@@ -47,11 +47,11 @@ pub(super) struct CandidateLine {
     /// Unit vector.
     course: [f64; 2],
     step_m: f64,
-    /// What each step mends: metres of standard deviation times square metres.
+    /// Reduction of the uncertainty by each step: metres of standard deviation times square metres.
     gains: Vec<f32>,
-    /// What all steps mend.
+    /// Sum of the gains of all steps.
     pub gain: f64,
-    /// What it mends in a second, guessed: the way to its start as the crow flies.
+    /// Estimated gain in a second, with the way to its start as the crow flies.
     rate: f64,
 }
 
@@ -111,12 +111,12 @@ pub(super) fn candidates(
     Ok(found)
 }
 
-/// Parallel lines over the water: what each of their steps would mend.
+/// Parallel lines over the water, with the gain of each of their steps.
 struct ParallelLines {
     /// Unit vectors along the lines and across them.
     along: [f64; 2],
     across: [f64; 2],
-    /// Where the first step of the first line begins, along and across, metres.
+    /// Beginning of the first step of the first line, along and across, metres.
     origin: [f64; 2],
     /// Length of a step and distance of two lines, metres.
     step_m: f64,
@@ -155,7 +155,7 @@ impl ParallelLines {
         sheet
     }
 
-    /// What every line would mend of the cells beside it.
+    /// Adds the gain of every line from the cells on both sides of it.
     fn add_ground(&mut self, ground: &PlanningGrid) {
         let cell_m2 = ground.cell_m2() as f32;
         for cell in &ground.cells {
@@ -171,7 +171,7 @@ impl ParallelLines {
         }
     }
 
-    /// What lines would show of objects from another side.
+    /// Adds the gain of lines that show objects from another side.
     fn add_objects(&mut self, ground: &PlanningGrid, heading_rad: f64) {
         let [near_m, far_m] = ground.useful_m;
         for object in &ground.objects {

@@ -10,16 +10,16 @@ use rayon::prelude::*;
 /// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it
 /// helps.
 pub(super) const DOUBT_M: f64 = 5.0;
-/// Of the differences that are more than so many standard deviations of a depth at a sounding.
+/// Least difference that counts as a doubt, in standard deviations of a depth at a sounding.
 const DOUBT_SIGMAS: f64 = 2.0;
-/// More of them are not looked at.
+/// Most doubts that are evaluated.
 const MOST_DOUBTS: usize = 500;
-/// Of the mean of two passes that differ, a third leaves this share of the standard deviation: the
-/// root of two thirds.
+/// Share that a third pass leaves of the standard deviation of the mean of two passes that differ:
+/// the root of two thirds.
 const THIRD_PASS: f32 = 0.816_5;
-/// What the first and the second look of the side-scan at a place are worth, as shares of the
-/// standard deviation where nothing is known: less than a depth, since that is what a plan is for,
-/// and enough that lines keep to distances at which the range covers the ground twice.
+/// Worth of the first and the second look of the side-scan at a place, as shares of the standard
+/// deviation where nothing is known: less than a depth, since a plan is for depths, and enough that
+/// lines keep to distances at which the range covers the ground twice.
 const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
 
 /// A cell of the water.
@@ -27,7 +27,7 @@ const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
 pub(super) struct WaterCell {
     /// Its centre.
     pub place: [f64; 2],
-    /// To the nearest sounding, metres.
+    /// Distance to the nearest sounding, metres.
     pub distance_m: f32,
     /// Standard deviation from passes that disagree here, metres.
     pub doubt_m: f32,
@@ -35,7 +35,7 @@ pub(super) struct WaterCell {
     pub looks: u8,
 }
 
-/// What is known of each cell of the water, and what lies on it.
+/// Knowledge of each cell of the water, and the objects on it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PlanningGrid {
     /// The water.
@@ -44,7 +44,7 @@ pub(super) struct PlanningGrid {
     pub cells: Vec<WaterCell>,
     /// The objects in it or near it.
     pub objects: Vec<SeenObject>,
-    /// What distance leaves in doubt.
+    /// Standard deviation of a depth by the distance to the nearest sounding.
     pub sigma: SigmaLaw,
     /// Ground nearer to a sounding than this counts as mended, metres: half of the spacing that was
     /// asked for.
@@ -56,7 +56,7 @@ pub(super) struct PlanningGrid {
 }
 
 impl PlanningGrid {
-    /// Of what a survey knows, in some water.
+    /// Creates the grid from what a survey knows, in some water.
     pub(super) fn new(known: &SurveyCoverage, water: Water, spacing_m: Option<f64>) -> Self {
         let soundings = Nearest::of(&thinned(&known.soundings, 0.25 * water.grid.cell_m));
         let doubts = largest(known);
@@ -98,7 +98,7 @@ impl PlanningGrid {
         if doubt_m > 0.0 { sigma_m.hypot(doubt_m).min(self.sigma.limit_m()) } else { sigma_m }
     }
 
-    /// By how much a pass at a distance mends a cell, metres of standard deviation.
+    /// Returns the reduction of the standard deviation of a cell by a pass at a distance, metres.
     pub(super) fn mended_by(&self, cell: &WaterCell, sigma_m: f32, pass_m: f32) -> f32 {
         let doubt_m =
             if pass_m < DOUBT_M as f32 { THIRD_PASS * cell.doubt_m } else { cell.doubt_m };

@@ -1,20 +1,20 @@
-//! What a survey knows of its ground, as far as a plan needs it. All in one plane, metres east and
-//! north.
+//! Knowledge of a survey about its ground, as far as a plan needs it. All in one plane, metres east
+//! and north.
 
 use crate::bathymetry::SigmaByDistance;
 
-/// What was sailed and what is known from it.
+/// Survey coverage: places that were sailed over, and what is known from them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurveyCoverage {
     /// Places of the soundings.
     pub soundings: Vec<[f64; 2]>,
-    /// What a depth is worth at a distance from them.
+    /// Standard deviation of a depth by the distance from them.
     pub sigma: SigmaLaw,
     /// Ground that side-scan pings insonified.
     pub looks: Vec<InsonifiedSide>,
     /// Objects with the directions that they were seen from.
     pub objects: Vec<SeenObject>,
-    /// Where passes disagree about the depth.
+    /// Places where passes disagree about the depth.
     pub doubts: Vec<Doubt>,
     /// Usual depth, metres.
     pub depth_m: f64,
@@ -29,9 +29,9 @@ pub struct SurveyCoverage {
 /// The ground that one ping insonified on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsonifiedSide {
-    /// Below the boat.
+    /// Place below the boat.
     pub from: [f64; 2],
-    /// At the end of the range.
+    /// Place at the end of the range.
     pub to: [f64; 2],
     /// Pings of one pass have the same number.
     pub pass: u32,
@@ -49,15 +49,15 @@ pub struct SeenObject {
 /// A place where two passes differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
-    /// Where they cross.
+    /// Place where they cross.
     pub place: [f64; 2],
     /// Difference of their depths, metres.
     pub difference_m: f64,
 }
 
 impl SeenObject {
-    /// How well the directions that it was seen from complete each other: the largest sine squared
-    /// of an angle between two of them, 1 at right angles, 0 from one side only.
+    /// Returns how well the directions that it was seen from complete each other: the largest sine
+    /// squared of an angle between two of them, 1 at right angles, 0 from one side only.
     pub fn crossing(&self) -> f64 {
         let each = self.headings_rad.iter().enumerate();
         each.map(|(index, heading)| crossed(&self.headings_rad[..index], *heading))
@@ -79,24 +79,26 @@ fn crossed(headings_rad: &[f64], other_rad: f64) -> f64 {
 /// is where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SigmaLaw {
-    /// At multiples of [`STEP_M`]; the last is that of all distances beyond.
+    /// Standard deviations at multiples of [`STEP_M`]; the last is that of all distances beyond.
     steps_m: Vec<f32>,
 }
 
 /// Distances between the steps of a law, metres.
 const STEP_M: f64 = 0.1;
-/// No law goes farther than this, metres.
+/// Farthest distance of any law, metres.
 const FARTHEST_M: f64 = 500.0;
-/// Where a survey has too few soundings to leave some out: at a sounding, metres, and for each
-/// metre from it. The ponds of `cargo bench -- surface` have 0.01 to 0.06 a metre.
+/// Standard deviation at a sounding, metres, and its rise for each metre from it, for a survey with
+/// too few soundings to leave some out. The ponds of `cargo bench -- surface` have 0.01 to 0.06 a
+/// metre.
 const USUAL_SIGMA_M: f64 = 0.05;
 const USUAL_RISE: f64 = 0.04;
-/// Nothing is worse known than by a guess of the mean depth: this at least, metres.
+/// Least limit of a law, metres; the limit is the standard deviation of a guess of the mean depth.
 const LEAST_LIMIT_M: f64 = 0.1;
 
 impl SigmaLaw {
-    /// By left-out soundings where there were enough, else a usual rise; nowhere more than
-    /// `limit_m`, the spread of the depths of the survey, with which the mean depth would be wrong.
+    /// Creates the law from left-out soundings where there were enough, else with a usual rise;
+    /// nowhere more than `limit_m`, the spread of the depths of the survey, which is the error of
+    /// the mean depth.
     pub fn new(left_out: Option<&SigmaByDistance>, limit_m: f64) -> Self {
         let at = |distance_m: f64| match left_out {
             Some(left_out) => left_out.at(distance_m),
@@ -110,18 +112,18 @@ impl SigmaLaw {
         Self { steps_m }
     }
 
-    /// At a distance, metres.
+    /// Returns the standard deviation at a distance, metres.
     pub fn at(&self, distance_m: f32) -> f32 {
         let step = (distance_m * (1.0 / STEP_M) as f32 + 0.5) as usize;
         self.steps_m[step.min(self.steps_m.len() - 1)]
     }
 
-    /// Where nothing is known, metres.
+    /// Returns the standard deviation where nothing is known, metres.
     pub(crate) fn limit_m(&self) -> f32 {
         self.steps_m[self.steps_m.len() - 1]
     }
 
-    /// Beyond this distance a sounding tells nothing, metres.
+    /// Returns the distance beyond which a sounding adds no information, metres.
     pub fn reach_m(&self) -> f64 {
         STEP_M * (self.steps_m.len() - 1) as f64
     }

@@ -1,7 +1,8 @@
-//! Where to sail next: lines that mend the most of a survey in so many minutes.
+//! Plans the lines to sail next: those that reduce the uncertainty of a survey most in a number of
+//! minutes.
 //!
-//! In: what a survey has insonified, and where water is. Out: lines in the order of sailing, with
-//! what they mend.
+//! In: survey coverage, and where water is. Out: lines in the order of sailing, with the reduction
+//! of the uncertainty.
 //!
 //! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each
 //! cell of it lacks: depths (by the distance to the nearest sounding, `known::SigmaLaw`), a first
@@ -37,16 +38,16 @@ use water::Water;
 const CLOSED_GAPS: f64 = 1.5;
 /// Candidates that a turn leads to, of which the best is taken.
 const LOOKED_AT: usize = 40;
-/// No plan has more lines.
+/// Most lines of a plan.
 const MOST_LINES: usize = 400;
 /// A line that mends less than this share of what the first does in the same time is not worth
 /// sailing: the plan ends before it.
 const WORTH: f64 = 0.03;
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// Nothing was surveyed.
+    /// No log to plan from.
     #[error("there is no log to plan from")]
     NoLog,
     /// A survey without soundings.
@@ -181,7 +182,7 @@ fn sailed(
     if legs.is_empty() { Err(PlanError::NoTime) } else { Ok(legs) }
 }
 
-/// Why no line was found in ground that none was planned in yet.
+/// Returns the reason why no line was found in ground that none was planned in yet.
 fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
     let is_mendable = |cell: &ground::WaterCell| {
         let sigma_m = ground.sigma_m(cell);

@@ -7,12 +7,12 @@ use super::turns::turns;
 use super::{PlanError, SeenObject, SurveyCoverage};
 use crate::bathymetry::Grid;
 
-/// A boat's speed where the survey does not tell, metres a second.
+/// Usual speed of a boat, where the survey does not determine it, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
 /// A straight piece between two turns has no places but its ends.
 const STRAIGHT_M: f64 = 1e9;
 
-/// What a plan is made for.
+/// Time, speed and limits that a plan is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanSettings {
     /// Time from the start of the first line to the end of the last, minutes.
@@ -64,14 +64,14 @@ impl PlanSettings {
     }
 }
 
-/// What a place of the way is.
+/// Kind of a place of the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WaypointKind {
     /// The start of a line, counted from 0.
     Start(usize),
     /// The end of a line.
     End(usize),
-    /// Between two lines.
+    /// A place of a turn between two lines.
     Turn,
 }
 
@@ -80,11 +80,11 @@ pub enum WaypointKind {
 pub struct Waypoint {
     /// Metres east and north.
     pub place: [f64; 2],
-    /// What it is.
+    /// Kind of the place.
     pub station: WaypointKind,
 }
 
-/// How well the water is known.
+/// Uncertainty of the water's depths, and its coverage by side-scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaterState {
     /// Predicted standard deviation of the depth by cell, metres; NaN outside of the water.
@@ -117,9 +117,9 @@ pub struct Plan {
     pub turns_outside: usize,
     /// Square metres of the water.
     pub area_m2: f64,
-    /// As the survey left it.
+    /// State of the water after the survey.
     pub before: WaterState,
-    /// As the plan will leave it.
+    /// State of the water after the plan.
     pub after: WaterState,
 }
 
@@ -196,7 +196,7 @@ impl Plan {
         &self.ground.water.grid
     }
 
-    /// Whether a place lies in the water that was planned for.
+    /// Returns true if a place lies in the water that was planned for.
     pub fn is_water(&self, place: [f64; 2]) -> bool {
         self.ground.water.holds(place)
     }

@@ -1,4 +1,4 @@
-//! In which order lines are sailed, and which way along each.
+//! Finds the order in which lines are sailed, and the direction along each.
 
 use super::leg::{Leg, apart_m};
 use super::turns::{Turn, TurnPose, turns};
@@ -34,7 +34,7 @@ pub(super) struct Route<'a> {
 }
 
 impl<'a> Route<'a> {
-    /// Without any line.
+    /// Creates a route without any line.
     pub(super) fn new(water: &'a Water, radius_m: f64) -> Self {
         Self { water, radius_m, lines: Vec::new(), order: Vec::new(), links: HashMap::new() }
     }
@@ -52,8 +52,8 @@ impl<'a> Route<'a> {
         lines_m + links.sum::<f64>()
     }
 
-    /// By how much the route grows with a line at its best place, and that place; `None` where no
-    /// turn leads there.
+    /// Returns the growth of the route by a line at its best place, metres, and that place; `None`
+    /// where no turn leads there.
     pub(super) fn growth(&mut self, leg: Leg) -> Option<(f64, Insertion)> {
         if self.order.is_empty() {
             return Some((leg.length_m(), Insertion { at: 0, leg }));
@@ -191,7 +191,7 @@ impl<'a> Route<'a> {
         from.zip(to).map_or(0.0, |(from, to)| self.link_m(from, to))
     }
 
-    /// What that cannot be less than: the way as the crow flies.
+    /// Lower bound of that length: the way as the crow flies.
     fn least_m(&self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
         let ends = from.zip(to);
         ends.map_or(0.0, |(from, to)| apart_m(self.leg(from).to, self.leg(to).from))
@@ -214,7 +214,7 @@ impl<'a> Route<'a> {
     }
 }
 
-/// Where a line comes in the order, and its direction.
+/// Place of a line in the order, and its direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Insertion {
     at: usize,

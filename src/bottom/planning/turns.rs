@@ -6,7 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// An arc is drawn with a corner every so many radians: the chord leaves it by 1.5 % of the radius.
+/// Angle between the corners that an arc is drawn with, radians: the chord leaves it by 1.5 % of
+/// the radius.
 const STEP_RAD: f64 = 20.0 * PI / 180.0;
 
 /// A place and the direction that the boat moves in.
@@ -106,8 +107,9 @@ impl Turn {
         self.radius_m * (first + middle + last)
     }
 
-    /// Places along the way without those at its ends: the ends of its pieces, and so many within
-    /// arcs that they are drawn round; straight pieces have a place every `straight_m` metres.
+    /// Returns places along the way without those at its ends: the ends of its pieces, enough
+    /// places within arcs that they are drawn round, and a place every `straight_m` metres on
+    /// straight pieces.
     pub(super) fn places(&self, straight_m: f64) -> Vec<[f64; 2]> {
         let mut pose = self.from;
         let mut places = Vec::new();

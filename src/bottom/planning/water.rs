@@ -16,7 +16,7 @@ const ATTEMPTS: usize = 12;
 /// Cells of open water on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Water {
-    /// Where the cells are.
+    /// Grid of the cells.
     pub grid: Grid,
     open: Vec<bool>,
 }
@@ -38,13 +38,13 @@ impl Water {
         fitting(bounds, |grid| closed(grid, soundings, reach_m))
     }
 
-    /// Whether a place lies in open water.
+    /// Returns true if a place lies in open water.
     pub(super) fn holds(&self, [east_m, north_m]: [f64; 2]) -> bool {
         let cell = self.grid.index_at(east_m, north_m);
         cell.is_some_and(|cell| self.open[cell])
     }
 
-    /// Whether all places do.
+    /// Returns true if all places lie in open water.
     pub(super) fn holds_all(&self, places: &[[f64; 2]]) -> bool {
         places.iter().all(|place| self.holds(*place))
     }
@@ -120,7 +120,7 @@ fn within_rings(grid: &Grid, rings: &[Vec<[f64; 2]>]) -> Vec<bool> {
     open
 }
 
-/// Where a ring crosses a parallel, metres east.
+/// Returns the places where a ring crosses a parallel, metres east.
 fn crossed(ring: &[[f64; 2]], north_m: f64) -> impl Iterator<Item = f64> {
     edges(ring).filter_map(move |[[x0, y0], [x1, y1]]| {
         let crosses = (y0 > north_m) != (y1 > north_m);
@@ -173,7 +173,7 @@ fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
         .collect()
 }
 
-/// One of the places in each square of a side.
+/// Returns one of the places in each square with sides of `side_m` metres.
 pub(super) fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
     let square = |place: &[f64; 2]| place.map(|metres| (metres / side_m).floor() as i64);
     let finite = |place: &&[f64; 2]| place.iter().all(|value| value.is_finite());

@@ -1,4 +1,4 @@
-//! How results are shown, the same in the window, in the report, in files and in the evaluation:
+//! Presentation of results, the same in Bathyscope, in the report, in files and in the evaluation:
 //! colours, numbers in words, round steps, the graticule and plots. Nothing here depends on a
 //! widget, the GPU or a survey.
 //!

@@ -20,7 +20,7 @@ const COLOURS: [&str; 8] =
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it is the axis of.
+    /// Name of the quantity on the axis.
     pub name: String,
     /// Values at its beginning, on the left or below, and at its end.
     pub ends: [f64; 2],
@@ -29,13 +29,13 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// With round ticks.
+    /// Creates an axis with round ticks.
     pub fn new(name: &str, ends: [f64; 2]) -> Self {
         let [from, to] = ends;
         Self { name: name.to_owned(), ends, ticks: ticks::ticks(from.min(to), from.max(to)) }
     }
 
-    /// Where a value lies, from 0 at the beginning to 1 at the end; in the middle of an axis
+    /// Returns the place of a value, from 0 at the beginning to 1 at the end; the middle on an axis
     /// without extent.
     pub fn share(&self, value: f64) -> f64 {
         let [from, to] = self.ends;
@@ -46,7 +46,7 @@ impl Axis {
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotCurve {
-    /// What it is, for the key.
+    /// Name of the curve in the key.
     pub name: String,
     /// Across and up; points that are not numbers are left out.
     pub points: Vec<[f64; 2]>,
@@ -55,11 +55,11 @@ pub struct PlotCurve {
 /// A picture of curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// What is to be seen, for those who cannot.
+    /// Description of the plot, for readers who cannot see it.
     pub title: String,
-    /// What grows to the right.
+    /// Axis that grows to the right.
     pub across: Axis,
-    /// What grows upwards.
+    /// Axis that grows upwards.
     pub up: Axis,
     /// The curves; the first is drawn strongest. A single one needs no key.
     pub curves: Vec<PlotCurve>,
@@ -72,7 +72,7 @@ pub struct Plot {
 type WriteResult = Result<(), std::fmt::Error>;
 
 impl Plot {
-    /// The plot as an `svg` element whose curves lie in an area of so many pixels.
+    /// Returns the plot as an `svg` element whose curves lie in an area of this size, pixels.
     pub fn svg(&self, area: [f64; 2]) -> String {
         let drawing = Drawing { plot: self, area };
         let right = if self.curves.len() > 1 { KEY } else { RIGHT };
@@ -193,7 +193,7 @@ impl Drawing<'_> {
         Ok(())
     }
 
-    /// Without points that are no numbers or lie on the one before.
+    /// Returns the points without those that are no numbers or lie on the one before.
     fn thinned(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let Plot { across, up, .. } = self.plot;
         let mut kept: Vec<[f64; 2]> = Vec::new();

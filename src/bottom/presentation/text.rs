@@ -1,9 +1,9 @@
-//! Numbers, places and times as the analyst reads them, in the window and in the report.
+//! Numbers, places and times as text, in Bathyscope and in the report.
 
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 
-/// What stands where there is no value.
+/// Text in place of a missing value.
 pub const NONE: &str = "–";
 
 /// A count in groups of three: `12 345`.

@@ -1,8 +1,8 @@
 //! Round numbers, and the ticks, scale bars, levels and cells that lie at them.
 
-/// What counts as round within a decade.
+/// Numbers that count as round within a decade.
 const ONE_TWO_FIVE: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
-/// Where a scale may end: closer together, so that little of it stays empty.
+/// Numbers at which a scale may end: closer together, so that little of it stays empty.
 const ENDS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 /// Round in time, seconds; beyond, whole days.
 const TIMES_S: [f64; 12] =

@@ -16,7 +16,7 @@ const METRES_PER_NAUTICAL_MILE: f64 = 1852.0;
 /// Square feet in an acre.
 const SQUARE_FEET_PER_ACRE: f64 = 43_560.0;
 
-/// What lengths and depths are shown in.
+/// Unit that lengths and depths are shown in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LengthUnit {
@@ -29,7 +29,7 @@ pub enum LengthUnit {
     Fathoms,
 }
 
-/// What speeds are shown in.
+/// Unit that speeds are shown in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpeedUnit {
@@ -44,9 +44,9 @@ pub enum SpeedUnit {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Units {
-    /// Of lengths and depths.
+    /// Unit of lengths and depths.
     pub length: LengthUnit,
-    /// Of speeds.
+    /// Unit of speeds.
     pub speed: SpeedUnit,
 }
 
@@ -78,9 +78,9 @@ impl LengthUnit {
         }
     }
 
-    /// Decimals that say about as much as so many do of metres: hundredths of a metre are tenths of
-    /// a foot, but whole feet are too coarse for what is known to a tenth of a metre; a fathom is
-    /// about two metres.
+    /// Returns the decimals that are worth about as much as `of_metres` decimals of metres:
+    /// hundredths of a metre are tenths of a foot, but whole feet are too coarse for what is known
+    /// to a tenth of a metre; a fathom is about two metres.
     fn decimals(self, of_metres: usize) -> usize {
         match (self, of_metres) {
             (Self::Feet, 2..) => of_metres - 1,
@@ -88,7 +88,7 @@ impl LengthUnit {
         }
     }
 
-    /// [`LengthUnit::decimals`] of what is small: two at least where metres have so many.
+    /// Returns [`LengthUnit::decimals`] for small lengths: two at least where metres have two.
     fn fine_decimals(self, of_metres: usize) -> usize {
         self.decimals(of_metres).max(of_metres.min(2))
     }
@@ -131,14 +131,14 @@ impl Units {
         self.length.symbol()
     }
 
-    /// A length without its unit, with the decimals that so many of metres are worth; a dash where
-    /// there is none.
+    /// Returns a length without its unit, with decimals worth those of metres; a dash where there
+    /// is none.
     pub fn number(self, value_m: f64, decimals_of_metres: usize) -> String {
         text::decimal(self.in_unit(value_m), self.length.decimals(decimals_of_metres))
     }
 
-    /// A length with its unit, with the decimals that so many of metres are worth; a dash where
-    /// there is none.
+    /// Returns a length with its unit, with decimals worth those of metres; a dash where there is
+    /// none.
     pub fn measure(self, value_m: f64, decimals_of_metres: usize) -> String {
         if value_m.is_finite() {
             format!("{} {}", self.number(value_m, decimals_of_metres), self.symbol())
@@ -272,14 +272,14 @@ impl Units {
         format!("{value} {}", self.symbol())
     }
 
-    /// The smallest round length, in metres, that is at least so many metres: round in the unit in
-    /// use.
+    /// Returns the smallest round length that is at least `least_m`, in metres: round in the unit
+    /// in use.
     pub fn round_up_m(self, least_m: f64) -> f64 {
         ticks::round_up(self.in_unit(least_m)) * self.length.metres()
     }
 
-    /// A round step, in metres, that divides a span of metres into at most so many parts: round in
-    /// the unit in use.
+    /// Returns a round step, in metres, that divides a span of metres into at most `most` parts:
+    /// round in the unit in use.
     pub fn round_step_m(self, span_m: f64, most: f64) -> f64 {
         ticks::round_step(self.in_unit(span_m), most) * self.length.metres()
     }

@@ -1,4 +1,4 @@
-//! In which order unknowns are eliminated: what is filled in, and so the time, depends on it; the
+//! Order in which unknowns are eliminated: the fill-in, and so the time, depends on it; the
 //! solution does not.
 
 use super::{Equations, Occurrences};
@@ -9,7 +9,7 @@ use faer::sparse::linalg::amd;
 /// Marks what has no place yet.
 const NONE: u32 = u32::MAX;
 
-/// Which unknowns occur together in an equation.
+/// Unknowns that occur together in an equation.
 pub(super) struct Neighbours {
     starts: Vec<usize>,
     unknowns: Vec<u32>,
@@ -37,7 +37,7 @@ impl Neighbours {
         Self { starts, unknowns: found }
     }
 
-    /// Those of an unknown, itself left out, each once.
+    /// Returns the neighbours of an unknown, itself left out, each once.
     pub(super) fn of(&self, unknown: usize) -> &[u32] {
         &self.unknowns[self.starts[unknown]..self.starts[unknown + 1]]
     }
@@ -68,8 +68,8 @@ impl Neighbours {
         (starts, rows)
     }
 
-    /// Of approximately least degree (Amestoy et al. 1996): good for any equations. `None` where
-    /// there is no room.
+    /// Returns the order of approximately least degree (Amestoy et al. 1996): good for any
+    /// equations. `None` where there is no room.
     pub(super) fn of_least_degree(&self) -> Option<Vec<u32>> {
         let unknowns = self.unknowns();
         let given: Vec<u32> = (0..unknowns as u32).collect();
@@ -90,7 +90,8 @@ impl Neighbours {
     }
 }
 
-/// The place of each unknown in an order; `None` where it is none of so many unknowns.
+/// Returns the place of each unknown in an order; `None` where `order` is not an order of
+/// `unknowns` unknowns.
 pub(super) fn places(order: &[u32], unknowns: usize) -> Option<Vec<u32>> {
     let mut places = vec![NONE; unknowns];
     for (place, unknown) in (0..).zip(order) {

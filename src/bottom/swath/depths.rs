@@ -23,10 +23,10 @@ const MEASURED_M: f64 = 0.5;
 const FIT_RANGE_M: f64 = 0.25;
 const FIT_ANGLE_DEG: f64 = 2.0;
 const FIT_LEAST: f64 = 100.0;
-/// Fewer bins give no curves.
+/// Fewest bins that determine curves.
 const LEAST_BINS: usize = 40;
 
-/// All that depths are found from.
+/// Input that depths are found from.
 pub(super) struct SwathInput<'a> {
     /// Looks of all logs.
     pub looks: Vec<SideChunk>,
@@ -41,9 +41,9 @@ pub(super) struct SwathInput<'a> {
     weed: WeedPlaces,
 }
 
-/// Depths that were found at the nodes, and what is known of them.
+/// Depths that were found at the nodes, with their uncertainty.
 pub(super) struct NodeDepths {
-    /// Where the nodes are.
+    /// Places of the nodes.
     pub nodes: Nodes,
     /// Depth at each, metres.
     pub depth_m: Vec<f64>,
@@ -51,12 +51,13 @@ pub(super) struct NodeDepths {
     pub ln_brightness: Vec<f64>,
     /// Standard deviation by what is unknown of the depth, metres.
     pub sd_m: Vec<f64>,
-    /// The share of the tiles there that echoes say something of the node in: 1, or 0.
+    /// Share of the tiles there in which an observation lies next to the node, 0 to 1.
     pub seen: Vec<f64>,
 }
 
 impl<'a> SwathInput<'a> {
-    /// Of the logs whose law is known; `recorders` says of each log which curves it shares.
+    /// Creates the input from the logs whose law is known; `recorders` gives for each log the log
+    /// whose curves it shares.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -199,8 +200,8 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Of some tiles, with some curves, or those that fit the levels on triangles between the
-    /// measured depths.
+    /// Creates the sample of some tiles, with some curves, or those that fit the levels on
+    /// triangles between the measured depths.
     pub(super) fn new(
         input: &SwathInput<'_>,
         tiling: &Tiling,

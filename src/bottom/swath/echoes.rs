@@ -1,9 +1,9 @@
-//! What the method reads of a log: where every ping was, the range of its samples and its first
-//! returns.
+//! Data that the method reads of a log: the place of every ping, the range of its samples and its
+//! first returns.
 
 use bathyscope_log::survey::{Side, Survey};
 
-/// Where the samples of a log are read from, a ping at a time.
+/// Source of the samples of a log, read a ping at a time.
 pub trait SampleSource: Sync {
     /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are
     /// none.
@@ -28,7 +28,7 @@ pub struct LogEchoes<'a> {
     pub pings: Vec<PingPlace>,
 }
 
-/// Where a ping was and what its samples mean.
+/// Place of a ping, and the ranges of its samples.
 #[derive(Clone, Copy, Debug)]
 pub struct PingPlace {
     /// Seconds of the log.
@@ -70,7 +70,7 @@ impl PingPlace {
         self.starboard.map(|part| side.to_starboard(part))
     }
 
-    /// What is known of a side.
+    /// Returns the ranges and the first return of a side.
     pub fn side(&self, side: Side) -> &SideEchoes {
         &self.sides[side as usize]
     }

@@ -12,8 +12,8 @@ const BETWEEN: usize = 2;
 /// Parts of no more rows and columns are not parted further.
 const LEAST_PARTED: usize = 5;
 
-/// An order of so many unknowns: `each` of every node come first, those of one kind before those of
-/// the next.
+/// Returns an order of `unknowns` unknowns: `each` of every node come first, those of one kind
+/// before those of the next.
 pub(super) fn order(nodes: &Nodes, each: usize, unknowns: usize) -> Vec<u32> {
     let mut of_nodes = Vec::with_capacity(nodes.len());
     part(nodes, nodes.counts.map(|count| 0..count), &mut of_nodes);

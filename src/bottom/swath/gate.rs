@@ -1,5 +1,5 @@
-//! Whether levels tell depths: stretches of the soundings are left out and predicted with levels
-//! and without.
+//! Tests whether levels determine depths: stretches of the soundings are left out and predicted
+//! with levels and without.
 
 use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, merged};
 use super::looks::SeenOctants;
@@ -11,20 +11,20 @@ use crate::bathymetry::{BentSampler, DepthPoint, Tin};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Length of a stretch that is left out, metres, and of how many stretches one is.
+/// Length of a stretch, metres, and number of stretches of which one is left out.
 const STRETCH_M: f64 = 8.0;
 const ONE_OF: u64 = 3;
 /// Soundings nearer than this to the end of a stretch have others beside them, metres.
 const END_M: f64 = 1.0;
 /// Least share of the ground that must be seen from two sides.
 const LEAST_TWICE: f64 = 0.2;
-/// Fewer left-out soundings tell nothing.
+/// Fewest left-out soundings for a test.
 const LEAST_SOUNDINGS: usize = 40;
-/// How the brightness of the bed may change: what is tried.
+/// Changes of the bed's brightness that are tried.
 const TRIED: [Brightness; 3] =
     [Brightness::Slow(0.05), Brightness::Patches(0.35), Brightness::Patches(0.8)];
 
-/// How left-out soundings were predicted.
+/// Errors in the prediction of left-out soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LeftOut {
     /// Root mean square of the errors of triangles, metres.
@@ -35,8 +35,8 @@ pub(super) struct LeftOut {
     pub error_sds: f64,
 }
 
-/// Returns true if enough of the ground in some tiles is seen from two sides: one alone cannot tell
-/// a slope from what the bed is made of.
+/// Returns true if enough of the ground in some tiles is seen from two sides: one side alone cannot
+/// distinguish a slope from the material of the bed.
 pub(super) fn is_seen_from_two_sides(
     input: &SwathInput<'_>,
     tiling: &Tiling,
@@ -62,14 +62,14 @@ pub(super) fn is_seen_from_two_sides(
     twice as f64 >= LEAST_TWICE * seen as f64
 }
 
-/// What is left out and what stays.
+/// Depths that are left out and depths that are kept.
 struct Split {
     kept: Vec<DepthPoint>,
     asked: Vec<DepthPoint>,
 }
 
 impl Split {
-    /// By the way of the boat up to the ping next to each depth.
+    /// Splits the depths by the way of the boat up to the ping next to each.
     fn of(input: &SwathInput<'_>, measured: &[DepthPoint]) -> Option<Self> {
         let (mut places, mut ways_m) = (Vec::new(), Vec::new());
         for log in input.logs {
@@ -106,11 +106,11 @@ impl Split {
 const RELIEF_SHARE: f64 = 1.1;
 const RELIEF_M: [f64; 2] = [0.15, 0.4];
 
-/// What was found best.
+/// Prior that predicts left-out soundings best.
 pub(super) struct PriorChoice {
-    /// What is known of the bed beforehand, as it predicts left-out soundings best.
+    /// Prior knowledge of the bed, as it predicts left-out soundings best.
     pub prior: Prior,
-    /// How it does.
+    /// Errors of this prediction.
     pub left_out: LeftOut,
     /// The curves that it predicts them by.
     pub curves: Vec<Option<LawCurves>>,
@@ -180,7 +180,7 @@ pub(super) fn choose(
 struct Asked {
     place: [f64; 2],
     depth_m: f64,
-    /// What triangles say, metres.
+    /// Depth by the triangles between the kept depths, metres.
     triangles_m: f64,
     /// The tile of the sample in whose core it lies.
     state: usize,

@@ -1,7 +1,8 @@
-//! What a recorder writes of an echo: its decibels, or a power of its intensity.
+//! Determines the law by which a recorder writes an echo: its decibels, or a power of its
+//! intensity.
 //!
 //! Where many scatterers share a sample, its intensity is exponentially distributed whatever its
-//! mean (speckle). So the spread of the levels in a small window tells the law: a recorder of
+//! mean (speckle). So the spread of the levels in a small window determines the law: a recorder of
 //! decibels shows the same spread everywhere, one of a power (an amplitude is the power 1/2) a
 //! spread in proportion to the level. Noise fills up the lower half of the spread, and the upper
 //! half is what is measured.
@@ -27,9 +28,9 @@ const FROM_FIRST_RETURN: [f64; 2] = [1.2, 1.7];
 const MOST_GROUPS: usize = 2_000;
 /// Share of clipped samples from which on a window is left out.
 const MOST_CLIPPED: f64 = 0.03;
-/// Fewer windows say nothing.
+/// Fewest windows that determine a law.
 const LEAST_WINDOWS: usize = 120;
-/// Windows are sorted by their mean and put into so many bins.
+/// Bins that windows are put into, sorted by their mean.
 const BINS: usize = 12;
 /// Slope of the logarithm of the spread over that of the mean below which levels count as decibels;
 /// a power has 1.
@@ -49,20 +50,20 @@ const SAME_LAW: f64 = 0.15;
 /// Power 0 has no logarithm: levels count as at least this.
 const LEAST_LEVEL: f64 = 0.05;
 
-/// How the levels of a log become logarithms of power.
+/// Conversion of the levels of a log into logarithms of power.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Law {
-    /// What is written.
+    /// Quantity that the recorder writes.
     pub kind: LawKind,
-    /// Samples in a row that tell as much as one independent one: those in a pulse. Smoothing takes
+    /// Samples in a row that are worth one independent sample: those in a pulse. Smoothing takes
     /// nothing away.
     pub grain_samples: f64,
-    /// The highest level that occurs more often than by chance: the recorder cannot tell stronger
-    /// echoes apart.
+    /// Highest level that occurs more often than by chance: the recorder cannot distinguish
+    /// stronger echoes.
     pub most_level: u8,
 }
 
-/// What a recorder writes.
+/// Quantity that a recorder writes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LawKind {
@@ -121,7 +122,7 @@ struct LevelWindow {
     about: Vec<f64>,
 }
 
-/// The law of a log; `None` where too few echoes tell it.
+/// Determines the law of a log; `None` where too few echoes determine it.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -193,7 +194,7 @@ fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<LevelWindow> {
     })
 }
 
-/// How levels spread in windows.
+/// Spread of the levels in windows.
 struct LevelSpread {
     /// Slope of the logarithm of the spread over that of the mean.
     slope: f64,
@@ -230,8 +231,8 @@ impl LevelSpread {
         median(&mut self.bright.iter().map(of).collect::<Vec<_>>())
     }
 
-    /// What is written, and over how many samples it is smoothed; `alike` samples in a row are
-    /// alike.
+    /// Returns the quantity that is written, and the number of samples that it is smoothed over;
+    /// `alike` samples in a row are alike.
     fn kind(&self, alike: f64) -> Option<(LawKind, usize)> {
         let shape = self.usual(|[low, middle, high, _]| (high - middle) / (middle - low));
         let smoothed = (alike.round() as usize).clamp(1, LAGS);
@@ -247,8 +248,8 @@ impl LevelSpread {
         }
     }
 
-    /// What is written if it is smoothed over so many samples, and the shape of the spread that it
-    /// then has.
+    /// Returns the quantity that is written if it is smoothed over this many samples, and the shape
+    /// of the spread that it then has.
     fn kind_smoothed(&self, smoothed: usize) -> Option<(LawKind, f64)> {
         let shape = |[low, middle, high]: [f64; 3]| (high - middle) / (middle - low);
         if self.slope < MOST_SLOPE_OF_DECIBELS {
@@ -274,8 +275,8 @@ impl LevelSpread {
     }
 }
 
-/// What 10, 50 and 90 % of the means of so many levels do not exceed; `level` is that of a power,
-/// which is exponentially distributed.
+/// Returns the levels that 10, 50 and 90 % of the means of `smoothed` levels do not exceed; `level`
+/// is that of a power, which is exponentially distributed.
 fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut normal = Normal::new(3);
     let mut one = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));

@@ -1,5 +1,5 @@
-//! What is found of a whole log before any part of it is used: its law, the pings that can be used,
-//! in chunks, and their gain.
+//! Determines properties of a whole log before any part of it is used: its law, the pings that can
+//! be used, in chunks, and their gain.
 
 use super::echoes::{LogEchoes, PingPlace};
 use super::law::{Law, law_of};
@@ -16,10 +16,10 @@ const CHUNK_PINGS: usize = 3;
 const STRETCH_PINGS: usize = 30;
 /// Ranges that differ by less than this share count as one setting of the recorder.
 const SAME_RANGE: f64 = 0.02;
-/// A longer pause parts chunks, seconds.
+/// Longest pause within a chunk, seconds.
 const LONGEST_PAUSE_S: f64 = 0.5;
-/// Every so many samples are compared with the usual ones at their range, from this multiple of the
-/// first return on.
+/// Step between the samples that are compared with the usual ones at their range, and multiple of
+/// the first return from which on they are.
 const STRIDE: usize = 4;
 const FROM_FIRST_RETURN: f64 = 1.2;
 /// Pings that the gain is the median of.
@@ -35,15 +35,15 @@ const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 /// Pings in a row that are averaged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PingChunk {
-    /// Which chunk of its log.
+    /// Number of the chunk in its log.
     pub number: u32,
     /// Its pings, all of which can be used.
     pub pings: Range<usize>,
-    /// Which range setting of the recorder: the length of a sample in steps of [`SAME_RANGE`], the
-    /// same whatever the recorder rounds.
+    /// Number of the recorder's range setting: the length of a sample in steps of [`SAME_RANGE`],
+    /// the same whatever the recorder rounds.
     pub range_setting: i32,
-    /// Which stretch of the log: its gain is taken for one. Those next to each other without a step
-    /// of the gain have numbers in a row.
+    /// Number of the stretch of the log: the gain of a stretch is taken as one. Stretches next to
+    /// each other without a step of the gain have numbers in a row.
     pub stretch: u32,
     /// Gain, natural logarithm of power over the usual one.
     pub gain: f64,
@@ -76,14 +76,14 @@ pub struct LaidOutLog<'a> {
     pub echoes: LogEchoes<'a>,
     /// Its chunks, in order.
     pub chunks: Vec<PingChunk>,
-    /// What its levels mean; `None` where too few tell.
+    /// Law of its levels; `None` where too few levels determine it.
     pub law: Option<Law>,
-    /// Whether each ping is in a stretch of weed.
+    /// True where a ping is in a stretch of weed.
     pub is_weed: Vec<bool>,
 }
 
 impl<'a> LaidOutLog<'a> {
-    /// Of a whole log.
+    /// Creates the layout of a whole log.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -108,7 +108,7 @@ struct Gains {
     is_usable: Vec<bool>,
 }
 
-/// How often each level occurs at each range of a setting.
+/// Median logarithm of power at every `STRIDE`th sample of each range setting.
 type UsualLevels = BTreeMap<i32, Vec<f32>>;
 
 impl Gains {
@@ -174,8 +174,8 @@ fn steps(gain: &[f64]) -> Vec<usize> {
     found
 }
 
-/// The median logarithm of power at every so many samples of each range setting; NaN where no bed
-/// was ever seen.
+/// Returns the median logarithm of power at every `STRIDE`th sample of each range setting; NaN
+/// where no bed was ever seen.
 fn usual_levels(
     log: &LogEchoes<'_>,
     ln_power: &[f32; 256],
@@ -212,7 +212,8 @@ fn usual_levels(
     Ok(counts.into_iter().map(of_setting).collect())
 }
 
-/// Reads a side of a ping; the samples beyond its first return, every so many.
+/// Reads a side of a ping, and returns the indices of the samples beyond its first return, in steps
+/// of [`STRIDE`].
 fn on_bed(
     log: &LogEchoes<'_>,
     ping: usize,

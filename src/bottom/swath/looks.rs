@@ -34,7 +34,7 @@ pub(super) struct SideChunk {
     pub ln_power: Vec<f32>,
 }
 
-/// From which eighths of the circle a place is seen, a bit each.
+/// Eighths of the circle from which a place is seen, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SeenOctants(u8);
 
@@ -57,8 +57,8 @@ impl SeenOctants {
 }
 
 impl SideChunk {
-    /// Of a side of a chunk, in ranges of a length in metres, or samples where these are longer;
-    /// `None` where nothing was recorded, or the boat turns.
+    /// Creates the look of a side of a chunk, in ranges of a length in metres, or samples where
+    /// these are longer; `None` where nothing was recorded, or the boat turns.
     pub(super) fn new(
         log: &LaidOutLog<'_>,
         number: usize,

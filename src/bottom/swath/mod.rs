@@ -47,8 +47,8 @@ use tiling::{Resolution, Tiling};
 
 /// Tiles that curves are learnt on, and left-out soundings predicted, at most.
 const MOST_LEARNT: usize = 2;
-/// Levels are used where the error of left-out soundings is at most so many times that of
-/// triangles. From place to place the smaller error counts more.
+/// Largest ratio of the error of left-out soundings with levels to that by triangles at which
+/// levels are used. From place to place the smaller error counts more.
 const MOST_RATIO: f64 = 0.95;
 /// Sets of curves, one for each recorder and range setting, that `auto` learns at most: the time
 /// grows with their square.
@@ -56,7 +56,7 @@ const MOST_SETS: usize = 8;
 /// Distances from a measured depth up to which the surface holds it alone, and from which on levels
 /// count in full, metres.
 const HELD_M: [f64; 2] = [0.5, 1.5];
-/// What is known of a bed beforehand where that was not tested.
+/// Prior knowledge of a bed where it was not tested.
 const UNTESTED: Prior = Prior { brightness: Brightness::Patches(0.35), relief_m: 0.15 };
 /// Standard deviations, in usual ones, from which on levels count less, and from which on for
 /// nothing: at the edge of a survey, where one line looks and no depth was measured beyond.
@@ -165,7 +165,7 @@ fn found(
     Ok(found.map(|found| (found, left_out)).ok_or(LevelsRefused::NotSolved))
 }
 
-/// What the levels of a log mean, so that a part of a map needs no more of it.
+/// Law and curves of the levels of a log, so that a part of a map needs no more of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearntLevels {
     law: law::Law,
@@ -174,7 +174,8 @@ pub struct LearntLevels {
 }
 
 impl LearntLevels {
-    /// Of a whole log and the depths that it measured; `None` where its levels cannot be used.
+    /// Learns from a whole log and the depths that it measured; `None` where its levels cannot be
+    /// used.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -201,7 +202,7 @@ impl LearntLevels {
         Ok((!curves.is_empty()).then_some(Self { law, curves }))
     }
 
-    /// What is written of an echo.
+    /// Returns the law by which an echo is written.
     pub fn law(&self) -> law::Law {
         self.law
     }
@@ -212,12 +213,12 @@ impl LearntLevels {
     }
 }
 
-/// As [`correct`], of a part of a larger map: `around` is its surface, `edges_m` are its edges,
-/// `logs` have the pings within [`PART_PINGS_M`] with what was learnt of each, `measured` are the
-/// depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the edges, the same to the
-/// bit as those of a neighbouring part. Places count in a plane that all parts share, and the order
-/// of logs and depths must be the same for all. Hardness is none: each part would count it from
-/// another zero.
+/// Corrects as [`correct`] does, for a part of a larger map: `around` is its surface, `edges_m` are
+/// its edges, `logs` have the pings within [`PART_PINGS_M`] with what was learnt of each,
+/// `measured` are the depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the
+/// edges, the same to the bit as those of a neighbouring part. Places count in a plane that all
+/// parts share, and the order of logs and depths must be the same for all. No hardness results:
+/// each part would count it from another zero.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -245,13 +246,13 @@ pub fn correct_part(
     Ok(())
 }
 
-/// What levels count against the surface without them, at a distance from the nearest measured
-/// depth, metres.
+/// Returns the weight of levels against the surface without them, 0 to 1, at a distance from the
+/// nearest measured depth, metres.
 fn share_of_levels(distance_m: f64) -> f64 {
     rise(distance_m, HELD_M)
 }
 
-/// From 0 at the first of two values to 1 at the second, without a kink.
+/// Returns a value that rises from 0 at the first of two values to 1 at the second, without a kink.
 fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
     let along = ((value - from) / (to - from)).clamp(0.0, 1.0);
     along * along * (3.0 - 2.0 * along)
@@ -262,21 +263,22 @@ fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
 struct StatedByLevels {
     /// Standard deviations of the equations that the depths miss by.
     error_sds: f64,
-    /// At least this share of the error without levels, where that is far above the usual: levels
-    /// are not better against it there than left-out soundings show them to be. Where the bed bends
-    /// between the lines by more than the equations expect, they miss it too, and do not know.
+    /// Least stated error, as a share of the error without levels, where that is far above the
+    /// usual: levels are not better against it there than left-out soundings show them to be. Where
+    /// the bed bends between the lines by more than the equations expect, their error is larger
+    /// than they predict.
     least_share: f64,
 }
 
 impl StatedByLevels {
-    /// Where no left-out soundings tested the levels.
+    /// Creates the stated error where no left-out soundings tested the levels.
     fn untested(error_sds: f64) -> Self {
         Self { error_sds, least_share: 0.0 }
     }
 }
 
-/// Takes the depths that were found over into a surface, whose own count the more the smaller their
-/// error is.
+/// Merges the depths that were found into a surface; they count the more the smaller their error is
+/// against the surface's own.
 fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
     let nodes = &found.nodes;
     let both = found.sd_m.iter().zip(&found.seen);

@@ -1,4 +1,4 @@
-//! What level a sample should have: the echo of a bed of given depth, slope and brightness, and the
+//! Predicts the level of a sample: the echo of a bed of given depth, slope and brightness, and the
 //! noise under the recorder's gain.
 //!
 //! `ln P = ln(echo + noise)` with `ln echo = beam(phi) + f(t) + h ln(r / r0) + brightness + gain`,
@@ -41,7 +41,7 @@ const SD_TILT: f64 = 0.3;
 /// Standard deviation of how the curves of one transducer differ between range settings.
 const SD_TIE: f64 = 0.03;
 
-/// Where a sample lies and how the bed lies there.
+/// Place of a sample, and slope of the bed there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Incidence {
     /// Slant range, metres.
@@ -98,7 +98,7 @@ fn tilt(incidence: &Incidence) -> f64 {
 }
 
 impl LawCurves {
-    /// What a sample should show over a bed that is brighter by `brightness`.
+    /// Returns the expected level of a sample over a bed that is brighter by `brightness`.
     pub(super) fn expected(&self, at: &Incidence, brightness: f64) -> Expected {
         let Self(c) = self;
         let (below, share) = knot(at.phi_rad);
@@ -284,15 +284,15 @@ impl LawCurves {
 /// Steps of a fit, and the most that a parameter changes in one.
 const FIT_STEPS: usize = 60;
 const MOST_FIT_STEP: f64 = 2.0;
-/// Misfits beyond so many standard deviations count less.
+/// Misfit beyond which observations count less, in standard deviations.
 const SOFT: f64 = 2.0;
-/// How much looser the prior of the noise is in the first fit.
+/// Factor on the standard deviations of the noise prior in the first fit.
 const FIT_LOOSENESS: f64 = 4.0;
 
 /// The mean level of many samples at about the same range and angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FitPlace {
-    /// Where they lie.
+    /// Range, angle and slope of the samples.
     pub at: Incidence,
     /// Their mean.
     pub ln_power: f64,

@@ -13,13 +13,13 @@ pub(super) struct Nodes {
     pub zero_m: [f64; 2],
     /// Steps from there to the first, east and north.
     pub first: [i64; 2],
-    /// From one to the next, metres.
+    /// Distance from one node to the next, metres.
     pub step_m: f64,
     /// Nodes of a row, and number of rows; at least two each.
     pub counts: [usize; 2],
 }
 
-/// What four nodes share in a place: index and share.
+/// Four nodes around a place, each with its share: index and share.
 pub(super) type Shares = [(usize, f64); 4];
 
 /// A part of the nodes: those that are solved for together.
@@ -43,7 +43,7 @@ pub(super) struct Blend {
 }
 
 impl Blend {
-    /// Of nothing yet, at so many nodes.
+    /// Creates an empty blend at some nodes.
     pub(super) fn none(nodes: &Nodes) -> Self {
         Self { sums: vec![0.0; nodes.len()], weights: vec![0.0; nodes.len()] }
     }
@@ -67,7 +67,7 @@ impl Blend {
 }
 
 impl Nodes {
-    /// Over the cells of a grid.
+    /// Creates the nodes over the cells of a grid.
     pub(super) fn over(grid: &Grid, step_m: f64) -> Self {
         let count = |cells: usize| (cells as f64 * grid.cell_m / step_m).ceil() as usize + 1;
         let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
@@ -79,7 +79,7 @@ impl Nodes {
         }
     }
 
-    /// How many steps a place lies east or north of the first.
+    /// Returns the number of steps from the first node to a place, east or north.
     fn steps(&self, place: [f64; 2], axis: usize) -> f64 {
         (place[axis] - self.zero_m[axis]) / self.step_m - self.first[axis] as f64
     }
@@ -106,7 +106,7 @@ impl Nodes {
         })
     }
 
-    /// Whether a place east and north lies between the outermost nodes.
+    /// Returns true if a place east and north lies between the outermost nodes.
     pub(super) fn holds(&self, place: [f64; 2]) -> bool {
         (0..2).all(|axis| {
             let steps = self.steps(place, axis);
@@ -133,7 +133,7 @@ impl Nodes {
         ]
     }
 
-    /// What some values at the nodes are at a place.
+    /// Interpolates values at the nodes to a place.
     pub(super) fn value_at(&self, values: &[f64], place: [f64; 2]) -> f64 {
         sum(values, &self.shares(place))
     }
@@ -169,8 +169,8 @@ impl Nodes {
         self.tiles_within(0, cores, halo)
     }
 
-    /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in
-    /// no core, and a halo of `halo` nodes around each.
+    /// Divides the nodes into tiles with cores of `cores` nodes in a row and rows, the outermost
+    /// `margin` nodes being in no core, and a halo of `halo` nodes around each.
     pub(super) fn tiles_within(
         &self,
         margin: usize,
@@ -217,8 +217,8 @@ impl NodeTile {
         }
     }
 
-    /// What a node counts against those of other tiles: 1 in the core, down to 0 at [`BLEND`] nodes
-    /// beside it.
+    /// Returns the weight of a node against those of other tiles: 1 in the core, down to 0 at
+    /// [`BLEND`] nodes from it.
     fn weight(&self, node: usize) -> f64 {
         let columns = self.nodes.counts[0];
         let along = |at: usize, [from, to]: [usize; 2]| {

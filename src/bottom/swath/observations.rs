@@ -21,7 +21,7 @@ const FLATTEST_DEG: f64 = 88.0;
 const STEEPEST_DEG: f64 = 24.0;
 /// Level cells of fewer independent samples say too little.
 const LEAST_INDEPENDENT: f64 = 8.0;
-/// Nothing is known farther than this from a measured depth, metres.
+/// Farthest distance from a measured depth at which the bed is known, metres.
 const KNOWN_M: f64 = 20.0;
 /// Most that a depth changes in a round, metres.
 const MOST_STEP_M: f64 = 0.4;
@@ -31,7 +31,7 @@ const LEAST_ALTITUDE_M: f64 = 0.1;
 /// Depth and brightness of the bed at nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Bed {
-    /// Where the nodes are.
+    /// Places of the nodes.
     pub nodes: Nodes,
     /// Depth at each, metres.
     pub depth_m: Vec<f64>,
@@ -43,13 +43,13 @@ pub(super) struct Bed {
     /// Depth by triangles between the measured depths at each, bent or straight, metres; the
     /// nearest one beyond them.
     pub triangles_m: Vec<f64>,
-    /// Whether a measured depth is near enough to each for anything to be known.
+    /// True where a measured depth is near enough to a node for anything to be known.
     pub is_known: Vec<bool>,
 }
 
 impl Bed {
-    /// Of the triangles between some measured depths, and the nearest one beyond them; `None`
-    /// without any.
+    /// Creates the bed from the triangles between some measured depths, and the nearest depth
+    /// beyond them; `None` without any.
     pub(super) fn new(nodes: Nodes, measured: &[Node], bends: Option<Bends>) -> Option<Self> {
         let places: Vec<[f64; 2]> = measured.iter().map(Node::place).collect();
         let nearest = Nearest::of(&places)?;
@@ -75,7 +75,7 @@ impl Bed {
         Some(bed)
     }
 
-    /// Takes over the values of a solution: depths at all nodes, then brightness.
+    /// Moves the bed to the values of a solution: depths at all nodes, then brightness.
     pub(super) fn step(&mut self, values: &[f64]) {
         let (depths, others) = values.split_at(self.nodes.len());
         for (depth_m, value) in self.depth_m.iter_mut().zip(depths) {
@@ -84,7 +84,7 @@ impl Bed {
         self.ln_brightness.copy_from_slice(&others[..self.nodes.len()]);
     }
 
-    /// Adds so many times some values, depths at all nodes and then brightness.
+    /// Adds some values, depths at all nodes and then brightness, `times` times.
     pub(super) fn add(&mut self, values: &[f64], times: f64) {
         let (depths, others) = values.split_at(self.nodes.len());
         for (sum, value) in self.depth_m.iter_mut().zip(depths) {
@@ -141,7 +141,7 @@ struct Ray {
 }
 
 impl Ray {
-    /// Between ground ranges in metres. What lies nearer casts no shadow on it.
+    /// Follows a look between two ground ranges in metres. What lies nearer casts no shadow on it.
     fn new(look: &SideChunk, bed: &Bed, [from_m, to_m]: [f64; 2]) -> Self {
         let steps = ((to_m - from_m) / RAY_STEP_M) as usize + 1 + SLOPE_STEPS;
         let mut depth_m = Vec::with_capacity(steps + 1);

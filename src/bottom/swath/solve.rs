@@ -33,28 +33,28 @@ const SD_BRIGHTNESS: f64 = 1.0;
 /// Standard deviations of the gain of a stretch of a log, and from one to the next.
 const SD_GAIN_STEP: f64 = 0.05;
 const SD_GAIN: f64 = 1.0;
-/// Misfits beyond so many of their standard deviations count less.
+/// Misfit beyond which observations count less, in their standard deviations.
 const ROBUST: f64 = 2.5;
 /// Most that a parameter of a curve changes in a round.
 const MOST_CURVE_STEP: f64 = 0.7;
 /// Draws of what is unknown of the depths, for their standard deviation.
 const DRAWS: usize = 8;
-/// What holds the curves in a round, against steps beyond where they are nearly linear.
+/// Damping of the curves in a round, against steps beyond where they are nearly linear.
 const CURVE_DAMPING: f64 = 4.0;
 
-/// How the brightness of the bed may change.
+/// Possible change of the bed's brightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Brightness {
-    /// Slowly: standard deviation of its change over half a metre.
+    /// Slow change: standard deviation of the change over half a metre.
     Slow(f64),
-    /// In patches: its standard deviation.
+    /// Changes in patches: standard deviation of the brightness.
     Patches(f64),
 }
 
-/// What is known of a bed beforehand.
+/// Prior knowledge of a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Prior {
-    /// How its brightness may change.
+    /// Change of its brightness.
     pub brightness: Brightness,
     /// Standard deviation of its depth about the triangles between the measured depths, metres.
     pub relief_m: f64,
@@ -65,7 +65,7 @@ const PATCH_M: f64 = 3.0;
 /// The length that [`Brightness::Slow`] counts by, metres.
 const SLOW_M: f64 = 0.5;
 
-/// What a tile is solved from.
+/// Input that a tile is solved from.
 #[derive(Clone, Copy)]
 pub(super) struct TileInput<'a> {
     /// All looks.
@@ -74,35 +74,35 @@ pub(super) struct TileInput<'a> {
     pub curves: &'a [Option<LawCurves>],
     /// Ground range of a level cell, metres.
     pub level_cell_m: f64,
-    /// Whether echoes of a place are those of the bed.
+    /// Returns true if echoes of a place are those of the bed.
     pub is_bed: &'a (dyn Fn([f64; 2]) -> bool + Sync),
-    /// What is known beforehand.
+    /// Prior knowledge of the bed.
     pub prior: Prior,
     /// True if misfits count less.
     pub is_robust: bool,
 }
 
-/// What a round finds beside the bed.
+/// Results of a round, other than the bed.
 pub(super) struct Solved {
-    /// Whether an observation lies next to each node.
+    /// True where an observation lies next to a node.
     pub is_seen: Vec<bool>,
-    /// Where the curves are to be learnt.
+    /// Equations of the curves, if they are to be learnt.
     pub border: Option<Border>,
 }
 
-/// What a tile says of the curves, and what they change in it.
+/// Equations of the curves by one tile, and the effect of the curves on its bed.
 pub(super) struct Border {
     /// The Schur complement, of the parameters of all sets of curves in a row.
     normal: Mat<f64>,
     /// Its right side.
     right: Vec<f64>,
-    /// What depth and brightness lose for a step of each parameter that occurs.
+    /// Decrease of depth and brightness for a unit step of each parameter that occurs.
     columns: Vec<(usize, Vec<f64>)>,
 }
 
 /// A tile between its rounds.
 pub(super) struct TileSolution {
-    /// Which tile.
+    /// Index of the tile.
     pub tile: usize,
     /// Its bed as it is known so far.
     pub bed: Bed,
@@ -111,7 +111,8 @@ pub(super) struct TileSolution {
 }
 
 impl TileSolution {
-    /// Of a tile before its first round; `None` where no depth was measured in it.
+    /// Creates the state of a tile before its first round; `None` where no depth was measured in
+    /// it.
     pub(super) fn new(
         tile: usize,
         nodes: &Nodes,
@@ -306,7 +307,8 @@ impl<'a> System<'a> {
         is_seen
     }
 
-    /// What the observations, which are the first of the equations, say of so many sets of curves.
+    /// Returns the equations of `sets` sets of curves by the observations, which are the first of
+    /// the system's equations.
     fn border(&self, sets: usize, factor: &Factor, values: &[f64]) -> Border {
         let parameters = sets * PARAMETERS;
         let mut normal = Mat::<f64>::zeros(parameters, parameters);
@@ -345,8 +347,8 @@ impl<'a> System<'a> {
     }
 }
 
-/// The step of the parameters of all sets of curves that the tiles of a sample say together; the
-/// curves a step on are put in their place. `recorders` are those of the curves.
+/// Returns the step of the parameters of all sets of curves that the tiles of a sample determine
+/// together, and replaces the curves by those a step on. `recorders` are those of the curves.
 pub(super) fn learn(
     curves: &mut [Option<LawCurves>],
     recorders: &[u32],

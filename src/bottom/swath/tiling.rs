@@ -1,5 +1,5 @@
-//! In how fine steps a survey is solved for, and how its nodes, or those of a part of a larger map,
-//! are parted into tiles that are solved for one by one.
+//! Chooses the resolution that a survey is solved at, and divides its nodes, or those of a part of
+//! a larger map, into tiles that are solved one by one.
 //!
 //! The tiles of a part of a map are those of a lattice that all parts share: so each part finds, to
 //! the bit, what its neighbours find where they meet.
@@ -16,10 +16,10 @@ const MOST_TOGETHER: usize = 24_000;
 /// Nodes that a survey may have: of a metre they are eight square kilometres.
 const MOST_NODES: usize = 8_000_000;
 
-/// How fine depths and levels are resolved.
+/// Resolution of depths and levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Resolution {
-    /// From one node to the next, metres.
+    /// Distance from one node to the next, metres.
     pub node_m: f64,
     /// Ground range of a level cell, metres.
     pub level_cell_m: f64,
@@ -32,10 +32,10 @@ pub(super) struct Resolution {
 }
 
 impl Resolution {
-    /// Of a survey of at most [`MOST_FINE`] such nodes.
+    /// Resolution of a survey of at most [`MOST_FINE`] such nodes.
     pub(super) const FINE: Self =
         Self { node_m: 0.5, level_cell_m: 0.5, range_m: 0.06, chunks: 1, rounds: 2 };
-    /// Of a larger one, and of the parts of a map.
+    /// Resolution of a larger survey, and of the parts of a map.
     pub(super) const COARSE: Self = Self {
         node_m: 1.0,
         level_cell_m: 1.0,
@@ -45,7 +45,7 @@ impl Resolution {
         rounds: 1,
     };
 
-    /// That at which curves are learnt and left-out soundings predicted.
+    /// Returns the resolution at which curves are learnt and left-out soundings predicted.
     #[must_use]
     pub(super) fn of_learning(self) -> Self {
         Self { node_m: Self::COARSE.node_m, ..self }
@@ -61,10 +61,10 @@ pub const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
 /// Width around a part in which the pings must be known, metres: as far as they look into these.
 pub const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
 
-/// What is solved for.
+/// Nodes that are solved for, in tiles.
 #[derive(Clone)]
 pub(super) struct Tiling {
-    /// How fine.
+    /// Resolution of the nodes and levels.
     pub resolution: Resolution,
     /// All nodes.
     pub nodes: Nodes,
@@ -73,7 +73,7 @@ pub(super) struct Tiling {
 }
 
 impl Tiling {
-    /// Of a survey whose map has a grid; `None` where it is too large.
+    /// Creates the tiling of a survey whose map has a grid; `None` where it is too large.
     pub(super) fn of_survey(grid: &Grid) -> Option<Self> {
         let resolution = if Nodes::over(grid, Resolution::FINE.node_m).len() <= MOST_FINE {
             Resolution::FINE
@@ -84,14 +84,14 @@ impl Tiling {
         (nodes.len() <= MOST_NODES).then(|| Self::at(grid, resolution))
     }
 
-    /// Of a survey at some resolution.
+    /// Creates the tiling of a survey at some resolution.
     pub(super) fn at(grid: &Grid, resolution: Resolution) -> Self {
         let nodes = Nodes::over(grid, resolution.node_m);
         Self { resolution, tiles: nodes.tiles(MOST_TOGETHER, CORE, HALO), nodes }
     }
 
-    /// Of a part with some edges west, south, east and north, metres: multiples of [`PART_STEP_M`].
-    /// A core lies around it on all sides.
+    /// Creates the tiling of a part with some edges west, south, east and north, metres: multiples
+    /// of [`PART_STEP_M`]. A core lies around it on all sides.
     pub(super) fn of_part([west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
         let resolution = Resolution::COARSE;
         let cores = |metres: f64| (metres / PART_STEP_M).round() as i64;

@@ -1,11 +1,11 @@
-//! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of
-//! the bed's slope.
+//! Finds weed: stretches where first returns lie above the bottom on both sides. The brightness of
+//! weed says nothing of the bed's slope.
 
 use super::echoes::{LogEchoes, PingPlace};
 use crate::nearest::Nearest;
 use bathyscope_log::survey::Side;
 
-/// Pings that are looked at together.
+/// Pings that are evaluated together.
 const PINGS: usize = 15;
 /// Share of them above the bottom from which on they are weed.
 const SHARE: f64 = 0.5;
@@ -16,7 +16,8 @@ const REACH_M: f64 = 3.5;
 pub(super) struct WeedPlaces(Option<Nearest>);
 
 impl WeedPlaces {
-    /// Of some logs, each with whether each of its pings is in a stretch of weed.
+    /// Creates the places from some logs, each with true for each of its pings that is in a stretch
+    /// of weed.
     pub(super) fn of<'a>(logs: impl Iterator<Item = (&'a LogEchoes<'a>, &'a [bool])>) -> Self {
         let in_weed = |(log, is_weed): (&LogEchoes<'_>, &[bool])| -> Vec<[f64; 2]> {
             let pings = log.pings.iter().zip(is_weed);
@@ -27,15 +28,15 @@ impl WeedPlaces {
         Self(Nearest::of(&places))
     }
 
-    /// Whether a place east and north is far from all weed.
+    /// Returns true if a place east and north is far from all weed.
     pub(super) fn is_far_from(&self, place: [f64; 2]) -> bool {
         let nearest = self.0.as_ref();
         nearest.is_none_or(|nearest| nearest.at(place).1 >= REACH_M * REACH_M)
     }
 }
 
-/// Whether each ping of a log is in a stretch of weed. A slope makes the first returns of one side
-/// alone nearer than the recorded depth, so both sides are asked for.
+/// Returns for each ping of a log true if it is in a stretch of weed. A slope makes the first
+/// returns of one side alone nearer than the recorded depth, so both sides are required.
 pub(super) fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
     let [port, starboard] = Side::BOTH.map(|side| {
         let above = |ping: &PingPlace| ping.side(side).above_bottom;

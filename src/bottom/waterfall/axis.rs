@@ -29,8 +29,8 @@ pub struct RangeAxis {
     pub far_m: f64,
     /// Level of the store that far-out tiles are reduced from.
     pub store: Level,
-    /// What the boat usually moves from one ping to the next, metres; `None` where its track does
-    /// not say.
+    /// Usual movement of the boat from one ping to the next, metres; `None` where its track does
+    /// not show it.
     pub ping_m: Option<f64>,
 }
 

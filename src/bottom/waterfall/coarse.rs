@@ -38,7 +38,7 @@ impl Coarse {
         self.chunks.len() == self.chunk_count
     }
 
-    /// How much of it is built, 0 to [`WaterfallTile::COMPLETE`].
+    /// Returns the share of the store that is built, 0 to [`WaterfallTile::COMPLETE`].
     pub(super) fn completeness(&self) -> u8 {
         let whole = self.chunk_count.max(1);
         (self.chunks.len() * usize::from(WaterfallTile::COMPLETE) / whole) as u8

@@ -1,9 +1,9 @@
-//! Which echo of a survey is shown darkest and which brightest.
+//! Chooses the echoes of a survey that are shown darkest and brightest.
 
 use super::axis::is_usable;
 use bathyscope_log::survey::{Side, SideScanState, SideSpan, Survey};
 
-/// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough
+/// Most pings that are read, spread evenly over the survey: enough for stable quantiles, few enough
 /// to read at once.
 pub(crate) const MOST_SAMPLED_PINGS: usize = 256;
 /// Part of each side next to the boat that is left out: there the transmit pulse rings, which says
@@ -13,7 +13,7 @@ const NEAR_SHARE: f64 = 0.1;
 const BLACK_QUANTILE: f64 = 0.01;
 /// Share of the echoes that lie at or below [`WHITE_REACH`].
 const WHITE_QUANTILE: f64 = 0.99;
-/// Where the white quantile is shown; what lies above it keeps its differences.
+/// Brightness at which the white quantile is shown; what lies above it keeps its differences.
 const WHITE_REACH: f64 = 0.9;
 /// White is never below this, so that a log of next to nothing is not blown up into noise.
 const LEAST_WHITE: f64 = 32.0;
@@ -64,7 +64,7 @@ pub(crate) fn beyond_pulse(span: &SideSpan) -> Option<usize> {
     is_usable(span).then_some((f64::from(span.count) * NEAR_SHARE) as usize)
 }
 
-/// How often each byte occurs.
+/// Counts the echoes of each byte value.
 fn histogram(survey: &Survey) -> [u64; 256] {
     let mut counts = [0; 256];
     let mut outward = Vec::new();

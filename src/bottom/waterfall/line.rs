@@ -15,7 +15,7 @@ pub struct LineSpan {
     pub min_m: f32,
     /// Metres; minus infinity when the stretch has no value.
     pub max_m: f32,
-    /// All values of the stretch are doubtful: above-bottom returns, depths with a fault.
+    /// True if all values of the stretch are doubtful: above-bottom returns, depths with a fault.
     pub doubtful: bool,
 }
 
@@ -45,7 +45,7 @@ impl LineSpan {
         [self.min_m.min(before.max_m), self.max_m.max(before.min_m)]
     }
 
-    /// With both ends moved; a gap stays one.
+    /// Returns the stretch with both ends moved; a gap stays a gap.
     pub fn moved(&self, to: impl Fn(f32) -> f32) -> Self {
         if self.is_gap() {
             return *self;
@@ -106,7 +106,7 @@ fn join(spans: impl Iterator<Item = LineSpan>) -> LineSpan {
 /// The first returns of both sides, ready to draw at any zoom.
 #[derive(Debug)]
 pub struct PickLines {
-    /// What they were made from.
+    /// First returns that the lines were made from.
     pub returns: Arc<FirstReturns>,
     sides: [RangeLine; 2],
 }
@@ -122,8 +122,8 @@ impl PickLines {
     }
 }
 
-/// What a line is drawn from: the values themselves where few pings share a column, else the stored
-/// extremes.
+/// Source that a line is drawn from: the values themselves where few pings share a column, else the
+/// stored extremes.
 #[derive(Clone, Copy)]
 pub enum LineStep<'a> {
     /// First returns of a side. The stored extremes may be those of older picks while the threshold
@@ -133,7 +133,7 @@ pub enum LineStep<'a> {
         returns: &'a FirstReturns,
         /// Their extremes, once they are made.
         lines: Option<&'a PickLines>,
-        /// Which side.
+        /// Side of the boat.
         side: Side,
     },
     /// Recorded depths, with their extremes, once they are made.

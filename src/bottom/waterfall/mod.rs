@@ -1,5 +1,5 @@
 //! Picture tiles of the side-scan: a mean-and-max pyramid over ping and range, built where it is
-//! looked at.
+//! viewed.
 //!
 //! In: a survey with its first returns. Out: a range axis, picture tiles, and lines over them.
 //!

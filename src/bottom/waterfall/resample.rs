@@ -1,12 +1,12 @@
-//! From samples to texels: every ping placed by its metres, then pings and bins reduced to mean and
-//! maximum.
+//! Resamples a survey into texels: places every ping by its metres, then reduces pings and bins to
+//! mean and maximum.
 
 use super::axis::is_usable;
 use super::{Level, RangeAxis};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
-/// Which samples fall into each bin, for spans of one scale.
+/// Samples in each bin, for spans of one scale.
 struct Bins {
     /// `(near_m, far_m, count)` that the table is for.
     scale: Option<(f32, f32, u32)>,

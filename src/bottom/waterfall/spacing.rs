@@ -1,11 +1,10 @@
-//! How far the boat moves from one ping to the next.
+//! Distance that the boat moves from one ping to the next.
 
 use bathyscope_log::survey::{Fix, Survey};
 
 /// Stretches of the track whose lengths are compared, at most.
 const STRETCHES: usize = 400;
-/// A stretch lasts so long, seconds: fixes repeat, and their scatter adds to the way of a shorter
-/// one.
+/// Length of a stretch, seconds: fixes repeat, and their scatter adds to the way of a shorter one.
 const STRETCH_S: f64 = 10.0;
 /// A boat that moves less than this in a stretch lies still, metres.
 const STILL_M: f64 = 1.0;

@@ -1,4 +1,4 @@
-//! Which part of the picture a tile is, and its texels.
+//! Tiles of the picture: their places and their texels.
 
 use bathyscope_log::survey::Side;
 
@@ -44,14 +44,14 @@ pub struct WaterfallTileKey {
     pub side: Side,
     /// Its reduction.
     pub level: Level,
-    /// Which stretch of `TILE * level.pings()` pings.
+    /// Index of its stretch of `TILE * level.pings()` pings.
     pub column: u32,
-    /// Which stretch of `TILE * level.bins()` bins, 0 at the boat.
+    /// Index of its stretch of `TILE * level.bins()` bins, 0 at the boat.
     pub row: u32,
 }
 
 impl WaterfallTileKey {
-    /// Of the row beside the boat, at a level along and across.
+    /// Creates the key of a tile in the row next to the boat, at a level along and across.
     #[cfg(test)]
     pub fn at_boat(side: Side, [along, across]: [u8; 2], column: u32) -> Self {
         Self { side, level: Level { along, across }, column, row: 0 }
@@ -76,9 +76,9 @@ impl WaterfallTileKey {
 /// A tile that a view would like to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Want {
-    /// Which.
+    /// Place of the tile.
     pub key: WaterfallTileKey,
-    /// How complete the one is that the view has ([`WaterfallTile::completeness`]); `None` when it
+    /// Completeness of the tile that the view has ([`WaterfallTile::completeness`]); `None` when it
     /// has none.
     pub have: Option<u8>,
 }

@@ -151,7 +151,7 @@ struct Work {
     coarse: Coarse,
 }
 
-/// What to do next.
+/// Next task of the worker.
 enum WorkerTask {
     Grow(Arc<Survey>),
     Picks(Arc<FirstReturns>),

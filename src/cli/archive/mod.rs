@@ -64,7 +64,7 @@ fn make_maps(
     Ok(())
 }
 
-/// What became of a tile.
+/// Describes the maps made of a tile: cells, depths, isobaths and mosaic.
 fn of_tile(tile: TileId, record: &TileRecord) -> String {
     let depths = match record.depth_m.as_slice() {
         [least_m, most_m] => format!(

@@ -34,7 +34,7 @@ pub(super) struct CompareArgs {
     /// The reference, named likewise; it may be other columns of the same file, or logs of another
     /// mission over the same water
     reference: OsString,
-    /// Where the reference of a point is taken from
+    /// Source of the reference of a point
     #[arg(long, value_enum, default_value_t = By::Nearest)]
     by: By,
     /// Farthest reference point for `--by nearest`, metres
@@ -53,10 +53,10 @@ pub(super) struct CompareArgs {
     /// Also write each matched point with its reference and difference into a CSV file
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
-    /// What changed between two depth maps
+    /// Options of a comparison of two depth maps
     #[command(flatten)]
     change: change::ChangeArgs,
-    /// How logs are processed
+    /// Settings that logs are processed with
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -70,7 +70,7 @@ impl CompareArgs {
     }
 }
 
-/// Where the reference of a point is taken from.
+/// Source of the reference of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum By {
     /// The nearest reference point within the radius, seen from above
@@ -86,7 +86,7 @@ fn parse_metres(text: &str) -> Result<f64, &'static str> {
         .ok_or("a distance is a number above 0")
 }
 
-/// What is printed as JSON.
+/// Comparison as printed with `--json`.
 #[derive(Serialize)]
 struct Printed<'a> {
     measured_file: String,

@@ -15,11 +15,11 @@ const PROGRAM: &str = "Exec=bathyscope ";
 /// and file types.
 const KEYWORDS: &str = "Keywords=sonar;side-scan;bathymetry;";
 const OPENED: &str = "MimeType=application/x-bathyscope;";
-/// What the file types of the formats of logs come before.
+/// Tag before which the file types of the formats of logs are inserted.
 const END_OF_TYPES: &str = "</mime-info>";
-/// What the program is called in a shell.
+/// Name of the program in a shell.
 const NAME: &str = "bathyscope";
-/// Where each shell looks for completions.
+/// Files in which the shells look for completions.
 const COMPLETIONS: [(Shell, &str); 3] = [
     (Shell::Bash, "bash-completion/completions/bathyscope"),
     (Shell::Fish, "fish/vendor_completions.d/bathyscope.fish"),
@@ -34,7 +34,7 @@ pub(super) const MIME: &str = "mime";
 pub(super) struct ShareFile {
     /// Names with `/` between them.
     pub path: String,
-    /// What it holds.
+    /// Content of the file.
     pub content: Vec<u8>,
 }
 

@@ -55,9 +55,9 @@ fn parse_share(text: &str) -> Result<f64, &'static str> {
     share.filter(|share| (0.0..=1.0).contains(share)).ok_or("it is a number from 0 to 1")
 }
 
-/// Where one of the two sets of boxes comes from.
+/// Source of one of the two sets of boxes.
 struct BoxSource {
-    /// What was read, in words.
+    /// Kind of the source in words, such as `YOLO labels`.
     format: String,
     pictures: usize,
     boxes: usize,
@@ -86,7 +86,7 @@ struct Boxes {
     score: f64,
 }
 
-/// What was read and what came of it.
+/// Sources of the boxes, and the results of the evaluation.
 struct Outcome {
     truth: BoxSource,
     predicted: BoxSource,

@@ -99,7 +99,7 @@ impl Known {
     }
 }
 
-/// What was found so far: a picture for each side of each log.
+/// Boxes found so far: a picture for each side of each log.
 struct Found {
     classes: Vec<String>,
     names: Vec<String>,

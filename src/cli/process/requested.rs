@@ -1,4 +1,4 @@
-//! What `--products` can name.
+//! Products that `--products` can name.
 
 use bathyscope_products::outputs::Product;
 use clap::ValueEnum;

@@ -18,20 +18,20 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What is done to the logs of a survey.
+/// Options for processing the logs of a survey.
 #[derive(Clone, Copy)]
 pub(crate) struct How<'a> {
-    /// What searches for objects, if anything does.
+    /// Detector that searches for objects; `None` for no search.
     pub model: Option<&'a Model>,
     /// The products.
     pub requested: &'a [Product],
-    /// What they are compared with besides.
+    /// Points or logs that the survey is also compared with.
     pub reference: Option<&'a OsStr>,
     /// True if the height offsets of several logs are applied.
     pub adjust: bool,
     /// The log whose height stays then, by name; without it the mean of connected logs.
     pub held: Option<&'a str>,
-    /// What else of their positions and times is corrected.
+    /// Further corrections of positions and times.
     pub wanted: Wanted,
 }
 
@@ -201,8 +201,8 @@ fn placed(
     logs.iter().zip(&found).map(with).collect()
 }
 
-/// What the heights of the logs count from: the one that is held, by the name of its file with or
-/// without its ending.
+/// Returns the datum of the logs' heights: the log that is held, by the name of its file with or
+/// without its ending, or the mean of the logs.
 fn datum(held: Option<&str>, opened: &[OpenedLog]) -> Result<Datum, Failure> {
     let Some(held) = held else {
         return Ok(Datum::Mean);

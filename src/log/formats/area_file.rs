@@ -36,7 +36,7 @@ pub enum AreaFault {
     NotXml {
         /// The byte.
         at: u64,
-        /// What the parser said.
+        /// Error of the parser.
         source: quick_xml::Error,
     },
     /// A corner has no such longitude and latitude as there are.

@@ -1,4 +1,5 @@
-//! From channels in file order to a [`Survey`]: sides joined, depths matched by time, noise named.
+//! Assembles a [`Survey`] from channels in file order: sides joined, depths matched by time, noise
+//! named.
 
 use super::collected::{Collected, CollectedPair, HalfPing};
 use super::depths;
@@ -191,7 +192,7 @@ fn warn_of_lost_fixes(
     }
 }
 
-/// Whether the side-scan is worth drawing, with a sentence where it is not.
+/// Returns the usability of the side-scan; warns where it is not usable.
 fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
     if pings.is_empty() {
         let has_echoes = |(_, channel): &(u16, Channel)| channel.sample_count.1 > 0;

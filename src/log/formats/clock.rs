@@ -20,7 +20,7 @@ pub(super) struct Clock<T> {
     waiting: VecDeque<(f64, T)>,
 }
 
-/// What the clock says about a record.
+/// Verdict of the clock on a record.
 #[derive(Debug, PartialEq)]
 pub(super) enum ClockVerdict<T> {
     /// Its time fits.
@@ -63,7 +63,7 @@ impl<T> Clock<T> {
         Some(ClockVerdict::Sound { record, time_s: time_s + self.set_back_s })
     }
 
-    /// By how much the time was set back in all, seconds.
+    /// Returns the sum of all times by which the clock was set back, seconds.
     pub(super) fn set_back_s(&self) -> f64 {
         self.set_back_s
     }

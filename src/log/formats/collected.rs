@@ -1,5 +1,5 @@
-//! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart,
-//! in file order.
+//! Data of a log as a reader hands them over, before they become a
+//! [`Survey`](crate::survey::Survey): channels apart, in file order.
 
 use super::reading::Reading;
 use super::report::{WarningKind, WarningReport};
@@ -40,7 +40,7 @@ pub(super) struct CollectedPair {
     pub(super) starboard: Vec<HalfPing>,
 }
 
-/// What is counted of a ping of any channel.
+/// Properties of a ping that are counted for its channel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counted {
     /// Index of its file, and where its record ends there.
@@ -64,7 +64,7 @@ pub(super) struct Collected {
     pub(super) start_unix_s: Option<f64>,
     /// True where the records have times; else they are assumed.
     pub(super) has_times: bool,
-    /// What each channel holds so far, under its number.
+    /// Summary of each channel so far, under its number.
     pub(super) channels: Vec<(u16, Channel)>,
     /// Side-scan pings whose two sides came together.
     pub(super) composite: Vec<SidePing>,
@@ -82,12 +82,11 @@ pub(super) struct Collected {
     pub(super) swath: Vec<SwathPing>,
     /// Positions.
     pub(super) fixes: Vec<Fix>,
-    /// Whose metres the positions are, where they are metres of a system that the log does not
-    /// name.
+    /// System of the positions, where they are metres of a system that the log does not name.
     pub(super) projected: Option<ProjectedTrack>,
-    /// Where the slant ranges come from.
+    /// Source of the slant ranges.
     pub(super) range_source: RangeSource,
-    /// What was wrong.
+    /// Warnings about the log.
     pub(super) report: WarningReport,
     /// Records that end here or before, one entry a file, were counted when the log was shorter.
     pub(super) counted_to: Vec<u64>,

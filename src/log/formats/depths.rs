@@ -1,4 +1,4 @@
-//! Which of the recorded depths are the soundings, and which of them each side-scan ping has.
+//! Chooses the soundings among the recorded depths, and warns of false ones.
 
 use super::report::WarningReport;
 use crate::survey::{ChannelKind, Fix, Sounding, SoundingFault, mark_faults};

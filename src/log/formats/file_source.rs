@@ -1,4 +1,4 @@
-//! Where a log and its sidecar files come from: the disk, or memory (tests, the demo survey).
+//! Source of a log and its sidecar files: the disk, or memory (tests, the demo survey).
 
 use crate::support::mapped_file::MappedFile;
 use crate::survey::Bytes;

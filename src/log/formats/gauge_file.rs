@@ -33,7 +33,7 @@ pub enum GaugeFault {
     NoTime {
         /// Counted from 1.
         line: u64,
-        /// What stands there.
+        /// Text in place of a time.
         text: String,
     },
     /// A level is none.
@@ -43,7 +43,7 @@ pub enum GaugeFault {
     NoLevel {
         /// Counted from 1.
         line: u64,
-        /// What stands there.
+        /// Text in place of a level.
         text: String,
     },
     /// The readings of this line and the one before are not in the order of time.

@@ -19,7 +19,7 @@ pub(super) struct GpxPoint {
 pub struct GpxError {
     /// The byte.
     pub at: u64,
-    /// What the parser said.
+    /// Error of the parser.
     pub source: quick_xml::Error,
 }
 

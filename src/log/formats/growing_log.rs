@@ -24,25 +24,25 @@ const CHUNK: u64 = 1 << 20;
 /// The description of a recording of several files is small and written anew.
 const LONGEST_DESCRIPTION: u64 = 1 << 17;
 
-/// Why a log cannot be followed any further. What was read of it stays.
+/// Reason why a log cannot be followed any further. The part that was read before stays.
 #[derive(Debug, thiserror::Error)]
 pub enum GrowingError {
     /// There is less of it than before.
     #[error("it became shorter: {path}")]
     Shorter {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
     },
     /// It does not begin with what was read of it.
     #[error("another recording lies in its place: {path}")]
     Replaced {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
     },
     /// It cannot be read any more.
     #[error("it cannot be read any more: {source}: {path}")]
     Gone {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The system's error.
         source: io::Error,
@@ -190,7 +190,7 @@ impl GrowingFile {
         Ok(Self { path: path.to_owned(), copied, seen: None })
     }
 
-    /// So many bytes of the copy, at most; all of a description.
+    /// Returns the first `most` bytes of the copy, or as many as there are; all of a description.
     fn bytes(&self, most: u64) -> Result<Bytes, GrowingError> {
         match &self.copied {
             Copied::Log { copy, length } => MappedFile::beginning(copy, most.min(*length))
@@ -237,7 +237,7 @@ impl GrowingFile {
         Ok(added)
     }
 
-    /// Whether the file still has what was copied last of it, in its place.
+    /// Returns true if the file still has the bytes that were copied last, in the same place.
     fn goes_on(&self, file: &mut File) -> io::Result<bool> {
         let Copied::Log { copy, length } = &self.copied else {
             return Ok(true);

@@ -19,9 +19,9 @@ const FILES: usize = 200_000;
 /// A folder that holds logs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogFolder {
-    /// Where it is.
+    /// Path of the folder.
     pub path: PathBuf,
-    /// The same from the name of its card on: `NO NAME/Sonar`.
+    /// Path of the folder from the name of its card on: `NO NAME/Sonar`.
     pub on_card: PathBuf,
     /// Its logs, the newest first.
     pub logs: Vec<FoundLog>,
@@ -30,9 +30,9 @@ pub struct LogFolder {
 /// A file that is a log by its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundLog {
-    /// Where it is.
+    /// Path of the file.
     pub path: PathBuf,
-    /// When it was written last, where the drive tells.
+    /// Time of its last change, where the drive states it.
     pub written: Option<SystemTime>,
 }
 

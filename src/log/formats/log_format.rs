@@ -1,4 +1,4 @@
-//! What the reader of each format offers: it recognises a recording by content, and reads it.
+//! Trait of the readers of formats: each recognises a recording by content, and reads it.
 
 use super::file_source::FileSource;
 use super::reading::Reading;

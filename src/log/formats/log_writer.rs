@@ -1,4 +1,4 @@
-//! What the writer of each format offers, and what all writers ask of a log: its records in the
+//! Trait of the writers of formats, and the data of a log that all writers use: its records in the
 //! order of time, and the fix of each.
 
 use crate::support::progress::Progress;
@@ -28,9 +28,9 @@ pub trait LogWriter: Sync {
 /// A log, or a part of one, to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct LogToWrite<'a> {
-    /// What was recorded.
+    /// Recorded data.
     pub survey: &'a Survey,
-    /// Where the boat was by the fitted track, in the survey's east-north plane.
+    /// Places of the boat by the fitted track, in the survey's east-north plane.
     pub navigation: &'a Navigation,
 }
 
@@ -95,8 +95,8 @@ impl<'a> LogToWrite<'a> {
         (time_s - last.time_s <= LONGEST_VALID_S).then_some(last)
     }
 
-    /// Where the boat was by the fitted track at the record nearest to a time; `None` without a
-    /// record.
+    /// Returns the place of the boat by the fitted track at the record nearest to a time; `None`
+    /// without a record.
     pub fn place(&self, time_s: f64) -> Option<&'a PingNav> {
         let (survey, navigation) = (self.survey, self.navigation);
         let sides = &survey.side_scan;

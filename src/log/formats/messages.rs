@@ -1,5 +1,5 @@
-//! From message to message through a log that is nothing else: each begins with a marker and says
-//! how long it is.
+//! Walks from message to message through a log that consists of messages only: each begins with a
+//! marker and states its length.
 
 use super::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
@@ -8,10 +8,10 @@ use std::ops::Range;
 /// Messages between two looks at the progress.
 const MESSAGES_A_CHECK: usize = 1024;
 
-/// How the messages of a format begin.
+/// Marker and length of the messages of a format.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MessageFormat {
-    /// What the format calls one.
+    /// Word of the format for a message.
     pub(super) noun: &'static str,
     /// The two bytes that each begins with.
     pub(super) marker: [u8; 2],
@@ -48,15 +48,15 @@ impl MessageFormat {
 
 /// A walk over the messages of a file.
 pub(super) struct MessageWalk<'a> {
-    /// How they begin.
+    /// Format of the messages.
     pub(super) format: MessageFormat,
     /// The whole file.
     pub(super) bytes: &'a [u8],
-    /// Where to say what is wrong.
+    /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// What is cut at its end is still being written.
+    /// True if the file is still being written: a message that is cut at its end is no damage.
     pub(super) is_growing: bool,
-    /// Where to say how far it is.
+    /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
@@ -129,8 +129,8 @@ impl MessageWalk<'_> {
         end
     }
 
-    /// Where messages begin inside of one that all end where it does; `None` where there are none,
-    /// as in one that is whole.
+    /// Returns the offset inside of a message from which on other messages follow each other up to
+    /// its end; `None` where there are none, as in a message that is whole.
     fn inside(&self, message: &Range<usize>) -> Option<usize> {
         let first = self.format.next(self.bytes, message.start + 2, message.end)?;
         let mut at = first;

@@ -92,13 +92,13 @@ use std::path::{Path, PathBuf};
 #[cfg(target_endian = "big")]
 compile_error!("the raw records of the readers are laid over little-endian bytes");
 
-/// Why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
+/// Reason why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The file cannot be read at all.
     #[error("cannot read `{path}`: {source}")]
     Io {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The system's error.
         source: std::io::Error,
@@ -106,7 +106,7 @@ pub enum OpenError {
     /// No reader knows these bytes.
     #[error("not a sonar log that Bathyscope knows ({looked_for}): {path}")]
     NotRecognised {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The formats that were tried, in words.
         looked_for: &'static str,
@@ -114,7 +114,7 @@ pub enum OpenError {
     /// A folder with several logs.
     #[error("this is a folder of {} logs; name one of them: {}: {path}", .logs.len(), some(.logs))]
     Folder {
-        /// Which folder.
+        /// Path of the folder.
         path: PathBuf,
         /// The names of the logs in it.
         logs: Vec<String>,
@@ -122,19 +122,19 @@ pub enum OpenError {
     /// The format is known, but nothing in the file can be used.
     #[error("{format} log is damaged: {what}: {path}")]
     Broken {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The recognised format.
         format: String,
-        /// What is broken, where, and what to do.
+        /// Fault, its place, and what to do.
         what: String,
     },
     /// The format is known but cannot hold side-scan.
     #[error("{what}: {path}")]
     Unsupported {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What to record or open instead.
+        /// Advice on what to record or open instead.
         what: String,
     },
     /// A file did not stay what it was while it was read.

@@ -1,8 +1,8 @@
-//! Which part of a log is read: all of it, or what was added to one that is known.
+//! Part of a log that is read: all of it, or the records added to a log that is known.
 
 use crate::survey::{Seam, Survey};
 
-/// How a log is read. The default one is all of a log that is whole.
+/// Way in which a log is read. The default one is all of a log that is whole.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Reading<'a> {
     /// More of it is being written: a record that is cut at its end comes later and is no damage.
@@ -24,7 +24,7 @@ impl<'a> Reading<'a> {
         usize::try_from(from).ok().filter(|from| *from > 0)
     }
 
-    /// For each file the bytes whose records were counted before.
+    /// Returns for each file the number of bytes whose records were counted before.
     pub(super) fn counted_to(&self) -> Vec<u64> {
         let bytes = self.tail.map(|(known, _)| known.bytes.iter());
         let lengths = bytes.into_iter().flatten().map(|file| file.len() as u64);

@@ -1,4 +1,4 @@
-//! What a survey can be compared with.
+//! Reads the files that a survey can be compared with.
 
 use super::OpenError;
 use super::points::{Elevations, PointFileError, is_named_as_elevations, read_elevations};
@@ -8,7 +8,7 @@ use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// What a file holds that a survey is compared with.
+/// Content of a file that a survey is compared with.
 #[derive(Debug)]
 pub enum ReferenceFile {
     /// Points with elevations.
@@ -17,7 +17,7 @@ pub enum ReferenceFile {
     Log(Box<Survey>),
 }
 
-/// Why there is nothing to compare a survey with, in one sentence.
+/// Reason why there is nothing to compare a survey with, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The points cannot be read.
@@ -28,7 +28,7 @@ pub enum ReferenceError {
     Log(#[from] OpenError),
 }
 
-/// What stands behind the name of an XTF file whose multibeam depths are meant.
+/// Suffix to the name of an XTF file whose multibeam depths are meant.
 const MULTIBEAM: &str = ":multibeam";
 
 /// Returns true if an argument names points: a file of them, or the multibeam depths of a log,

@@ -4,7 +4,7 @@ use crate::survey::Warning;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// So many warnings of a kind are kept; a log with ten thousand broken frames needs one sentence
+/// Most warnings of a kind that are kept; a log with ten thousand broken frames needs one sentence
 /// more, not as many.
 const KEPT_OF_A_KIND: usize = 20;
 
@@ -88,8 +88,8 @@ impl WarningReport {
         }
     }
 
-    /// What concerns the whole log, then what was kept in the order of the bytes, then how much
-    /// more there was.
+    /// Returns the warnings about the whole log, then those that were kept in the order of the
+    /// bytes, then sentences about how many more there were.
     pub(super) fn finish(&self) -> Vec<Warning> {
         let Collection { warnings, counts } = self.shared.take();
         let mut sorted = warnings;

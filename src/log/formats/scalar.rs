@@ -51,7 +51,7 @@ impl Fields<'_> {
     }
 }
 
-/// Which byte of a number comes first.
+/// Order of the bytes of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ByteOrder {
     /// Most significant first.

@@ -19,7 +19,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// What a file is to its recording.
+/// Role of a file in its recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileRole {
     /// The whole recording. Files of other programs have other endings.
@@ -50,7 +50,7 @@ impl FileRole {
     }
 }
 
-/// What is read of a log, where the recorder wrote it.
+/// Kind of data that is read from a log, where the recorder wrote it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carried {
     /// Echoes of port and starboard.
@@ -86,7 +86,7 @@ impl Carried {
 pub struct FileType {
     /// `application/x-xtf`.
     pub mime: &'static str,
-    /// What the desktop calls such a file.
+    /// Name of such a file in the desktop.
     pub comment: &'static str,
 }
 
@@ -102,19 +102,19 @@ pub struct FormatEntry {
     pub endings: &'static [(&'static str, FileRole)],
     /// The bytes that it is recognised by, in words.
     pub magic: &'static str,
-    /// What is read of it.
+    /// Data that are read from it.
     pub carries: &'static [Carried],
     /// The real recordings that it was tried on, in words; `None` where it is written from the
     /// specification and was tried on none.
     pub tried_on: Option<&'static str>,
-    /// What users have to know of it.
+    /// Notes for users.
     pub notes: &'static str,
     /// The desktop's file type; `None` where files of other programs have the same endings.
     pub file_type: Option<FileType>,
     /// Words that the desktop's search finds the program by, beside the endings of the role
     /// [`FileRole::Log`].
     pub keywords: &'static [&'static str],
-    /// What recognises and reads it.
+    /// Reader that recognises and reads it.
     pub(super) reader: &'static dyn LogFormat,
     /// The ending of the files that are written in it, without the dot, and what writes them;
     /// `None` where it is only read.
@@ -279,8 +279,8 @@ pub const FORMATS: &[FormatEntry] = &[
 ];
 
 impl FormatEntry {
-    /// What to open, each name as `mark` writes it: `.sl2, .sl3`; `the .DAT, the folder or one
-    /// .SON`.
+    /// Names the files to open, each name as `mark` writes it: `.sl2, .sl3`; `the .DAT, the folder
+    /// or one .SON`.
     pub fn opened_as(&self, mark: impl Fn(&str) -> String) -> String {
         let of = |role: FileRole, before: &str| {
             let endings = self.endings.iter().filter(|(_, its)| *its == role);
@@ -300,13 +300,13 @@ impl FormatEntry {
         }
     }
 
-    /// What is read of it, in words: `side-scan, positions`.
+    /// Names the data that are read from it: `side-scan, positions`.
     pub fn carried(&self) -> String {
         let names: Vec<&str> = self.carries.iter().map(|one| one.name()).collect();
         names.join(", ")
     }
 
-    /// What it was tried on, in words.
+    /// Names the recordings that it was tried on, in words.
     pub fn tried(&self) -> &'static str {
         let untried = "from the specification, not tried on a real recording";
         self.tried_on.unwrap_or(untried)
@@ -325,7 +325,8 @@ impl FormatEntry {
     }
 }
 
-/// What writes files of an ending, in letters of either case; `None` where nothing does.
+/// Returns the writer of files with an ending, in letters of either case; `None` where there is
+/// none.
 pub fn writer_for(ending: &OsStr) -> Option<&'static dyn LogWriter> {
     let mut writers = FORMATS.iter().filter_map(|format| format.writer);
     let (_, writer) = writers.find(|(own, _)| ending.eq_ignore_ascii_case(own))?;
@@ -337,13 +338,13 @@ fn names() -> String {
     names.join(", ")
 }
 
-/// What a message says was looked for.
+/// Returns the words of a message for the formats that were looked for.
 pub(super) fn looked_for() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| format!("looked for {}", names()));
     &TEXT
 }
 
-/// What a message says of a folder without a log.
+/// Returns the words of a message about a folder without a log.
 pub(super) fn looked_for_in_folder() -> &'static str {
     static TEXT: LazyLock<String> =
         LazyLock::new(|| format!("a folder without a log; {}", looked_for()));
@@ -365,7 +366,7 @@ pub fn endings_to_show() -> Vec<String> {
     both.collect()
 }
 
-/// What a file is by its name; `None` where no format has its ending.
+/// Returns the role of a file by its name; `None` where no format has its ending.
 pub fn role_by_name(path: &Path) -> Option<FileRole> {
     let found = path.extension()?;
     let mut endings = FORMATS.iter().flat_map(|format| format.endings);

@@ -116,10 +116,10 @@ impl TrackFile {
     }
 }
 
-/// Why a track cannot be used.
+/// Error of a track that cannot be used.
 pub type TrackError = FileError<TrackFault>;
 
-/// Why a track cannot be used, in a sentence without the path.
+/// Reason why a track cannot be used, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum TrackFault {
     /// The system does not give it.

@@ -17,11 +17,11 @@ const KNOWN: &[(&[u8], &str)] = &[
     ),
 ];
 
-/// What becomes of a picture without a table of its pings, or with one that does not say how far it
-/// reaches.
+/// Advice for a picture without a table of its pings, or with a table that does not state their
+/// range.
 const PICTURE: &str = "a picture alone is no sonar log; where it is a side-scan waterfall, put a CSV of the same name beside it, with a row a ping and the columns lon, lat and range_m";
 
-/// What to do with a file of a format that is known by sight.
+/// Returns advice about a file of a format that is recognised but not read.
 pub(super) fn advice(bytes: &[u8]) -> Option<&'static str> {
     let known = KNOWN.iter().find(|(magic, _)| bytes.starts_with(magic));
     known.map(|(_, advice)| *advice)

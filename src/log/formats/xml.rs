@@ -1,4 +1,4 @@
-//! What the readers of XML share.
+//! Functions that the readers of XML share.
 
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
@@ -15,7 +15,7 @@ pub(super) fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> 
     Some(value.into_owned())
 }
 
-/// What an event adds to the text of the element around it: a CDATA section as much as plain
+/// Returns the text that an event adds to the element around it: a CDATA section as much as plain
 /// letters, a comment nothing.
 pub(super) fn text_of(event: &Event<'_>) -> Option<String> {
     let text = match event {

@@ -18,7 +18,7 @@ enum Reporting {
     /// None is under way.
     #[default]
     Not,
-    /// Under way; the cause and the place of its first panic.
+    /// Work is under way; the cause and the place of its first panic.
     Under(Option<String>),
 }
 
@@ -78,7 +78,7 @@ fn reporting() -> std::sync::MutexGuard<'static, Reporting> {
     REPORTING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a panic says.
+/// Returns the message of a panic.
 pub fn cause(payload: &(dyn Any + Send)) -> &str {
     let text = payload.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no reason given")

@@ -1,4 +1,4 @@
-//! What is wrong, and in which file.
+//! Error of a file: the fault and the path.
 
 use std::error::Error;
 use std::path::Path;
@@ -7,10 +7,10 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {}", path.display())]
 pub struct FileError<Fault: Error + 'static> {
-    /// What is wrong, with the line or the byte where it is known.
+    /// Fault, with the line or the byte where it is known.
     #[source]
     pub what: Fault,
-    /// Which file.
+    /// Path of the file.
     pub path: Box<Path>,
 }
 

@@ -1,14 +1,14 @@
 //! Outlines and boxes on a plane.
 
-/// Whether a closed outline, whose first corner is its last one too, goes around a place: a ray to
-/// the east crosses it an odd number of times.
+/// Returns true if a closed outline, whose first corner is its last one too, goes around a place: a
+/// ray to the east crosses it an odd number of times.
 pub fn goes_around(outline: &[[f64; 2]], place: [f64; 2]) -> bool {
     let steps = outline.windows(2);
     let crossed = steps.filter(|step| is_crossed([step[0], step[1]], place));
     crossed.count() % 2 == 1
 }
 
-/// Whether a ray from a place to the east crosses an edge.
+/// Returns true if a ray from a place to the east crosses an edge.
 pub fn is_crossed([[x0, y0], [x1, y1]]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> bool {
     (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
 }
@@ -38,7 +38,7 @@ pub fn box_around(one: [f64; 4], other: [f64; 4]) -> [f64; 4] {
     [one[0].min(other[0]), one[1].min(other[1]), one[2].max(other[2]), one[3].max(other[3])]
 }
 
-/// Whether two boxes (west, south, east, north) share a place.
+/// Returns true if two boxes (west, south, east, north) share a place.
 pub fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
     one[0] <= other[2] && one[2] >= other[0] && one[1] <= other[3] && one[3] >= other[1]
 }

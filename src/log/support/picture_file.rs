@@ -4,7 +4,7 @@
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::{self, BufRead, Seek};
 
-/// Why a picture cannot be unpacked, in a sentence without the path.
+/// Reason why a picture cannot be unpacked, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureFault {
     /// The system does not give it.

@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 
 /// Letters of a sentence, after which its middle is left out.
 const LONGEST: usize = 1000;
-/// Of these, letters of the end: that is where a sentence names its file.
+/// Letters kept at the end of a shortened sentence, out of [`LONGEST`]: a sentence names its file
+/// there.
 const END: usize = 300;
 
 /// One line of at most a thousand letters: line ends become spaces, what cannot be seen is written
@@ -28,8 +29,8 @@ pub fn quoted(name: &str) -> String {
     if name.contains(char::is_whitespace) { format!("“{name}”") } else { name.to_owned() }
 }
 
-/// As [`one_line`], for a text of several lines, each of which stays one. A table's columns stay
-/// where they are.
+/// Shortens and escapes each line of a text as [`one_line`] does; each stays a line of its own. A
+/// table's columns stay where they are.
 pub fn lines(text: &str) -> String {
     let lines = text.split('\n');
     let lines = lines.map(|line| shortened(&shown(line.trim_end_matches('\r'))));

@@ -16,12 +16,12 @@ pub struct Progress {
     cancellation: Arc<Cancellation>,
 }
 
-/// Apart from what is shared of the work, so that a part does not keep the whole, which keeps its
-/// parts.
+/// Cancellation of some work, apart from the data shown about it, so that a part does not keep the
+/// whole, which keeps its parts.
 #[derive(Debug, Default)]
 struct Cancellation {
     is_asked_for: AtomicBool,
-    /// Of what this is a part of: cancelled with it.
+    /// Cancellation of the whole that this is a part of; it cancels the part as well.
     whole: Option<Arc<Cancellation>>,
 }
 
@@ -36,7 +36,7 @@ impl Cancellation {
 struct Shared {
     done: AtomicU64,
     total: AtomicU64,
-    /// What the stage is made of, where it has parts; each with its weight.
+    /// Parts of the stage, where it has any, each with its weight.
     parts: Mutex<Vec<(f32, Progress)>>,
 }
 

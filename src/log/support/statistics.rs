@@ -25,7 +25,7 @@ pub fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::MAX, f64::MIN], |[least, most], value| [least.min(value), most.max(value)])
 }
 
-/// From the least to the greatest of two ranges, where there are any.
+/// Returns the smallest range around two ranges, or the only one that is given.
 pub fn wider(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]> {
     match (one, other) {
         (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-/// What is remembered of a list that grows, so that a new version takes time for what is new and
-/// not for the whole.
+/// Last two versions of a list that grows, kept so that a new version takes time for its new
+/// entries and not for the whole.
 ///
 /// A new version is written over the one before the last, which has all of it but what the last two
 /// steps added. Where that one is read still, the known entries are copied.
@@ -27,8 +27,8 @@ impl<T: Copy> Versions<T> {
         self.next_changed(known, kept, added, |all| all.len())
     }
 
-    /// As [`Versions::next`], with entries changed by `change`, which returns the first that it
-    /// touched.
+    /// Returns the next version as [`Versions::next`] does, with entries changed by `change`, which
+    /// returns the first that it touched.
     pub fn next_changed(
         &mut self,
         known: &Arc<Vec<T>>,

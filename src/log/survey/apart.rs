@@ -1,5 +1,5 @@
-//! Which logs make no survey with the others: they lie too far away, or are too short to say
-//! anything.
+//! Finds logs that do not belong to the survey of the other logs: they lie too far away, or are too
+//! short to show anything.
 
 use super::Survey;
 use crate::support::geo::{LonLat, distance_m};
@@ -9,7 +9,7 @@ const FAR_M: f64 = 50_000.0;
 /// A log of fewer pings, soundings and pings of a swath was switched on and off again.
 const FEWEST: usize = 20;
 
-/// Why a log makes no survey with the others.
+/// Reason why a log does not belong to the survey of the other logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Apart {
     /// It lies far from the others.
@@ -36,9 +36,9 @@ impl std::fmt::Display for Apart {
     }
 }
 
-/// For each of some logs, why it makes no survey with the others. The survey is the logs near those
-/// of `known`, or, where none of these has a place, the near ones with most pings. One log is a
-/// survey, and so are logs that are all too short.
+/// Returns for each log the reason why it does not belong to the survey; `None` where it does. The
+/// survey is the logs near those of `known`, or, where none of these has a place, the near ones
+/// with most pings. One log is a survey, and so are logs that are all too short.
 pub fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
     let is_short = |log: &&Survey| {
         let counts = [log.side_scan.len(), log.soundings.len(), log.swath.len()];

@@ -31,7 +31,8 @@ impl WaterArea {
     }
 }
 
-/// By what was read: the rings follow from it, and there may be many.
+/// Compares path, size and hash of the file that was read: the rings follow from it, and there may
+/// be many.
 impl PartialEq for WaterArea {
     fn eq(&self, other: &Self) -> bool {
         (&self.path, self.bytes, &self.sha256) == (&other.path, other.bytes, &other.sha256)

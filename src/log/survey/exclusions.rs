@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Why a stretch is excluded.
+/// Reason why a stretch is excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ExclusionReason {
@@ -21,7 +21,7 @@ pub enum ExclusionReason {
     Turn,
     /// The boat lies still or drifts.
     Stop,
-    /// What was recorded cannot be used.
+    /// The recording cannot be used.
     Bad,
     /// The analyst wants it so.
     Drawn,
@@ -49,8 +49,8 @@ pub struct Stretch {
     /// First and last time, seconds of the log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<[f64; 2]>,
-    /// Why it is excluded; `None`, written `kept`, where it counts although a turn or a stop is
-    /// found there.
+    /// Reason of the exclusion; `None`, written `kept`, where the stretch counts although a turn or
+    /// a stop is found there.
     #[serde(with = "verdict")]
     pub reason: Option<ExclusionReason>,
     /// True where its soundings count although they were taken for those of a lost bottom or of a
@@ -60,7 +60,8 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// From and to, seconds of the log; `None` where it has no such ping.
+    /// Returns the first and last time of the stretch, seconds of the log; `None` where the log has
+    /// no such ping.
     fn span_s(&self, ping_times: &[f64]) -> Option<[f64; 2]> {
         match self.pings {
             Some([first, last]) => {
@@ -160,7 +161,7 @@ impl ExclusionSettings {
         spans.iter().any(|[first_s, last_s]| *first_s <= to_s && from_s <= *last_s)
     }
 
-    /// From and to of each trusted stretch, seconds of the log.
+    /// Returns the first and last time of each trusted stretch, seconds of the log.
     fn trusted_spans_s(&self, survey: &Survey) -> Vec<[f64; 2]> {
         if !self.stretches.iter().any(|stretch| stretch.trusted) {
             return Vec::new();
@@ -189,7 +190,8 @@ pub struct ExcludedStretch {
 }
 
 impl ExcludedStretch {
-    /// Where it lies.
+    /// Returns the part of the log that the stretch covers: its pings, or its times where it holds
+    /// none.
     pub fn part(&self) -> LogPart {
         self.pings.map_or(LogPart::Time(self.time_s), LogPart::Pings)
     }
@@ -200,8 +202,7 @@ impl ExcludedStretch {
     }
 }
 
-/// What is excluded from a log: a reason for every ping, every sounding and every ping of a swath
-/// that is.
+/// Exclusions of a log: the reason for every excluded side-scan ping, sounding and ping of a swath.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exclusions {
     /// One entry a side-scan ping; none at all where nothing is excluded.
@@ -212,7 +213,7 @@ pub struct Exclusions {
     swath: Vec<Option<ExclusionReason>>,
     /// The stretches in time order.
     pub stretches: Vec<ExcludedStretch>,
-    /// What could not be applied, in sentences.
+    /// Settings that could not be applied, in sentences.
     pub warnings: Vec<String>,
 }
 
@@ -254,17 +255,17 @@ impl Exclusions {
         self.ping(usize::midpoint(pings.start, pings.end)).is_some()
     }
 
-    /// Why a side-scan ping is excluded; `None` where it counts.
+    /// Returns the reason why a side-scan ping is excluded; `None` where it counts.
     pub fn ping(&self, ping: usize) -> Option<ExclusionReason> {
         self.pings.get(ping).copied().flatten()
     }
 
-    /// Why a sounding is excluded; `None` where it counts.
+    /// Returns the reason why a sounding is excluded; `None` where it counts.
     pub fn sounding(&self, sounding: usize) -> Option<ExclusionReason> {
         self.soundings.get(sounding).copied().flatten()
     }
 
-    /// Why a ping of the swath is excluded; `None` where it counts.
+    /// Returns the reason why a ping of the swath is excluded; `None` where it counts.
     pub fn swath(&self, ping: usize) -> Option<ExclusionReason> {
         self.swath.get(ping).copied().flatten()
     }
@@ -294,7 +295,7 @@ impl Exclusions {
     }
 }
 
-/// From and to, seconds, and why it is excluded; `None` where it counts.
+/// First and last time of a span, seconds, and the reason of its exclusion; `None` where it counts.
 type TimeSpan = ([f64; 2], Option<ExclusionReason>);
 
 /// Turns and stops.

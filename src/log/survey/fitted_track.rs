@@ -41,12 +41,12 @@ const LEAST_CHANGE: f64 = 0.8;
 const REPEATS: f64 = 0.9;
 /// The share of the fixes that nearly all stands for.
 const NEARLY_ALL: f64 = 0.95;
-/// Between fixes farther apart than this, seconds (or six fix intervals, where those are longer),
-/// nobody knows where the boat was.
+/// Longest time between two fixes over which the place of the boat is interpolated, seconds (or six
+/// fix intervals, where those are longer).
 const LONGEST_BRIDGE_S: f64 = 10.0;
-/// Where times are assumed, nobody knows where the boat was between fixes farther apart than this,
-/// metres (or three times as far as nearly all fixes are, where that is farther): rows are missing
-/// there.
+/// Longest distance between two fixes over which the place of the boat is interpolated where times
+/// are assumed, metres (or three times as far as nearly all fixes are, where that is farther): in a
+/// longer gap rows are missing.
 const LONGEST_BRIDGE_M: f64 = 30.0;
 
 /// Places whose windows tell how much of the rounding is left in a fit.
@@ -54,7 +54,7 @@ const MOST_PLACES_TRIED: usize = 4_000;
 /// Steps along an axis shorter than this come from the curvature of the earth, metres.
 const LEAST_STEP_M: f64 = 1e-3;
 
-/// Where the boat is at a time, and how it moves.
+/// Place and motion of the boat at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
     pub(super) east_m: f64,
@@ -390,7 +390,8 @@ fn segments(places: &[TimedPosition], max_gap_s: f64, max_gap_m: f64) -> Vec<Ran
 pub(crate) struct KnownTimes(Option<FittedTrack>);
 
 impl KnownTimes {
-    /// Those of a track. Of one without a fix nothing is said: all times count as known.
+    /// Returns the known times of a track. Without a fix nothing is determined: all times count as
+    /// known.
     pub(crate) fn of(track: &Track) -> Self {
         Self((!track.fixes.is_empty()).then(|| FittedTrack::new(track, 0.0)))
     }

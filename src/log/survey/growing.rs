@@ -28,17 +28,16 @@ const NEIGHBOURS: usize = 16;
 /// Bytes of a record at most.
 const MOST_OF_A_PING: u64 = 1 << 17;
 
-/// Where the tail of a log begins.
+/// Beginning of the tail of a log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seam {
-    /// What is of this time or later is taken from the tail, seconds after the log's time zero.
+    /// Records of this time or later are taken from the tail, seconds after the log's time zero.
     pub time_s: f64,
-    /// For each file of the log a place, in bytes, that nothing of that time or later was written
-    /// before.
+    /// Byte offset in each file of the log before which nothing of that time or later was written.
     pub from: Vec<u64>,
 }
 
-/// Where the samples of a record begin, and when it was made.
+/// Time of a record and the place where its samples begin.
 #[derive(Clone, Copy)]
 struct RecordPlace {
     /// Seconds after the log's time zero.
@@ -58,7 +57,7 @@ impl RecordPlace {
     }
 }
 
-/// Where a stretch of a log begins in its other records ([`Survey::stretch_from`]).
+/// Beginning of a stretch of a log in its records other than side-scan ([`Survey::stretch_from`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StretchStart {
     /// Soundings before it.
@@ -79,8 +78,9 @@ pub struct SurveyVersions {
 }
 
 impl Survey {
-    /// Where its tail begins, if more is written; `None` where all of it has to be read again: it
-    /// has no pings yet, its samples are packed, or its track is another receiver's.
+    /// Returns the beginning of the log's tail, for when more is written; `None` where all of it
+    /// has to be read again: it has no pings yet, its samples are packed, or its track is another
+    /// receiver's.
     pub fn seam(&self) -> Option<Seam> {
         let is_packed = self.bytes.iter().any(Bytes::is_packed);
         let has_others = self.bytes.len() != self.source.files.len();
@@ -200,7 +200,7 @@ impl Survey {
         Some(longer)
     }
 
-    /// What is known of the log as a whole.
+    /// Returns a survey without records that has the facts known of the log as a whole.
     fn without_records(&self) -> Survey {
         Survey {
             start_unix_s: self.start_unix_s,
@@ -266,8 +266,8 @@ impl Survey {
         own.is_same_log(log) || (own.file == log.file && self.was(log.byte_count, log.pings))
     }
 
-    /// By how much the times of a tail are too early: the recorder's clock was set back before it.
-    /// `None` where the tail does not hold the log's last settled ping.
+    /// Returns the seconds by which the times of a tail are too early: the recorder's clock was set
+    /// back before it. `None` where the tail does not hold the log's last settled ping.
     fn clock_shift_s(&self, tail: &Survey, seam: &Seam) -> Option<f64> {
         let sides = tail.side_scan.iter().flat_map(|ping| {
             let place = |span: &SideSpan| RecordPlace::of(ping.time_s, span);
@@ -342,7 +342,7 @@ impl Survey {
         (stretch, start)
     }
 
-    /// Where the stretch from a ping on begins in the other records.
+    /// Returns the beginning, in the other records, of the stretch that begins at ping `first`.
     pub fn stretch_start(&self, first: usize) -> StretchStart {
         let from_s = self.stretch_from_s(first);
         StretchStart {

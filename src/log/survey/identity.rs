@@ -1,4 +1,4 @@
-//! Which recording something was made on.
+//! Identifies the recording on which a sidecar file was made.
 
 use super::Survey;
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// That of an open survey.
+    /// Returns the identity of an open survey.
     pub fn of(survey: &Survey) -> Self {
         let file = survey.source.files.first();
         let name = file.and_then(|file| file.file_name());

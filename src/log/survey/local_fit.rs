@@ -31,9 +31,9 @@ pub(super) struct LocalFit {
 /// Weighted sums over the places in a window, with time in half windows.
 #[derive(Default)]
 struct Moments {
-    /// Of the powers 0 to 4 of time.
+    /// Sums of the powers 0 to 4 of time.
     time: [f64; 5],
-    /// Of east and of north, times the powers 0 to 2 of time.
+    /// Sums of east and of north, times the powers 0 to 2 of time.
     place: [[f64; 3]; 2],
 }
 

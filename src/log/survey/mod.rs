@@ -115,7 +115,7 @@ impl Side {
     }
 }
 
-/// What a channel of the log recorded.
+/// Kind of data that a channel of the log recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ChannelKind {
     /// Traditional sonar, first transducer element or frequency.
@@ -155,7 +155,7 @@ impl ChannelKind {
 /// One channel of the log: a summary for `info` and the open dialog.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What it recorded.
+    /// Kind of the recorded data.
     pub kind: ChannelKind,
     /// The recorder's own number or name of the channel, as text.
     pub recorder_name: String,
@@ -232,7 +232,7 @@ impl Sounding {
     }
 }
 
-/// What can be done with the survey's side-scan.
+/// Usability of the survey's side-scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SideScanState {
     /// There is a picture.
@@ -248,7 +248,7 @@ pub enum SideScanState {
     },
 }
 
-/// Where the slant ranges of a log's headers come from.
+/// Source of the slant ranges in a log's headers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RangeSource {
     /// The range that a fish-finder shows. Where in it the first sample begins is not stated, nor
@@ -263,23 +263,23 @@ pub enum RangeSource {
     SurveyRecorder,
 }
 
-/// Where the bytes came from.
+/// Files of a log, their format and the recorder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
     /// The files read, the one that was opened first.
     pub files: Vec<PathBuf>,
     /// Format in words, for example `Lowrance SL2 (version 1)`.
     pub format: String,
-    /// What the log tells of the unit that recorded it, for example `EdgeTech 4200`; empty where it
-    /// tells nothing.
+    /// Name of the unit that recorded the log, as the log states it, for example `EdgeTech 4200`;
+    /// empty where it states none.
     pub device: String,
     /// Bytes of the log's own files together, without those of a track that was applied to it.
     pub byte_count: u64,
 }
 
 impl Source {
-    /// Which recorder it was, as far as the log tells: its format, and the device where it names
-    /// one. Logs of one recorder have the same words.
+    /// Returns a name of the recorder, as far as the log states it: its format, and the device
+    /// where it names one. Logs of one recorder have the same words.
     pub fn recorder(&self) -> String {
         if self.device.is_empty() {
             self.format.clone()
@@ -302,17 +302,17 @@ pub struct Warning {
 /// built by filling it. A clone shares the bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
-    /// Where it was read from.
+    /// Files that the survey was read from.
     pub source: Source,
     /// Unix seconds of the log's time zero, when the recorder knew the time; with the clock offset
     /// that is in force.
     pub start_unix_s: Option<f64>,
-    /// What was added to the recorder's clock, seconds ([`MountingSettings::clock_offset_s`]).
+    /// Seconds added to the recorder's clock ([`MountingSettings::clock_offset_s`]).
     pub clock_offset_s: f64,
     /// True if port and starboard are exchanged against the recording
     /// ([`MountingSettings::swap_sides`]).
     pub swapped_sides: bool,
-    /// What each channel holds.
+    /// Summary of each channel.
     pub channels: Vec<Channel>,
     /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change
     /// of the track makes one.
@@ -320,9 +320,9 @@ pub struct Survey {
     /// All pairs of side-scan channels where the sonar has several frequencies, that which is shown
     /// first; none where there is one pair.
     pub pairs: Vec<SidePair>,
-    /// Whether the side-scan is worth drawing.
+    /// Usability of the side-scan.
     pub side_scan_state: SideScanState,
-    /// Where its slant ranges come from.
+    /// Source of its slant ranges.
     pub range_source: RangeSource,
     /// Channels that look down.
     pub echograms: Vec<Echogram>,
@@ -334,20 +334,20 @@ pub struct Survey {
     pub swath: Arc<Vec<SwathPing>>,
     /// Positions, courses and compass headings.
     pub track: Track,
-    /// What was wrong with the log.
+    /// Faults of the log that were found when it was read.
     pub warnings: Vec<Warning>,
     /// The bytes of the files and of the samples in them, one entry a file.
     pub bytes: Vec<Bytes>,
 }
 
 impl Survey {
-    /// Of side-scan pings and nothing else.
+    /// Creates a survey of side-scan pings and nothing else.
     pub fn of_pings(pings: impl IntoIterator<Item = SidePing>) -> Self {
         Self { side_scan: Arc::new(pings.into_iter().collect()), ..Self::default() }
     }
 
-    /// Where the samples of one side of one ping lie; `None` when the ping or the side was not
-    /// recorded.
+    /// Returns the place of the samples of one side of one ping; `None` when the ping or the side
+    /// was not recorded.
     pub fn span(&self, ping: usize, side: Side) -> Option<&SideSpan> {
         self.side_scan.get(ping)?.side(side)
     }
@@ -363,8 +363,8 @@ impl Survey {
         Samples::new(self.bytes.get(usize::from(span.file))?.samples(), span)
     }
 
-    /// Whether the files still hold what was read of them. Asks their disks, so it may wait for one
-    /// that does not answer.
+    /// Checks that the files still hold the data that was read from them. Asks their disks, so it
+    /// may wait for one that does not answer.
     ///
     /// # Errors
     /// Names the first that was cut or overwritten since the log was opened, or that could not be
@@ -394,9 +394,9 @@ impl Survey {
         Self { track: self.track.in_frame(frame), ..self }
     }
 
-    /// As [`Survey::in_frame`], for the frame that a project keeps: where its logs were exchanged
-    /// for those of other waters, so far away that its plane would bend their tracks, the log stays
-    /// in its own.
+    /// Returns the log in the frame that a project keeps, as [`Survey::in_frame`] does. Where the
+    /// project's logs were exchanged for those of other waters, so far away that the plane of the
+    /// frame would bend their tracks, the log stays in its own frame.
     #[must_use]
     pub fn in_frame_if_near(self, frame: &LocalFrame) -> Self {
         // Lengths are short by 0.05 % there, `d^2 / 2 R^2`; a quarter of the Earth away all places

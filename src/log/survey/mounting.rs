@@ -1,5 +1,5 @@
-//! How a recorder is mounted on its boat: where the transducer hangs under the antenna, which cable
-//! is port, how compass and clock are off.
+//! Settings of a recorder's mounting on its boat: place of the transducer relative to the antenna,
+//! which cable is port, errors of compass and clock.
 
 use super::observations::give_depths;
 use super::{Channel, ChannelKind, SidePing, Survey};
@@ -13,9 +13,9 @@ use std::sync::Arc;
 pub struct MountingSettings {
     /// True if what was recorded as port is starboard, and the other way round.
     pub swap_sides: bool,
-    /// From the antenna to the transducer along the boat, metres; positive forward.
+    /// Distance from the antenna to the transducer along the boat, metres; positive forward.
     pub forward_m: f64,
-    /// From the antenna to the transducer across the boat, metres; positive to starboard.
+    /// Distance from the antenna to the transducer across the boat, metres; positive to starboard.
     pub right_m: f64,
     /// Added to the recorded compass heading, degrees: how the compass is turned on the boat, and
     /// the magnetic variation.
@@ -34,15 +34,15 @@ impl MountingSettings {
         *self == Self::default()
     }
 
-    /// From antenna to transducer, metres forward and to starboard; `None` where they are at one
-    /// place.
+    /// Returns the distances from antenna to transducer, metres forward and to starboard; `None`
+    /// where they are at one place.
     pub fn lever_arm_m(&self) -> Option<[f64; 2]> {
         let arm = [self.forward_m, self.right_m];
         (arm != [0.0; 2]).then_some(arm)
     }
 
-    /// What is put right, in sentences; empty where nothing is. `compass` says whether headings
-    /// come from the compass.
+    /// Describes the corrections in sentences; empty where there are none. `compass` says whether
+    /// headings come from the compass.
     pub fn statement(&self, compass: bool) -> String {
         let mut said = Vec::new();
         if self.swap_sides {

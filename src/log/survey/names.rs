@@ -1,4 +1,4 @@
-//! What the logs of one survey are called, so that no two have the same name.
+//! Names the logs of one survey, so that no two have the same name.
 
 use super::Survey;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String>
     names
 }
 
-/// Which of the names others have too.
+/// Returns for each name true if it occurs more than once.
 fn shared(names: &[String]) -> Vec<bool> {
     let count = |name: &String| names.iter().filter(|other| *other == name).count();
     names.iter().map(|name| count(name) > 1).collect()

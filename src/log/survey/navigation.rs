@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Where the heading comes from.
+/// Source of the heading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeadingSource {
@@ -27,7 +27,7 @@ pub enum HeadingSource {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HeadingSettings {
-    /// Where the heading comes from.
+    /// Source of the heading.
     pub source: HeadingSource,
     /// Width of the window that the line is fitted over, seconds (plus and minus half of it).
     pub window_s: f64,
@@ -78,7 +78,7 @@ pub struct Navigation {
     pub soundings: Arc<Vec<PingNav>>,
     /// One entry per ping of a swath.
     pub swath: Arc<Vec<PingNav>>,
-    /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right
+    /// Places of the antenna at the side-scan pings, metres east and north; empty where it is right
     /// above the transducer.
     pub antenna: Arc<Vec<[f64; 2]>>,
     /// The plane that the metres are in.
@@ -95,7 +95,8 @@ pub struct Navigation {
 }
 
 impl Navigation {
-    /// Of pings in the survey's plane, at all of which the boat moves.
+    /// Creates the navigation of side-scan pings in the survey's plane, at all of which the boat
+    /// moves.
     pub fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
         let pings: Vec<PingNav> = pings.into_iter().collect();
         Self {
@@ -112,7 +113,7 @@ impl Navigation {
 }
 
 impl PingNav {
-    /// At a place east and north, metres, heading north.
+    /// Creates the navigation of a ping at a place, metres east and north, heading north.
     pub fn northbound([east_m, north_m]: [f64; 2], speed_mps: f64) -> Self {
         Self { east_m, north_m, heading_rad: 0.0, speed_mps }
     }
@@ -196,12 +197,12 @@ pub fn navigate(
     navigate_with(survey, positions, progress)
 }
 
-/// What decides where the pings and soundings of a log lie.
+/// Settings that determine the positions of the pings and soundings of a log.
 #[derive(Clone, Copy, Debug)]
 pub struct PositionSettings<'a> {
-    /// Where headings come from.
+    /// Source of the headings.
     pub heading: &'a HeadingSettings,
-    /// How the recorder is mounted on the boat.
+    /// Mounting of the recorder on the boat.
     pub mounting: &'a MountingSettings,
     /// Errors of positions.
     pub shift: &'a PositionShift,
@@ -290,7 +291,8 @@ struct Navigator<'a> {
     source: HeadingSource,
     /// Added to the compass heading.
     compass_offset_rad: f64,
-    /// Where the boat is at a time is what is recorded so many seconds later.
+    /// Delay of the recorded positions, seconds: the position of the boat at a time is recorded
+    /// this much later.
     latency_s: f64,
     /// Added to every place, metres east and north.
     shift_m: Option<[f64; 2]>,
@@ -417,8 +419,9 @@ impl Navigator<'_> {
         }
     }
 
-    /// Of a compass the fix that was recorded with the echo: it is an instrument of its own, and
-    /// not late.
+    /// Returns the heading in the plane, radians; NaN where there is none. A compass heading is
+    /// taken from the fix `compass`, which was recorded with the echo: the compass is an instrument
+    /// of its own, and not late.
     fn heading_rad(&self, motion: &Motion, recorded: Option<usize>, compass: Option<usize>) -> f64 {
         let index = match self.source {
             HeadingSource::Compass => compass,

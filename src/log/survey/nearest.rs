@@ -1,4 +1,4 @@
-//! What was recorded nearest to a time.
+//! Finds the record nearest to a time.
 
 /// Index of the item nearest to `time_s`, the earlier of two equally near; `None` without items.
 /// `items` are in the order of `time_of`, seconds.

@@ -36,7 +36,8 @@ impl Survey {
         std::iter::once(&self.side_scan).chain(others).filter_map(last)
     }
 
-    /// What is to be known of the pairs, in a sentence; `None` where there is one at most.
+    /// Describes the pairs in a sentence: which one is shown, and how to show others; `None` where
+    /// there is one at most.
     pub(crate) fn pairs_summary(&self) -> Option<String> {
         let [shown, others @ ..] = &self.pairs[..] else {
             return None;

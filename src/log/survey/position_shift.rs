@@ -1,4 +1,4 @@
-//! How far all positions of a log are off.
+//! Correction of an error that all positions of a log share.
 
 use super::mounting::ways_in_words;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct PositionShift {
     /// Added to every position, metres to the east.
     pub east_m: f64,
-    /// The same to the north.
+    /// Added to every position, metres to the north.
     pub north_m: f64,
 }
 
@@ -21,7 +21,7 @@ impl PositionShift {
         (by_m != [0.0; 2]).then_some(by_m)
     }
 
-    /// What is done to the positions, in a sentence; empty where nothing is.
+    /// Describes the shift of the positions in a sentence; empty where there is none.
     pub fn statement(&self) -> String {
         let ways = [["east", "west"], ["north", "south"]];
         let by = ways_in_words([self.east_m, self.north_m], ways, |m| format!("{m} m"));

@@ -1,4 +1,4 @@
-//! How the bottom lies across the track: what echoes and objects are placed on.
+//! Shape of the bottom across the track, on which echoes and objects are placed.
 //!
 //! At a distance `g` across the track the bottom lies `v(g) = H + deeper(g)` below the transducer,
 //! with `H` its altitude under the boat. Its echo has the slant range `r(g) = sqrt(g^2 + v(g)^2)`:
@@ -158,18 +158,20 @@ fn length(across_m: f64, down_m: f64) -> f64 {
     (across_m * across_m + down_m * down_m).sqrt()
 }
 
-/// How the bottom lies across the track, all along it. The default one is level everywhere.
+/// Shape of the bottom across the track, for all pings of a log. The default one is level
+/// everywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Relief {
     farthest_m: f32,
-    /// By side, port first: for every so many pings how much deeper the bottom is.
+    /// Difference of the bottom's depth from that under the boat, metres, by side, port first, and
+    /// by group of [`PINGS`] pings.
     sides: [Vec<[f32; NODES]>; 2],
 }
 
 impl Relief {
-    /// Along some pings, up to a distance across the track. `deeper_m` is asked for the ping in the
-    /// middle of a few; where it tells nothing, the bottom goes on as it last was, outward from the
-    /// boat.
+    /// Creates the bottom along some pings, up to a distance across the track. `deeper_m` is called
+    /// for the ping in the middle of a few; where it returns nothing, the bottom goes on as it last
+    /// was, outward from the boat.
     pub fn new(
         pings: usize,
         farthest_m: f64,
@@ -196,7 +198,7 @@ impl Relief {
         self.sides.iter().all(Vec::is_empty)
     }
 
-    /// To one side of a ping; level where nothing is known.
+    /// Returns the bottom to one side of a ping; level where nothing is known.
     pub fn across(&self, side: Side, ping: usize) -> AcrossTrack {
         let profile = self.sides[side as usize].get(ping / PINGS);
         profile.map_or(AcrossTrack::LEVEL, |deeper_m| AcrossTrack {

@@ -14,18 +14,18 @@ pub enum Bytes {
     Mapped(Arc<MappedFile>),
     /// Bytes in memory.
     Held(Arc<Vec<u8>>),
-    /// Those of a file whose samples are packed, as those of a picture are.
+    /// Bytes of a file whose samples are packed, as those of a picture are.
     Packed {
         /// The file.
         file: Box<Bytes>,
-        /// What was unpacked of it; the sample spans point into it.
+        /// Samples unpacked from the file; the sample spans point into them.
         samples: Arc<Vec<u8>>,
     },
 }
 
 impl Bytes {
-    /// What makes them wrong since the file at `path` was opened, and with them what was read of
-    /// it; see [`MappedFile::fault`].
+    /// Returns the fault that makes the bytes, and the data that was read from them, wrong since
+    /// the file at `path` was opened; see [`MappedFile::fault`].
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
         match self {
             Bytes::Mapped(map) => map.fault(path),
@@ -48,7 +48,7 @@ impl Bytes {
         matches!(self, Bytes::Packed { .. })
     }
 
-    /// What the sample spans point into.
+    /// Returns the bytes that the sample spans point into.
     pub fn samples(&self) -> &[u8] {
         match self {
             Bytes::Packed { samples, .. } => samples,
@@ -56,7 +56,8 @@ impl Bytes {
         }
     }
 
-    /// From where on they could not be read, and are zero; `None` while all could. Asks no disk.
+    /// Returns the fault of bytes that could not be read, with the first such byte: from there on
+    /// they are zero. `None` while all could be read. Asks no disk.
     pub fn lost(&self) -> Option<FileFault> {
         match self {
             Bytes::Mapped(map) => map.lost(),
@@ -84,7 +85,7 @@ impl std::ops::Deref for Bytes {
     }
 }
 
-/// Which end of the stored samples is nearest to the boat.
+/// Order in which the samples of a side are stored: the end that is nearest to the boat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleOrder {
     /// The first stored sample is at the transducer.
@@ -93,7 +94,7 @@ pub enum SampleOrder {
     FarToNear,
 }
 
-/// How a sample is stored.
+/// Encoding of a sample in the bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// One byte.
@@ -119,9 +120,9 @@ pub enum Encoding {
     },
     /// A number, little-endian, whose magnitude times 2^`exponent` is the level.
     Number {
-        /// Which numbers.
+        /// Type of the numbers.
         kind: NumberKind,
-        /// Of 2.
+        /// Exponent of 2 that scales a number to a level.
         exponent: i16,
     },
 }
@@ -204,14 +205,14 @@ impl Encoding {
     }
 }
 
-/// Where the samples of one side of a ping lie, and the slant range that they cover.
+/// Place of the samples of one side of a ping in the bytes, and the slant range that they cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideSpan {
     /// Index into [`super::Survey::bytes`].
     pub file: u8,
-    /// How a sample is stored.
+    /// Encoding of a sample.
     pub encoding: Encoding,
-    /// Which end is nearest.
+    /// Order of the stored samples: which end is nearest to the boat.
     pub order: SampleOrder,
     /// Byte offset of the first stored sample, in [`Bytes::samples`].
     pub offset: u64,

@@ -1,4 +1,4 @@
-//! Where the boat was: the fixes as recorded.
+//! Track of the boat: the fixes as recorded.
 
 use crate::support::geo::{Crs, CrsError, LocalFrame, LonLat};
 use serde::{Deserialize, Serialize};
@@ -36,10 +36,10 @@ pub struct Track {
     /// Local frame that all `east_m`, `north_m` of the log are in: its origin is the first fix,
     /// unless the log was put into the frame of another ([`Track::in_frame`]).
     pub frame: LocalFrame,
-    /// Whose track it is, when it is not the recorder's.
+    /// File and times of the track, when it is not the recorder's.
     pub external: Option<ExternalTrack>,
-    /// Whose metres the recorder's positions are, where it wrote metres of a system that the log
-    /// does not name.
+    /// System of the recorder's positions, where it wrote metres of a system that the log does not
+    /// name.
     pub projected: Option<ProjectedTrack>,
     /// True where the log holds no times, and its records are taken as one second apart: they tell
     /// no speed, and nothing of how long a gap lasted.
@@ -57,7 +57,7 @@ pub struct ProjectedTrack {
 }
 
 impl ProjectedTrack {
-    /// Of a system that is not known.
+    /// Creates the track of a system that is not known.
     pub fn new(origin_m: [f64; 2]) -> Self {
         Self { origin_m, system: None }
     }
@@ -73,7 +73,7 @@ impl ProjectedTrack {
 pub struct ExternalTrack {
     /// The file that it was read from.
     pub path: PathBuf,
-    /// What was added to its times, seconds.
+    /// Seconds added to its times.
     pub offset_s: f64,
     /// Times of its first and last fix, seconds of the log: beyond them the boat's place is not
     /// known.
@@ -100,7 +100,7 @@ impl Default for Track {
 }
 
 impl Track {
-    /// The same with other fixes, whose places count from the same origin.
+    /// Returns the track with other fixes, whose places count from the same origin.
     pub(crate) fn with_fixes(&self, fixes: impl Into<Arc<Vec<Fix>>>) -> Self {
         Self {
             fixes: fixes.into(),

@@ -1,4 +1,4 @@
-//! How far the tracks that two receivers recorded of one boat lie apart at the same times: least
+//! Distances at the same times between two tracks of one boat that two receivers recorded: least
 //! where their clocks agree.
 
 use super::Track;
@@ -11,9 +11,9 @@ const PLACES: usize = 2000;
 /// Two tracks at the same times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracksApart {
-    /// Where the one and the other have the boat, at rising times.
+    /// Places of the boat on the first and on the second track at the same times, in time order.
     pub pairs: Vec<[LonLat; 2]>,
-    /// The one track, in few enough places to draw in a frame.
+    /// Places of the first track, few enough to draw in a frame.
     pub line: Vec<LonLat>,
     /// Median of the distances, metres; NaN without a pair.
     pub median_m: f64,

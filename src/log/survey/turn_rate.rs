@@ -1,4 +1,4 @@
-//! How fast the boat turns, from where it was a little before and where it is a little after.
+//! Turn rate of the boat, from its places a little before and a little after.
 
 use super::PingNav;
 

@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder as _};
 pub struct Chip {
     /// [`TILE_PX`] rows of [`TILE_PX`] grey levels.
     pub pixels: Vec<u8>,
-    /// What is in it.
+    /// Boxes of the objects in it.
     pub boxes: PictureBoxes,
 }
 

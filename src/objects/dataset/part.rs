@@ -1,4 +1,4 @@
-//! What of a known object lies in a tile.
+//! Finds the part of a known object that lies in a tile.
 //!
 //! A tile's edge may cut an object. Where it is known what each ping shows, the box is that of the
 //! part in the tile: of a slanting pipe whose upper half is cut away only the lower half has a box.
@@ -15,11 +15,12 @@ pub struct KnownObject {
     pub whole: Mark,
     /// True if anything is shown of it. What a person has seen is.
     pub shown: bool,
-    /// What each ping shows of it, in their order; empty where only its box is known.
+    /// Part of the object on each ping, in the order of the pings; empty where only its box is
+    /// known.
     pub slices: Vec<Slice>,
 }
 
-/// What one ping shows of an object.
+/// Part of an object on one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     /// The ping.
@@ -28,8 +29,8 @@ pub struct Slice {
     pub near_m: f64,
     /// Farthest slant range that shows it, metres.
     pub far_m: f64,
-    /// How much it adds to the object's visibility: an observer tells it from chance where that
-    /// adds up to 1.
+    /// Contribution to the object's visibility: an observer distinguishes the object from chance
+    /// where the sum reaches 1.
     pub visibility: f32,
 }
 
@@ -46,7 +47,7 @@ pub(crate) struct ObjectPart {
     pub rect: Rect,
     /// Its outline as a polygon of columns and rows; empty where only the object's box is known.
     pub outline: Vec<[f32; 2]>,
-    /// Which share of the object it is: of its visibility, or of its box.
+    /// Share of the object in this part: of its visibility, or of its box.
     share: f32,
     /// True if it can be seen at all.
     shown: bool,
@@ -74,7 +75,7 @@ impl KnownObject {
         self.part(rect, 1.0).is_plain()
     }
 
-    /// What of it lies in a tile of its side; `None` where that is nothing.
+    /// Returns the part of it that lies in a tile of its side; `None` where there is none.
     pub(crate) fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<ObjectPart> {
         let place = |mark: &Mark| {
             let rect = raster.rect_of(mark);

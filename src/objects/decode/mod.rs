@@ -1,5 +1,5 @@
-//! From a network's numbers to boxes, in pixels of the network's input. One file a family of
-//! detectors.
+//! Converts a network's numbers to boxes, in pixels of the network's input. Each family of
+//! detectors has a file.
 //!
 //! In: the outputs of a network, and their shapes. Out: boxes with classes and scores.
 //!

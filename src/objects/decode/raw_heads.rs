@@ -3,7 +3,7 @@
 use super::{Found, centred, logistic};
 use crate::Scored;
 
-/// What the network does not state about one of its heads.
+/// Parameters of a head that the network does not state.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Head {
     /// Width and height of each anchor, pixels of the network's input.
@@ -16,7 +16,7 @@ pub(crate) struct Head {
     pub activated: bool,
 }
 
-/// Where a head keeps its numbers.
+/// Order of the numbers in a head.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HeadLayout {
     /// Anchors and attributes, rows, columns.

@@ -1,4 +1,4 @@
-//! Why label files cannot be used.
+//! Errors of label files that cannot be used.
 
 use super::MOST_CLASSES;
 use bathyscope_log::support::file_error::FileError;
@@ -27,12 +27,12 @@ pub enum LabelFault {
     /// The folder holds more than one file that may be COCO's.
     #[error("several JSON files in the folder; name the one that holds the labels")]
     SeveralFiles,
-    /// It names so many classes.
+    /// It names too many classes.
     #[error("{count} {named} are more than {MOST_CLASSES}")]
     TooManyClasses {
-        /// How many.
+        /// Number of classes.
         count: usize,
-        /// What its format calls them.
+        /// Word for classes in its format.
         named: &'static str,
     },
     /// It is no JSON of COCO's.
@@ -77,12 +77,12 @@ pub enum YoloLineFault {
     /// It has one number too many.
     #[error("a true box has no sixth number (these may be predictions): class cx cy w h")]
     ExtraNumber,
-    /// It has so many numbers.
+    /// Its count of numbers is wrong.
     #[error("{count} numbers where a box is written {shape}")]
     Numbers {
-        /// How many.
+        /// Count of the numbers.
         count: usize,
-        /// Those that a box has.
+        /// Numbers that a box has.
         shape: &'static str,
     },
     /// Its class is none.

@@ -22,7 +22,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// How labels are written.
+/// Format of labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabelFormat {
     /// A text file a picture, a line a box: `class cx cy w h`, with `score` behind it for
@@ -33,7 +33,7 @@ pub enum LabelFormat {
 }
 
 impl LabelFormat {
-    /// As people call it.
+    /// Returns the usual name of the format.
     pub fn name(self) -> &'static str {
         match self {
             LabelFormat::Yolo => "YOLO labels",
@@ -51,7 +51,8 @@ pub struct Label {
     pub score: Option<f32>,
     /// Neither to be found nor to be missed (COCO's `iscrowd`).
     pub ignored: bool,
-    /// Where: shares of the picture in [`LabelFormat::Yolo`], pixels in [`LabelFormat::Coco`].
+    /// Box, in shares of the picture in [`LabelFormat::Yolo`] and in pixels in
+    /// [`LabelFormat::Coco`].
     pub rect: Rect,
 }
 
@@ -67,13 +68,13 @@ pub struct PictureLabels {
 /// Labels of many pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelSet {
-    /// How they are written.
+    /// Format of the labels.
     pub format: LabelFormat,
-    /// Where they were read from.
+    /// File or folder that they were read from.
     pub path: PathBuf,
     /// Class names, as far as they are known.
     pub names: Vec<String>,
-    /// By the picture's name without its ending.
+    /// Labels of each picture, by the picture's name without its ending.
     pub pictures: BTreeMap<String, PictureLabels>,
     /// Class of each of COCO's category numbers.
     categories: HashMap<u64, usize>,

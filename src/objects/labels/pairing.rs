@@ -13,7 +13,7 @@ pub struct Paired {
     pub images: Vec<Image>,
     /// One name a class; a number where none is known.
     pub classes: Vec<String>,
-    /// What the analyst should know, in sentences.
+    /// Notes for the analyst, in sentences.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What was taken for what.
+//! Counts the boxes by true and by proposed class.
 
 use super::mistakes::ShownImages;
 use super::{Image, MetricSettings, TrueBox, iou};

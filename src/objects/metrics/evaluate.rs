@@ -10,13 +10,13 @@ use super::{BoxMatching, Image, MetricSettings};
 /// One class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClassReport {
-    /// At the score of the settings.
+    /// Counts at the score of the settings.
     pub counts: MatchCounts,
     /// Average precision at the IoU of the settings; NaN without truths.
     pub ap: f64,
     /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
     pub ap_50_95: f64,
-    /// For every score, falling.
+    /// Curve with a point for every score, falling.
     pub curve: Vec<CurvePoint>,
 }
 
@@ -26,7 +26,7 @@ pub struct ClassReport {
 pub struct SizeReport {
     /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
     pub side_px: [f64; 2],
-    /// At the score of the settings.
+    /// Counts at the score of the settings.
     pub counts: MatchCounts,
     /// Mean over the classes at the IoU of the settings; NaN without truths.
     pub map: f64,
@@ -34,7 +34,7 @@ pub struct SizeReport {
     pub map_50_95: f64,
 }
 
-/// How well predictions agree with truths.
+/// Agreement of predictions with truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// One entry a class.
@@ -47,13 +47,13 @@ pub struct Evaluation {
     pub map_50_95: f64,
     /// All classes as one, for every score, falling.
     pub curve: Vec<CurvePoint>,
-    /// From small to large.
+    /// Reports for sizes of boxes, from small to large.
     pub sizes: Vec<SizeReport>,
-    /// What was taken for what.
+    /// Boxes by true and by proposed class.
     pub confusion: Confusion,
-    /// By falling score.
+    /// False alarms, by falling score.
     pub false_alarms: Vec<FalseAlarm>,
-    /// Picture by picture.
+    /// Misses, picture by picture.
     pub misses: Vec<Miss>,
 }
 

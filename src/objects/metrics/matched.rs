@@ -17,18 +17,18 @@ pub struct Matched {
     settings: MetricSettings,
 }
 
-/// What the boxes of at least a score amount to.
+/// Result of the boxes of at least a score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtScore {
     /// One entry a class.
     pub classes: Vec<MatchCounts>,
     /// All classes together.
     pub counts: MatchCounts,
-    /// What was taken for what.
+    /// Boxes by true and by proposed class.
     pub confusion: Confusion,
-    /// By falling score.
+    /// False alarms, by falling score.
     pub false_alarms: Vec<FalseAlarm>,
-    /// Picture by picture.
+    /// Misses, picture by picture.
     pub misses: Vec<Miss>,
 }
 

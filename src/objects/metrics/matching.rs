@@ -15,7 +15,7 @@ pub(super) struct TruthCandidate {
     pub ignored: bool,
 }
 
-/// What became of a prediction.
+/// Result of pairing a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatchOutcome {
     /// It found this truth (index into the picture's).

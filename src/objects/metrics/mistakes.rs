@@ -1,14 +1,14 @@
-//! What to look at: every false alarm and every miss.
+//! Lists the mistakes to examine: every false alarm and every miss.
 
 use super::matching::MatchOutcome;
 use super::ranking::Ranked;
 use super::{Image, MetricSettings, iou};
 use crate::Rect;
 
-/// Why a prediction found nothing.
+/// Cause of a false alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Nothing is there.
+    /// No object is there.
     Background,
     /// An object of its class is there and was found by a surer box.
     Duplicate,
@@ -37,7 +37,7 @@ pub struct FalseAlarm {
     pub image: usize,
     /// Index into its predictions.
     pub predicted: usize,
-    /// Why.
+    /// Cause of the false alarm.
     pub cause: Cause,
 }
 
@@ -50,13 +50,13 @@ pub struct Miss {
     pub truth: usize,
 }
 
-/// What the score lets through in every picture.
+/// Hits and false alarms among the boxes of at least the score, in every picture.
 #[derive(Debug)]
 pub(super) struct ShownImages {
     pub images: Vec<ShownImage>,
 }
 
-/// What the score lets through in one picture.
+/// Hits and false alarms among the boxes of at least the score, in one picture.
 #[derive(Debug)]
 pub(super) struct ShownImage {
     /// Truths that were found.

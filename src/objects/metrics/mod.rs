@@ -1,12 +1,12 @@
-//! How well predicted boxes agree with true ones.
+//! Measures the agreement of predicted boxes with true ones.
 //!
 //! In: true and predicted boxes by picture. Out: precision, recall, average precision, confusion
 //! and mistakes.
 //!
-//! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score,
-//! `precision` makes curves and average precision of them, `confusion` says what was taken for
-//! what, `mistakes` lists what to look at, `matched` keeps the pairs to be counted at any score,
-//! and [`evaluate`] lays everything side by side.
+//! `matching` pairs the boxes of one picture, `ranking` sorts the pairs of a class by score,
+//! `precision` computes curves and average precision from them, `confusion` counts boxes by true
+//! and proposed class, `mistakes` lists the mistakes to examine, `matched` keeps the pairs to be
+//! counted at any score, and [`evaluate`] collects all results.
 //!
 //! Two rules are in use and give different numbers from the same boxes: Darknet's (the published
 //! figures') and COCO's. [`MetricSettings::darknet`] equals `mean_average_precision` and
@@ -33,7 +33,7 @@ use super::{Rect, Scored};
 pub struct TrueBox {
     /// Index into the class names.
     pub class: usize,
-    /// Where, pixels.
+    /// Box, pixels.
     pub rect: Rect,
     /// Neither to be found nor to be missed: a crowd, or an object that nobody could name. Any
     /// number of boxes may lie in it (COCO's `iscrowd`, VOC's `difficult`).
@@ -43,9 +43,9 @@ pub struct TrueBox {
 /// The boxes of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
-    /// What is there.
+    /// True boxes.
     pub truth: Vec<TrueBox>,
-    /// What was proposed, in any order; of equal scores the first counts first.
+    /// Proposed boxes, in any order; of equal scores the first counts first.
     pub predicted: Vec<Scored>,
 }
 
@@ -65,7 +65,7 @@ impl Image {
     }
 }
 
-/// Which prediction belongs to which true box of its class. Predictions choose by falling score.
+/// Rule that pairs predictions with true boxes of their class. Predictions choose by falling score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoxMatching {
     /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the
@@ -88,12 +88,12 @@ impl BoxMatching {
     }
 }
 
-/// What is measured.
+/// Settings of an evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MetricSettings {
-    /// Which prediction belongs to which truth.
+    /// Rule that pairs predictions with truths.
     pub matching: BoxMatching,
-    /// How a precision-recall curve becomes a number.
+    /// Method to compute a number from a precision-recall curve.
     pub ap: ApMethod,
     /// Intersection over union that makes a match, 0 to 1.
     pub iou: f64,
@@ -107,7 +107,8 @@ pub struct MetricSettings {
 }
 
 impl MetricSettings {
-    /// As `detector map -points 0` of Darknet measures: all points, more than IoU 0.5, score 0.25.
+    /// Returns the settings of Darknet's `detector map -points 0`: all points, more than IoU 0.5,
+    /// score 0.25.
     pub fn darknet() -> Self {
         Self {
             matching: BoxMatching::DarknetVoc,
@@ -119,7 +120,8 @@ impl MetricSettings {
         }
     }
 
-    /// As COCO measures: 101 points, IoU 0.5 and above, 100 boxes of a class in a picture.
+    /// Returns the settings of COCO: 101 points, IoU 0.5 and above, 100 boxes of a class in a
+    /// picture.
     pub fn coco() -> Self {
         Self {
             matching: BoxMatching::Coco,

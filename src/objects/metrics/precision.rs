@@ -3,7 +3,7 @@
 use super::matching::MatchOutcome;
 use super::ranking::Ranked;
 
-/// How a precision-recall curve becomes one number.
+/// Method to compute one number from a precision-recall curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ApMethod {
     /// Area under the curve, where precision is the best at that recall or beyond (VOC since 2010,
@@ -91,7 +91,7 @@ fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole as f64
 }
 
-/// What a score as the limit would give.
+/// Precision, recall and F1 with a score as the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
     /// Boxes of at least this score are shown.

@@ -18,8 +18,8 @@ pub struct Ranked {
 /// One class over all pictures.
 #[derive(Clone, Debug)]
 pub(super) struct Ranking {
-    /// By falling score; of equal scores in the order of the pictures. Ignored predictions are left
-    /// out.
+    /// Predictions by falling score; of equal scores in the order of the pictures. Ignored
+    /// predictions are excluded.
     pub ranked: Vec<Ranked>,
     /// Truths that count.
     pub truths: usize,

@@ -1,4 +1,4 @@
-//! From the confidence that a network gives to the share of such boxes that lie on an object.
+//! Maps the confidence that a network gives to the share of such boxes that lie on an object.
 //!
 //! A network's confidence ranks its boxes; how many of those at 0.8 are right depends on what it
 //! was trained on. A sidecar may hold points that map it to the share that was right on chips which
@@ -22,7 +22,7 @@ impl ConfidenceCalibration {
         (rises && last == 1.0 && highest <= 1.0).then_some(Self { points: all })
     }
 
-    /// What a network's confidence comes to.
+    /// Returns the share that a network's confidence is mapped to.
     pub(super) fn calibrated(&self, confidence: f32) -> f32 {
         self.mapped(confidence, [0, 1])
     }

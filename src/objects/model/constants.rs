@@ -1,4 +1,4 @@
-//! What a graph makes of its own constants, looked at before it is made.
+//! Checks the tensors that a graph computes from its own constants, before they are computed.
 //!
 //! tract works out while it compiles whatever follows from constants alone, and a file of a few
 //! hundred bytes can ask for terabytes there: one column times one row is enough. The graph is
@@ -90,7 +90,7 @@ fn elements_of(
     Ok(sum)
 }
 
-/// What is known of a layer's inputs, its outputs and the tensors that it listens to.
+/// Facts about a layer's inputs, its outputs and the tensors that it observes.
 struct Around([Vec<InferenceFact>; 3]);
 
 impl Around {

@@ -1,5 +1,5 @@
-//! What one picture costs a compiled network, estimated from the sizes of its layers before it is
-//! run.
+//! Estimates the cost of one picture in a compiled network from the sizes of its layers, before the
+//! network is run.
 
 use super::Unusable;
 use tract_onnx::prelude::{OutletId, TypedModel, TypedNode};

@@ -1,4 +1,4 @@
-//! Why a model cannot be used, in sentences that say what to do.
+//! Errors of models that cannot be used, as sentences that say what to do.
 
 use bathyscope_log::support::progress::Cancelled;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub struct ModelError {
     /// The fault.
     pub reason: Unusable,
-    /// Which file.
+    /// File of the model.
     pub path: PathBuf,
 }
 
@@ -35,7 +35,7 @@ pub enum Unusable {
     Layer {
         /// The operator's name.
         layer: String,
-        /// What that means and what to do.
+        /// Meaning of the layer, and what to do.
         why: &'static str,
     },
     /// More layers than any detector has, or a tensor beyond measure.
@@ -57,7 +57,7 @@ pub enum Unusable {
     Misfit {
         /// The family.
         family: String,
-        /// In which way.
+        /// Outputs or entries that do not fit.
         why: String,
     },
     /// Raw heads without anchors.
@@ -83,9 +83,9 @@ pub enum Unusable {
     /// Took too long.
     #[error("{what} takes longer than {seconds} s; export a smaller network")]
     Slow {
-        /// What was waited for.
+        /// Work that takes too long.
         what: &'static str,
-        /// How long.
+        /// Limit of its time, seconds.
         seconds: u64,
     },
 }

@@ -1,4 +1,5 @@
-//! Which detector the outputs are of: by their shapes, or as the sidecar says.
+//! Determines the family of detectors that the outputs belong to: by their shapes, or from the
+//! sidecar.
 
 use super::Unusable;
 use super::metadata::Metadata;
@@ -242,12 +243,12 @@ fn cells_of(input: [usize; 2], strides: &[usize]) -> usize {
     strides.iter().map(|stride| (input[0] / stride) * (input[1] / stride)).sum()
 }
 
-/// Whether there are as many boxes as grid cells.
+/// Returns true if there are as many boxes as grid cells.
 fn cells(input: [usize; 2], count: usize) -> bool {
     STRIDES.iter().any(|strides| cells_of(input, strides) == count)
 }
 
-/// Whether there are three boxes a grid cell.
+/// Returns true if there are three boxes a grid cell.
 fn yolov5_rows(input: [usize; 2], count: usize) -> bool {
     STRIDES.iter().any(|strides| 3 * cells_of(input, strides) == count)
 }

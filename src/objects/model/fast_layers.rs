@@ -128,7 +128,7 @@ fn is_of_the_kind(conv: &Conv) -> bool {
         && spec.dilations().iter().all(|step| *step == 1)
 }
 
-/// Whether a picture has a border of one zero.
+/// Returns true if a picture is padded by a border of one zero.
 fn pads_by_one(spec: &PoolSpec, size: [usize; 2]) -> bool {
     let padding = spec.computed_padding(&size);
     padding.iter().all(|side| (side.pad_before, side.pad_after) == (1, 1))

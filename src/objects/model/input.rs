@@ -1,4 +1,5 @@
-//! From a picture to the numbers that a network takes, and back from its pixels to the picture's.
+//! Converts a picture to the numbers that a network takes, and boxes in its pixels back to the
+//! picture's.
 
 use super::sidecar::{Colour, Resize};
 use crate::{Picture, Rect};
@@ -6,7 +7,7 @@ use crate::{Picture, Rect};
 /// Level of the bars beside a letterboxed picture, as Darknet's successors train with.
 const BAR: f32 = 114.0;
 
-/// How a picture becomes the input.
+/// Size and number format of a network's input, and the conversion of a picture to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct InputSpec {
     /// Pixels across.
@@ -25,12 +26,11 @@ pub(super) struct InputSpec {
     pub mean: [f32; 3],
     /// Each channel is divided by it after that.
     pub std: [f32; 3],
-    /// How a picture is brought to size.
+    /// Method to bring a picture to the input's size.
     pub resize: Resize,
 }
 
-/// Where a picture lies in the network's input: `input = picture * scale + offset`, across and
-/// down.
+/// Place of a picture in the network's input: `input = picture * scale + offset`, across and down.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct InputFit {
     scale: [f32; 2],
@@ -87,7 +87,7 @@ impl InputSpec {
         self.width * self.height * self.channels
     }
 
-    /// Where a picture lies in the input.
+    /// Returns the place of a picture in the input.
     pub(super) fn fit(&self, picture: &Picture) -> InputFit {
         InputFit::new([picture.width, picture.height], [self.width, self.height], self.resize)
     }
@@ -141,7 +141,8 @@ impl InputSpec {
     }
 }
 
-/// From `low` to `high` by a share of 0 to 1; `high` is not asked for where it counts nothing.
+/// Interpolates from `low` to `high` by a share of 0 to 1; `high` is not computed where its share
+/// is 0.
 fn mix(low: f32, high: impl FnOnce() -> f32, share: f32) -> f32 {
     if share > 0.0 { low + share * (high() - low) } else { low }
 }
@@ -153,7 +154,7 @@ struct PixelPlace {
     share: f32,
 }
 
-/// For each pixel of the input along one axis, the place in the picture that its middle lies at.
+/// Places in the picture at the middles of the input's pixels along one axis; `None` in the bars.
 struct Line(Vec<Option<PixelPlace>>);
 
 impl Line {

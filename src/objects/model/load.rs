@@ -1,4 +1,4 @@
-//! From a file to a model that has run once.
+//! Loads a model from a file and runs it once.
 
 use super::family::{self, DetectorFamily, Shaped};
 use super::guard::guarded;
@@ -30,18 +30,18 @@ const USUAL_INPUT: usize = 416;
 /// Longest time for a network, after which it is given up.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
-    /// To be understood and compiled. YOLOv4 at full width takes a second.
+    /// Time to parse and compile the network. YOLOv4 at full width takes a second.
     compilation: Duration,
-    /// For the first picture. YOLOv4 at full width and 608 pixels takes a second and a half.
+    /// Time of the first picture. YOLOv4 at full width and 608 pixels takes a second and a half.
     first_picture: Duration,
 }
 
 impl Limits {
-    /// Of a file that may come from anywhere.
+    /// Limits of a file that may come from anywhere.
     pub(super) const USUAL: Self =
         Self { compilation: Duration::from_secs(60), first_picture: Duration::from_secs(30) };
-    /// Of a network that is known to end, on a computer however slow: an emulated one takes over 30
-    /// s a picture.
+    /// Limits of a network that is known to end, on a computer however slow: an emulated one takes
+    /// over 30 s a picture.
     pub(super) const NONE: Self = Self { compilation: Duration::MAX, first_picture: Duration::MAX };
 }
 
@@ -64,7 +64,7 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
     from_bytes(bytes.into(), sidecar.as_deref(), path.parent(), Limits::USUAL)
 }
 
-/// What a file was found to be, before its first run.
+/// Compiled network with its input and metadata, before its first run.
 struct Opened {
     network: Arc<Network>,
     input: InputSpec,
@@ -97,11 +97,11 @@ pub(super) fn from_bytes(
     Ok(assemble(network, family, input, names, &sidecar, (name, guessed)))
 }
 
-/// What a model is made of.
+/// Contents of the files that a model is made of.
 struct Source {
     onnx: Cow<'static, [u8]>,
     sidecar: Sidecar,
-    /// Where weights outside the file lie.
+    /// Folder of weights outside the file.
     folder: Option<PathBuf>,
 }
 
@@ -125,7 +125,7 @@ struct Screened {
     input: InputSpec,
 }
 
-/// Reads a graph and looks through it; all of it on numbers that nobody vouches for.
+/// Reads and checks a graph; all numbers in it are unverified.
 fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Screened, Unusable> {
     let proto = tract::parse(onnx)?;
     let declared = screen::screen(&proto)?;
@@ -138,7 +138,7 @@ fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Scr
     Ok(Screened { proto, declared, metadata, input })
 }
 
-/// What is done of [`from_bytes`] before anything is computed, for the fuzzer.
+/// Makes the checks of [`from_bytes`] that come before any computation, for the fuzzer.
 ///
 /// # Errors
 /// Why the model cannot be used.
@@ -224,7 +224,7 @@ fn understand(
     Ok((family, name, sidecar.family.is_none()))
 }
 
-/// How each family's own training prepares a picture, corrected by the sidecar.
+/// Sets the preparation of a picture as in the training of the family, corrected by the sidecar.
 fn prepare_as_trained(
     input: &mut InputSpec,
     family: FamilyName,

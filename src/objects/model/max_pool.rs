@@ -11,14 +11,14 @@ pub(super) struct PoolAxis {
     pub(super) into: usize,
     /// Numbers of the window.
     pub(super) window: usize,
-    /// From one window to the next.
+    /// Step from one window to the next.
     pub(super) step: usize,
     /// Width by which the first window begins before the picture.
     pub(super) before: usize,
 }
 
 impl PoolAxis {
-    /// What the window at a place covers of the picture.
+    /// Returns the part of the picture that the window at a place covers.
     fn covered(&self, place: usize) -> Range<usize> {
         let start = place * self.step;
         let end = (start + self.window).saturating_sub(self.before);

@@ -1,4 +1,5 @@
-//! What Ultralytics' exporter writes beside the graph, as Python literals, read leniently.
+//! Reads the metadata that Ultralytics' exporter writes with the graph, as Python literals,
+//! leniently.
 
 use std::collections::HashMap;
 

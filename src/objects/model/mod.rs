@@ -70,7 +70,7 @@ pub struct Model {
     names: Vec<String>,
     /// Classes of the network.
     classes: usize,
-    /// Which name is that of a box without one.
+    /// Index of the name of a box whose class is a guess.
     nameless: usize,
     pixel_m: f64,
     levelled: bool,
@@ -82,7 +82,7 @@ pub struct Model {
     vote: Option<f32>,
     /// True if a picture that seems to show something is evaluated once more, mirrored.
     augments: bool,
-    /// What the network's confidences come to.
+    /// Calibration of the network's confidences.
     calibration: ConfidenceCalibration,
     description: String,
 }
@@ -116,8 +116,8 @@ impl Model {
         &self.names[..self.classes]
     }
 
-    /// What [`Scored::class`] and [`super::Detection::class`] stand for: the network's classes, and
-    /// the name of a box whose class is a guess ([`super::NAMELESS_CLASS`]).
+    /// Returns the names that [`Scored::class`] and [`super::Detection::class`] are indices of: the
+    /// network's classes, and the name of a box whose class is a guess ([`super::NAMELESS_CLASS`]).
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -152,7 +152,7 @@ impl Model {
         self.iou
     }
 
-    /// How overlap is measured.
+    /// Returns the rule by which boxes are suppressed.
     pub fn nms(&self) -> Nms {
         self.nms
     }
@@ -202,7 +202,7 @@ impl Model {
         Ok(self.settle(boxes, score, iou))
     }
 
-    /// What the network proposes in a picture, the surest, in the picture's pixels.
+    /// Returns the surest boxes that the network proposes in a picture, in the picture's pixels.
     fn look(&self, picture: &Picture, least: f32) -> Result<Vec<Scored>, Unusable> {
         let fit = self.input.fit(picture);
         let outputs = self.network.run(&self.input.numbers(picture, &fit))?;

@@ -6,33 +6,33 @@ use super::calibration::ConfidenceCalibration;
 use crate::OverlapMeasure;
 use serde::Deserialize;
 
-/// What the file may say.
+/// Entries of the file.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Sidecar {
-    /// How the outputs are laid out.
+    /// Layout of the outputs.
     pub family: Option<FamilyName>,
     /// Class names, in the network's order.
     pub names: Option<Vec<String>>,
-    /// How a picture becomes the input.
+    /// Preparation of a picture as input.
     pub input: InputEntry,
-    /// How the outputs are to be read.
+    /// Interpretation of the outputs.
     pub outputs: OutputEntry,
     /// Side of a pixel that the network was trained on, metres.
     pub pixel_m: Option<f64>,
-    /// Whether tiles are brought to one level first.
+    /// Levelling of tiles before the search.
     pub level: Option<LevelEntry>,
-    /// Whether a picture that seems to show something is evaluated once more.
+    /// Second evaluation of a picture that seems to show something.
     pub test_time_augmentation: Option<Augmentation>,
     /// Anchors of raw heads, one entry a head.
     pub heads: Vec<HeadEntry>,
-    /// Which boxes count.
+    /// Thresholds for boxes.
     pub thresholds: ThresholdEntry,
     /// Points of confidence and share of right boxes (see the module `calibration`).
     pub calibration: Option<Vec<[f32; 2]>>,
 }
 
-/// How the outputs are laid out.
+/// Layout of the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum FamilyName {
@@ -54,7 +54,7 @@ pub(super) enum FamilyName {
     Yolox,
 }
 
-/// How a picture becomes the input.
+/// Preparation of a picture as input.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct InputEntry {
@@ -70,7 +70,7 @@ pub(super) struct InputEntry {
     pub mean: Option<Vec<f32>>,
     /// Divided by after that, a number a channel.
     pub std: Option<Vec<f32>>,
-    /// How a picture is brought to the input's size.
+    /// Method to bring a picture to the input's size.
     pub resize: Option<Resize>,
 }
 
@@ -87,19 +87,19 @@ pub(super) enum Colour {
     Grey,
 }
 
-/// How a picture is brought to the input's size.
+/// Method to bring a picture to the input's size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Resize {
-    /// Across and down on their own.
+    /// Stretched across and down separately.
     Stretch,
-    /// In proportion, centred between bars of grey 114.
+    /// Scaled in proportion, centred between bars of grey 114.
     Letterbox,
-    /// In proportion, from the top left, bars right and below.
+    /// Scaled in proportion, at the top left, with bars right and below.
     LetterboxTopLeft,
 }
 
-/// How the outputs are to be read.
+/// Interpretation of the outputs.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct OutputEntry {
@@ -108,17 +108,17 @@ pub(super) struct OutputEntry {
     pub coordinates: Option<String>,
 }
 
-/// Whether tiles are brought to one level first.
+/// Levelling of tiles before the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum LevelEntry {
-    /// As [`crate::level`] does.
+    /// Levelled by [`crate::level`].
     Auto,
-    /// As recorded.
+    /// Left as recorded.
     Raw,
 }
 
-/// How a picture is evaluated once more.
+/// Kind of second evaluation of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Augmentation {
@@ -148,7 +148,7 @@ fn one() -> f32 {
     1.0
 }
 
-/// Which boxes count.
+/// Thresholds for boxes.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct ThresholdEntry {
@@ -158,16 +158,16 @@ pub(super) struct ThresholdEntry {
     pub iou: Option<f32>,
     /// Confidence from which a box is named, 0 to 1; without it every box is.
     pub name: Option<f32>,
-    /// How overlap is measured.
+    /// Measure of overlap.
     pub nms: Option<NmsEntry>,
-    /// Whether boxes of different classes drop each other.
+    /// True if boxes of different classes drop each other.
     pub class_agnostic: Option<bool>,
     /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; without it
     /// a box stays as it is.
     pub vote: Option<f32>,
 }
 
-/// How overlap is measured.
+/// Measure of overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NmsEntry {
@@ -198,8 +198,8 @@ impl Sidecar {
         Ok(sidecar)
     }
 
-    /// What the network's confidences come to; `None` where the file does not say, or what it says
-    /// is no rising map.
+    /// Returns the calibration of the network's confidences; `None` where the file states none, or
+    /// one that is no rising map.
     pub(super) fn calibration(&self) -> Option<ConfidenceCalibration> {
         ConfidenceCalibration::new(self.calibration.as_deref()?)
     }

@@ -16,7 +16,7 @@ use tract_onnx::prelude::*;
 use tract_onnx::tract_core::ops::{cast::Cast, konst::Const};
 use tract_onnx::tract_core::transform::get_transform;
 
-/// What a network gives for one picture.
+/// Output of a network for one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Output {
     /// Name in the file.

@@ -33,13 +33,13 @@ const WEIGHT_POINTS: [[f64; 3]; INPUT] = [
 
 /// A convolution of 3 x 3 with steps of one and a border of one zero, for pictures of one size.
 pub(super) struct Convolution {
-    /// Of the input and of the output.
+    /// Channels of the input and of the output.
     channels: [usize; 2],
     /// Rows and columns of both.
     size: [usize; 2],
     /// Tiles down and across.
     tiles: [usize; 2],
-    /// For each point a matrix, a row for each channel of the input.
+    /// Matrix of weights for each point, with a row for each channel of the input.
     weights: Vec<f32>,
     bias: Vec<Lane>,
 }
@@ -78,7 +78,7 @@ impl Convolution {
         })
     }
 
-    /// Numbers that it keeps for so many channels of input and output.
+    /// Returns the count of weights for a number of channels of input and output.
     pub(super) fn weights_of([inputs, outputs]: [usize; 2]) -> usize {
         POINTS * inputs * outputs
     }

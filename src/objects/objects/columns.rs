@@ -39,9 +39,9 @@ pub enum ColumnValues {
     Text(fn(&ListedObject<'_>) -> String),
     /// Whole numbers.
     Count(fn(&ListedObject<'_>) -> usize),
-    /// Decimal numbers with so many decimals; NaN where one is not known.
+    /// Decimal numbers with this number of decimals; NaN where a value is not known.
     Number(usize, fn(&ListedObject<'_>) -> f64),
-    /// Lengths, metres; NaN where one is not known.
+    /// Lengths, metres; NaN where a length is not known.
     Length(fn(&ListedObject<'_>) -> f64),
     /// Lengths and their standard deviations, metres: the window and the report show both, files
     /// have a column for each.
@@ -79,13 +79,13 @@ pub enum ColumnValue {
     Text(String),
     /// A whole number.
     Count(usize),
-    /// A decimal number with so many decimals.
+    /// Decimal number with this number of decimals.
     Number(usize, f64),
 }
 
 impl ObjectColumn {
-    /// The columns of the window and the report for so many logs: one log needs no column of logs.
-    /// The columns of the place come last, since they are wide.
+    /// Returns the columns of the window and the report for a number of logs: one log needs no
+    /// column of logs. The columns of the place come last, since they are wide.
     pub fn shown(logs: usize) -> impl Iterator<Item = &'static Self> {
         let is_shown = move |column: &&Self| {
             !column.heading.is_empty() && (logs > 1 || column.name != LOGS_COLUMN)

@@ -31,7 +31,7 @@ pub struct ObjectBox {
 /// The decision about an object, in the order of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum ObjectState {
-    /// Nobody has decided.
+    /// No decision has been made.
     Undecided,
     /// There is an object: one of its boxes was accepted or drawn by hand. Further boxes that a
     /// search finds of it, or that a filter hides, do not open the question again.

@@ -1,4 +1,4 @@
-//! What was decided about the boxes of a survey.
+//! Decisions about the boxes of a survey.
 
 use super::{LogBox, LogId, LogNumbers, ObjectBox, ObjectNumbers};
 use crate::review::{Review, Reviewed};
@@ -60,10 +60,10 @@ impl From<Review> for KeptReview {
     }
 }
 
-/// What was decided about the boxes of all logs of a survey.
+/// Boxes of all logs of a survey, with the decisions about them.
 #[derive(Clone, Debug, Default)]
 pub struct SurveyReview {
-    /// Of each log; `None` of one that has no boxes.
+    /// Boxes of each log; `None` of a log that has none.
     pub logs: Vec<Option<LogReview>>,
     /// The numbers that objects have.
     pub numbers: ObjectNumbers,
@@ -79,7 +79,7 @@ impl SurveyReview {
         }));
     }
 
-    /// What was decided about the boxes of a log.
+    /// Returns the boxes of a log with the decisions about them; `None` if it has none.
     pub fn log(&self, log: usize) -> Option<&Review> {
         let of_log = self.logs.get(log)?.as_ref()?;
         Some(&of_log.review)

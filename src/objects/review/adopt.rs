@@ -1,4 +1,4 @@
-//! A new model's detections beside decisions that are there.
+//! Adds a new model's detections to a review with decisions.
 
 use super::{BoxId, Review, Reviewed, State, held};
 use crate::{Detection, Raster, Rect, class_index};
@@ -10,8 +10,8 @@ use std::sync::Arc;
 const SAME: f32 = 0.5;
 
 impl Review {
-    /// What a model found in a log that nobody has reviewed: proposals, numbered from `first`.
-    /// `names` are the classes that its indices mean.
+    /// Creates the review of a log that has none from the boxes that a model found: proposals,
+    /// numbered from `first`. `names` are the classes that its indices mean.
     pub fn of_found(
         identity: Identity,
         names: &[String],
@@ -47,8 +47,8 @@ impl Review {
         self.adopt_part(model, classes, detections, raster, 0..self.identity.pings)
     }
 
-    /// As [`Review::adopt`], of a search that has come over these pings only: undecided boxes
-    /// elsewhere stay as well, for nobody has looked again.
+    /// Adopts detections as [`Review::adopt`] does, but from a search of these pings only:
+    /// undecided boxes elsewhere stay as well, because they were not searched again.
     pub fn adopt_part(
         &self,
         model: &str,
@@ -145,7 +145,7 @@ impl Places {
         Some(self.sides[side as usize][place].1)
     }
 
-    /// As `nearest`, and no other box finds it again.
+    /// Takes out the box that `nearest` returns, so that it is not found again.
     fn take_nearest(&mut self, side: Side, rect: &Rect) -> Option<usize> {
         let place = self.find(side, rect)?;
         Some(self.sides[side as usize].remove(place).1)

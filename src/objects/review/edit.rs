@@ -1,4 +1,4 @@
-//! What the analyst does to a box.
+//! Edits of a box by the analyst.
 
 use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
 use crate::{Mark, MeasuredShadow, ObjectExtent, class_index};
@@ -22,7 +22,7 @@ pub enum Edit {
     SwapSide(BoxId),
     /// A box that the model missed; it gets [`Review::next_id`].
     Add {
-        /// Where.
+        /// Side, pings and slant ranges of the box.
         mark: Mark,
         /// Index into the classes.
         class: usize,
@@ -58,9 +58,9 @@ pub enum Edit {
     SetShadow(BoxId, Option<MeasuredShadow>),
     /// It is of a class by its name, which becomes one of the review's classes.
     Classify(BoxId, String),
-    /// Name.
+    /// Name from the analyst.
     Rename(BoxId, String),
-    /// How sure the analyst is.
+    /// Certainty of the analyst.
     Rate(BoxId, Option<Certainty>),
     /// A remark.
     Note(BoxId, String),

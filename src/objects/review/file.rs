@@ -36,12 +36,12 @@ impl ReviewError {
     }
 }
 
-/// What a review says, row by row, for the files that keep it.
+/// Contents of a review, row by row, for the files that keep it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReviewRows {
     /// Names of the classes.
     pub classes: Vec<String>,
-    /// Which pings a model has searched.
+    /// Pings that a model has searched.
     pub searched: Vec<SearchRow>,
     /// The boxes.
     pub boxes: Vec<BoxRow>,
@@ -64,7 +64,7 @@ struct Stored {
     version: u32,
     survey: Identity,
     classes: Vec<String>,
-    /// Which pings a model has searched; missing where nobody noted it.
+    /// Pings that a model has searched; missing where they were not recorded.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     searched: Vec<SearchRow>,
     boxes: Vec<BoxRow>,

@@ -39,15 +39,15 @@ pub const PIXEL_M: f64 = 0.04;
 #[serde(transparent)]
 pub struct BoxId(pub u32);
 
-/// Where a box stands.
+/// State of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// By a model; nobody has decided yet.
+    /// Proposed by a model, not yet decided.
     Proposed,
-    /// By a model, and right.
+    /// Proposed by a model, and right.
     Accepted,
-    /// Nothing there: a hard negative for training.
+    /// Proposed where no object is: a hard negative for training.
     Rejected,
     /// Missed by the model and drawn by hand.
     Added,
@@ -75,24 +75,24 @@ impl State {
 pub struct Reviewed {
     /// Its number.
     pub id: BoxId,
-    /// Where: the echo and its shadow.
+    /// Box around the echo and its shadow.
     pub mark: Mark,
     /// Index into [`Review::classes`].
     pub class: usize,
     /// Score of the last model that saw it, 0 to 1; `None` while none has.
     pub score: Option<f32>,
-    /// Where it stands.
+    /// State of the decision about it.
     pub state: State,
     /// Class, place, edges, name, certainty or note were changed by hand: a new model does not
     /// take it away.
     pub edited: bool,
     /// The analyst's remark.
     pub note: String,
-    /// What the analyst calls it, beside its class; empty where it has no name.
+    /// Name from the analyst, in addition to its class; empty where it has no name.
     pub name: String,
-    /// How sure the analyst is of it; `None` where nobody has said.
+    /// Certainty of the analyst; `None` where not stated.
     pub certainty: Option<Certainty>,
-    /// How its extent is known.
+    /// Source of its extent.
     pub extent: ObjectExtent,
     /// The shadow that its height was measured by; `None` where it is the one of its extent.
     pub shadow: Option<MeasuredShadow>,
@@ -142,7 +142,7 @@ impl Reviewed {
 pub struct Review {
     identity: Identity,
     classes: Vec<String>,
-    /// In the order of their numbers.
+    /// Boxes in the order of their numbers.
     boxes: Vec<Arc<Reviewed>>,
     next_id: u32,
     /// Along the track, without overlap.

@@ -1,4 +1,4 @@
-//! The order in which boxes are looked at, and which of them.
+//! Order and selection of the boxes to review.
 
 use super::{BoxId, Review, Reviewed, State};
 use crate::Mark;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 
-/// What the queue is sorted by.
+/// Order of the queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sort {
     /// The surest first.
@@ -28,7 +28,7 @@ named! {
     }
 }
 
-/// Which boxes are looked at.
+/// Conditions for a box to be in the queue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filter {
     /// Only the class of this name: every log may have a list of classes of its own.
@@ -47,12 +47,12 @@ impl Default for Filter {
     }
 }
 
-/// How the boxes are lined up.
+/// Order and selection of the boxes to review.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Queue {
     /// Order.
     pub sort: Sort,
-    /// Which.
+    /// Conditions for the boxes.
     pub filter: Filter,
     /// Undecided proposals of a lower score than this are out of sight; what was decided stays in
     /// sight.

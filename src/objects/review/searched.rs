@@ -1,4 +1,4 @@
-//! Which pings of the survey a model has searched.
+//! Pings of the survey that a model has searched.
 
 use super::Review;
 use crate::Mark;
@@ -15,8 +15,8 @@ pub struct Searched {
 }
 
 impl Review {
-    /// What was searched, along the track; empty where that is not known: nobody has searched, or
-    /// the review is from a program that did not note it.
+    /// Returns the searched pings, along the track; empty where they are not known: no search was
+    /// made, or the review is from a program that did not record them.
     pub fn searched(&self) -> &[Searched] {
         &self.searched
     }
@@ -35,7 +35,8 @@ impl Review {
         between.filter(|gap| !gap.is_empty()).collect()
     }
 
-    /// What was searched, where that is not everything: `pings 0 to 811 of 3453`.
+    /// Returns the searched pings in words, such as `pings 0 to 811 of 3453`; `None` where no ping
+    /// is known to be left.
     pub fn coverage(&self) -> Option<String> {
         if self.unsearched().is_empty() {
             return None;

@@ -1,5 +1,5 @@
-//! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and
-//! what is true in each.
+//! Makes the pictures that teach a detector the analyst's decisions: tiles around the decided
+//! boxes, and the true boxes in each.
 
 use super::{Review, Reviewed, State};
 use crate::dataset::PictureBoxes;

@@ -27,12 +27,12 @@ pub struct Parts {
 /// A shadow in a few pings, metres of slant range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
-    /// Where what is bright before it ends. What lies between may be the object's top, no brighter
-    /// than the bottom, or bottom.
+    /// End of the bright run before it. Between this and the dark may lie the object's top, no
+    /// brighter than the bottom, or bottom.
     pub bright_end_m: f64,
-    /// Where the dark starts.
+    /// Start of the dark.
     pub start_m: f64,
-    /// Where the echo of the bottom returns; NaN where the dark runs off the range.
+    /// Range at which the echo of the bottom returns; NaN where the dark runs off the range.
     pub end_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! How well the heading is known.
+//! Uncertainty of the heading.
 
 use bathyscope_log::survey::Navigation;
 use std::ops::Range;

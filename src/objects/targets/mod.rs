@@ -1,4 +1,4 @@
-//! Where a box's object lies in the world, and how large it is.
+//! Determines the place of a box's object in the world, and its size.
 //!
 //! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of
 //! objects.
@@ -50,7 +50,7 @@ use bathyscope_log::support::geo::LonLat;
 pub struct Target {
     /// The box.
     pub mark: Mark,
-    /// How its extent is known.
+    /// Source of its extent.
     pub extent: ObjectExtent,
     /// The shadow that the analyst has measured, which tells the height then.
     pub measured_shadow: Option<MeasuredShadow>,

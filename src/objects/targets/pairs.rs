@@ -1,4 +1,4 @@
-//! Which sightings may be of the same object.
+//! Finds pairs of sightings that may be of the same object.
 
 use super::Target;
 use super::sighting::{GroupSettings, Sighting};
@@ -11,8 +11,8 @@ const ONE_PASS_M: f64 = 8.0;
 const ONE_PASS_RAD: f64 = 0.35;
 /// Echoes that one ping receives begin at least so far apart where they are of two objects, metres.
 const SAME_ECHO_M: f64 = 0.5;
-/// What another class counts for in squared standard deviations: `-2 ln` of how often a detector
-/// takes one thing for another.
+/// Penalty for different classes in squared standard deviations: `-2 ln` of the rate at which a
+/// detector takes an object for one of another class.
 const OTHER_CLASS: f64 = 3.0;
 /// Share of an object's extent by which the middle of what is seen of it from different sides may
 /// move, and the largest extent that counts, metres.
@@ -37,8 +37,8 @@ pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
     straight && (a.sailed_m - b.sailed_m).abs() < ONE_PASS_M
 }
 
-/// How far the middle of what is seen may lie from the middle of the object because of its size:
-/// standard deviation, metres.
+/// Returns the standard deviation, due to the object's size, of the distance between the middle of
+/// what is seen and the middle of the object, metres.
 pub(super) fn size_m(target: &Target) -> f64 {
     let size_m = target.length_m.max(target.width_m);
     // Of a point it is not known; its uncertainty says how far it may be off.

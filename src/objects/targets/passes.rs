@@ -1,4 +1,4 @@
-//! Which passes of the boat covered a place, and which of them saw an object there.
+//! Finds the passes of the boat that covered a place, and counts those that saw an object there.
 
 use super::heading::heading_sigma_rad;
 use bathyscope_log::survey::{Navigation, Side, Survey};
@@ -24,13 +24,13 @@ pub struct TargetPass {
 /// A place ahead or astern by less than this is abeam of some ping, metres; half the step of a fast
 /// boat's slow pings.
 const ABEAM_M: f64 = 0.75;
-/// And by less than so many standard deviations of the heading.
+/// Standard deviations of the heading by which that limit is widened.
 const ABEAM_SIGMAS: f64 = 2.0;
 /// Pings without the place abeam that end a pass.
 const GAP: usize = 20;
-/// Passes of two logs over one place are one where they are at the same time, within so many
-/// seconds, with the boat at the same place, within so many metres: two recorders of one boat, two
-/// formats of one recording, or a recording that goes on in another file.
+/// Limits within which passes of two logs over one place are the same: difference in time, seconds,
+/// and distance between the places of the boat, metres. The logs are of two recorders of one boat,
+/// two formats of one recording, or a recording that goes on in another file.
 const SAME_TIME_S: f64 = 2.0;
 const SAME_PLACE_M: f64 = 10.0;
 
@@ -40,7 +40,8 @@ pub type PassLog<'a> = (&'a Survey, &'a Navigation);
 /// Pings of a log, by its index.
 pub type LogPings = (usize, Range<usize>);
 
-/// How often an object was seen. It counts once a pass, in however many boxes, sides or logs.
+/// Numbers of passes that saw an object, and of passes that covered its place. An object counts
+/// once a pass, in however many boxes, sides or logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PassCount {
     /// Passes that saw it.
@@ -50,8 +51,8 @@ pub struct PassCount {
 }
 
 impl PassCount {
-    /// Of an object that was seen on some pings, at a place in the plane of the logs. It goes
-    /// through all pings.
+    /// Counts the passes for an object that was seen on some pings, at a place in the plane of the
+    /// logs. It goes through all pings.
     pub fn new(seen: &[LogPings], place: [f64; 2], logs: &[PassLog<'_>]) -> Self {
         let mut passes = distinct_passes(seen.iter().cloned(), logs);
         let seen = passes.len();
@@ -105,7 +106,7 @@ fn is_same_pass(one: &LogPings, other: &LogPings, logs: &[PassLog<'_>]) -> bool 
     at_once && f64::hypot(a.place[0] - b.place[0], a.place[1] - b.place[1]) < SAME_PLACE_M
 }
 
-/// When and where the boat was.
+/// Time and place of the boat.
 struct Moment {
     /// First and last time, Unix seconds.
     unix_s: [f64; 2],
@@ -113,7 +114,8 @@ struct Moment {
     place: [f64; 2],
 }
 
-/// When some pings were recorded, and where; `None` where the log does not know.
+/// Returns the time of some pings and the place of the boat; `None` where the log does not know
+/// them.
 fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
     let (survey, navigation) = logs.get(*log)?;
     let start_s = survey.start_unix_s?;

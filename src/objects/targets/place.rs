@@ -1,4 +1,4 @@
-//! From a box to a place on the bottom.
+//! Determines the place on the bottom of the object in a box.
 
 use super::echo::Shadow;
 use super::heading::heading_sigma_rad;
@@ -32,9 +32,9 @@ pub struct Placer<'a> {
     navigation: &'a Navigation,
     returns: &'a FirstReturns,
     calibration: &'a Calibration,
-    /// What recorded ranges and depths are multiplied with.
+    /// Factor for recorded ranges and depths.
     range_factor: f64,
-    /// How the bottom lies across the track; level without it.
+    /// Shape of the bottom across the track; level without it.
     relief: Option<&'a Relief>,
     /// Distance sailed up to each ping, metres: worked out for the first box, since what is
     /// measured on one ping does without it.
@@ -71,15 +71,15 @@ impl<'a> Placer<'a> {
         Self { relief: Some(relief), ..self }
     }
 
-    /// Where a box's object lies; `None` where the boat has no position or heading there, nothing
-    /// was recorded, or the altitude is unknown.
+    /// Returns the place of a box's object; `None` where the boat has no position or heading there,
+    /// nothing was recorded, or the altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
     }
 
-    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a
-    /// place and no size; with the height of a shadow that the analyst has measured; and with what
-    /// its class says of its top.
+    /// Returns the place as [`Placer::place`] does, but of a box whose edges the analyst has set,
+    /// or of a point, which has a place and no size; with the height of a shadow that the analyst
+    /// has measured; and with the shape of the top that its class states.
     pub fn place_as(
         &self,
         mark: &Mark,
@@ -220,7 +220,7 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// What is seen of the object in a box.
+    /// Measures the object in a box.
     fn seen(
         &self,
         mark: &Mark,
@@ -272,7 +272,7 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// What is seen, with a shadow that was measured in place of the one in the box.
+    /// Returns the measurements with a measured shadow in place of the one in the box.
     fn with_shadow(
         &self,
         seen: MeasuredObject,

@@ -55,7 +55,7 @@ impl RangeSteps {
         ]
     }
 
-    /// What the pings before and behind the box receive; `None` where there are none.
+    /// Returns the levels on the pings before and behind the box; `None` where there are none.
     pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<BackgroundLevels> {
         let pings = Self::beside(survey, mark);
         let both: Vec<Vec<f64>> =
@@ -100,7 +100,7 @@ impl RangeSteps {
     }
 }
 
-/// What the pings next to a box receive.
+/// Levels on the pings next to a box.
 pub(super) struct BackgroundLevels {
     /// Mean level at each step, smoothed over range.
     pub(super) levels: Vec<f64>,

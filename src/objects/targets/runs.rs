@@ -46,13 +46,14 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     })
 }
 
-/// What a run takes off the squares; 0 where it is no brighter than the background.
+/// Returns the reduction of the sum of squares by a run; 0 where it is no brighter than the
+/// background.
 pub(super) fn gain(run: &[f64]) -> f64 {
     let sum: f64 = run.iter().sum();
     if sum > 0.0 { sum * sum / run.len() as f64 } else { 0.0 }
 }
 
-/// What the bright run takes off the squares that takes most; 0 where nothing is bright.
+/// Returns the largest reduction of the sum of squares by a bright run; 0 where nothing is bright.
 pub(super) fn brightest(contrast: &[f64]) -> f64 {
     let starts = 0..contrast.len();
     let runs = starts.flat_map(|start| (start + 1..=contrast.len()).map(move |end| start..end));

@@ -1,4 +1,4 @@
-//! What is measured of an object across the track, and how well.
+//! Measures an object across the track, with standard deviations.
 //!
 //! With the height `V` of the transducer above the bottom where the object lies and a slant range
 //! `r`, a point of the bottom lies `sqrt(r^2 - V^2)` across-track, and one that stands `h` above it
@@ -32,7 +32,7 @@ const STEEPEST: f64 = 0.2;
 /// Share of an extent by which the middle of the echo may be off that of the object.
 pub(super) const PART_SIGMA: f64 = 0.15;
 
-/// What is measured of an object, by the calibration in force. Slant ranges and heights in metres.
+/// Measurements of an object, by the calibration in force. Slant ranges and heights in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredObject {
     /// Height of the transducer above the bottom under the boat.
@@ -183,8 +183,9 @@ impl MeasuredObject {
             .map(|range_m| (range_m * range_m - below_m * below_m).max(0.0).sqrt())
     }
 
-    /// Where no shadow tells the far edge, a bright near face may be all that is seen: the object
-    /// then counts as of the usual width at least.
+    /// Returns the distance from the track to the middle of an object of a height, metres. Where no
+    /// shadow shows the far edge, a bright near face may be all that is seen: the object then
+    /// counts as of the usual width at least.
     fn middle_raised_m(&self, raised_m: f64) -> f64 {
         let [near_m, far_m] = self.ground_m(raised_m);
         let width_m =

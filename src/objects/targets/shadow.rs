@@ -25,7 +25,7 @@ pub struct ShadowHeight {
     pub is_least: bool,
 }
 
-/// Why a shadow has no height.
+/// Reason why a shadow has no height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ShadowError {
     /// The ping has no samples on that side.
@@ -34,7 +34,7 @@ pub enum ShadowError {
     /// Neither a depth nor a first return is known near the ping.
     #[error("the altitude of the transducer is not known there: draw the bottom (M)")]
     NoAltitude,
-    /// What is nearer than the bottom is water.
+    /// The shadow ends nearer than the bottom, in the water.
     #[error("the shadow ends in the water column: its end lies on the bottom")]
     InWater,
     /// Both ends are one.
@@ -71,9 +71,9 @@ impl ShadowHeight {
 }
 
 impl Placer<'_> {
-    /// Where a place of the side-scan lies on the bottom, metres east and north; the slant range is
-    /// on the recorder's scale. `None` where the boat has no position or heading, or nothing was
-    /// recorded. In the water column the place is the boat's.
+    /// Returns the place on the bottom of a place of the side-scan, metres east and north; the
+    /// slant range is on the recorder's scale. `None` where the boat has no position or heading, or
+    /// nothing was recorded. In the water column the place is the boat's.
     pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
         let slant_m = self.calibrated_m(self.span(side, ping)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;

@@ -1,8 +1,8 @@
-//! What is grouped: the boxes that may show one object, and how near they have to lie.
+//! Boxes that may show one object, and the limits of their distance, for grouping.
 
 use super::Target;
 
-/// How near two sightings of one object lie.
+/// Limits of the distance between two sightings of one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupSettings {
     /// Standard deviations of the joint uncertainty that sightings of one object may lie apart.
@@ -24,12 +24,12 @@ impl Default for GroupSettings {
 /// One box that may show the same object as others.
 #[derive(Clone, Copy, Debug)]
 pub struct Sighting<'a> {
-    /// Which log of the survey saw it; places of all logs are in one plane.
+    /// Index of the log that saw it; places of all logs are in one plane.
     pub log: usize,
-    /// Where it lies.
+    /// Place and size of its object.
     pub target: &'a Target,
-    /// What it is taken for; `None` where that is not known.
+    /// Class of the object; `None` where it is not known.
     pub class: Option<usize>,
-    /// How sure that is, 0 to 1.
+    /// Score of the box, 0 to 1.
     pub score: f64,
 }

@@ -16,7 +16,8 @@ impl PositionCovariance {
         Self { east: variance_m2, both: 0.0, north: variance_m2 }
     }
 
-    /// Of a sighting: along and across the heading of the boat.
+    /// Returns the covariance of a sighting, from its uncertainties along and across the heading of
+    /// the boat.
     pub(super) fn of(target: &Target) -> Self {
         let (sin, cos) = target.heading_rad.sin_cos();
         let along = target.along_sigma_m.powi(2);

@@ -22,7 +22,7 @@ pub struct TruthComparison {
     pixel_m: f64,
 }
 
-/// Something to look at.
+/// Mistake to examine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mistake {
     /// A box that found nothing.
@@ -31,7 +31,7 @@ pub enum Mistake {
         id: BoxId,
         /// Its confidence.
         score: f32,
-        /// Why.
+        /// Cause of the false alarm.
         cause: Cause,
         /// Its longer side, metres.
         size_m: f64,
@@ -54,14 +54,14 @@ impl Mistake {
     }
 }
 
-/// What the boxes of at least a score amount to.
+/// Result of the boxes of at least a score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
     /// The score.
     pub score: f32,
     /// Found, false and missed, all classes together.
     pub counts: MatchCounts,
-    /// What was taken for what, by [`TruthComparison::classes`].
+    /// Boxes by true and by proposed class, with the names in [`TruthComparison::classes`].
     pub confusion: Confusion,
     /// False alarms by falling score, then misses by falling size.
     pub mistakes: Vec<Mistake>,
@@ -135,7 +135,7 @@ impl TruthComparison {
         all.filter(|(one, _)| !one.ignored).count()
     }
 
-    /// What the boxes of at least a score amount to.
+    /// Returns the result of the boxes of at least a score.
     pub fn at(&self, score: f32) -> Standing {
         let AtScore { counts, confusion, false_alarms, misses, .. } = self.matched.at(score);
         let images = self.matched.images();

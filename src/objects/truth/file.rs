@@ -15,7 +15,7 @@ const MOST_OBJECTS: usize = 200_000;
 /// More classes than any detector of this kind knows.
 const MOST_CLASSES: usize = 1_000;
 
-/// Why a file does not describe the open survey, in a sentence without the path.
+/// Reason why a file does not describe the open survey, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
     /// It is a review, and none of this log.
@@ -43,8 +43,8 @@ pub enum TruthError {
     TooMany,
 }
 
-/// Why a file cannot be taken for the truth about the open survey, in a sentence that ends with the
-/// file.
+/// Reason why a file cannot be used as the truth about the open survey, in a sentence that ends
+/// with the file.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthFileError {
     /// It cannot be read.
@@ -61,9 +61,9 @@ pub enum SightingFault {
     /// A field holds something else.
     #[error("`{text}` is no {needed}")]
     Field {
-        /// What stands there.
+        /// Text of the field.
         text: String,
-        /// What it should be.
+        /// Kind of value that is needed.
         needed: &'static str,
     },
     /// It lies at a ping that the log does not have.
@@ -124,7 +124,7 @@ impl SurveyTruth {
     }
 }
 
-/// Where the table keeps what is read.
+/// Columns of the table that are read.
 struct Columns {
     kind: usize,
     side: usize,

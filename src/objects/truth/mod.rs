@@ -1,4 +1,4 @@
-//! What is known to lie in a survey, and how a review's boxes compare with it.
+//! Known objects in a survey, and their comparison with a review's boxes.
 //!
 //! In: a file of known objects, and the boxes of a review. Out: which boxes are right, and the
 //! mistakes.

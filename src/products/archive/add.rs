@@ -21,7 +21,7 @@ use serde_json::json;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What became of a log.
+/// Result of adding a log.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Added {
     /// Its rows were written.
@@ -81,10 +81,10 @@ struct LogTiles<'a> {
     log: &'a LogRows<'a>,
     points: RowsByTile,
     pings: PingsByTile,
-    /// Where depths come from echo levels.
+    /// Rows of echoes; only in archives whose depths come from echo levels.
     echoes: Option<EchoesByTile<'a>>,
     mosaic: LogMosaic,
-    /// The same of every file of rows: what it was made from, and how.
+    /// Inputs and settings of the log, the same for every file of rows.
     made: String,
 }
 

@@ -1,6 +1,6 @@
-//! How much higher or lower the depths of each log are than those of the others, from where their
-//! tracks cross or overlap within tiles, and where somebody asks for it how far its positions are
-//! off and how late they are; and, by `level_factors`, how much brighter its echoes.
+//! Offsets between the logs of an archive: in height, from crossings and overlaps of their tracks
+//! within tiles; on request also in position and latency; and, by `level_factors`, in brightness of
+//! their echoes.
 
 use super::error::ArchiveError;
 use super::level_factors::level_factors;
@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// not make every map stale for a centimetre or two.
 const KEPT_M: f64 = 0.02;
 
-/// What an adjustment found.
+/// Result of an adjustment.
 #[derive(Clone, Debug)]
 pub struct Adjusted {
     /// The offsets, as written.

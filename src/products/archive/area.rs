@@ -1,4 +1,4 @@
-//! What of a polygon a side of a ping saw.
+//! Finds the part of a polygon that a side of a ping insonified.
 
 use super::footprint::{CoveredSamples, Footprint, SideRange};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
@@ -14,7 +14,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Of rings of corners, each named once; `None` without a corner.
+    /// Creates an area from rings of corners, each corner named once; `None` without a corner.
     pub(super) fn new(zone: UtmZone, rings: &[Vec<LonLat>]) -> Option<Self> {
         let closed = |ring: &Vec<LonLat>| {
             let corners = ring.iter().chain(ring.first());
@@ -32,9 +32,10 @@ impl Area {
         Some(Self { rings, bounds_m })
     }
 
-    /// What each side of a ping, port first, saw of it: the samples from the nearest to the
-    /// farthest. The ground of a side is a rectangle beside the boat; its overlap with the area
-    /// ends at corners of the area, at corners of the rectangle, and where their edges cross.
+    /// Returns the samples of each side of a ping, port first, that lie in the area, from the
+    /// nearest to the farthest. The footprint of a side is a rectangle next to the boat; its
+    /// overlap with the area ends at corners of the area, at corners of the rectangle, and where
+    /// their edges cross.
     pub(super) fn seen_by(&self, ping: &Footprint) -> [Option<CoveredSamples>; 2] {
         let local = |ring: &Vec<[f64; 2]>| ring.iter().map(|at| ping.on_ground(*at)).collect();
         let rings: Vec<Vec<[f64; 2]>> = self.rings.iter().map(local).collect();

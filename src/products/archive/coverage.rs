@@ -1,5 +1,5 @@
-//! Which recordings cover a place: every log, ping, side and sample, from the rows of pings of the
-//! tiles concerned.
+//! Finds the recordings that cover a place: every log, ping, side and sample, from the rows of
+//! pings of the tiles concerned.
 
 use super::area::Area;
 use super::error::ArchiveError;
@@ -24,11 +24,11 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct PingCoverage {
     /// SHA-256 of the log.
     pub log: String,
-    /// What the log is called.
+    /// Name of the log.
     pub name: String,
-    /// Which side-scan ping of it.
+    /// Index of the side-scan ping in the log.
     pub ping: i32,
-    /// Which side.
+    /// Side of the ping.
     pub side: Side,
     /// Sample, slant range and distance.
     pub seen: CoveredSamples,
@@ -50,7 +50,7 @@ pub enum CoverageQuery<'a> {
     Within(&'a [Vec<LonLat>]),
 }
 
-/// The same in the metres of a zone.
+/// Place whose coverage is requested, in the metres of a zone.
 enum InZone {
     Around([f64; 2], f64),
     Within(Area),
@@ -102,7 +102,7 @@ struct Search<'a> {
     log: &'a LogRecord,
     tile: TileId,
     place: &'a InZone,
-    /// How the positions of the log are corrected.
+    /// Correction of the positions of the log.
     shift: Shift,
 }
 
@@ -167,7 +167,7 @@ pub fn coverage_at(
     Ok(nearest.into_values().collect())
 }
 
-/// Whether two boxes touch; west, south, east and north.
+/// Returns true if two boxes touch; each is west, south, east and north.
 fn touch(a: [f64; 4], b: [f64; 4]) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }

@@ -24,7 +24,7 @@ use std::path::Path;
 /// The echoes of a whole log, laid out by tile.
 pub(super) struct EchoesByTile<'a> {
     log: LaidOutLog<'a>,
-    /// What was learnt of its levels.
+    /// Law and curves of its levels, learnt from the log; `None` where its levels cannot be used.
     pub learnt: Option<LearntLevels>,
     /// The place of the chunk that each ping is in, if any.
     chunks: Vec<Option<usize>>,
@@ -34,7 +34,7 @@ pub(super) struct EchoesByTile<'a> {
 }
 
 impl<'a> EchoesByTile<'a> {
-    /// Of a log.
+    /// Lays out the echoes of a log by tile.
     pub(super) fn new(
         log: &LogRows<'a>,
         halo_m: f64,
@@ -177,8 +177,9 @@ impl SampleSource for StoredEchoes {
 }
 
 impl StoredEchoes {
-    /// Of the pings of a log in some files that lie within a box, west, south, east and north in
-    /// metres: with the log's height offset and its positions corrected, in the order of the log.
+    /// Reads the pings of a log from some files that lie within a box, west, south, east and north
+    /// in metres: with the height offset of the log and corrected positions, in the order of the
+    /// log.
     ///
     /// # Errors
     /// When a file cannot be read.
@@ -194,7 +195,7 @@ impl StoredEchoes {
             for mut row in read(path.as_ref())? {
                 let place = &mut row.place;
                 place.place_m = moved(place.place_m, shift, row.velocity_mps);
-                // What is added to an elevation is taken off a depth.
+                // An offset is added to elevations, so it is subtracted from depths.
                 place.transducer_m -= offset_m;
                 let [x, y] = place.place_m;
                 if (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y) {
@@ -206,8 +207,8 @@ impl StoredEchoes {
         Ok(Self { rows, learnt: log.levels.clone() })
     }
 
-    /// What depths are found from, and what was learnt of its levels; `None` where they cannot be
-    /// used.
+    /// Returns the echoes and the learnt levels that depths are computed from; `None` where the
+    /// levels of the log cannot be used.
     pub(super) fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
         let learnt = self.learnt.as_ref()?;
         let mut chunks: Vec<PingChunk> = Vec::new();

@@ -1,4 +1,4 @@
-//! What is wrong with an archive.
+//! Errors of an archive.
 
 use crate::export::{ExportError, NoFolder, RasterError};
 use bathyscope_log::formats::parquet_table::ParquetError;
@@ -6,7 +6,7 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::mapped_file::FileFault;
 use bathyscope_log::support::progress::Cancelled;
 
-/// Why something cannot be done in an archive.
+/// Error of an operation on an archive.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
     /// The work was cancelled.

@@ -54,7 +54,7 @@ pub(super) fn remove(path: &Path) -> Result<(), ArchiveError> {
     }
 }
 
-/// What a file in a folder holds.
+/// Computes the fingerprint of a file in a folder.
 pub(super) fn fingerprint(
     folder: &Path,
     name: &str,

@@ -1,6 +1,6 @@
 //! The ground that a side-scan ping saw.
 
-/// What one side of a ping recorded, in slant ranges as calibrated, by the true speed of sound.
+/// Slant ranges that one side of a ping recorded, as calibrated, by the true speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SideRange {
     /// Slant range at the near edge of the first sample, metres.
@@ -20,7 +20,7 @@ pub(super) struct SideRange {
 pub(super) struct Footprint {
     /// The transducer, metres of the zone.
     pub place: [f64; 2],
-    /// What a metre on the ground to starboard is in the zone.
+    /// Vector in the zone of one metre on the bottom to starboard.
     pub starboard: [f64; 2],
     /// Height of the transducer over the ground, metres.
     pub altitude_m: f64,
@@ -32,7 +32,7 @@ pub(super) struct Footprint {
     pub sides: [Option<SideRange>; 2],
 }
 
-/// Where on the ground of one side a place lies.
+/// Samples of one side of a ping that cover a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoveredSamples {
     /// The samples that lie there, or nearest to it, from the first to the last, counted outward
@@ -53,7 +53,7 @@ impl SideRange {
         is_known.then(|| [ground(self.near_m.max(0.0)), ground(far_m)])
     }
 
-    /// What it saw between two distances on the ground.
+    /// Returns the samples between two across-track distances on the bottom.
     pub(super) fn seen(
         &self,
         altitude_m: f64,
@@ -70,8 +70,8 @@ impl SideRange {
 }
 
 impl Footprint {
-    /// How each side, port first, saw a place of the zone: `None` where its ground lies farther
-    /// from it than `radius_m`.
+    /// Returns the samples of each side, port first, that cover a place of the zone; `None` for a
+    /// side whose footprint is farther from the place than `radius_m`.
     pub(super) fn seen(&self, place: [f64; 2], radius_m: f64) -> [Option<CoveredSamples>; 2] {
         let [to_starboard_m, forward_m] = self.on_ground(place);
         let along_m = forward_m.clamp(-self.behind_m, self.ahead_m);

@@ -139,10 +139,10 @@ fn around(tiles: &[TileId]) -> [f64; 4] {
 /// Files of one kind, a file a tile.
 struct IndexLayer {
     file: &'static str,
-    /// What its VRT is called, with the zone.
+    /// Name of its VRT; the zone is added to it.
     stem: &'static str,
     cell_m: f64,
-    /// As GDAL names it.
+    /// Data type of the cells, by its GDAL name.
     data_type: &'static str,
     nodata: f32,
 }
@@ -152,7 +152,7 @@ impl IndexLayer {
         Self { file, stem, cell_m, data_type: "Float32", nodata: NODATA }
     }
 
-    /// Of levels or classes, which are 0 where nothing is known.
+    /// Creates a layer of levels or classes, which are 0 where nothing is known.
     fn of_levels(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
         Self { data_type: "Byte", nodata: 0.0, ..Self::of_metres(file, stem, cell_m) }
     }

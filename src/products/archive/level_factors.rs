@@ -1,5 +1,5 @@
-//! How much brighter or darker the echoes of each log are than those of the others, from what their
-//! parts of the mosaic show of the same ground.
+//! Brightness of the echoes of each log relative to the others, from places that several parts of
+//! the mosaic show.
 
 use super::error::ArchiveError;
 use super::folders::MOSAIC;
@@ -72,8 +72,8 @@ pub(super) fn level_factors(
     Ok(held.iter().enumerate().map(factor).collect())
 }
 
-/// Where the logs of a tile show the same ground, in cells of about a metre. The logs are named by
-/// their places among those given.
+/// Returns the level differences where logs of a tile show the same place, in cells of about a
+/// metre. The logs are named by their indices in `logs`.
 fn log_overlaps<'a>(
     archive: &Archive,
     tile: TileId,
@@ -97,8 +97,8 @@ fn log_overlaps<'a>(
     Ok(level_differences(&levels, &grid))
 }
 
-/// How often cells are halved to be about a metre, among the overviews that a raster of so many
-/// has.
+/// Number of times that the raster is reduced to half its size so that its cells are about a metre;
+/// at most the number of overviews that a raster of this many cells has.
 fn halvings(cell_m: f64, cells: usize) -> usize {
     let wanted = (LEVEL_CELL_M / cell_m).log2().round().max(0.0) as usize;
     let there = (cells as f64 / RASTER_TILE as f64).log2().ceil().max(0.0) as usize;

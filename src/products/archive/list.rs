@@ -1,4 +1,4 @@
-//! What exists of an archive, tile by tile.
+//! Lists the rows in an archive, tile by tile.
 
 use super::error::ArchiveError;
 use super::record::Archive;

@@ -24,7 +24,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
-/// What a cell of the weights holds.
+/// Band of the raster of weights.
 const WEIGHT: Band = Band { name: "weight of the echo level", unit: "", positive_down: false };
 
 /// The mosaic of a log, laid out in every zone that it has rows in.
@@ -37,8 +37,8 @@ pub(super) struct LogMosaic {
 }
 
 impl LogMosaic {
-    /// Of a log in some zones; without any tile where it has no side-scan, or nothing of it is
-    /// known to lie on the ground.
+    /// Lays out the mosaic of a log in some zones; without any tile where the log has no side-scan,
+    /// or no place on the bottom is known for its echoes.
     pub(super) fn new(
         log: &ProcessedLog,
         zones: BTreeSet<UtmZone>,
@@ -110,7 +110,7 @@ impl LogMosaic {
     }
 }
 
-/// What a log shows of a tile.
+/// Part of a tile that is drawn from one log.
 struct TilePart<'a> {
     log: &'a MosaicLog,
     index: &'a TileIndex,
@@ -128,7 +128,8 @@ impl TilePart<'_> {
         drawn
     }
 
-    /// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
+    /// Clears the cells of a tile that lie beyond the edge of its zone: they belong to the other
+    /// zone.
     fn blank_other_zones(&self, drawn: &mut MosaicPart, [row, column]: [usize; 2]) {
         let zone = self.tile.zone;
         for (cell, level) in drawn.levels.iter_mut().enumerate() {

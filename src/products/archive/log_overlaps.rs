@@ -1,4 +1,4 @@
-//! Where the tracks of the logs of an archive cross or overlap, tile by tile.
+//! Finds where the tracks of the logs of an archive cross or overlap, tile by tile.
 
 use super::error::ArchiveError;
 use super::folders::{PINGS, POINTS};
@@ -15,8 +15,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
-/// Where logs cross or overlap in all tiles: their tracks cross, or, of pairs that hardly do, run
-/// along each other. By pair.
+/// Returns the crossings of logs in all tiles and, for pairs of logs that hardly cross, the places
+/// where their tracks run along each other. Sorted by pair.
 pub(super) fn log_overlaps(
     archive: &Archive,
     logs: &[LogRecord],
@@ -67,7 +67,7 @@ pub(super) fn log_overlaps(
 pub(super) struct OverlapSearch<'a> {
     archive: &'a Archive,
     logs: &'a [LogRecord],
-    /// How the positions of the logs are corrected before they are compared.
+    /// Correction of the positions of each log before the logs are compared.
     shifts: Vec<Shift>,
     /// The logs of each tile.
     tiles: BTreeMap<TileId, Vec<usize>>,
@@ -75,7 +75,8 @@ pub(super) struct OverlapSearch<'a> {
 }
 
 impl<'a> OverlapSearch<'a> {
-    /// Through the tiles of several logs, or of one alone too: it may cross itself.
+    /// Creates a search through the tiles that have rows of several logs; with `with_alone` also
+    /// through the tiles of a single log, which may cross itself.
     pub(super) fn new(
         archive: &'a Archive,
         logs: &'a [LogRecord],
@@ -94,8 +95,9 @@ impl<'a> OverlapSearch<'a> {
         Self { archive, logs, shifts, tiles, progress }
     }
 
-    /// What `find` gives for the tracks of the logs of every tile and the logs that they are of;
-    /// what lies in the halo of a tile is left to the tile beside it.
+    /// Calls `find` with the tracks of the logs of every tile and the indices of these logs, and
+    /// returns all results. Results in the halo of a tile are dropped, because the neighbouring
+    /// tile finds them too.
     pub(super) fn in_tiles<T: Send>(
         &self,
         is_wanted: impl Fn(&[usize]) -> bool + Sync,

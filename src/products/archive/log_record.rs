@@ -1,5 +1,4 @@
-//! What is known of one log of an archive: `logs/SHA256.json`, written when all of its rows are in
-//! place.
+//! Record of one log of an archive: `logs/SHA256.json`, written when all of its rows are in place.
 
 use super::error::ArchiveError;
 use super::folders::LONGEST_RECORD;
@@ -24,27 +23,26 @@ pub(super) const AREA: &str = "isobaths.clip";
 pub struct LogRecord {
     /// SHA-256 of the log: its name in the archive.
     pub log: String,
-    /// What people call it: the name of its file.
+    /// Name for people: the name of its file.
     pub name: String,
-    /// What its rows were made from, and how.
+    /// Inputs and settings of its rows.
     pub(super) made: Origin,
     /// Unix seconds of its time zero, where the recorder knew the time.
     pub start_unix_s: Option<f64>,
     /// Its points, those in halos not counted again.
     pub points: usize,
-    /// Those of them that are soundings of its recorder and count for maps: crossings compare
-    /// these.
+    /// Points that are soundings of its recorder and count for maps: crossings compare these.
     pub soundings: usize,
     /// Its side-scan pings that have a place.
     pub pings: usize,
-    /// What its levels mean, where its echoes are kept and can be used.
+    /// Meaning of its levels, where its echoes are kept and can be used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub levels: Option<LearntLevels>,
     /// Its rows by tile, in order.
     pub tiles: Vec<TileRows>,
 }
 
-/// What the rows of a log were made from, and how: the same origin gives the same rows.
+/// Inputs and settings of the rows of a log: the same origin gives the same rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Origin {
@@ -116,7 +114,7 @@ fn of_rows(settings: &Settings) -> SettingValues {
 }
 
 impl LogRecord {
-    /// Of a log that has no rows yet.
+    /// Creates the record of a log that has no rows yet.
     pub(super) fn new(survey: &Survey, settings: &Settings, files: &LogFiles) -> Self {
         let bottom = serde_json::to_vec(&settings.bottom).unwrap_or_default();
         Self {

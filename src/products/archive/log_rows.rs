@@ -18,7 +18,7 @@ pub(super) struct LogRows<'a> {
     pub track: &'a [TrackDepth],
 }
 
-/// What [`LogRows::track`] is; depths do not count.
+/// Computes [`LogRows::track`]; its depths are not used.
 pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
     let navigation = &products.navigation;
     let of_soundings = survey.soundings.iter().map(|one| one.time_s);
@@ -48,7 +48,7 @@ impl LogRows<'_> {
         (&self.products.cloud.points[index], self.products.classes[index])
     }
 
-    /// What a point counts for maps.
+    /// Returns the weight of a point in maps; 0 if its class is not kept.
     pub(super) fn weight(&self, point: &CloudPoint, class: PointClass) -> f64 {
         if class.is_kept() { self.products.settings.surface.weight(point) } else { 0.0 }
     }
@@ -88,8 +88,8 @@ impl LogRows<'_> {
         span.map_or(Vec::new(), |span| span.map(|time_s| start_unix_s + time_s).to_vec())
     }
 
-    /// What the rows of points and of pings end with: whether they lie in the halo, when they were
-    /// recorded (`times_s`, seconds after the log's time zero), and of which log they are.
+    /// Returns the last columns of the rows of points and of pings: true if they lie in the halo,
+    /// the time of recording (`times_s`, seconds after the log's time zero), and the log.
     pub(super) fn common_columns(&self, rows: &[TileRow], times_s: Vec<f64>) -> [Column; 5] {
         let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
         [
@@ -119,7 +119,7 @@ impl LogRows<'_> {
         if velocity.iter().all(|value| value.is_finite()) { velocity } else { [0.0; 2] }
     }
 
-    /// Where a place of the log's plane lies.
+    /// Converts a place of the log's plane to longitude and latitude.
     pub(super) fn position(&self, east_m: f64, north_m: f64) -> LonLat {
         let navigation = &self.products.navigation;
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)

@@ -25,14 +25,14 @@ const ENDING: &str = ".parquet";
 const HASH: usize = 12;
 /// Names of the columns: what a row is, the tile of a picture, and the bytes.
 const COLUMNS: [&str; 5] = ["content", "zoom", "x", "y", "bytes"];
-/// What a row is: a picture, by its place in [`TileStyle::ALL`], or what is known of the tile
-/// itself.
+/// Content of a row: a picture, by its index in [`TileStyle::ALL`], or, by these numbers, the known
+/// pixels or an isobath of the tile itself.
 const PIXELS: i32 = 3;
 const LINE: i32 = 4;
 /// No tile has more bytes of pixels; a damaged file may say that it has.
 const MOST_PIXELS: u64 = 1 << 20;
 
-/// What all parts of a map are drawn with.
+/// Settings that all parts of a map are drawn with.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct DrawnWith {
     /// The program and its version.
@@ -43,9 +43,9 @@ pub(super) struct DrawnWith {
     pub range_m: [f32; 2],
     /// Factor of the hill-shade on the relief.
     pub exaggeration: f64,
-    /// From one isobath to the next, metres.
+    /// Interval between isobaths, metres.
     pub interval_m: Option<f32>,
-    /// How isobaths are asked for.
+    /// Settings of the isobaths.
     pub isobaths: IsobathSettings,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct MapParts {
 }
 
 impl MapParts {
-    /// In a folder, which need not be there.
+    /// Creates the parts of a map in a folder, which may not exist yet.
     pub(super) fn new(
         folder: PathBuf,
         drawn_with: DrawnWith,

@@ -47,10 +47,10 @@ const MARGIN_CELLS: f64 = 2.0;
 /// Steps of the scale of colours, of which its ends are multiples: a new log that is a little
 /// shallower or deeper than all others leaves the colours of the map as they are.
 const SCALE_STEPS: f64 = 10.0;
-/// What the map is called, whatever its folder.
+/// Name of the map, the same for every folder.
 const NAME: &str = "Depth map of an archive";
 
-/// What was done about the tiles of the web.
+/// Result of [`write_map_tiles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapTilesState {
     /// They are what the maps of the archive's tiles give.
@@ -61,7 +61,7 @@ pub enum MapTilesState {
     None,
 }
 
-/// What the tiles of the web are made from, and what they are.
+/// Record of the web tiles: their inputs and their files.
 #[derive(PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Record {

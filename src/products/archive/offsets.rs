@@ -1,4 +1,4 @@
-//! What the logs of an archive are off by against each other, in height, position and the levels of
+//! Offsets of the logs of an archive against each other, in height, position and the levels of
 //! their echoes: `offsets.csv`, a table that people read, edit and pin.
 
 use super::error::ArchiveError;
@@ -32,22 +32,21 @@ const COLUMNS: [&str; 14] = [
 const LONGEST: u64 = 1 << 28;
 /// Bounds of a factor on levels that somebody may write.
 const FACTORS: [f64; 2] = [0.05, 20.0];
-/// No log is higher or lower than others by more, metres, as `height_offset_m`.
+/// Largest height offset of a log, metres, as for `height_offset_m`.
 const MOST_M: f64 = 100.0;
 
-/// Nor are its positions farther off than this to the east or north, metres, or later by more,
-/// seconds.
+/// Largest correction of positions to the east or north, metres, and largest latency, seconds.
 const MOST_SHIFT_M: f64 = 6.0;
 const MOST_LATENCY_S: f64 = 2.0;
 
 /// The height offset of a log, and how its positions are corrected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OffsetRow {
-    /// What the log is called.
+    /// Name of the log.
     pub name: String,
     /// SHA-256 of the log.
     pub log: String,
-    /// What is added to every elevation of the log, metres, so that it agrees with the others.
+    /// Offset added to every elevation of the log, metres, so that it agrees with the others.
     pub offset_m: f64,
     /// Its standard error, metres; NaN where nothing ties the log, 0 where it is pinned.
     pub standard_error_m: f64,
@@ -57,20 +56,20 @@ pub struct OffsetRow {
     pub group: usize,
     /// True if a person has set it: a benchmark log. It stays, and others are compared with it.
     pub is_pinned: bool,
-    /// How its positions are corrected; all zero where nobody asked for it.
+    /// Correction of its positions; all zero where none was requested.
     pub shift: Shift,
     /// Standard error of the shift in either direction, metres; NaN where none was looked for.
     pub shift_error_m: f64,
     /// Standard error of the latency, seconds; NaN where none was looked for.
     pub latency_error_s: f64,
-    /// What the levels of its echoes are multiplied by in mosaics.
+    /// Factor on the levels of its echoes in mosaics.
     pub(super) level: LevelFactor,
 }
 
-/// What the levels of a log are multiplied by.
+/// Factor on the levels of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LevelFactor {
-    /// To a thousandth; 1 of a log that shows no ground with others.
+    /// Factor, rounded to a thousandth; 1 for a log that shows no place in common with others.
     pub factor: f64,
     /// Blocks of ground that it showed with others when the factor was found; once there are any it
     /// stays.
@@ -78,7 +77,7 @@ pub(super) struct LevelFactor {
 }
 
 impl LevelFactor {
-    /// Of a log that nothing is known of.
+    /// Factor of a log without information.
     pub(super) const NONE: Self = Self { factor: 1.0, ties: 0 };
 }
 
@@ -93,8 +92,8 @@ pub(super) fn as_written(shift: Shift) -> Shift {
 }
 
 impl OffsetRow {
-    /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of
-    /// the others.
+    /// Returns the factor on the levels of its echoes in mosaics, which makes them agree with the
+    /// levels of the other logs.
     pub fn level_factor(&self) -> f64 {
         self.level.factor
     }
@@ -112,7 +111,7 @@ pub struct Offsets {
 }
 
 impl Offsets {
-    /// Of some rows, of which each log has one.
+    /// Creates a table from rows, one for each log.
     pub(super) fn new(rows: Vec<OffsetRow>) -> Self {
         let by_log = rows.into_iter().map(|row| (row.log.clone(), row)).collect();
         Self { by_log }
@@ -154,17 +153,17 @@ impl Offsets {
         self.by_log.get(log)
     }
 
-    /// What is added to every elevation of a log, metres; 0 of one that has no row.
+    /// Returns the offset added to every elevation of a log, metres; 0 for a log without a row.
     pub fn of(&self, log: &str) -> f64 {
         self.row(log).map_or(0.0, |row| row.offset_m)
     }
 
-    /// How the positions of a log are corrected; not at all of one that has no row.
+    /// Returns the correction of the positions of a log; zero for a log without a row.
     pub(crate) fn shift_of(&self, log: &str) -> Shift {
         self.row(log).map_or(Shift::default(), |row| row.shift)
     }
 
-    /// What the levels of a log are multiplied by; 1 of one that has no row.
+    /// Returns the factor on the levels of a log; 1 for a log without a row.
     pub fn level_factor(&self, log: &str) -> f64 {
         self.row(log).map_or(1.0, OffsetRow::level_factor)
     }

@@ -21,7 +21,7 @@ const PROBE_M: f64 = 20.0;
 /// Half of the ground of a ping that no other is near, metres.
 const ALONE_M: f64 = 0.5;
 
-/// What a ping saw, but for the zone that it is laid out in.
+/// Footprint of a ping before it is placed in a zone.
 struct Ping {
     index: usize,
     at: LonLat,
@@ -209,9 +209,9 @@ pub(super) fn columns(
 /// A ping of an archive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PingRow {
-    /// Which ping of the log.
+    /// Index of the ping in the log.
     pub ping: i32,
-    /// What it saw.
+    /// Footprint of the ping.
     pub footprint: Footprint,
     /// Depth under it as the log has it, metres; NaN where none is known.
     pub depth_m: f64,

@@ -1,5 +1,5 @@
-//! How far the positions of the logs of an archive are off and how late they are, from where tracks
-//! cross within tiles.
+//! Corrections of position and latency of the logs of an archive, from crossings of tracks within
+//! tiles.
 
 use super::error::ArchiveError;
 use super::log_overlaps::OverlapSearch;
@@ -17,8 +17,8 @@ use bathyscope_log::support::progress::Progress;
 const KEPT_SHIFT_M: f64 = 0.1;
 const KEPT_LATENCY_S: f64 = 0.05;
 
-/// How the positions of the logs are corrected: as the table has it, and as far as `wanted` as
-/// crossings show.
+/// Returns the corrections of the positions of the logs: as in the table and, as far as `wanted`,
+/// from crossings.
 pub(super) fn shifts(
     archive: &Archive,
     logs: &[LogRecord],

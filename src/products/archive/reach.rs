@@ -1,4 +1,4 @@
-//! How far around a tile its map reaches: into its neighbours where depths come from echo levels.
+//! Neighbours that the map of a tile depends on: only where depths come from echo levels.
 
 use super::error::ArchiveError;
 use super::tile::{TILE_M, TileId};

@@ -1,4 +1,4 @@
-//! What is read of an archive, file by file, for the fuzzer (`tests/fuzz`).
+//! Readers of the files of an archive, for the fuzzer (`tests/fuzz`).
 
 use super::error::ArchiveError;
 use super::log_record::LogRecord;

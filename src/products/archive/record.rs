@@ -1,4 +1,4 @@
-//! What all logs of an archive share: `lake.json`.
+//! Settings that all logs of an archive share: `lake.json`.
 
 use super::error::ArchiveError;
 use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in};
@@ -22,9 +22,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// The record's name. Its old word stays: archives that exist are opened by it, also by older
 /// versions of the program.
 const RECORD: &str = "lake.json";
-/// What the copy of the area of the isobaths is called before its ending.
+/// Name of the copy of the area of the isobaths, without its ending.
 const AREA_STEM: &str = "isobath_area";
-/// How rows are laid out: another number is another archive.
+/// Version of the layout of rows: an archive with another number cannot be opened.
 const FORMAT: u32 = 4;
 /// Side of a cell where the settings name none, metres.
 const USUAL_CELL_M: f64 = 0.5;
@@ -35,18 +35,20 @@ const CELLS_M: [f64; 2] = [0.125, 8.0];
 const MOST_MOSAIC_CELLS: f64 = 51_200.0;
 /// The halo is a multiple of this, metres, and so of every cell.
 const HALO_STEP_M: f64 = 16.0;
-/// Corrected positions move no point by more, metres: the halo holds what may come from so far.
+/// Largest distance by which corrected positions move a point, metres: the halo holds the points
+/// that may come from there.
 pub(super) const MOST_MOVED_M: f64 = 12.0;
 /// Settings, by their first word, that no row and no map of a tile depends on.
 const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "report"];
-/// Another one: mosaics of tiles are levels, which map programs colour.
+/// Another setting that no row and no map depends on: mosaics of tiles are levels, which map
+/// programs colour.
 const COLOURS: &str = "mosaic.colours";
 
-/// What all logs of an archive share.
+/// Layout and settings that all logs of an archive share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArchiveRecord {
-    /// How rows are laid out.
+    /// Version of the layout of rows.
     format: u32,
     /// Side of a tile, metres.
     tile_m: f64,
@@ -65,7 +67,7 @@ pub struct ArchiveRecord {
 }
 
 impl ArchiveRecord {
-    /// Of an archive whose logs are processed with some settings.
+    /// Creates the record of an archive whose logs are processed with some settings.
     ///
     /// # Errors
     /// A sentence where `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive.
@@ -188,7 +190,7 @@ fn area_in_words(area: Option<&Fingerprint>) -> String {
 #[derive(Clone, Debug)]
 pub struct Archive {
     folder: PathBuf,
-    /// What its logs share.
+    /// Layout and settings that its logs share.
     pub record: ArchiveRecord,
     /// Logs that were added through this value or a copy of it.
     begun: Arc<Mutex<BTreeSet<String>>>,
@@ -312,7 +314,7 @@ impl Archive {
         begun.insert(log.to_owned())
     }
 
-    /// Where it lies.
+    /// Returns the folder of the archive.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -323,7 +325,7 @@ impl Archive {
         format!("{kind}/tile={tile}/{log}.{}", ending.map_or("parquet", |(_, ending)| ending))
     }
 
-    /// Where that lies.
+    /// Returns the path of the file that [`Self::rows_name`] names.
     pub(super) fn rows_path(&self, kind: &str, tile: TileId, log: &str) -> PathBuf {
         self.folder.join(Self::rows_name(kind, tile, log))
     }

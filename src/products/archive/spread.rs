@@ -1,4 +1,4 @@
-//! Which tiles the rows of a log belong to.
+//! Assigns the rows of a log to tiles.
 
 use super::tile::TileId;
 use bathyscope_log::formats::parquet_table::{Column, Values};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// A row of a tile: what it is of, and where that lies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileRow {
-    /// Which point or ping of the log.
+    /// Index of the point or ping in the log.
     pub index: usize,
     /// Its place.
     pub at: LonLat,

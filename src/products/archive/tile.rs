@@ -10,7 +10,7 @@ use std::str::FromStr;
 pub const TILE_M: f64 = 512.0;
 /// The same in whole metres.
 const TILE: i64 = 512;
-/// No northing or easting of a zone reaches farther, metres.
+/// Largest northing or easting of a zone, metres.
 const FARTHEST: i64 = 20_000_000;
 
 /// A square of 512 m of a UTM zone, aligned to its grid. It is written as zone, easting and
@@ -84,7 +84,7 @@ impl TileId {
         }
     }
 
-    /// Whether the tile, made larger by `halo_m` on all sides, holds a place of its zone.
+    /// Returns true if the tile, made larger by `halo_m` on all sides, holds a place of its zone.
     pub fn holds(&self, [x, y]: [f64; 2], halo_m: f64) -> bool {
         let [west, south, east, north] = self.bounds_m();
         (west - halo_m..east + halo_m).contains(&x) && (south - halo_m..north + halo_m).contains(&y)

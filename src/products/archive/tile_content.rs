@@ -33,14 +33,14 @@ pub(super) struct TileDepths {
 /// The maps of an archive's tiles, read when they are asked for.
 pub(super) struct TileContents {
     archive: Archive,
-    /// Which zoom lines are placed in.
+    /// Zoom in whose pixels lines are given.
     zoom: u8,
-    /// Those asked for last at the end.
+    /// Maps that were read; the last ones that were requested are at the end.
     kept: Mutex<Vec<(TileId, Arc<TileDepths>)>>,
 }
 
 impl TileContents {
-    /// Of an archive, with lines in pixels of a zoom.
+    /// Creates a reader of the maps of an archive, with lines in pixels of a zoom.
     pub(super) fn new(archive: &Archive, zoom: u8) -> Self {
         Self { archive: archive.clone(), zoom, kept: Mutex::default() }
     }

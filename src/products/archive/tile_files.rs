@@ -32,16 +32,16 @@ pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
 pub(super) const ISOBATHS: &str = "isobaths.geojson";
 pub(super) const SOURCE: &str = "source.tif";
 pub(super) const MOSAIC_FILE: &str = "mosaic.tif";
-/// Those of the depths that the map of the web is made of.
+/// Files of the depths that the map of the web is made of.
 pub(super) const DEPTH_FILES: [&str; 3] = [DEPTH, UNCERTAINTY, ISOBATHS];
-/// All of them, the one first that says what the others are.
+/// All files, the record of the others first.
 const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_FILE];
 
-/// What is known of a tile's map.
+/// Record of a tile's map: its inputs, contents and files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TileRecord {
-    /// What it was made from.
+    /// Inputs of the map.
     made: MadeFrom,
     /// Cells with a depth; without any there is no file of depths.
     pub cells: usize,
@@ -57,7 +57,7 @@ pub struct TileRecord {
     pub files: Vec<Fingerprint>,
 }
 
-/// What a tile's map is made from: the same gives the same bytes.
+/// Inputs of a tile's map: the same inputs give the same bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MadeFrom {
@@ -84,12 +84,12 @@ struct TileLog {
 struct MosaicPart {
     log: String,
     sha256: String,
-    /// Of what the levels count; empty where they all count the same.
+    /// SHA-256 of the weights of the levels; empty where all levels have the same weight.
     weights_sha256: String,
     level_factor: f64,
 }
 
-/// How a tile's map stands to the rows and offsets of its logs.
+/// State of a tile's map with respect to the rows and offsets of its logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TileState {
     /// It is what they give.
@@ -175,12 +175,12 @@ impl TileRecord {
     }
 }
 
-/// Where the files of a tile's map lie.
+/// Returns the folder of the files of a tile's map.
 pub(super) fn folder_of(archive: &Archive, tile: TileId) -> PathBuf {
     archive.folder().join(TILES).join(tile.to_string())
 }
 
-/// How the map of a tile stands.
+/// Returns the state of the map of a tile.
 pub fn tile_state(
     archive: &Archive,
     tile: TileId,
@@ -324,7 +324,7 @@ fn write_files(
     Ok(())
 }
 
-/// How the cells were filled, and what was asked for in vain.
+/// Describes the interpolation of the cells, and a method that was requested but cannot be used.
 fn how(archive: &Archive, surface: &Surface) -> Result<String, ArchiveError> {
     let settings = archive.record.settings()?.surface;
     let method = surface.method_in_words();

@@ -82,7 +82,7 @@ pub fn tile_surface(
     }
 }
 
-/// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
+/// Clears the cells of a tile that lie beyond the edge of its zone: they belong to the other zone.
 fn blank_other_zones(surface: &mut Surface, tile: TileId) {
     if tile.is_within_zone() {
         return;

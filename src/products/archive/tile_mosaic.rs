@@ -82,7 +82,7 @@ struct StoredPart {
     path: PathBuf,
     levels: RasterTiles,
     weights: Option<RasterTiles>,
-    /// What its levels are multiplied by.
+    /// Factor on its levels.
     factor: f32,
 }
 

@@ -22,7 +22,7 @@ fn border_deg(turn: i64) -> f64 {
     360.0 * turn as f64 + 180.0
 }
 
-/// Where the way from one place to another crosses a longitude.
+/// Returns the place where the way from one place to another crosses a longitude.
 fn crossing(from: Degrees, to: Degrees, lon_deg: f64) -> Degrees {
     let share = (lon_deg - from[0]) / (to[0] - from[0]);
     [lon_deg, from[1] + share * (to[1] - from[1])]
@@ -104,14 +104,14 @@ fn moved(mut ring: Vec<Degrees>, turn: i64) -> Vec<Degrees> {
     ring
 }
 
-/// What of a closed ring lies in a turn (Sutherland and Hodgman 1974); sides along the borders may
-/// lie on each other.
+/// Returns the part of a closed ring that lies in a turn (Sutherland and Hodgman 1974); sides along
+/// the borders may lie on each other.
 fn within_turn(ring: &[Degrees], turn: i64) -> Vec<Degrees> {
     let east_of = clipped(ring, border_deg(turn - 1), 1.0);
     clipped(&east_of, border_deg(turn), -1.0)
 }
 
-/// What of a closed ring lies on one side of a longitude: east of it where `sign` is 1.
+/// Returns the part of a closed ring on one side of a longitude: east of it where `sign` is 1.
 fn clipped(ring: &[Degrees], lon_deg: f64, sign: f64) -> Vec<Degrees> {
     let is_inside = |corner: &Degrees| sign * (corner[0] - lon_deg) >= 0.0;
     let mut inside: Vec<Degrees> = Vec::new();

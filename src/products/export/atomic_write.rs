@@ -10,24 +10,24 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// How a file on its way is named at the end, after its own name and the writer's number.
+/// Ending of the name of an unfinished file, after its own name and the writer's number.
 const PASSING: &str = ".bathyscope-part";
-/// How a file for passing data is named at the end, after the name that it is for and the writer's
-/// number.
+/// Ending of the name of a file for temporary data, after the name of the file that it is for and
+/// the writer's number.
 const SCRATCH: &str = ".scratch.part";
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write the file: {source}: {path}")]
 pub struct ExportError {
-    /// Which file.
+    /// Path of the file.
     pub path: PathBuf,
     /// The system's error.
     pub source: io::Error,
 }
 
 impl ExportError {
-    /// What makes the error of this file of why it cannot be written.
+    /// Returns a function that makes the error of this file from its cause.
     pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self { path: path.clone(), source }
@@ -55,8 +55,8 @@ pub fn write_atomically<T>(
     })
 }
 
-/// As [`write_atomically`], for what opens a file by its path. There is none yet under the passing
-/// name that `write` gets.
+/// Does the same as [`write_atomically`] for a writer that opens a file by its path. No file exists
+/// yet under the temporary name that `write` gets.
 pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,

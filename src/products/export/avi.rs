@@ -12,9 +12,9 @@ pub const LARGEST: u64 = 0x7fff_ffff;
 const QUALITY: u8 = 90;
 /// Bytes from the start of the file to the first frame.
 const HEAD: u32 = 224;
-/// Every frame can be begun with.
+/// Flag of a frame that playing can start with; every frame has it.
 const KEY_FRAME: u32 = 0x10;
-/// There is an index at the end.
+/// Flag of a film with an index at the end.
 const HAS_INDEX: u32 = 0x10;
 
 /// Writes a film, frame by frame.
@@ -22,7 +22,7 @@ pub struct AviWriter<W> {
     out: W,
     size: [u32; 2],
     frames_per_s: u32,
-    /// Where each frame begins, counted from the word `movi`, and its bytes.
+    /// Start of each frame, counted from the word `movi`, and its length, bytes.
     frames: Vec<[u32; 2]>,
     /// Bytes of all frames with their heads.
     bytes: u32,

@@ -13,7 +13,7 @@ use std::path::Path;
 /// Stands for "not known" of a standard deviation.
 const NO_SIGMA: f32 = -1.0;
 
-/// What a point carries, in the order of [`extra_bytes_of`].
+/// Extra dimensions of a point, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 3] = [
     Dimension::new("source", DimensionType::U8, None, "numbers of depth/source.tif"),
     Dimension::new(
@@ -34,7 +34,7 @@ pub(crate) struct BottomCell {
     pub depth_m: f32,
     /// Standard deviation of the depth, metres; NaN where none is known.
     pub sigma_m: f32,
-    /// To the nearest depth that was measured, metres.
+    /// Distance to the nearest measured depth, metres.
     pub distance_m: f32,
     /// The source of the depth, by the number of [`bathyscope_bottom::bathymetry::CellSource`].
     pub source: u8,

@@ -10,9 +10,10 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Where the chips lie beside their table.
+/// Name of the folder of chips, beside their table.
 const FOLDER: &str = "chips";
-/// Where a version wrote them that did not write the files of a run together.
+/// Name of the folder of unfinished chips in a version that did not write the files of a run
+/// together.
 const PASSING: &str = "chips.part";
 /// The table beside them, which names their classes.
 const TABLE: &str = "detections.csv";

@@ -75,7 +75,7 @@ pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     Picture::grey(TILE_PX, TILE_PX, tile.pixels).piece(0, 0, width, height)
 }
 
-/// The same for a picture of another program.
+/// Writes the chips of a picture of another program.
 pub(crate) fn picture_chips(
     folder: &Path,
     picture: &Picture,

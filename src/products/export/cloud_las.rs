@@ -15,11 +15,11 @@ use std::path::Path;
 
 /// Stands for "no confidence": soundings and the swath have none.
 const NO_CONFIDENCE: f32 = -1.0;
-/// What the dimension of the source says.
+/// Description of the dimension of the source.
 const SOURCES: &str = "0 recorded depth, 1 side-scan";
 /// The same where there is a swath.
 const SOURCES_WITH_SWATH: &str = "0 depth, 1 side-scan, 2 swath";
-/// What a point carries, in the order of [`extra_bytes_of`].
+/// Extra dimensions of a point, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 5] = [
     Dimension::new("source", DimensionType::U8, None, SOURCES),
     Dimension::new("ping", DimensionType::U32, None, "side-scan ping, from 0"),

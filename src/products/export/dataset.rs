@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DatasetPart {
-    /// What is learnt from.
+    /// Pictures to train on.
     Train,
-    /// What settings are chosen on.
+    /// Pictures to choose settings on.
     Val,
-    /// What figures are measured on.
+    /// Pictures to measure figures on.
     Test,
 }
 
@@ -33,7 +33,7 @@ impl DatasetPart {
     }
 }
 
-/// What a part holds, for the manifest.
+/// Content of a part, for the manifest.
 #[derive(Clone, Debug, Serialize)]
 pub struct PartSummary {
     /// `train`, `val` or `test`.

@@ -1,5 +1,5 @@
-//! What LAS points carry beyond its own fields: the Extra Bytes record of LAS 1.4 R15 (section
-//! 2.7.1 "Extra Bytes").
+//! Describes the dimensions of LAS points beyond the fields of the standard: the Extra Bytes record
+//! of LAS 1.4 R15 (section 2.7.1 "Extra Bytes").
 
 use las::Vlr;
 

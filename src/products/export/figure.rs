@@ -1,4 +1,4 @@
-//! What was measured, as GeoJSON or CSV.
+//! Writes measured lines and areas as GeoJSON or CSV.
 
 use super::geojson::{collection, feature_at, position};
 use super::{ExportError, write_bytes};
@@ -22,7 +22,7 @@ pub struct MeasuredFigure {
     pub length_m: f64,
     /// Square metres, of an area.
     pub area_m2: Option<f64>,
-    /// What a height from a shadow follows from.
+    /// Measurements that a height from a shadow follows from.
     pub shadow: Option<ShadowHeight>,
     /// Places along a profile: distance from the start and depth, metres; no depth where nothing is
     /// known.
@@ -92,7 +92,7 @@ fn thousandths(metres: f64) -> f64 {
     (metres * 1000.0).round() / 1000.0
 }
 
-/// Whether a ring runs clockwise, by its signed area.
+/// Returns true if a ring runs clockwise, by its signed area.
 fn turns_right(ring: &[[f64; 2]]) -> bool {
     let next = ring.iter().cycle().skip(1);
     let doubled: f64 = ring.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();

@@ -10,7 +10,7 @@ pub(super) struct Fixed(pub f64, pub usize);
 /// 10 to the number of decimals, as far as numbers are written without the standard library.
 const POWERS: [u64; 10] =
     [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
-/// Below it a scaled number is off by less than [`NEAR_HALF`], as its own digits are.
+/// Bound below which a scaled number is off by less than [`NEAR_HALF`], as its own digits are.
 const MOST_SCALED: f64 = 1e12;
 /// Nearer than this to the middle between two last digits, only all digits of the number tell which
 /// is nearer.

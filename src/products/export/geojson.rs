@@ -1,4 +1,4 @@
-//! What GeoJSON files (RFC 7946) have in common.
+//! Functions that all writers of GeoJSON files (RFC 7946) share.
 
 use super::antimeridian::{cut_areas, cut_line};
 use super::rings::rounded;

@@ -6,7 +6,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::io;
 use std::path::Path;
 
-/// Why there is no raster.
+/// Error of writing a raster.
 #[derive(Debug, thiserror::Error)]
 pub enum RasterError {
     /// The file could not be written.

@@ -27,13 +27,13 @@ pub struct TexturedMesh {
     pub places_m: Vec<[f32; 3]>,
     /// Square to the mesh at each corner, of length 1: east, north, up.
     pub normals: Vec<[f32; 3]>,
-    /// Where each corner lies in the pictures: 0 to 1 from the left, 0 to 1 from the top.
+    /// Place of each corner in the pictures: 0 to 1 from the left, 0 to 1 from the top.
     pub in_pictures: Vec<[f32; 2]>,
     /// Three corners of each triangle, counter-clockwise seen from above.
     pub triangles: Vec<[u32; 3]>,
     /// Name and PNG of each picture; all cover the same ground.
     pub pictures: Vec<(&'static str, Vec<u8>)>,
-    /// What else is to be known of it.
+    /// Additional information on the mesh (`extras` of glTF).
     pub extras: Value,
 }
 

@@ -2,8 +2,8 @@
 
 /// Unix seconds of GPS time zero, 1980-01-06.
 const GPS_ZERO_UNIX_S: f64 = 315_964_800.0;
-/// What LAS takes off, so that a double keeps its fraction of a second (LAS 1.4 R15, table 3,
-/// global encoding bit 0).
+/// Seconds that LAS subtracts, so that a double keeps its fraction of a second (LAS 1.4 R15, table
+/// 3, global encoding bit 0).
 const ADJUSTED_S: f64 = 1e9;
 /// Unix seconds from which on GPS was one second more ahead of UTC (IERS Bulletin C). `chrono`
 /// knows no leap seconds, and none has been announced since 2016.

@@ -15,7 +15,7 @@ use std::path::Path;
 pub(crate) struct DrawnLines<'a> {
     /// The lines.
     pub lines: &'a [Isobath],
-    /// What their depths are written in.
+    /// Settings with the unit in which their depths are written.
     pub settings: &'a IsobathSettings,
     /// The depths whose lines are thick and labelled.
     pub index_levels_m: &'a [f64],

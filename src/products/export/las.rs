@@ -17,7 +17,7 @@ const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
 
-/// Whether points are packed.
+/// Compression of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LasPacking {
     /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where
@@ -27,7 +27,7 @@ pub(crate) enum LasPacking {
     Plain,
 }
 
-/// How points are written.
+/// Layout of a file of points.
 pub(super) struct LasSpec<'a> {
     pub packing: LasPacking,
     /// The system of x and y; its WKT stands in the header.
@@ -36,7 +36,7 @@ pub(super) struct LasSpec<'a> {
     pub origin: Option<LonLat>,
     /// True if times are adjusted standard GPS time.
     pub knows_time: bool,
-    /// What the points carry beyond LAS's own fields.
+    /// Dimensions of the points beyond LAS's own fields.
     pub dimensions: &'a [Dimension],
 }
 

@@ -1,4 +1,4 @@
-//! What the tables and clouds of points are written from: one log, or all of a survey.
+//! Points that the tables and clouds are written from: of one log, or of all logs of a survey.
 
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
@@ -9,19 +9,19 @@ use std::borrow::Cow;
 /// The points of a log and what they come from.
 #[derive(Clone, Copy)]
 pub(crate) struct LogPoints<'a> {
-    /// What the log is called, in a table of several logs.
+    /// Name of the log, in a table of several logs.
     pub name: &'a str,
     /// The recording.
     pub survey: &'a Survey,
-    /// Where its pings are.
+    /// Places of its pings.
     pub navigation: &'a Navigation,
     /// Its first returns.
     pub returns: &'a FirstReturns,
     /// Its scales.
     pub calibration: &'a Calibration,
-    /// What was done to depths.
+    /// Corrections of its depths.
     pub correction: &'a Correction,
-    /// What counts for nothing.
+    /// Excluded pings and soundings.
     pub exclusions: &'a Exclusions,
     /// Its points.
     pub cloud: &'a PointCloud,
@@ -30,7 +30,7 @@ pub(crate) struct LogPoints<'a> {
 }
 
 impl<'a> LogPoints<'a> {
-    /// What its samples and recorded depths are in metres.
+    /// Returns the reduction of its samples and recorded depths to metres.
     pub(crate) fn reduction(&self) -> Reduction<'a> {
         Reduction::new(self.calibration, self.correction)
     }

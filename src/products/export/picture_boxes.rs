@@ -1,4 +1,4 @@
-//! What a detector found in a picture of another program, one line a box.
+//! Writes the boxes that a detector found in a picture of another program, one line for each box.
 
 use super::{ExportError, write_atomically};
 use bathyscope_objects::Scored;

@@ -5,9 +5,9 @@ use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::survey::{Navigation, Survey};
 use std::path::Path;
 
-/// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the
-/// start, WGS84, the survey's local metres as in `cloud.csv`, and the depth, empty where nothing is
-/// known.
+/// Writes one line for each station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the
+/// ground from the start, WGS84, the survey's local metres as in `cloud.csv`, and the depth, empty
+/// where nothing is known.
 pub fn profile_csv(
     survey: &Survey,
     navigation: &Navigation,

@@ -1,4 +1,4 @@
-//! How QGIS draws the vector layers of a survey: QML for the table of styles in a GeoPackage.
+//! Styles of the vector layers of a survey in QGIS: QML for the table of styles in a GeoPackage.
 
 use bathyscope_log::support::printable::xml;
 
@@ -18,7 +18,7 @@ const WHITE: Rgb = [255, 255, 255];
 const FINE_MM: f64 = 0.15;
 const THIN_MM: f64 = 0.25;
 const THICK_MM: f64 = 0.5;
-/// What a light edge adds to a line, so that it stays visible on dark water.
+/// Width that a light edge adds to a line, so that the line stays visible on dark water.
 const EDGE_MM: f64 = 0.4;
 /// Opacity of an area of depth: pale enough for the lines and figures above it, as on charts.
 const AREA_OPACITY: f64 = 0.6;
@@ -106,14 +106,14 @@ pub(super) fn target_outline_style() -> String {
     document(&single(&fill_symbol("0", None, Some((RED, false)))), None, 1.0)
 }
 
-/// Where a label stands.
+/// Position of a label.
 enum Placement {
     OnLine,
     OverPoint,
     BesidePoint,
 }
 
-/// What is written at a feature.
+/// Label of a feature.
 struct FeatureLabel {
     expression: &'static str,
     size_pt: f64,
@@ -157,7 +157,7 @@ fn labelling(label: &FeatureLabel) -> String {
     )
 }
 
-/// One symbol for all features.
+/// Returns a renderer with one symbol for all features.
 fn single(symbol: &str) -> String {
     format!(
         "<renderer-v2 type=\"singleSymbol\" enableorderby=\"0\" symbollevels=\"0\" forceraster=\"0\"><symbols>{symbol}</symbols></renderer-v2>"

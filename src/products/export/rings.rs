@@ -57,7 +57,7 @@ fn on_lattice(
 
 /// Directed sides between corners, those that run both ways taken off each other.
 struct Sides {
-    /// All of them in order, so that those that leave a corner are together.
+    /// All sides in order, so that the sides that leave a corner are together.
     sides: Vec<Side>,
 }
 
@@ -65,14 +65,15 @@ struct Sides {
 struct Side {
     from: LatticeCorner,
     to: LatticeCorner,
-    /// How often it has still to be walked.
+    /// Number of times that the side has still to be walked.
     left: u32,
     /// The sides that leave the corner where it ends.
     next: Range<u32>,
 }
 
 impl Sides {
-    /// Of the ways from corner to corner around areas.
+    /// Creates the sides from the ways from corner to corner around areas; opposite ways cancel
+    /// each other.
     fn new(mut ways: Vec<[LatticeCorner; 2]>) -> Self {
         ways.retain(|[from, to]| from != to);
         ways.sort_unstable();

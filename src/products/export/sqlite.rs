@@ -7,12 +7,12 @@ use rusqlite::{Connection, params_from_iter};
 use std::io;
 use std::path::Path;
 
-/// What a database says of itself in its header.
+/// Identity of a database in its header.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DatabaseKind {
-    /// Which program's file it is: four letters as a number.
+    /// Program that the file belongs to: four letters as a number.
     pub application: u32,
-    /// Which version of that.
+    /// Version of the program's format.
     pub version: u32,
 }
 

@@ -1,4 +1,4 @@
-//! How much a file holds and where it lies.
+//! Counts the content of a file and finds its extent.
 
 use super::atomic_write::{ExportError, write_atomically};
 use std::fs::File;
@@ -9,7 +9,7 @@ use std::path::Path;
 /// coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// How many.
+    /// Number of points, lines or cells.
     pub count: usize,
     /// Least and most of x (east, longitude) and y (north, latitude); `None` where nothing has a
     /// place.

@@ -18,14 +18,14 @@ use bathyscope_log::support::geo::{LonLat, MapPlane};
 const STEPS_M: f64 = 1e3;
 const STEPS_DEG: f64 = 1e8;
 
-/// How what lies in the plane of a map becomes geometries in its system.
+/// Converter from the plane of a map to geometries in the system of the map.
 pub(crate) struct MapGeometry<'a> {
     map: &'a MapPlane,
     steps: f64,
 }
 
 impl<'a> MapGeometry<'a> {
-    /// In the system of a map.
+    /// Creates the converter to the system of a map.
     pub(crate) fn new(map: &'a MapPlane) -> Self {
         let steps = if map.crs.is_degrees() { STEPS_DEG } else { STEPS_M };
         Self { map, steps }

@@ -47,7 +47,8 @@ pub(crate) fn document(from: &ReportData<'_>, progress: &Progress) -> Result<Str
     Ok(html + "</body></html>\n")
 }
 
-/// More logs than this are not drawn one by one: the page would be too large to send.
+/// Largest number of logs that are drawn one by one: with more, the page would be too large to
+/// send.
 const MOST_STRIPS: usize = 12;
 
 /// Every log at a glance.

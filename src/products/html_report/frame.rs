@@ -23,7 +23,7 @@ const BETWEEN_PX: f64 = 180.0;
 /// Bounds of a map: west, south, east, north, metres.
 type Bounds = [f64; 4];
 
-/// Where the metres of a plane lie on the page.
+/// Transform from metres of a plane to pixels on the page.
 pub(super) struct PageTransform {
     map: MapPlane,
     west_m: f64,

@@ -77,7 +77,7 @@ fn depths(survey: &Survey) -> String {
     span.map_or_else(String::new, |[least_m, most_m]| format!("{least_m:.1} to {most_m:.1}"))
 }
 
-/// How the table is read, and what the crossings say.
+/// Explains the columns of the table and reports the differences at crossings.
 fn agreement(all: &LogsReport) -> String {
     let mut html = String::from(
         "<p>The height offset is what is to be added to the elevations of a log so that it agrees with the others where their tracks meet, \
@@ -99,7 +99,7 @@ fn agreement(all: &LogsReport) -> String {
     html + "</p>\n"
 }
 
-/// What was and was not corrected, of all logs: once where it is the same.
+/// Describes the corrections of all logs, applied or not: once where they are the same.
 pub(super) fn correction(from: &ReportData<'_>) -> String {
     let statements = (from.logs.iter()).map(|log| log.products.correction.statement());
     let statements: BTreeSet<String> = statements.collect();

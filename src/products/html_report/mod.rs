@@ -40,18 +40,18 @@ use bathyscope_objects::objects::{ListedObject, ObjectBox, ObjectList};
 use bathyscope_objects::targets::PassCount;
 use std::collections::BTreeMap;
 
-/// What the report shows. Everything but the survey and its results may be missing; the report then
+/// Content of the report. Everything but the survey and its results may be missing; the report then
 /// says so.
 pub(crate) struct ReportData<'a> {
     /// The logs, one or all of a survey, with what the pipeline made of them.
     pub logs: &'a [ProcessedLog],
-    /// What each log is called.
+    /// Name of each log.
     pub names: &'a [String],
-    /// What the survey is called.
+    /// Name of the survey.
     pub title: String,
     /// The first log, in whose frame all lie.
     pub survey: &'a Survey,
-    /// What the pipeline made of the first log; its settings are those that all share.
+    /// Results of the pipeline for the first log; its settings are those that all share.
     pub products: &'a Products,
     /// The record, with the warnings of every product.
     pub report: &'a Report,
@@ -63,10 +63,10 @@ pub(crate) struct ReportData<'a> {
     pub isobaths: &'a Isobaths,
     /// The mosaic; `None` where nothing is shown.
     pub mosaic: Option<&'a Mosaic>,
-    /// How measured depths agree.
+    /// Comparisons of measured depths with each other.
     pub comparisons: &'a [NamedComparison],
-    /// How late the positions of each log are; empty where no track crosses another, `None` of a
-    /// log whose crossings do not tell.
+    /// Latency of the positions of each log; empty where no track crosses another, `None` for a log
+    /// whose crossings do not determine it.
     pub latencies: &'a [Option<LogLatency>],
     /// Boxes with their places, and the raster that they were found in; `None` where nobody
     /// searched.
@@ -78,7 +78,7 @@ pub(crate) struct ReportData<'a> {
 /// The name of a file, and what it is.
 pub(crate) type FileLine = (&'static str, &'static str);
 
-/// What lies there.
+/// Objects on the bottom, as the report shows them.
 pub(crate) struct ReportObjects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
@@ -86,10 +86,10 @@ pub(crate) struct ReportObjects<'a> {
     pub boxes: Vec<&'a ObjectBox>,
     /// The targets.
     pub listed: Vec<ListedObject<'a>>,
-    /// Where chips of each log are cut from; `None` of a log without boxes.
+    /// Rasters from which chips of each log are cut; `None` for a log without boxes.
     pub rasters: &'a [Option<Raster>],
     /// Passes of the boat that saw each target, and that covered its place, by its number.
     pub passes: &'a BTreeMap<u32, PassCount>,
-    /// How they came about: `proposed by the detector, not reviewed`.
+    /// Origin of the boxes: `proposed by the detector, not reviewed`.
     pub origin: String,
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 const MOST_CELLS: f64 = 1500.0;
 /// Rows that are drawn together.
 const BAND_ROWS: usize = 128;
-/// What shows where nothing was insonified.
+/// Grey level of places that were not insonified.
 const PAPER: u8 = 0xf7;
 
 /// The map of all logs; `None` where no ping has side-scan, a place, a heading and an altitude.

@@ -1,4 +1,4 @@
-//! What lies there: marks on the maps, and a table with a picture of each.
+//! Objects in the report: marks on the maps, and a table with a picture of each.
 
 use super::frame::PageTransform;
 use super::{ReportData, ReportObjects, raster};
@@ -207,7 +207,8 @@ fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancel
     Ok(html + "</table>\n<p>")
 }
 
-/// What a review leaves undecided, in a sentence; empty where that is nothing, or everything.
+/// Reports the undecided proposals of a review in a sentence; empty where there are none, or no
+/// review.
 fn not_listed(from: &ReportData<'_>) -> String {
     match undecided(from).count() {
         0 => String::new(),
@@ -216,8 +217,8 @@ fn not_listed(from: &ReportData<'_>) -> String {
     }
 }
 
-/// What is seen in a box, as an image of so many pixels at most; empty where its log has no
-/// pictures.
+/// Returns the picture of a box as an image of at most `width` pixels across; empty where its log
+/// has no pictures.
 pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
     let rasters = from.objects.as_ref().map(|objects| objects.rasters);
     let raster = rasters.and_then(|rasters| rasters.get(of.log)?.as_ref());

@@ -1,4 +1,4 @@
-//! What was surveyed and what came out, in a paragraph and a row of figures.
+//! Summarises the survey and its results in a paragraph and a row of figures.
 
 use super::{ReportData, objects};
 use crate::pipeline::ProcessedLog;
@@ -24,7 +24,7 @@ pub(super) fn summary(from: &ReportData<'_>) -> String {
     html + "</div>\n"
 }
 
-/// When and by what it was recorded.
+/// Describes when the survey was recorded, and in which format.
 fn recorded(from: &ReportData<'_>) -> String {
     let begin_s = |survey: &Survey| {
         let begin_s = survey.time_span_s().unwrap_or((0.0, 0.0)).0;
@@ -118,7 +118,7 @@ fn sentences(from: &ReportData<'_>) -> String {
     text
 }
 
-/// What became of the first returns above the recorded depth.
+/// Describes the use of first returns above the recorded depth.
 fn above_bottom(from: &ReportData<'_>) -> String {
     let counts = &from.report.counts;
     let mut text = format!(

@@ -66,7 +66,7 @@ fn agreement(from: &ReportData<'_>) -> String {
     html + "</table>\n"
 }
 
-/// What is uncertain in all depths alike: the parts that are there.
+/// Lists the uncertainties that all depths share: the parts that are not zero.
 fn common(of: &CommonUncertainty) -> String {
     let metres =
         |sigma_m: f64, what: &str| (sigma_m > 0.0).then(|| format!("{what} {sigma_m:.3} m"));
@@ -87,7 +87,7 @@ fn common(of: &CommonUncertainty) -> String {
     )
 }
 
-/// How late positions are, of each log whose crossings tell.
+/// Reports the latency of positions for each log whose crossings determine it.
 fn latencies(from: &ReportData<'_>) -> String {
     let mut html = String::new();
     for (name, latency) in from.names.iter().zip(from.latencies) {
@@ -137,8 +137,8 @@ pub(super) fn method(from: &ReportData<'_>) -> String {
     )
 }
 
-/// What became of the corrections of positions and heights that were asked for; nothing where none
-/// was.
+/// Lists the results of the requested corrections of positions and heights; empty where none was
+/// requested.
 fn corrections(from: &ReportData<'_>) -> String {
     let corrections = from.report.corrections.iter();
     let items: String =
@@ -150,7 +150,7 @@ fn corrections(from: &ReportData<'_>) -> String {
     }
 }
 
-/// Where the settings of one of several logs are not those of the first; nothing where all are.
+/// Lists the settings of logs that differ from those of the first log; empty where none differs.
 fn own_settings(from: &ReportData<'_>) -> String {
     let logs = from.report.logs.iter().flat_map(|all| &all.logs);
     let mut lines = String::new();
@@ -204,7 +204,7 @@ fn scale(scale: &CalibrationReport) -> String {
     format!("Slant ranges are scaled {text}.{}{overlap}", offset(scale))
 }
 
-/// What is taken off the ranges, or why nothing is.
+/// Describes the offset that is subtracted from the ranges, or the reason why none is.
 fn offset(scale: &CalibrationReport) -> String {
     match (scale.offset_m, scale.offset_measured_m, scale.offset_note) {
         (0.0, Some(measured_m), Some(note)) => format!(

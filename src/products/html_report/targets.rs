@@ -167,7 +167,7 @@ fn shadow(target: &Target) -> String {
     }
 }
 
-/// What the analyst and the detector say of it.
+/// Adds the decisions of the analyst and the score of the detector.
 fn decided(facts: &mut Facts, sightings: &[&ObjectBox]) {
     let boxes = || sightings.iter().map(|of| &of.one);
     facts.add("State", sightings[0].one.state.name());
@@ -181,7 +181,7 @@ fn decided(facts: &mut Facts, sightings: &[&ObjectBox]) {
     facts.add("Remarks", &notes.join("; "));
 }
 
-/// Which box the picture and the size are of.
+/// Adds the box that the picture and the size belong to.
 fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
     let log = match from.names.get(of.log) {
         Some(name) if from.logs.len() > 1 => format!("{}, ", xml(name)),

@@ -6,7 +6,7 @@ use super::label;
 use super::stroke::{TilePen, stroke};
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 
-/// Under a line and a number, so that they show on dark ground.
+/// Pale pen under a line and a number, so that they show on a dark background.
 const HALO: TilePen = TilePen { width: 2.8, rgb: [255, 255, 255], opacity: 0.35 };
 const LINE: TilePen = TilePen { width: 1.1, rgb: [16, 32, 64], opacity: 0.85 };
 const NUMBER_HALO: TilePen = TilePen { width: 4.6, opacity: 0.85, ..HALO };
@@ -15,7 +15,7 @@ const NUMBER: TilePen = TilePen { width: 1.3, opacity: 1.0, ..LINE };
 const LEAST_LABELLED: f64 = 70.0;
 /// Numbers are at least so far from each other, pixels.
 const APART: f64 = 80.0;
-/// Where along a line a number may stand.
+/// Possible positions of a number along a line, as shares of its length.
 const SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
 /// A line under a number is straight enough when its ends are so much of its length apart.
 const STRAIGHT: f64 = 0.92;

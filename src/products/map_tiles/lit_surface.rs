@@ -7,7 +7,8 @@ use bathyscope_bottom::bathymetry::{Light, Surface};
 #[derive(Clone, Copy)]
 pub(crate) struct LitSurface<'a> {
     surface: &'a Surface,
-    /// As [`bathyscope_bottom::bathymetry::hill_shade`] makes it: 0 where it is unknown.
+    /// Hill-shade of each cell from [`bathyscope_bottom::bathymetry::hill_shade`]: 0 where it is
+    /// unknown.
     shade: &'a [u8],
     level_ground: f32,
 }
@@ -18,9 +19,9 @@ impl<'a> LitSurface<'a> {
         Self { surface, shade, level_ground: f32::from(light.level_ground()) }
     }
 
-    /// What is known at a place, metres east and north: the depth between the centres of cells, or
-    /// that of its cell where one of its neighbours has none. Ground whose slope is unknown is as
-    /// bright as level ground.
+    /// Returns the depth and the light at a place, metres east and north: the depth is interpolated
+    /// between the centres of cells, or the depth of the cell where a neighbour has none. Ground
+    /// whose slope is unknown is as bright as level ground. `None` where the cell has no depth.
     pub(crate) fn at(&self, place: [f64; 2]) -> Option<Pixel> {
         let cell = self.surface.grid.index_at(place[0], place[1])?;
         let of_cell = self.surface.depth_m.get(cell).copied();

@@ -1,4 +1,4 @@
-//! Where the pixels of a tile lie in the plane of a map.
+//! Finds the places of the pixels of a tile in the plane of a map.
 
 use super::web_tile::{TILE_PIXELS, WebTile};
 use bathyscope_log::support::geo::LonLat;
@@ -18,7 +18,7 @@ pub(crate) struct PixelPlaces {
 }
 
 impl PixelPlaces {
-    /// In a plane that a projection leads to.
+    /// Computes the places in the plane of a projection.
     pub(crate) fn new(tile: WebTile, project: impl Fn(LonLat) -> [f64; 2]) -> Self {
         let lattice = (0..PLACES * PLACES).map(|place| {
             let pixel = [place % PLACES, place / PLACES].map(|number| (STEP * number) as f64);
@@ -48,8 +48,8 @@ mod tests {
     use crate::map_tiles::web_pixel;
     use bathyscope_log::support::geo::UtmZone;
 
-    /// How far a place of a pixel is off at most, in pixels, in the tile of a zoom that holds a
-    /// place.
+    /// Returns the largest error of the place of a pixel, in pixels, in the tile of a zoom that
+    /// holds a place.
     fn off(at: LonLat, zoom: u8) -> f64 {
         let tile = WebTile::at_pixel(web_pixel(at, zoom), zoom);
         let zone = UtmZone::of(at);

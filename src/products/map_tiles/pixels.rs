@@ -1,14 +1,14 @@
-//! What is known of a tile, pixel by pixel, and the pictures of it.
+//! Depth and light of a tile, pixel by pixel, and the pictures of it.
 
 use super::web_tile::TILE_PIXELS;
 use bathyscope_bottom::presentation::colours::lit_depth_colour;
 
-/// What is known of a pixel.
+/// Depth and light of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pixel {
     /// Depth, metres, positive down.
     pub depth_m: f32,
-    /// How bright the bottom is, level ground being 1.
+    /// Brightness of the bottom; level ground has 1.
     pub light: f32,
 }
 
@@ -20,7 +20,8 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// By what is known of each pixel, given as its column and row; `None` where that is nothing.
+    /// Creates a tile from the known pixels, each given as its column and row; `None` where no
+    /// pixel is known.
     pub(crate) fn draw(known: impl Fn([usize; 2]) -> Option<Pixel>) -> Option<Self> {
         let pixels = (0..TILE_PIXELS * TILE_PIXELS)
             .map(|pixel| known([pixel % TILE_PIXELS, pixel / TILE_PIXELS]));
@@ -64,7 +65,8 @@ impl Pixels {
         values.flat_map(|value| value.to_le_bytes()).collect()
     }
 
-    /// Of [`Pixels::to_bytes`]; `None` where they are too few or too many.
+    /// Reads pixels from the bytes of [`Pixels::to_bytes`]; `None` where they are too few or too
+    /// many.
     pub(crate) fn of_bytes(bytes: &[u8]) -> Option<Self> {
         let (values, rest) = bytes.as_chunks::<4>();
         let mut depth_m: Vec<f32> = values.iter().copied().map(f32::from_le_bytes).collect();

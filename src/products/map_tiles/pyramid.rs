@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::io;
 use std::sync::{Mutex, PoisonError};
 
-/// What a picture of a tile shows.
+/// Content of a picture of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum TileStyle {
     /// Lit colours of depth, under lines that the web map draws itself.
@@ -26,7 +26,7 @@ impl TileStyle {
     pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
 }
 
-/// Where a map lies, and how it is drawn.
+/// Extent of a map and scales of its drawing.
 #[derive(Clone, Debug)]
 pub struct MapScales {
     /// Its zooms, and where it lies.
@@ -35,7 +35,7 @@ pub struct MapScales {
     pub range_m: [f32; 2],
     /// Depths of the isobaths, rising, metres.
     pub levels_m: Vec<f64>,
-    /// How they are asked for: numbers along them are in its unit.
+    /// Settings of the isobaths: numbers along them are in its unit.
     pub isobaths: IsobathSettings,
 }
 
@@ -46,13 +46,13 @@ impl MapScales {
     }
 }
 
-/// What tiles are made of.
+/// Source of the tiles of a map.
 pub trait PyramidSource: Sync {
-    /// Where the map lies, and how it is drawn.
+    /// Returns the extent of the map and the scales of its drawing.
     fn scales(&self) -> &MapScales;
     /// Returns true if anything may be known in a tile of any zoom.
     fn reaches(&self, tile: WebTile) -> bool;
-    /// What is known of a tile of the finest zoom.
+    /// Returns the pixels of a tile of the finest zoom; `None` where none is known.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -77,7 +77,7 @@ pub trait PyramidSource: Sync {
     }
 }
 
-/// What is known of a tile: what the next coarser one is made of.
+/// Pixels and isobaths of a tile: the next coarser tile is made of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownTile {
     /// Its pixels.
@@ -89,7 +89,7 @@ pub struct KnownTile {
 /// A part of a map: a tile a few zooms coarser than the finest, drawn with all finer ones in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapPart {
-    /// What is known of the tile, `None` where that is nothing.
+    /// Pixels and isobaths of the tile; `None` where nothing is known.
     pub known: Option<KnownTile>,
     /// Its pictures and those of the finer tiles, PNG, in order.
     pub pictures: Vec<(TileStyle, WebTile, Vec<u8>)>,

@@ -2,7 +2,7 @@
 
 use super::TILE_PIXELS;
 
-/// How lines are drawn.
+/// Width, colour and opacity of lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TilePen {
     /// Pixels.

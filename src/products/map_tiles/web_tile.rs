@@ -1,4 +1,4 @@
-//! Which square of the earth a tile shows.
+//! Tiles of the web and the squares of the earth that they show.
 
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, clipped};
 use bathyscope_log::support::geo::{LonLat, web_mercator, web_mercator_inverse};
@@ -9,10 +9,10 @@ pub(crate) const TILE_PIXELS: usize = 256;
 /// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of
 /// its sphere.
 const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;
-/// No zoom is finer: a pixel is some 4 cm.
+/// Finest zoom: a pixel is some 4 cm.
 const FINEST_ZOOM: u8 = 22;
-/// At the coarsest zoom the map is at least about so many pixels long, or what fits into a tile of
-/// zoom 0.
+/// Least length of the map, pixels, at the coarsest zoom: the coarsest one at which the map is
+/// about this long, or zoom 0.
 const LEAST_PIXELS: f64 = 32.0;
 
 /// A tile: its zoom, its column from the west, and its row from the north.
@@ -20,9 +20,9 @@ const LEAST_PIXELS: f64 = 32.0;
 pub struct WebTile {
     /// 0 is the whole earth.
     pub zoom: u8,
-    /// From 180 degrees west.
+    /// Column, counted from 180 degrees west.
     pub x: u32,
-    /// From 85 degrees north.
+    /// Row, counted from 85 degrees north.
     pub y: u32,
 }
 
@@ -156,8 +156,8 @@ pub struct ZoomRange {
 }
 
 impl ZoomRange {
-    /// From the zoom at which the map is a few pixels long to that whose pixels are no longer than
-    /// a cell.
+    /// Returns the zooms from the one at which the map is a few pixels long to the one whose pixels
+    /// are no longer than a cell.
     pub(crate) fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
         let [west, south, east, north] = bounds_deg;
         let middle_deg = 0.5 * (south + north);

@@ -21,19 +21,19 @@ const DATASET: &str = "dataset";
 /// Name of the review's own file in the folder.
 const REVIEW: &str = "boxes.review.json";
 
-/// What was written.
+/// Numbers of boxes and pictures that were written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoxesWritten {
     /// Boxes in the tables.
     pub boxes: usize,
     /// Pictures for training.
     pub pictures: usize,
-    /// Of those, pictures in which there is nothing: hard negatives.
+    /// Pictures without an object among them: hard negatives.
     pub negatives: usize,
 }
 
 impl BoxesWritten {
-    /// What was written, in a sentence.
+    /// Describes the written files in a sentence.
     pub fn summary(&self, folder: &Path) -> String {
         format!(
             "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",

@@ -11,7 +11,7 @@ use bathyscope_bottom::bathymetry::compare::{Comparison, Match};
 use serde::Serialize;
 use std::path::Path;
 
-/// What is written and printed about a survey against a reference.
+/// Comparison of a survey with a reference, as it is written and printed.
 #[derive(Debug, Serialize)]
 pub struct ComparisonRecord<'a> {
     program: String,
@@ -60,7 +60,8 @@ const PROJECT: &str =
     "The reference is another survey, each of its logs processed with its own settings.";
 const POINTS: &str = "The reference is taken as it stands in its file.";
 impl<'a> ComparisonRecord<'a> {
-    /// Of the agreement of logs with a reference, and the files that the reference was read from.
+    /// Creates the record from the agreement of logs with a reference, and the files that the
+    /// reference was read from.
     ///
     /// # Errors
     /// A sentence: there is no log or no reference.
@@ -103,7 +104,7 @@ impl<'a> ComparisonRecord<'a> {
         })
     }
 
-    /// How a point found its reference, in words.
+    /// Returns the rule by which a point finds its reference, in words.
     pub fn by(&self) -> &str {
         &self.by
     }

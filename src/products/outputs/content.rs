@@ -1,10 +1,10 @@
-//! What a file of a run holds, as the manifest says it.
+//! Content of a file of a run, as the manifest describes it.
 
 use super::error::OutputError;
 use crate::export::Summary;
 use bathyscope_log::support::geo::{Crs, LonLat};
 
-/// What the coordinates of a file are.
+/// Coordinate system of a file.
 #[derive(Clone, Debug)]
 pub(super) enum Coordinates {
     /// A coordinate reference system.
@@ -17,18 +17,18 @@ pub(super) enum Coordinates {
     None,
 }
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone, Debug)]
 pub(super) struct FileContent {
-    /// What its coordinates are.
+    /// Coordinate system of the file.
     pub coordinates: Coordinates,
-    /// How much it holds.
+    /// Count, extent and range of values.
     pub summary: Summary,
-    /// What is to be said of it besides, with the comma before it.
+    /// Addition to the description in the manifest, with the comma before it.
     pub detail: &'static str,
 }
 
-/// What a writer of a file returns.
+/// Result of a writer of a file.
 pub(super) type FileResult = Result<FileContent, OutputError>;
 
 impl FileContent {
@@ -56,7 +56,7 @@ impl FileContent {
         Self::new(Coordinates::None, summary)
     }
 
-    /// So many of something, without coordinates.
+    /// Content that is a number of things, without coordinates.
     pub(super) fn count(count: usize) -> Self {
         Self::of_table(Summary { count, ..Summary::default() })
     }

@@ -42,7 +42,7 @@ pub fn write_detected(
     Ok((found, run.commit_group(is_of_search)?))
 }
 
-/// The same for a picture of another program, by its name in the table.
+/// Does the same for a picture of another program, by its name in the table.
 ///
 /// # Errors
 /// As [`write_detected`].

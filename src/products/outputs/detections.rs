@@ -10,7 +10,7 @@ use bathyscope_objects::objects::{ListedObject, ObjectBox};
 use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
 
-/// What a search proposes.
+/// Boxes that a search proposes, and the number of their objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposed {
     /// The boxes, log by log, in order of the pings.
@@ -22,7 +22,7 @@ pub struct Proposed {
 }
 
 impl Proposed {
-    /// What the search of a run found; `None` where none searched.
+    /// Returns the result of the search of a run; `None` where the run did not search.
     pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, OutputError> {
         let Some((list, found)) = results.found_objects()?.zip(results.found()?) else {
             return Ok(None);

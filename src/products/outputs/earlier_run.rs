@@ -8,10 +8,10 @@ use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsString;
 use std::path::Path;
 
-/// What a run of a version without a manifest beside it named its inputs in.
+/// Record that names the inputs of a run of a version without a manifest beside it.
 const REPORT: &str = "report.json";
 
-/// What a folder says of the run that wrote into it.
+/// Settings, files and inputs of the run that wrote into a folder.
 #[derive(Clone, Debug)]
 pub struct EarlierRun {
     /// `None` where this version does not know them all.
@@ -41,7 +41,7 @@ struct Hashed {
 }
 
 impl EarlierRun {
-    /// Of a folder; `None` where no run has written.
+    /// Reads the manifest of a folder; `None` where no run has written.
     pub fn read(folder: &Path) -> Option<Self> {
         let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
         let Manifest { settings, files, inputs } = serde_json::from_slice(&text).ok()?;
@@ -103,7 +103,7 @@ pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
     !now.is_empty() && (now.is_subset(&earlier) || earlier.is_subset(&now))
 }
 
-/// What a run was made from.
+/// Program and inputs of a run.
 #[derive(Deserialize)]
 struct Origin {
     program: String,

@@ -1,4 +1,4 @@
-//! Why files could not be written.
+//! Errors of writing files.
 
 use super::mosaic_grid::NoMosaic;
 use crate::export::{ChipError, ExportError, NoFolder, RasterError};
@@ -10,7 +10,7 @@ use bathyscope_log::support::mapped_file::FileFault;
 use bathyscope_log::support::progress::Cancelled;
 use bathyscope_objects::DetectError;
 
-/// Why there are no isobaths.
+/// Reason why there are no isobaths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoContours {
     /// The depths span no surface.
@@ -21,7 +21,7 @@ pub enum NoContours {
     Isobaths(#[from] NoIsobaths),
 }
 
-/// Why files could not be written. The folder is then as it was.
+/// Error of writing files. The folder is then as it was.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The work was cancelled.
@@ -60,7 +60,7 @@ pub enum OutputError {
     /// There are no isobaths.
     #[error(transparent)]
     Contours(#[from] NoContours),
-    /// What cannot be done, in a sentence that names the file or the setting.
+    /// Any other refusal, in a sentence that names the file or the setting.
     #[error("{0}")]
     Refused(String),
 }

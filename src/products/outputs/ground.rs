@@ -12,7 +12,7 @@ pub(super) struct SideScanCoverage {
 }
 
 impl SideScanCoverage {
-    /// Of outlines in the plane of a map.
+    /// Creates the coverage from outlines in the plane of a map.
     pub(super) fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
         // A shape without a point covers nothing that could be drawn.
         let Some(first) = shapes.first().and_then(|shape| shape.outline.first()).copied() else {

@@ -18,8 +18,7 @@ use std::thread;
 /// A file that was asked for: what was written, or what it cannot be made without.
 pub(super) type RowFile = (&'static OutputFile, Result<FileContent, Missing>);
 
-/// What is asked for together: its files are written one after the other, for one may hold what was
-/// written before it.
+/// Files that are written one after the other, because one may hold what was written before it.
 type Group = Vec<(&'static OutputFile, WriteFile)>;
 
 /// Groups that are written at once, at most: few of them keep several cores busy, and each takes
@@ -85,7 +84,7 @@ fn groups(asked: impl Fn(When) -> bool) -> Vec<Group> {
     groups.map(<[_]>::to_vec).collect()
 }
 
-/// About how long a group takes beside the others.
+/// Returns the approximate time that a group takes relative to the others.
 fn share_of_time(group: &Group) -> f32 {
     match group.first().map(|(row, _)| row.when) {
         Some(When::Chosen(Product::Mosaic)) => 8.0,
@@ -127,7 +126,7 @@ pub(super) fn first_missing(
     Ok(None)
 }
 
-/// Where a file is written, its subfolder made.
+/// Returns the path of a file, after making its subfolder.
 pub(super) fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
     let path = folder.join(row.name);
     let parent = path.parent().unwrap_or(folder);

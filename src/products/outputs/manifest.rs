@@ -34,7 +34,7 @@ struct ManifestEntry<'a> {
     file: &'a Fingerprint,
     #[serde(skip_serializing_if = "Option::is_none")]
     what: Option<String>,
-    /// Of what lies beside another file: that file.
+    /// Main file of a file that accompanies another one.
     #[serde(skip_serializing_if = "Option::is_none")]
     belongs_to: Option<&'static str>,
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! What is written of a survey: one run, the same from the window and the command line.
+//! Writes the files of a survey: one run, the same from Bathyscope and from the command line.
 //!
 //! In: the results of a survey, and what is ordered. Out: the files of a run, with their manifest.
 //!

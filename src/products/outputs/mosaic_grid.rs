@@ -8,7 +8,7 @@ use bathyscope_bottom::mosaic::{TILE_CELLS, joint_grid};
 /// huge, empty map.
 const MOST_TILES: usize = 1_000_000;
 
-/// Why there is no mosaic.
+/// Reason why there is no mosaic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMosaic {
     /// There are no echoes that have a place.

@@ -1,6 +1,6 @@
-//! What a file of a run cannot be made without.
+//! Needs of the files of a run: inputs without which a file cannot be made.
 
-/// What a file cannot be made without.
+/// Input without which a file cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// A point that the outlier filter keeps.
@@ -30,9 +30,9 @@ pub enum Need {
     Mosaic,
     /// A box that an analyst accepted or added.
     Targets,
-    /// What the depths are compared with besides.
+    /// A reference that the depths are compared with.
     Reference,
 }
 
-/// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
+/// Reason why a file cannot be made, in a sentence; `None` where nobody needs to know it.
 pub(super) struct Missing(pub Option<String>);

@@ -1,4 +1,4 @@
-//! What is ordered of a run, and which of its files that asks for.
+//! Requests for the files of a run, and the conditions under which each file is written.
 
 use super::error::OutputError;
 use super::product::Product;
@@ -9,7 +9,7 @@ use bathyscope_objects::Model;
 use bathyscope_objects::objects::SurveyReview;
 use std::sync::Arc;
 
-/// Who asks for a file.
+/// Condition under which a run writes a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
     /// Every run writes it.
@@ -24,23 +24,24 @@ pub enum When {
     Listed,
 }
 
-/// What is to be written.
+/// Request for the files of a run: logs, products, and an optional comparison and search.
 pub struct Order<'a> {
     /// The logs that the files are of, with what the pipeline made of them: one, or all of a
     /// survey, in the frame of the first.
     pub logs: &'a [ProcessedLog],
-    /// What is made of all logs together, each once.
+    /// Results that are computed from all logs together, each once.
     pub derived: &'a Derived,
-    /// What is written beside the tables of pings and points, `report.json` and the manifest.
+    /// Products to write in addition to the tables of pings and points, `report.json` and the
+    /// manifest.
     pub requested: &'a [Product],
-    /// What the depths are compared with besides, and how a point finds its reference.
+    /// Reference that the depths are compared with, and how a point finds its reference.
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
-    /// What searches for objects: they are written as `detections.*` and `chips`.
+    /// Model that searches for objects: these are written as `detections.*` and `chips`.
     pub search: Option<&'a Model>,
     /// Boxes of each log that were found before and decided about: the report shows them, before
     /// those of a search.
     pub review: &'a SurveyReview,
-    /// What became of corrections of positions and heights that were asked for: the report says it.
+    /// Results of the requested corrections of positions and heights: the report lists them.
     pub corrections: &'a [RequestedCorrection],
 }
 
@@ -61,8 +62,8 @@ impl Order<'_> {
     }
 }
 
-/// Whether logs still hold what files were made of: looked at when all are made, before they are
-/// put in place.
+/// Checks that the logs still hold what files were made of: done when all files are made, before
+/// they are put in place.
 ///
 /// # Errors
 /// Names a log that does not.

@@ -1,4 +1,4 @@
-//! What `bathyscope process --products` chooses from.
+//! Products that `bathyscope process --products` chooses from.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub enum Product {
     MapTiles,
     /// The side-scan mosaic.
     Mosaic,
-    /// How the depths agree.
+    /// The differences between depths of different sources and passes.
     Residuals,
     /// The objects of the review.
     Targets,
@@ -54,7 +54,7 @@ impl Product {
         self.words().0
     }
 
-    /// What people call it.
+    /// Returns the name for people.
     pub fn title(self) -> &'static str {
         self.words().1
     }

@@ -1,4 +1,4 @@
-//! Which files each product has, in words.
+//! Lists the files of each product in words.
 
 use super::order::When;
 use super::product::Product;

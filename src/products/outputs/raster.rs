@@ -1,4 +1,4 @@
-//! Where a raster lies.
+//! Places a raster in the system of a map.
 
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};

@@ -26,40 +26,41 @@ pub struct OutputFile {
     pub name: &'static str,
     /// Files that are written with it and belong to it, named likewise.
     pub companions: &'static [&'static str],
-    /// Who asks for it.
+    /// Condition under which a run writes it.
     pub when: When,
-    /// Without these it is not written; the first that is missing is why.
+    /// Needs without which it is not written; the first one that is missing is reported as the
+    /// reason.
     pub needs: &'static [Need],
     /// Settings, by their first word, that have nothing to do with it. It depends on all others.
     pub regardless_of: &'static [&'static str],
-    /// What it is, for people who do not know it, in a few words.
+    /// Description in a few words, for people who do not know the file.
     pub brief: &'static str,
-    /// What the manifest says of it; `None` of a page, of records and of pictures.
+    /// Description in the manifest; `None` for a page, for records and for pictures.
     pub described: Option<Described>,
-    /// What writes it.
+    /// Writer of the file.
     pub(super) writer: FileWriter,
 }
 
-/// What the manifest says of a file, whatever it holds.
+/// Description of a file in the manifest, independent of its content.
 #[derive(Clone, Copy, Debug)]
 pub struct Described {
-    /// What it is, in a sentence without its full stop.
+    /// Description in a sentence without its full stop.
     pub what: &'static str,
-    /// What is counted: `points`.
+    /// Name of the things that are counted: `points`.
     pub counted: &'static str,
-    /// What is measured, with its unit: `depth_m`; empty where nothing is.
+    /// Name of the measured value, with its unit: `depth_m`; empty where nothing is measured.
     pub measured: &'static str,
 }
 
 /// Writes a file from the results of the survey.
 pub(super) type WriteFile = fn(&Results<'_>, &Path) -> FileResult;
 
-/// What writes a file.
+/// Writer of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum FileWriter {
-    /// From the results of the survey.
+    /// Writes the file from the results of the survey.
     Results(WriteFile),
-    /// From the run, when all other files are there.
+    /// Writes the file from the run, when all other files are there.
     Run(RunFile),
 }
 
@@ -114,7 +115,7 @@ impl OutputFile {
     }
 }
 
-/// What of a name comes behind its folders.
+/// Returns the part of a name after its folders.
 pub(super) fn file_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }

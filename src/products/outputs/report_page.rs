@@ -61,7 +61,7 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
 /// The boxes of all logs, as the page shows them.
 struct Boxes<'a> {
     list: &'a ObjectList,
-    /// Of each log that has boxes, what its pictures are cut from.
+    /// Raster of each log that has boxes, from which its pictures are cut.
     rasters: Vec<Option<Raster>>,
     /// Passes of the boat that saw each target, and that covered its place.
     passes: BTreeMap<u32, PassCount>,
@@ -69,7 +69,7 @@ struct Boxes<'a> {
 }
 
 impl<'a> Boxes<'a> {
-    /// Those of the list of objects; `None` where nobody looked.
+    /// Collects the boxes of the list of objects; `None` where nobody searched.
     fn of(results: &'a Results<'_>) -> Result<Option<Self>, OutputError> {
         let order = results.order;
         let model = order.search.filter(|_| order.asks_for(When::Searched));
@@ -101,7 +101,8 @@ impl<'a> Boxes<'a> {
     }
 }
 
-/// Where the boxes come from: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
+/// Describes the origin of the boxes:
+/// `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
 fn origin(reviews: &[(&str, &Review)], logs: usize, is_searched: bool) -> String {
     let boxes = || reviews.iter().flat_map(|(_, review)| review.boxes());
     let count = |state: State| boxes().filter(|one| one.state == state).count();

@@ -24,7 +24,7 @@ struct Record<'a> {
     side_scan: Option<ResidualTables>,
     #[serde(skip_serializing_if = "Option::is_none")]
     swath: Option<ResidualTables>,
-    /// Of one log.
+    /// Choices of geometry; only for a survey of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     choices: Option<Vec<GeometryChoice>>,
     crossline_analysis: Option<&'a Crosslines>,
@@ -90,7 +90,8 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::count(comparisons.len()))
 }
 
-/// What the differences of some sources from the soundings hang on; `None` without any.
+/// Returns tables of the differences of some sources from the soundings, by the variables that they
+/// depend on; `None` without any.
 fn tables(
     logs: &[ProcessedLog],
     sources: &[PointSource],

@@ -1,4 +1,5 @@
-//! What the files of a run are made from: each is computed once, when the first file asks for it.
+//! Results that the files of a run are made from: each is computed once, when the first file asks
+//! for it.
 
 use super::depth::NO_SURFACE;
 use super::depth::map_tiles::MapTiles;
@@ -36,13 +37,13 @@ pub(super) struct Results<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub plane: CloudPlane<'a>,
-    /// What each log is called.
+    /// Name of each log.
     pub names: Vec<String>,
     pub progress: &'a Progress,
     computed: Arc<Computed>,
 }
 
-/// What files are made from, computed on demand.
+/// Results that files are made from, computed on demand.
 #[derive(Default)]
 struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
@@ -74,7 +75,7 @@ impl<T> Default for Once<T> {
     }
 }
 
-/// What is there, made when nothing is.
+/// Returns the value, which is computed if it is not there yet.
 fn once<T>(
     once: &Once<T>,
     make: impl FnOnce() -> Result<T, OutputError>,
@@ -91,7 +92,7 @@ fn once<T>(
 }
 
 impl<'a> Results<'a> {
-    /// Of what is ordered; nothing is computed yet.
+    /// Creates the results of an order; nothing is computed yet.
     ///
     /// # Errors
     /// A sentence when there is no log, or the system that `crs` names does not fit the first.
@@ -110,7 +111,7 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// The same results, asked for with another progress.
+    /// Returns the same results with another progress.
     pub(super) fn with_progress<'b>(&'b self, progress: &'b Progress) -> Results<'b> {
         Results {
             plane: self.plane.clone(),
@@ -121,7 +122,7 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// Whether something is missing, and why.
+    /// Returns the reason if a need is not met; `None` if it is met.
     pub(super) fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
         let told = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
@@ -206,7 +207,7 @@ impl<'a> Results<'a> {
         logs.map(|log| (log.survey.as_ref(), &log.products))
     }
 
-    /// What the tables and clouds of points are written from.
+    /// Returns the points of each log, from which tables and clouds are written.
     pub(super) fn log_points(&self) -> Vec<LogPoints<'_>> {
         log_points(self.order.logs, &self.names)
     }
@@ -223,7 +224,8 @@ impl<'a> Results<'a> {
         self.logs().any(|(survey, _)| !survey.soundings.is_empty())
     }
 
-    /// What the survey is called: by its log, or by all of them.
+    /// Returns the name of the survey: the names of its logs, or the first and the last of more
+    /// than three.
     pub(super) fn name(&self) -> String {
         survey_name(&self.names)
     }
@@ -352,7 +354,7 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// How side-scan agrees with the soundings, over all logs.
+    /// Compares side-scan with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
         let made = once(&self.computed.comparisons, || {
             Ok(comparisons(self.order.logs, &self.plane.map, self.progress)?)
@@ -360,7 +362,7 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// Where tracks cross themselves and each other.
+    /// Returns the crossings of tracks with themselves and with each other.
     pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
         let made = once(&self.computed.crossings, || {
             Ok(crosslines(self.order.logs, &self.names, self.progress)?)
@@ -396,8 +398,8 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// What a model finds in each log outside the stretches that are excluded; `None` where none
-    /// searches.
+    /// Returns the boxes that the model finds in each log outside of excluded stretches; `None`
+    /// without a model.
     pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
         let Some(model) = self.order.search else {
             return Ok(None);
@@ -415,8 +417,8 @@ impl<'a> Results<'a> {
         made.map(|found| Some(found.as_slice()))
     }
 
-    /// What a search found in each log, as a review in which nothing is decided; numbers of boxes
-    /// go on from log to log.
+    /// Returns the boxes that a search found in each log as a review in which nothing is decided;
+    /// numbers of boxes go on from log to log.
     fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, OutputError> {
         let mut review = self.order.review.clone();
         review.logs.resize(self.order.logs.len(), None);
@@ -439,7 +441,7 @@ impl<'a> Results<'a> {
         Ok(review)
     }
 
-    /// What a search found in all logs, as objects; `None` where none searched.
+    /// Returns the objects that a search found in all logs; `None` where none searched.
     pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, OutputError> {
         if self.found()?.is_none() {
             return Ok(None);
@@ -451,7 +453,7 @@ impl<'a> Results<'a> {
         made.map(Some)
     }
 
-    /// The same with their shapes.
+    /// Returns the objects that a search found, with their shapes.
     ///
     /// # Errors
     /// When none searched, too.
@@ -479,7 +481,7 @@ impl<'a> Results<'a> {
         made.map(Some)
     }
 
-    /// The same with their shapes.
+    /// Returns the objects of the survey with their shapes.
     ///
     /// # Errors
     /// When nobody looked, too.
@@ -504,7 +506,7 @@ impl<'a> Results<'a> {
     }
 }
 
-/// Why there is no point to write.
+/// Returns the reason why there is no point to write.
 fn no_cloud(products: &Products) -> &'static str {
     if products.cloud.points.is_empty() {
         "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"

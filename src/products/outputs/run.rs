@@ -11,15 +11,16 @@ use crate::pipeline::{Fingerprint, Report};
 pub(super) struct OutputRun<'a> {
     pub results: Results<'a>,
     pub report: Report,
-    /// Made of the results so far.
+    /// Files that have been made of the results so far.
     pub made: Vec<(&'static OutputFile, FileContent)>,
-    /// What was made of the results, by its hashes.
+    /// Fingerprints of the files that were made of the results.
     pub hashed: Vec<Fingerprint>,
     pub folder: &'a RunFolder,
 }
 
 impl OutputRun<'_> {
-    /// What is in the folder in the end beside the page, as the page lists it: folders last.
+    /// Returns the files that are in the folder at the end besides the page, as the page lists
+    /// them: folders last.
     pub(super) fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
         let of_run = |row: &&OutputFile| {
             row.when == When::Always && matches!(row.writer, FileWriter::Run(_))

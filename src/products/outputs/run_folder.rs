@@ -27,11 +27,11 @@ use std::path::{Path, PathBuf};
 
 /// The side folder. One name for all runs: whoever comes next finds what the one before left.
 const SIDE: &str = ".bathyscope-run";
-/// In it: the files on their way.
+/// Subfolder of [`SIDE`] with the unfinished files.
 const NEW: &str = "new";
-/// In it: held locked by the run that is under way.
+/// File in [`SIDE`] that the active run keeps locked.
 const LOCK: &str = "lock";
-/// In it: what is to be renamed and removed. Where it is, the run is decided.
+/// File in [`SIDE`] that lists the renames and removals to do. Where it exists, the run is decided.
 const JOURNAL: &str = "commit.json";
 /// Files that named what belongs to a run before there was a manifest beside the report. At most
 /// one of them is in a folder.
@@ -39,18 +39,18 @@ pub(super) const EARLIER_MANIFESTS: [&str; 2] = ["report.json", "merged.json"];
 /// The folder of what a search for objects proposes.
 const OBJECTS: &str = "objects/";
 
-/// What became of files of an earlier run that the new one wrote none in the place of.
+/// Files of an earlier run that the new run did not write again.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Replaced {
-    /// They were removed.
+    /// Files that were removed.
     pub removed: Vec<String>,
-    /// They are still there: somebody has changed them, or no manifest names them.
+    /// Files that are still there: somebody has changed them, or no manifest names them.
     pub kept: Vec<String>,
 }
 
 impl Replaced {
-    /// What became of them, to be added to a sentence about what was written; nothing where there
-    /// are none.
+    /// Lists these files, to be added to a sentence about the written files; empty where there are
+    /// none.
     pub fn in_words(&self) -> String {
         let parts = [
             ("removed of an earlier run", &self.removed),
@@ -104,18 +104,18 @@ impl RunFolder {
         Ok(run)
     }
 
-    /// Where the run writes its files.
+    /// Returns the folder into which the run writes its files.
     pub fn path(&self) -> PathBuf {
         self.folder.join(SIDE).join(NEW)
     }
 
-    /// Where they will lie.
+    /// Returns the folder to which the files move in the end.
     pub(crate) fn destination(&self) -> &Path {
         &self.folder
     }
 
-    /// Where a file of the run will lie, with the separators of the system: names have `/` on every
-    /// system.
+    /// Returns the final path of a file of the run, with the separators of the system: names have
+    /// `/` on every system.
     fn destination_of(&self, name: &Path) -> PathBuf {
         self.folder.join(name).components().collect()
     }

@@ -1,10 +1,10 @@
-//! How large the files of a product are, roughly, before they are written.
+//! Estimates the sizes of the files of a product before they are written.
 
 use super::Product;
 use crate::pipeline::{DepthMap, ProcessedLog};
 use bathyscope_log::survey::ChannelKind;
 
-/// What the sizes of files follow from.
+/// Quantities that the sizes of files are estimated from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Amounts {
     /// Points of the cloud.
@@ -18,7 +18,8 @@ pub struct Amounts {
 }
 
 impl Amounts {
-    /// Of some logs and their depth map, where that is there already.
+    /// Counts the quantities of some logs and of their depth map, where it has been computed
+    /// already.
     pub fn of(logs: &[ProcessedLog], depth_map: Option<&DepthMap>) -> Self {
         let mut amounts = Self::default();
         for ProcessedLog { survey, products } in logs {

@@ -1,4 +1,4 @@
-//! What was decided about boxes as pictures with labels, for training.
+//! Writes reviewed boxes as pictures with labels, for training.
 
 use crate::export::{DatasetFolder, DatasetPart, PartSummary};
 use crate::outputs::OutputError;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// What the manifest says who wrote it.
+/// Author of the pictures in the manifest.
 const PROGRAM: &str = "bathyscope review";
 
 /// The decided boxes of a log with what is needed to draw them.
@@ -26,7 +26,7 @@ pub(super) struct TrainingTiles<'a> {
     pub part: DatasetPart,
 }
 
-/// How the pictures were made.
+/// Origin and numbers of the pictures.
 #[derive(Serialize)]
 struct Manifest<'a> {
     program: &'static str,

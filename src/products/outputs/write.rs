@@ -22,7 +22,7 @@ use bathyscope_bottom::presentation::text::bytes;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::path::Path;
 
-/// What was written.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Written {
     /// The files, in the order of writing.
@@ -32,16 +32,16 @@ pub struct Written {
     pub file_count: usize,
     /// Bytes of all of them.
     pub byte_count: u64,
-    /// What became of files of an earlier run.
+    /// Files of an earlier run that were removed or kept.
     pub replaced: Replaced,
     /// The report, as written to `report.json`.
     pub report: Report,
-    /// What was found, where a model searched.
+    /// Boxes and objects that were found, where a model searched.
     pub found: Option<Proposed>,
 }
 
 impl Written {
-    /// What was written and removed, in a sentence or two.
+    /// Describes the written and removed files in a sentence or two.
     pub fn summary(&self, folder: &Path) -> String {
         format!(
             "Wrote {} files, {}, into {}{}",

@@ -4,7 +4,8 @@
 use super::{Jobs, Task, TaskOutcome};
 use bathyscope_log::support::progress::Progress;
 
-/// One kind of work. `K` says what a result was made of; the same key is not worked on twice.
+/// One kind of work in the background. `K` is the key of the inputs of a result; the same key is
+/// not worked on twice.
 pub struct Background<K, T> {
     key: Option<K>,
     running: Option<Task<Option<T>>>,

@@ -9,8 +9,8 @@ use bathyscope_log::support::outline::{between, bounds, edges};
 const PIECE_M: f64 = 50.0;
 /// Most pieces of all edges: beyond them pieces are longer.
 const MOST_PIECES: f64 = 1e6;
-/// How far around the map edges count, degrees: a shoreline may be that of a continent, which no
-/// plane holds.
+/// Margin around the map within which edges count, degrees: a shoreline may be that of a continent,
+/// which no plane holds.
 const MARGIN_DEG: f64 = 0.01;
 
 /// The area that `isobaths.clip` names, within a box about the map (west, south, east, north,

@@ -5,15 +5,15 @@ use super::{Jobs, Products, Settings, Stage, Task, TaskOutcome, run};
 use bathyscope_log::survey::Survey;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What the engine is doing.
+/// Activity of the engine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum EngineStatus {
-    /// Nothing to do.
+    /// No stage runs.
     #[default]
     Idle,
     /// A stage runs.
     Running {
-        /// Which.
+        /// The stage.
         stage: Stage,
         /// Its done share, 0 to 1.
         fraction: f32,
@@ -74,7 +74,7 @@ impl Engine {
         outcome
     }
 
-    /// What is going on.
+    /// Returns the activity of the engine.
     pub fn status(&self) -> EngineStatus {
         let running = self.running.as_ref();
         running.map_or(EngineStatus::Idle, |Running { stage, task }| EngineStatus::Running {

@@ -18,7 +18,7 @@ const CHUNK: usize = 1 << 20;
 /// One file read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Input {
-    /// As it was named.
+    /// Its name, as it was given.
     pub file: String,
     /// Its size.
     pub bytes: usize,
@@ -91,7 +91,7 @@ pub(crate) struct LogFiles {
 }
 
 impl LogFiles {
-    /// Of a log that was opened as some settings ask.
+    /// Hashes the files of a log that was opened with some settings.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -126,7 +126,7 @@ impl LogFiles {
     }
 }
 
-/// Why a file cannot be read for its hash, in one sentence.
+/// Reason why a file cannot be read for its hash, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum InputError {
     /// The work was cancelled.
@@ -140,7 +140,7 @@ pub enum InputError {
     Unreadable {
         /// The system's error.
         source: io::Error,
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
     },
 }

@@ -32,7 +32,7 @@ const CONTEXT: usize = 384;
 /// the whole log.
 const ALIGNED: usize = 512;
 
-/// What the results of a growing log go on with.
+/// State from which the results of a growing log are extended.
 #[derive(Debug)]
 pub struct GrowingResults {
     /// The scale of its picture, measured over all of it.
@@ -54,7 +54,7 @@ struct ResultVersions {
 }
 
 impl GrowingResults {
-    /// Of a log as it is now.
+    /// Measures the scale of the picture of a log as it is now.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -74,7 +74,7 @@ impl GrowingResults {
 struct Part {
     first: usize,
     context: usize,
-    /// Where each begins in the other records.
+    /// Starts of both in the other records.
     first_start: StretchStart,
     context_start: StretchStart,
 }

@@ -1,19 +1,20 @@
-//! How late the positions of a log are, in numbers and in words.
+//! Latency of the positions of a log, in numbers and in words.
 
 use serde::Serialize;
 
-/// How late the positions of a log are, as its crossings show it.
+/// Latency of the positions of a log, as its crossings show it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogLatency {
-    /// What `mounting.latency_s` should be, seconds.
+    /// Value that `mounting.latency_s` should have, seconds.
     pub latency_s: f64,
     /// Its standard error, seconds.
     pub standard_error_s: f64,
-    /// What is in force, seconds.
+    /// Latency in force, seconds.
     pub in_force_s: f64,
 }
 
-/// What is in force is contradicted from so many seconds and standard errors on.
+/// Least difference, in seconds and in standard errors, by which crossings contradict the latency
+/// in force.
 const CONTRADICTED_S: f64 = 0.15;
 const CONTRADICTED_SIGMAS: f64 = 3.0;
 

@@ -1,4 +1,4 @@
-//! What a report says of each log: counts and scales.
+//! Part of a report on each log: counts and scales.
 
 use bathyscope_bottom::calibration::{Calibration, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::ClassCounts;
@@ -54,12 +54,12 @@ pub struct RunCounts {
     pub outliers_removed_share: f64,
 }
 
-/// What a recorder measured across the track, and what became of it.
+/// Counts of the depths that a recorder measured across the track, and of their use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SwathCounts {
     /// Pings of the swath.
     pub pings: usize,
-    /// Of these, those without a heading, which give no points.
+    /// Pings of the swath without a heading, which give no points.
     pub zero_heading: usize,
     /// Depths as recorded, without the unreliable ones.
     pub depths: usize,
@@ -70,7 +70,7 @@ pub struct SwathCounts {
 }
 
 impl SwathCounts {
-    /// Of a log and its results; `None` where it has no swath.
+    /// Counts the swath of a log and its results; `None` where it has no swath.
     pub(super) fn of(survey: &Survey, navigation: &Navigation, points: usize) -> Option<Self> {
         let without = navigation.swath.iter();
         let without = without.filter(|place| place.heading_rad.is_nan());
@@ -83,7 +83,7 @@ impl SwathCounts {
         })
     }
 
-    /// Those of two logs.
+    /// Returns the sum of the counts of two logs.
     fn with(self, other: Self) -> Self {
         Self {
             pings: self.pings + other.pings,
@@ -94,7 +94,7 @@ impl SwathCounts {
         }
     }
 
-    /// In one line for people.
+    /// Returns the counts in one line for people.
     pub(super) fn summary(&self) -> String {
         format!(
             "swath: {} depths of {} pings give {} points; {} pings without heading; {} depths that the recorder marks as unreliable are not used",
@@ -143,7 +143,7 @@ pub struct CalibrationReport {
     pub ppd_spread_px_per_m: Option<f64>,
     /// Picks behind it.
     pub ppd_picks: usize,
-    /// What a metre of the header measures at the flat spot.
+    /// Metres that one metre of the header measures at the flat spot.
     pub ppd_factor: Option<f64>,
     /// Pings of the flat spot, `A..B`.
     pub pings: Option<PingRange>,
@@ -163,7 +163,7 @@ pub struct CalibrationReport {
     pub offset_measured_m: Option<f64>,
     /// Its error by its scatter, metres.
     pub offset_uncertainty_m: Option<f64>,
-    /// Why none is taken off.
+    /// Reason why no offset is taken off.
     pub offset_note: Option<&'static str>,
     /// Angle by which the beams look past the nadir, degrees; absent where no slope shows it.
     #[serde(skip_serializing_if = "Option::is_none")]

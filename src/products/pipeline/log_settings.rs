@@ -172,16 +172,16 @@ fn insert(table: &mut Table, key: &str, value: Value) {
     }
 }
 
-/// What is set for one log only.
+/// Settings of one log only.
 #[derive(Clone, Debug, Default)]
 pub struct LogSettings {
     own: SettingValues,
     /// The bottom edits of this log.
     pub bottom: BottomSettings,
-    /// What its own `water_level.file` holds, once somebody has read it. It follows from the key,
-    /// and is no difference by itself.
+    /// Content of its own `water_level.file`, once it has been read. It follows from the key, and
+    /// is no difference by itself.
     pub gauge: Option<Arc<Gauge>>,
-    /// Likewise what its own `isobaths.clip` holds.
+    /// Likewise the content of its own `isobaths.clip`.
     pub area: Option<Arc<WaterArea>>,
 }
 

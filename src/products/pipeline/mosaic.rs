@@ -1,11 +1,11 @@
-//! Where the echoes of a survey lie on the ground.
+//! Places of the echoes of a survey on the bottom.
 
 use super::Products;
 use bathyscope_bottom::mosaic::MosaicLayout;
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::survey::Survey;
 
-/// Where the echoes of a result fall in the plane of a map.
+/// Computes the places of the echoes of a log in the plane of a map.
 pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> MosaicLayout {
     let navigation = &products.navigation;
     mosaic_layout_by(survey, products, |[east_m, north_m]| {
@@ -13,7 +13,8 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Mo
     })
 }
 
-/// Where the echoes of a result fall in the plane that `place` leads to from that of the survey.
+/// Computes the places of the echoes of a log in the plane that `place` leads to from that of the
+/// survey.
 pub fn mosaic_layout_by(
     survey: &Survey,
     products: &Products,

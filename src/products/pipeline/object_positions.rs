@@ -24,14 +24,14 @@ impl<'a> ObjectLocator<'a> {
         Self { placer, survey, correction }
     }
 
-    /// Where a box's object lies, its depth below the level that depths count from; `None` as
-    /// [`Placer::place`].
+    /// Returns the place of the object of a box, with its depth below the level that depths count
+    /// from; `None` as for [`Placer::place`].
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
     }
 
-    /// As [`ObjectLocator::place`], with what the analyst has drawn and what the class says:
-    /// [`Placer::place_as`].
+    /// Returns the same as [`ObjectLocator::place`], with the extent and shadow that the analyst
+    /// has drawn, and the shape that the class states: [`Placer::place_as`].
     pub fn place_as(
         &self,
         mark: &Mark,
@@ -50,7 +50,8 @@ impl<'a> ObjectLocator<'a> {
         self.survey
     }
 
-    /// What measures and places, as the cloud's points are, without the correction of depths.
+    /// Returns the placer, which measures and places boxes as the cloud's points are placed,
+    /// without the correction of depths.
     pub fn placer(&self) -> &Placer<'a> {
         &self.placer
     }

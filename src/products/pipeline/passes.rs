@@ -1,4 +1,4 @@
-//! Which passes of a log saw a place: pings in a row that have it on one side.
+//! Finds the passes of a log that saw a place: consecutive pings that have it on one side.
 
 use super::{Derived, ProcessedLog};
 use bathyscope_bottom::mosaic::{MosaicLayout, MosaicRay};
@@ -11,7 +11,7 @@ const SLACK: f64 = 1.2;
 /// A pass over a place: the pings of a log that saw it, one after the other, on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
-    /// Which side.
+    /// Side of the boat that the place lies on.
     pub side: Side,
     /// The first and the last ping.
     pub pings: [usize; 2],
@@ -71,8 +71,8 @@ pub fn passes_over(
     Ok(passes.collect())
 }
 
-/// Whether the boat came as near to a place as its side-scan reaches: of most logs of a large
-/// survey it did not.
+/// Returns true if the boat came as near to a place as its side-scan reaches: of most logs of a
+/// large survey it did not.
 fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
     let (survey, products) = (&log.survey, &log.products);
     let factor = products.correction.range_factor();
@@ -84,8 +84,8 @@ fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
     })
 }
 
-/// Where a sample of a ping lies in the plane of its log; `None` where the ping shows no ground
-/// there.
+/// Returns the place of a sample of a ping in the plane of its log; `None` where the ping shows no
+/// bottom there.
 pub fn place_of(layout: &MosaicLayout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
     let ray = layout.ray(ping, side)?;
     let out_m = ray.across.ground_m(ray.under_m, ray.range_m(sample));

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct ProcessedLog {
     /// The recording. All logs of one survey lie in the frame of the first ([`Survey::in_frame`]).
     pub survey: Arc<Survey>,
-    /// What was made of it, by its own settings and calibration.
+    /// Results of the recording, by its own settings and calibration.
     pub products: Products,
 }
 
@@ -21,7 +21,7 @@ impl ProcessedLog {
         Self { survey: products.judged.clone().unwrap_or(survey), products }
     }
 
-    /// As the passes of the boat are counted by it.
+    /// Returns the survey and navigation by which the passes of the boat are counted.
     pub fn pass_log(&self) -> PassLog<'_> {
         (&self.survey, &self.products.navigation)
     }

@@ -12,14 +12,14 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Exclusions, Navigation, Relief, Survey};
 use std::sync::Arc;
 
-/// What the pipeline made of a survey with some settings. Cheap to clone: every part is shared.
+/// Results of the pipeline for a survey and its settings. Cheap to clone: every part is shared.
 #[derive(Clone, Debug)]
 pub struct Products {
     /// The settings that made them.
     pub settings: Arc<Settings>,
     /// Position and heading of every ping.
     pub navigation: Arc<Navigation>,
-    /// What counts for nothing: no point, depth, echo or box comes from there.
+    /// Parts of the log that count for nothing: no point, depth, echo or box comes from there.
     pub exclusions: Arc<Exclusions>,
     /// Ranked flat stretches.
     pub flat_spots: Arc<Vec<FlatSpot>>,
@@ -36,7 +36,7 @@ pub struct Products {
     pub bottom_line: Arc<FirstReturns>,
     /// Scales.
     pub calibration: Arc<Calibration>,
-    /// What was done to depths.
+    /// Correction of depths.
     pub correction: Arc<Correction>,
     /// All points.
     pub cloud: Arc<PointCloud>,
@@ -44,7 +44,7 @@ pub struct Products {
     pub classes: Arc<Vec<PointClass>>,
     /// The depth under the boat at every side-scan ping.
     pub depths: Arc<Vec<PingDepth>>,
-    /// How the bottom lies across the track.
+    /// Shape of the bottom across the track.
     pub relief: Arc<Relief>,
     /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that
     /// the recorder had the bottom for, as corrected. The others would stretch the colours. In a
@@ -53,7 +53,7 @@ pub struct Products {
     pub depth_range_m: Option<[f32; 2]>,
     /// Ends of the colour scales of echo level and slant range.
     pub scales: PointScales,
-    /// How late positions are, as the track's crossings with itself show it; `None` where they do
+    /// Latency of positions, as the track's crossings with itself show it; `None` where they do
     /// not.
     pub latency: Option<LogLatency>,
     /// Clutter among the first returns; `None` without any, and of a log that grows.
@@ -62,7 +62,7 @@ pub struct Products {
     pub repeatability: Option<Residuals>,
 }
 
-/// Fewer crossings than this say little of how far depths differ.
+/// Least number of crossings that show the difference of depths well.
 const FEWEST_CROSSINGS: usize = 6;
 /// Depths of one recorder differ where its track crosses itself by this much, metres, and by this
 /// share of the depth, where boat and instruments are steady; standard deviation.
@@ -75,7 +75,8 @@ const SIGMA_PER_MAE: f64 = 1.2533;
 const LAG_LEFT: f64 = 0.15;
 
 impl Products {
-    /// What samples and recorded depths are in metres by these results: for every read-out.
+    /// Returns the conversion of samples and recorded depths to metres by these results, for every
+    /// read-out.
     pub fn reduction(&self) -> Reduction<'_> {
         Reduction::new(&self.calibration, &self.correction)
     }

@@ -1,4 +1,4 @@
-//! How the bottom lies across the track, by the depths that the log itself measured.
+//! Shape of the bottom across the track, by the depths that the log itself measured.
 
 use super::depth::depth_points;
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};

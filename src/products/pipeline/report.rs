@@ -40,23 +40,23 @@ pub struct Report {
     pub excluded: Vec<ExcludedStretch>,
     /// Scales.
     pub calibration: CalibrationReport,
-    /// What the depths along the track come from.
+    /// Sources of the depths along the track.
     pub track: TrackShare,
     /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping:
     /// above 0 is shallower; absent without any.
     pub residuals: Option<Residuals>,
-    /// How recorded positions are corrected, in sentences; empty where they are not, and of several
-    /// logs, each of which has its own.
+    /// Corrections of recorded positions, in sentences; empty where there are none, and for a
+    /// survey of several logs, each of which has its own.
     pub positions: String,
-    /// What became of the corrections of positions and heights that were asked for.
+    /// Corrections of positions and heights that were requested, applied or refused.
     pub corrections: Vec<RequestedCorrection>,
-    /// What is uncertain in all depths alike, one standard deviation each: it is in the stated
+    /// Uncertainty that all depths have in common, one standard deviation each: it is in the stated
     /// error of the map.
     pub uncertainty: CommonUncertainty,
-    /// What depths between the lines are, where a depth map was made.
+    /// Sentences on the depths between the lines, where a depth map was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depths_between_lines: Option<String>,
-    /// What these depths are, and what was not corrected.
+    /// Statement of what these depths are, and what was not corrected.
     pub statement: String,
     /// The logs of a survey of several, and how they agree; absent of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -156,7 +156,7 @@ impl Report {
         Ok(())
     }
 
-    /// What came out, in a few lines for people.
+    /// Returns the results in a few lines for people.
     pub fn summary(&self) -> String {
         let Self {
             counts,
@@ -255,7 +255,7 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
         .collect()
 }
 
-/// Whose positions they are, and how the recorder is mounted.
+/// Returns sentences on the source of positions and on their corrections.
 fn positions(survey: &Survey, settings: &Settings) -> String {
     let mut said = whose(&survey.track);
     let system = survey.track.projected.as_ref();
@@ -265,7 +265,7 @@ fn positions(survey: &Survey, settings: &Settings) -> String {
     format!("{said} {}", corrected_positions(settings)).trim_end().to_owned()
 }
 
-/// How recorded positions are corrected; empty where they are not.
+/// Returns the corrections of recorded positions, in sentences; empty where there are none.
 fn corrected_positions(settings: &Settings) -> String {
     let compass = settings.heading.source == HeadingSource::Compass;
     let mounting = settings.mounting.statement(compass);

@@ -84,8 +84,8 @@ pub fn run(
     Ok(products)
 }
 
-/// How late the positions of a log are, and how far its depths differ, where its track crosses
-/// itself.
+/// Finds the latency of the positions of a log, and the difference of its depths, where its track
+/// crosses itself.
 fn by_crossings(
     survey: &Survey,
     products: &Products,
@@ -97,7 +97,7 @@ fn by_crossings(
     Ok((latency, all.and_then(|mut all| all.within_logs.pop().flatten())))
 }
 
-/// What all stages of a run share.
+/// State that all stages of a run share.
 struct Run<'a, OnStage> {
     survey: &'a Survey,
     settings: &'a Settings,
@@ -110,7 +110,7 @@ struct Run<'a, OnStage> {
     on_stage: OnStage,
 }
 
-/// What the classes of the points decide.
+/// Results that depend on the classes of the points.
 struct PointResults {
     classes: Arc<Vec<PointClass>>,
     depths: Arc<Vec<PingDepth>>,
@@ -153,7 +153,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok(Arc::new(navigation))
     }
 
-    /// What counts for nothing.
+    /// Finds the parts of the log that count for nothing.
     fn exclusions(&self, navigation: &Arc<Navigation>) -> Arc<Exclusions> {
         let excluded = &self.settings.excluded;
         let is_same = |old: &&Products| {
@@ -248,7 +248,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok((spots, Arc::new(made)))
     }
 
-    /// What is done to depths.
+    /// Creates the correction of depths.
     fn correction(&self) -> Arc<Correction> {
         match self.reusable(Stage::Cloud) {
             Some(old) => old.correction.clone(),
@@ -337,7 +337,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         })
     }
 
-    /// How the bottom lies across the track.
+    /// Computes the shape of the bottom across the track.
     fn relief(
         &mut self,
         navigation: &Navigation,

@@ -1,4 +1,4 @@
-//! What would become of a log with another scale, before anything is changed.
+//! Tries another scale on a log before anything is changed.
 
 use super::{Products, Settings};
 use bathyscope_bottom::calibration::{
@@ -13,19 +13,19 @@ use bathyscope_log::survey::Survey;
 pub struct ScaleTrial {
     /// The stretch and its scale.
     pub spot: FlatSpot,
-    /// What speaks against it, in sentences.
+    /// Objections to the scale, in sentences.
     pub objections: Vec<String>,
     /// First returns of the whole log against recorded depths, by the recorder's scale.
     pub points: Vec<RangeAtDepth>,
-    /// What it does to the depths; `None` where it gives no scale, or the log has no side-scan
-    /// depths.
+    /// Effect of the scale on the depths; `None` where the stretch gives no scale, or the log has
+    /// no side-scan depths.
     pub effect: Option<ScaleEffect>,
 }
 
-/// What another scale does to the depths of a log.
+/// Effect of another scale on the depths of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleEffect {
-    /// How the depths change.
+    /// Change of the depths.
     pub change: DepthChange,
     /// Elevation of side-scan points minus that of the soundings of the same pings, now and then;
     /// `None` without soundings.
@@ -42,7 +42,7 @@ pub(super) fn with_stretch(settings: &Settings, pings: PingRange) -> Calibration
 }
 
 impl ScaleTrial {
-    /// Of a stretch of pings of a log with its results.
+    /// Tries the scale that a stretch of pings gives, on a log with its results.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -70,7 +70,7 @@ impl ScaleTrial {
     }
 }
 
-/// What a calibration would change, by the points that it would give.
+/// Computes the effect of a calibration from the points that it would give.
 fn effect(
     survey: &Survey,
     products: &Products,

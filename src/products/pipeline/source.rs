@@ -1,5 +1,5 @@
-//! From the log that was read to the survey that the stages see: what the log does not say, or says
-//! wrongly, is put right before any of them.
+//! Turns the log that was read into the survey that the stages see: what the log does not say, or
+//! says wrongly, is put right before any of them.
 
 use super::Settings;
 use super::settings::SourceSettings;
@@ -7,7 +7,7 @@ use bathyscope_log::formats::{TrackError, TrackFile};
 use bathyscope_log::support::geo::CrsError;
 use bathyscope_log::survey::{MountingSettings, Survey, TrackSettings};
 
-/// Why a log cannot be taken as the settings say: one sentence.
+/// Reason why a log cannot be used with its settings, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// The metres of its positions are not those of `source.crs`.
@@ -30,7 +30,7 @@ pub struct SourceKey {
 }
 
 impl SourceKey {
-    /// Of these settings.
+    /// Creates the key from these settings.
     pub fn of(settings: &Settings) -> Self {
         // Without a track its clock says nothing.
         let track = Some(settings.track.clone()).filter(|track| track.file.is_some());

@@ -14,7 +14,7 @@ pub enum Stage {
     Calibration,
     /// Points.
     Cloud,
-    /// What each point is; the outlier filter runs here.
+    /// Class of each point; the outlier filter runs here.
     Outliers,
     /// The bottom across the track.
     Relief,

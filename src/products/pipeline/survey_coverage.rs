@@ -1,4 +1,4 @@
-//! What a plan of further lines starts from: soundings, ground that was insonified, objects and
+//! Collects the data for a plan of further lines: soundings, insonified bottom, objects and
 //! disagreements of all logs in one plane.
 
 use super::ProcessedLog;
@@ -21,7 +21,7 @@ const NEW_PASS_RAD: f64 = FRAC_PI_3;
 /// A boat that is faster than this moves, metres a second.
 const MOVING_MPS: f64 = 0.3;
 
-/// What the logs of a survey know of their ground, in the plane of the first one's frame. `objects`
+/// Collects the coverage of the logs of a survey in the plane of the first log's frame. `objects`
 /// have their places in that plane. `None` without any log.
 ///
 /// # Errors

@@ -3,10 +3,10 @@
 use bathyscope_log::support::progress::Progress;
 use std::sync::{Arc, mpsc};
 
-/// How work in a background thread is run.
+/// Way in which background work is run.
 #[derive(Clone)]
 pub enum Jobs {
-    /// On worker threads, which call this when there is something to show.
+    /// Worker threads, which call this function when there is something to show.
     Threads(Arc<dyn Fn() + Send + Sync>),
     /// Inside the call.
     Inline,
@@ -22,7 +22,7 @@ impl Jobs {
     }
 }
 
-/// What became of a task.
+/// Result of a task.
 pub enum TaskOutcome<T> {
     /// It still runs, or its result was taken.
     Pending,

@@ -1,5 +1,5 @@
-//! Where the logs of a project lie now: at their place, or where they were moved to with it or
-//! within its folder.
+//! Finds the logs of a project: at their place, or where they were moved to with it or within its
+//! folder.
 
 use super::log::{LogFile, LogKey};
 use super::{Project, paths};
@@ -17,18 +17,18 @@ const DEEPEST: usize = 5;
 /// Files that are looked at. A folder with more is somebody's whole disk.
 const MOST_FILES: usize = 50_000;
 
-/// Where a log lies.
+/// Location of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LogLocation {
-    /// At its place.
+    /// The log lies at its place.
     Here,
-    /// Elsewhere: [`super::ProjectLog::at`] takes it from there.
+    /// The log lies elsewhere: [`super::ProjectLog::at`] takes it from there.
     Moved(PathBuf),
-    /// At its place lies a file as long as it, with other bytes, and it is nowhere else.
+    /// A file of the same length with other bytes lies at its place, and the log is nowhere else.
     Changed,
-    /// Another recording lies at its place, and it is nowhere else.
+    /// Another recording lies at its place, and the log is nowhere else.
     Replaced,
-    /// Nowhere: the analyst is asked.
+    /// The log was not found: the analyst is asked.
     Missing,
 }
 
@@ -76,7 +76,7 @@ fn search(
     Ok(None)
 }
 
-/// What lies at the log's own place. It may have grown since.
+/// Examines the file at the log's own place. It may have grown since.
 fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cancelled> {
     let path = &log.path;
     if is_log(log, path, progress)? || has_grown(log, path, progress)? {
@@ -95,7 +95,7 @@ fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cance
     })
 }
 
-/// Whether a file is the log, by its hash.
+/// Returns true if a file is the log, by its hash.
 fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
     if is_as_long(log, path) {
         let hash = regular_file::open(path).and_then(|file| sha256_of(file, progress));
@@ -112,7 +112,7 @@ fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cance
     }
 }
 
-/// Whether a file begins with the log: more of it was written since.
+/// Returns true if a file is longer than the log and begins with it: more of it was written since.
 fn has_grown(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
     let is_longer =
         fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > log.byte_count);

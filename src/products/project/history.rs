@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
-/// What a change is called in menus and in the list of the history.
+/// Name of a change in menus and in the list of the history.
 type ChangeLabel = Cow<'static, str>;
 
 /// A history of states; a drag is one step however many states it passes.
@@ -19,9 +19,9 @@ pub struct History<T> {
 /// A step in the list of the history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryStep<'a> {
-    /// What was done.
+    /// Name of the change.
     pub label: &'a str,
-    /// It was taken back, and can be done again.
+    /// True if it was undone, and can be done again.
     pub is_undone: bool,
 }
 
@@ -62,8 +62,8 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    /// Where the step began that a change of this name from `before` ends: the state before its
-    /// drag, if one is under way.
+    /// Returns the state at which the step began that a change of this name from `before` ends: the
+    /// state before its drag, if one is under way.
     pub fn start_of<'a>(&'a self, label: &str, before: &'a T) -> &'a T {
         let open = self.open.as_ref().filter(|(_, open)| open == label);
         open.map_or(before, |(start, _)| start)

@@ -24,11 +24,11 @@ pub struct ProjectInput {
     /// The frame that all logs of the project lie in, as the window has them; `None` where it is
     /// not kept.
     pub frame: Option<LocalFrame>,
-    /// What to say of its file.
+    /// Warning about its file.
     pub warning: Option<String>,
 }
 
-/// Why a project gives no logs to process, in one sentence that ends with the file.
+/// Reason why a project gives no logs to process, in one sentence that ends with the file.
 #[derive(Debug, thiserror::Error)]
 pub enum ProjectInputError {
     /// The project cannot be read.
@@ -45,7 +45,7 @@ pub enum ProjectInputError {
     Logs(#[from] FileError<LogsFault>),
 }
 
-/// Why the logs of a project cannot be processed, in a sentence without the file.
+/// Reason why the logs of a project cannot be processed, in a sentence without the file.
 #[derive(Debug, thiserror::Error)]
 pub enum LogsFault {
     /// Another recording is called as the log of this name was.

@@ -1,4 +1,4 @@
-//! What was done since a project was saved: one line a gesture, in a file beside it.
+//! Journal of the changes since a project was saved: one line a gesture, in a file beside it.
 //!
 //! A line is written in one piece as soon as the gesture is done, so that it outlives the program
 //! from then on; a thread asks the disk to keep it at once, so that it outlives the computer's end
@@ -21,7 +21,7 @@ use std::thread::JoinHandle;
 
 /// Bytes of the hash before a line.
 const CHECK_BYTES: usize = 4;
-/// How often a journal is opened that others remove meanwhile.
+/// Most attempts to open a journal that others remove meanwhile.
 const TRIES: usize = 20;
 
 /// A line of the journal.
@@ -38,7 +38,7 @@ pub(super) enum Entry {
     },
     /// A window opened the project.
     Opened(Owner),
-    /// Something was done.
+    /// A change was made.
     Done {
         /// Name.
         label: String,
@@ -52,7 +52,7 @@ pub(super) enum Entry {
 }
 
 impl Entry {
-    /// What changes between two versions of a project.
+    /// Creates the entry of a change from the rows that it sets and the keys that it removes.
     pub(super) fn done(label: &str, set: &Rows, gone: &[Key]) -> Self {
         Self::Done {
             label: label.to_owned(),
@@ -61,7 +61,7 @@ impl Entry {
         }
     }
 
-    /// Does it again to the lines of a project.
+    /// Applies the change to the lines of a project.
     pub(super) fn replay(&self, rows: &mut Rows) {
         if let Self::Done { set, gone, .. } = self {
             for key in gone.iter().filter_map(|text| Key::parse(text)) {
@@ -112,7 +112,7 @@ impl Read {
         read
     }
 
-    /// Who had the project open last.
+    /// Returns the program that had the project open last.
     pub(super) fn owner(&self) -> Option<&Owner> {
         self.entries.iter().rev().find_map(|entry| match entry {
             Entry::Opened(owner) => Some(owner),
@@ -121,7 +121,7 @@ impl Read {
     }
 }
 
-/// Why there is no journal to write into.
+/// Reason why there is no journal to write into.
 #[derive(Debug)]
 pub(super) enum NoJournal {
     /// Another window has the project open.
@@ -260,7 +260,7 @@ impl ProjectJournal {
         self.append(&Entry::Opened(Owner::now()))
     }
 
-    /// What asks the disk to keep all that was written so far, on any thread.
+    /// Returns a handle that asks the disk to keep all that was written so far, on any thread.
     pub(super) fn syncing(&self) -> io::Result<Syncing> {
         self.file.try_clone().map(Syncing)
     }

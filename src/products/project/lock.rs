@@ -19,7 +19,7 @@ pub struct Owner {
     pub pid: u32,
     /// The computer that it runs on; empty where that has no name.
     pub host: String,
-    /// When it opened the project, Unix seconds.
+    /// Time at which it opened the project, Unix seconds.
     pub since_unix_s: u64,
 }
 
@@ -62,7 +62,7 @@ fn host() -> String {
     told.or_else(named).unwrap_or_default().trim().to_owned()
 }
 
-/// What came of asking for a lock.
+/// Result of a request for a lock.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Locked {
     /// It is ours.
@@ -73,7 +73,7 @@ pub(super) enum Locked {
     Unknown,
 }
 
-/// How often, and how long apart, a lock is asked for that another has: a program that this one
+/// Number and interval of the requests for a lock that another program has: a program that this one
 /// starts holds a copy of each of its open files, and with it of a lock that was just given up,
 /// until it runs its own code.
 const ATTEMPTS: u32 = 6;

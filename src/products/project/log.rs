@@ -70,7 +70,7 @@ pub struct LogFile {
 }
 
 impl LogFile {
-    /// What is known of an open log. Reads all of it once: about a second a gigabyte.
+    /// Describes an open log. Reads all of it once: about a second a gigabyte.
     pub fn of(survey: &Survey, progress: &Progress) -> Result<Self, Cancelled> {
         let identity = Identity::of(survey);
         let path = survey.source.files.first().cloned().unwrap_or_default();
@@ -82,7 +82,7 @@ impl LogFile {
         })
     }
 
-    /// What side files call the log as it was recorded.
+    /// Returns the identity by which sidecars name the log as it was recorded.
     pub fn identity(&self) -> Identity {
         let name = self.path.file_name().unwrap_or_default();
         Identity {
@@ -93,15 +93,15 @@ impl LogFile {
         }
     }
 
-    /// Whether an open log is this one. The bytes count, whatever the file is called.
+    /// Returns true if an open log is this one. The bytes count, whatever the file is called.
     pub fn is_of(&self, survey: &Survey, progress: &Progress) -> Result<bool, Cancelled> {
         let may_be = self.identity().is_same_log(&Identity::of(survey));
         Ok(may_be && sha256(survey, progress)? == self.sha256)
     }
 }
 
-/// Of the log's own files: a track that was applied to it comes last among the bytes, and does not
-/// count.
+/// Returns the SHA-256 of the log's own files: a track that was applied to it comes last among the
+/// bytes, and does not count.
 fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
     let track = usize::from(survey.track.external.is_some());
     let own = survey.bytes.len().saturating_sub(track);
@@ -126,7 +126,7 @@ pub struct ProjectLog {
     pub colour: Option<[u8; 3]>,
     /// True if it takes part in maps, clouds and products.
     pub is_visible: bool,
-    /// Where it stands among the logs: the lower, the higher in the list.
+    /// Position among the logs: the lower, the higher in the list.
     pub order: f64,
     /// Its own settings and its bottom edits.
     pub settings: LogSettings,
@@ -137,7 +137,7 @@ pub struct ProjectLog {
     pub object_numbers: LogNumbers,
 }
 
-/// Whether the same is decided.
+/// Equality of the decisions: `object_numbers` do not count.
 impl PartialEq for ProjectLog {
     fn eq(&self, other: &Self) -> bool {
         let Self {
@@ -180,7 +180,7 @@ impl ProjectLog {
         }
     }
 
-    /// What to say where a file as long as it, with other bytes, lies at its place
+    /// Returns the message where a file of the same length with other bytes lies at its place
     /// ([`super::LogLocation::Changed`]).
     pub fn is_changed(&self) -> String {
         format!(

@@ -5,7 +5,8 @@ use super::log::{LogKey, ProjectLog};
 use std::sync::Arc;
 
 impl Project {
-    /// Without a log; its file stays. `None` when it is no log of the project.
+    /// Returns the project without a log, whose file stays. `None` when it is no log of the
+    /// project.
     pub fn without_log(&self, key: &LogKey) -> Option<Self> {
         self.log(key)?;
         let mut after = self.clone();
@@ -13,11 +14,11 @@ impl Project {
         Some(after)
     }
 
-    /// With a log at place `to` of the list, counted from 0. `None` when it is there already, or no
-    /// log of the project.
+    /// Returns the project with a log moved to place `to` of the list, counted from 0. `None` when
+    /// it is there already, or no log of the project.
     ///
-    /// Its order becomes one between its neighbours', so that nothing is said anew of the others;
-    /// where there is no number between, all are numbered.
+    /// Its order becomes a number between those of its neighbours, so that the others stay as they
+    /// are; where there is no number between, all are numbered.
     pub fn with_log_at(&self, key: &LogKey, to: usize) -> Option<Self> {
         let from = self.logs.iter().position(|log| log.key == *key)?;
         let mut after = self.clone();

@@ -1,11 +1,11 @@
-//! What was measured on the map and in the waterfall.
+//! Measurements on the map and in the waterfall.
 
 use bathyscope_log::support::geo::{LonLat, area_m2, distance_m};
 use bathyscope_log::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What a line was drawn for.
+/// Kind of a measurement: the quantity that its line was drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MeasurementKind {
@@ -39,7 +39,7 @@ impl MeasurementKind {
     }
 }
 
-/// Where in a log's side-scan a corner was set.
+/// Place in a log's side-scan at which a corner was set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pick {
     /// The log.
@@ -64,19 +64,19 @@ impl Pick {
 /// is kept as positions, so that it stays on its ground when the plane of the survey changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What it was drawn for.
+    /// Kind of the measurement.
     pub kind: MeasurementKind,
     /// Its corners in the order of drawing; an area is closed from the last to the first.
     pub corners: Vec<LonLat>,
-    /// Where in the side-scan its corners were set, by their number from 0; those that were set on
-    /// the map have no entry. A height has both.
+    /// Places in the side-scan at which its corners were set, by their number from 0; corners that
+    /// were set on the map have no entry. A height has both.
     pub picks: BTreeMap<usize, Pick>,
     /// The analyst's remark.
     pub note: String,
 }
 
 impl Measurement {
-    /// Nothing drawn yet.
+    /// Creates a measurement without corners.
     pub fn new(kind: MeasurementKind) -> Self {
         Self { kind, corners: Vec::new(), picks: BTreeMap::new(), note: String::new() }
     }

@@ -8,8 +8,8 @@ pub(super) const VERSION: u32 = 1;
 /// Makes rows of one version those of the next.
 type Step = fn(Rows) -> Rows;
 
-/// What makes version 2 of version 1 comes first, and so on: one step less than there are versions.
-/// Each version has a file in the tests that opens for ever.
+/// Steps from each version to the next, that from 1 to 2 first: one step less than there are
+/// versions. Each version has a file in the tests that opens for ever.
 const STEPS: [Step; VERSION as usize - 1] = [];
 
 /// Rows of one version as those of a later one.

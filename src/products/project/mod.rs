@@ -125,9 +125,9 @@ pub enum ProjectError {
     /// One line makes no sense.
     #[error("line {line}: {what}")]
     Line {
-        /// Which, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong, and what to write.
+        /// Description of the error, with the correct form.
         what: String,
     },
     /// A newer program wrote it.
@@ -151,7 +151,7 @@ impl ProjectError {
 /// from which undecided ones count.
 pub const REVIEW_VIEW: &str = "review";
 
-/// What the file says that this version does not know; it is written back.
+/// Content of the file that this version does not know; it is written back.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Unknown {
     rows: Rows,
@@ -165,14 +165,14 @@ struct Unknown {
 pub struct Project {
     /// The settings that all logs share; it holds no bottom edits.
     pub settings: Settings,
-    /// Where the plane that all logs lie in touches the ellipsoid: places in metres count from
-    /// there. `None` until a log has a place.
+    /// Place at which the plane that all logs lie in touches the ellipsoid: places in metres count
+    /// from there. `None` until a log has a place.
     pub origin: Option<LonLat>,
     /// Other files that belong to the survey, by what they are: `base_map`, `reference`. Absolute.
     pub files: BTreeMap<String, PathBuf>,
-    /// What was measured on the map, by number.
+    /// Measurements, by number.
     pub measurements: BTreeMap<u32, Measurement>,
-    /// How things are shown, by a name that the window chooses: [`Project::view`].
+    /// Display settings, by a name that Bathyscope chooses: [`Project::view`].
     pub views: BTreeMap<String, Value>,
     logs: Vec<Arc<ProjectLog>>,
     unknown: Unknown,
@@ -222,7 +222,8 @@ impl Project {
         log.settings.compose(&self.settings)
     }
 
-    /// With one more log, the last of the list. `None` when its bytes are there already.
+    /// Returns the project with one more log, the last of the list. `None` when its bytes are there
+    /// already.
     pub fn with_log(&self, mut log: ProjectLog) -> Option<Self> {
         if self.log_like(&log.file).is_some() || self.log(&log.key).is_some() {
             return None;
@@ -233,8 +234,8 @@ impl Project {
         Some(after)
     }
 
-    /// With another version of a log in its place. `None` when it is the same, or no log of the
-    /// project.
+    /// Returns the project with another version of a log in its place. `None` when it is the same,
+    /// or no log of the project.
     pub fn with_changed(&self, log: ProjectLog) -> Option<Self> {
         let index = self.logs.iter().position(|one| one.key == log.key)?;
         let before = &self.logs[index];
@@ -247,7 +248,7 @@ impl Project {
         })
     }
 
-    /// Stores how something is shown, under a name that the window chooses. It is no part of the
+    /// Stores display settings under a name that Bathyscope chooses. They are no part of the
     /// history.
     pub fn set_view(&mut self, name: &str, shown: &impl Serialize) {
         // Options are numbers, names and lists, which can be written.
@@ -266,8 +267,8 @@ impl Project {
         kept.map_or(0.0, |kept| kept.threshold)
     }
 
-    /// How something is shown; `None` where nothing is stored, or nothing that this version can
-    /// use.
+    /// Returns display settings by their name; `None` where nothing is stored, or nothing that this
+    /// version can use.
     pub fn view<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         self.views.get(name)?.clone().try_into().ok()
     }

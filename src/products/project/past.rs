@@ -17,13 +17,13 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What undo is called in the journal.
+/// Name of undo and redo in the journal.
 pub const UNDONE: &str = "undo or redo";
 /// Changes kept.
 const KEPT: usize = 100;
 /// A longer file was not written by this program.
 const LONGEST: u64 = 256 << 20;
-/// What the file's name has more than the project's.
+/// Suffix of the file's name after the project's.
 const HISTORY: &str = "-history";
 
 /// A change that was made.

@@ -82,7 +82,7 @@ impl Key {
         joined(&self.parts[..self.section])
     }
 
-    /// What stands before the `=`.
+    /// Returns the part of the key before the `=`.
     pub fn name(&self) -> String {
         joined(&self.parts[self.section..])
     }
@@ -121,7 +121,7 @@ fn quoted(text: &str) -> Option<(String, &str)> {
     Some((part, &text[end + 1..]))
 }
 
-/// Where the string ends that a text begins with.
+/// Returns the position of the closing quote of the string that a text begins with.
 fn closing_quote(text: &str) -> Option<usize> {
     let mut is_escaped = false;
     for (at, letter) in text.char_indices().skip(1) {
@@ -212,7 +212,7 @@ fn by_part(one: &str, other: &str) -> Ordering {
 /// A text that is no value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum ValueError {
-    /// It may be one, but would be read one level after the other.
+    /// It may be a value, but would be read one level after the other.
     #[error("it holds lists within lists")]
     TooDeep,
     /// It is no TOML.

@@ -43,7 +43,7 @@ const BOTTOM_FIELDS: [&str; 3] = ["accepted", "corners", "last"];
 /// log.
 const EXCLUDED: &str = "excluded.stretches";
 const EXCLUDED_LOG: &str = "excluded.log";
-/// What a stretch is counted in.
+/// Units that a stretch is counted in.
 const EXCLUDED_UNITS: [&str; 2] = ["pings", "time_s"];
 /// Fields of the row of a stretch that is excluded.
 const EXCLUDED_FIELDS: [&str; 2] = ["last", "reason"];
@@ -55,8 +55,8 @@ pub(super) fn of(project: &Project, folder: &Path) -> Rows {
     differing(project, None, folder)
 }
 
-/// What changes in the lines of a project from one version to another: rows that are new or other,
-/// and the keys of those that are gone. What the versions share is not looked at.
+/// Returns the changes in the lines of a project from one version to another: rows that are new or
+/// other, and the keys of those that are gone. Parts that the versions share are not examined.
 pub(super) fn changes(before: &Project, after: &Project, folder: &Path) -> (Rows, Vec<Key>) {
     let old = differing(before, Some(after), folder);
     let mut new = differing(after, Some(before), folder);

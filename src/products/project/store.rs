@@ -26,13 +26,13 @@ pub(crate) use super::lock::Owner;
 
 /// End of a project's file name.
 pub const ENDING: &str = "bathyscope";
-/// What the journal's name has more than the project's.
+/// Suffix of the journal's name after the project's.
 const JOURNAL: &str = "-journal";
 
-/// Why a project cannot be opened or saved, in one sentence that ends with the file.
+/// Reason why a project cannot be opened or saved, in one sentence that ends with the file.
 pub type StoreError = FileError<StoreFault>;
 
-/// Why a project cannot be opened or saved, in a sentence without the file.
+/// Reason why a project cannot be opened or saved, in a sentence without the file.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreFault {
     /// It cannot be read.
@@ -46,7 +46,7 @@ pub enum StoreFault {
         "the project is open in another window ({0}); close it there, or save this one under another name"
     )]
     Taken(Owner),
-    /// Nothing can be written beside it: [`read`] still shows it.
+    /// The project or a file beside it cannot be written: [`read`] still shows it.
     #[error("the project cannot be written here: {0}; save it under another name")]
     NotWritable(#[source] io::Error),
     /// Another program has changed it since it was read.
@@ -62,22 +62,22 @@ pub enum StoreFault {
 /// A project that was opened.
 #[derive(Debug)]
 pub struct OpenedProject {
-    /// Where it is kept from now on.
+    /// Store that keeps it from now on.
     pub store: Store,
-    /// What is in it, with the gestures that were not saved.
+    /// The project, with the gestures that were not saved.
     pub project: Project,
-    /// What to tell the analyst, in sentences: gestures that were taken in, or could not be.
+    /// Notes to the analyst, in sentences: gestures that were recovered, or could not be.
     pub notes: Vec<String>,
     /// The changes that led to it, the oldest first, as far as they are known.
     pub past: Vec<PastStep>,
 }
 
-/// Where an open project is kept. Dropped, it leaves the journal where something in it is not
-/// saved.
+/// File and journal of an open project. When dropped, it leaves the journal where something in it
+/// is not saved.
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
-    /// Gone only while it is being dropped.
+    /// Journal; `None` only while the store is being dropped.
     journal: Option<ProjectJournal>,
     /// Hash of the file as this window read or wrote it.
     sha256: String,
@@ -289,7 +289,7 @@ impl Store {
         Ok(())
     }
 
-    /// What is written of a project into the file, which must have this hash if one is given.
+    /// Prepares the writing of a project into the file, which must have this hash if one is given.
     fn saving(
         &mut self,
         project: &Project,
@@ -336,7 +336,7 @@ pub struct Saving {
     journal: Syncing,
 }
 
-/// What became of a [`Saving`].
+/// Result of a [`Saving`].
 #[derive(Debug)]
 pub struct SavingOutcome {
     result: Result<(), StoreError>,
@@ -447,7 +447,7 @@ fn replayed(
     rows::read(migrate(rows, entry_version, VERSION), folder)
 }
 
-/// What to tell of gestures that were taken in.
+/// Returns notes on gestures that were recovered from the journal.
 fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
     let mut labels = entries.iter().filter_map(|entry| match entry {
         Entry::Done { label, .. } => Some(label.as_str()),

@@ -107,7 +107,7 @@ fn faint_echo(recorder: &RecorderSettings, range_m: f64, depth_m: f64) -> f64 {
         * absorption(recorder.absorption_db_per_km, range_m)
 }
 
-/// What goes wrong, each in some of the surveys.
+/// Draws the faults and disturbances, each in some of the surveys.
 pub(super) fn artefacts(random: &mut Random) -> Artefacts {
     let sometimes = |random: &mut Random, share: f64, low: f64, high: f64| {
         let value = random.between(low, high);

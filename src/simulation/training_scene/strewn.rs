@@ -1,4 +1,5 @@
-//! What lies and swims about in a random survey: objects, and what is mistaken for them.
+//! Draws what lies on the bottom and swims in a random survey: objects, and what is mistaken for
+//! them.
 
 use super::{log_between, up_to};
 use crate::arithmetic::{cos, sin};
@@ -13,7 +14,7 @@ const TRIES: usize = 12;
 /// Surveys without any object, to learn what is none.
 const EMPTY_SHARE: f64 = 0.08;
 
-/// The ground that both sides hear.
+/// The ground that both sides insonify.
 pub(super) struct Strip {
     length_m: f64,
     bend_rad_per_m: f64,
@@ -109,8 +110,8 @@ struct Build {
 }
 
 impl Build {
-    /// One that is usual for the kind. The numbers are drawn in the order of the fields: another
-    /// order makes another survey of a seed.
+    /// Draws a build that is usual for the kind. The numbers are drawn in the order of the fields:
+    /// another order makes another survey of a seed.
     fn random(random: &mut Random, kind: ObjectKind) -> Self {
         match kind {
             ObjectKind::Rock => {

@@ -1,4 +1,4 @@
-//! Which parts of the window differ between two frames.
+//! Finds the areas of the window that differ between two frames.
 
 use egui::epaint::ClippedShape;
 use egui::{Pos2, Rect, Shape, TextureId};

@@ -31,7 +31,7 @@ struct Kept {
     shapes: Vec<ClippedShape>,
 }
 
-/// What a frame is drawn on. Another one needs a new picture.
+/// Size, scale and background of a frame. A change of them requires a new picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FrameTarget {
     size: [u32; 2],

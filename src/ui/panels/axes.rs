@@ -12,14 +12,15 @@ const ABOVE: f32 = 6.0;
 
 /// Two axes on the screen.
 pub(crate) struct PlotAxes {
-    /// Where the curves lie.
+    /// Area of the curves.
     pub area: Rect,
     across: Axis,
     up: Axis,
 }
 
 impl PlotAxes {
-    /// With room on the left for numbers and name: a number that is cut loses its sign first.
+    /// Creates axes with room on the left for numbers and name: of a number that is cut, the sign
+    /// would be lost first.
     pub(crate) fn new(painter: &Painter, rect: Rect, across: Axis, up: Axis) -> Self {
         let width = |(_, label): &(f64, String)| {
             let galley = painter.layout_no_wrap(label.clone(), font(), Color32::PLACEHOLDER);
@@ -31,7 +32,7 @@ impl PlotAxes {
         Self { area: Rect::from_min_max(min, rect.max - vec2(RIGHT, BELOW)), across, up }
     }
 
-    /// Where a value lies.
+    /// Place of a pair of values on the screen.
     pub(crate) fn at(&self, x: f64, y: f64) -> Pos2 {
         // Shares, which an `f32` holds.
         let [x, y] = [self.across.share(x), self.up.share(y)].map(|share| share as f32);

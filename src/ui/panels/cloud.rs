@@ -11,10 +11,10 @@ use bathyscope_products::pipeline::settings::rows;
 use bathyscope_products::pipeline::{Products, Stage};
 use egui::Ui;
 
-/// How the side-scan points lie over the soundings of their own pings: named alike wherever it
-/// stands.
+/// Name of the figure that compares side-scan points with the soundings of their own pings; the
+/// same in every panel.
 pub(super) const SAME_PING: &str = "Minus sounding";
-/// What it is.
+/// Hint of this figure.
 pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping: median (above 0 is shallower) and 95 % limit.";
 
 /// Its figures.
@@ -76,8 +76,8 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// What the printed equations make of the depth that they were calibrated on: at the calibration
-/// spot r = d, and z = r cos(α2).
+/// Describes the change that the printed equations make to the depth that they were calibrated on:
+/// at the calibration spot r = d, and z = r cos(α2).
 fn published_depth(alpha2_deg: f64) -> String {
     let percent = 100.0 * (alpha2_deg.to_radians().cos() - 1.0);
     format!(

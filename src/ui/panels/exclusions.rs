@@ -1,5 +1,5 @@
-//! What is excluded from every result: turns and stops that are found, and stretches that were
-//! drawn.
+//! Lists the stretches that are excluded from every result: turns and stops that are found, and
+//! stretches that were drawn.
 
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
@@ -168,7 +168,7 @@ fn holds(part: LogPart, mark: LogPlace) -> bool {
     matches!(part, LogPart::Pings([first, last]) if (first..=last).contains(&mark.ping))
 }
 
-/// Where a stretch lies, `1200..1350`, or by the clock where the log has no pings.
+/// Pings of a stretch, `1200..1350`, or its clock times where the log has no pings.
 fn place(survey: &Survey, part: LogPart) -> String {
     match part {
         LogPart::Pings([first, last]) => format!("{first}..{last}"),

@@ -1,16 +1,15 @@
-//! Where the window has the control of a setting, and going there: the palette finds settings by
-//! their names.
+//! Finds the control of a setting and goes there: the palette finds settings by their names.
 
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{SettingRow, rows};
 use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
 
-/// Where the controls of some settings are.
+/// Place of the controls of some settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ControlPlace {
-    /// In a section of the panel of steps.
+    /// A section of the panel of steps.
     Section(&'static str),
-    /// In the list Levels of the waterfall.
+    /// The list Levels of the waterfall.
     Levels,
 }
 
@@ -132,7 +131,7 @@ pub(crate) fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static Sett
     here.flat_map(|(_, rows)| rows.iter().copied())
 }
 
-/// Where the control of a setting is.
+/// Place of the control of a setting.
 pub(crate) fn place_of(key: &str) -> Option<ControlPlace> {
     let holds = |(_, rows): &&(ControlPlace, &[&SettingRow])| rows.iter().any(|row| row.key == key);
     CONTROLS.iter().find(holds).map(|(place, _)| *place)

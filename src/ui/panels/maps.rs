@@ -1,4 +1,4 @@
-//! How depth map, isobaths and mosaic are made: on the map and in the files.
+//! Settings of depth map, isobaths and mosaic, on the map and in the files.
 
 use super::parts::{self, fact};
 use super::section::{Section, section};
@@ -41,7 +41,7 @@ fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     parts::file(ui, context, &rows::CLIP, area.as_deref(), actions);
 }
 
-/// What the map between depths was made by, and what its depths are worth where that is known.
+/// Draws the method of the map between depths, and the errors of its depths where they are known.
 fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(map) = context.app.depth_map().flatten() else {
         return;
@@ -64,7 +64,7 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     }
 }
 
-/// What depths between the lines are.
+/// Describes the source of the depths between the lines.
 fn between_lines(surface: &Surface) -> String {
     match surface.levels {
         FromLevels::Used { .. } => "from echo levels".to_owned(),
@@ -74,8 +74,8 @@ fn between_lines(surface: &Surface) -> String {
     }
 }
 
-/// What withheld soundings are missed by in the way that depths between the lines are found and
-/// without it, where both were tried: `0.06 m, 0.08 m without`.
+/// Errors at withheld soundings, with the method for depths between the lines and without it, where
+/// both were tried: `0.06 m, 0.08 m without`.
 fn withheld_errors(surface: &Surface, units: Units) -> Option<String> {
     let [without_m, with_m] = match (surface.levels, surface.bends) {
         (FromLevels::Used { left_out_m }, _) => left_out_m?,

@@ -1,4 +1,4 @@
-//! What stands around the views: one file a panel. Each reads the state and pushes commands.
+//! Panels around the views, one file each. Each panel reads the state and pushes commands.
 
 pub(super) mod axes;
 mod calibration;

@@ -1,5 +1,5 @@
-//! How the recorder is mounted on its boat, what its default is, whose metres its positions are,
-//! and which of its frequencies is shown.
+//! Settings of the mounting of the recorder on its boat, its default, the coordinate system of
+//! positions in metres, and the frequency that is shown.
 
 use super::find_setting;
 use super::parts::{self, name_cell, remark, warning};
@@ -31,7 +31,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// What the settings do, and which of them cannot do anything.
+/// Draws the effect of the settings, and a warning for each setting without effect.
 fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let settings = &context.app.log.settings;
     let mounting = &settings.mounting;
@@ -50,7 +50,8 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     }
 }
 
-/// What the track's crossings with itself say of positions and depths.
+/// Draws the warnings about positions and depths that follow from the track's crossings with
+/// itself.
 fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(products) = &context.app.log.products else {
         return;
@@ -74,7 +75,8 @@ fn sounding_lag(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.named_button(ui.small_button("Apply the lag"), Action::ApplySoundingLag);
 }
 
-/// Whether the mounting is the default of the recorder, and what can be done about it.
+/// States whether the mounting is the default of the recorder, and draws the actions that change
+/// this.
 fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let recorder = app.recorder();

@@ -1,5 +1,5 @@
-//! What there is to open: any log, the demo survey, the logs on cards and drives, and those of
-//! before.
+//! Offers what can be opened: any log, the demo survey, the logs on cards and drives, and those
+//! opened before.
 
 use super::parts::remark;
 use crate::app::{Action, CARDS_LISTED_EVERY, Command};

@@ -11,8 +11,8 @@ use bathyscope_products::pipeline::settings::{
 };
 use egui::{Align, Button, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
-/// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle
-/// with `i`.
+/// Draws the sign of a notice: a triangle with `!` for what could not be done, a circle with `i`
+/// for what was done.
 pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
     let (colour, sign, name) = if is_error {

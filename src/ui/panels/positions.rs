@@ -1,4 +1,4 @@
-//! How far the positions of the logs are off, and how late they are.
+//! Shifts and latencies of the positions of the logs.
 
 use super::parts::{self, name_of, press, press_short, remark};
 use crate::app::{Action, App, FoundPositions};

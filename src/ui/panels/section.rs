@@ -33,7 +33,7 @@ impl Section {
     }
 }
 
-/// How a stage's result stands to its settings.
+/// State of a stage's result in relation to its settings.
 #[derive(Clone, Copy, PartialEq)]
 enum Freshness {
     Fresh,

@@ -1,4 +1,4 @@
-//! What is selected: one ping with everything known about it, to read and to copy.
+//! Shows the selected ping with everything known about it, to read and to copy.
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
@@ -102,8 +102,8 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     fact(ui, "Speed", hint, context.units().speed(here.speed_mps, 1));
 }
 
-/// How antenna and transducer lie to each other at the ping, and which sides these are, where that
-/// is not as recorded.
+/// Draws the position of the transducer relative to the antenna at the ping, and that the sides are
+/// exchanged, where either is not as recorded.
 fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let Some(products) = &context.app.log.products else {
         return;

@@ -1,4 +1,4 @@
-//! What is known of water and transducer, and what it does to the depths.
+//! Settings of water and transducer that correct the depths.
 
 use super::parts::{self, setting};
 use super::section::{Section, section};
@@ -8,7 +8,7 @@ use bathyscope_products::pipeline::Stage;
 use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
-/// What a lake has in spring and autumn: where the slider begins.
+/// Initial temperature of the slider, °C: usual for a lake in spring and autumn.
 const USUAL_C: f64 = 12.0;
 
 /// Draws the section.

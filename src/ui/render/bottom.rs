@@ -41,10 +41,10 @@ pub struct BottomVertex {
     pub far_colour: [u8; 4],
 }
 
-/// What is drawn at a corner.
+/// Rendering of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BottomPart {
-    /// Nothing, nor of any square that it is a corner of.
+    /// The corner and its squares are not drawn.
     None,
     /// Its colour alone, without light and isobaths.
     Plain,
@@ -53,7 +53,7 @@ pub enum BottomPart {
 }
 
 impl BottomVertex {
-    /// At a place, square to `normal` (of length 1).
+    /// Creates a corner at a place, with `normal` (of length 1) perpendicular to the bottom.
     pub fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], part: BottomPart) -> Self {
         let whole = |part: f32| (part.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16;
         let [r, g, b] = rgb;
@@ -66,7 +66,7 @@ impl BottomVertex {
         }
     }
 
-    /// In another colour from far away.
+    /// Returns the corner with another colour for the view from far away.
     #[must_use]
     pub fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
         let [.., lit] = self.far_colour;
@@ -148,12 +148,12 @@ fn level(finest_px: f32) -> usize {
 
 /// A bottom on the GPU.
 pub struct BottomBuffers {
-    /// Of the tiles with something to draw: most of the grid around a river, or around ponds far
-    /// apart, is empty.
+    /// Buffers of the tiles with something to draw: most of the grid around a river, or around
+    /// ponds far apart, is empty.
     tiles: Vec<wgpu::Buffer>,
     extents: Vec<Extent>,
     numbers: wgpu::Buffer,
-    /// Where the triangles of each level lie among the numbers.
+    /// Range of the triangles of each level in `numbers`.
     levels: [Range<u32>; LEVELS],
     cell_m: f32,
 }
@@ -224,10 +224,10 @@ fn nearest(projection: &CameraProjection, [low, high]: [Vec3; 2]) -> Option<f32>
     (!is_out).then(|| clip.iter().map(|c| c.w).fold(f32::MAX, f32::min).max(0.0))
 }
 
-/// What to draw and from where.
+/// Parameters of a picture of the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BottomDraw {
-    /// From world metres to the picture.
+    /// Projection from world metres to the picture.
     pub projection: CameraProjection,
     /// Towards the light, of length 1: east, north, up.
     pub light: Vec3,

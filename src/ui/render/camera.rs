@@ -8,15 +8,15 @@ const FIELD_OF_VIEW: f32 = 0.7;
 /// Nearest and farthest that the camera comes to its target, metres.
 const DISTANCES_M: [f32; 2] = [0.05, 1e6];
 
-/// How near and how far the camera is held to a box, as a share of the box's size; and the least
-/// distance, metres.
+/// Least and greatest distance of the camera that is held to a box, as a share of the box's size.
 const HELD: [f32; 2] = [0.002, 20.0];
+/// Least distance, metres.
 const LEAST_M: f32 = 0.3;
 
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
-    /// From above, north up.
+    /// View from above, north up.
     Top,
     /// Level, from the south.
     South,
@@ -27,7 +27,7 @@ pub(crate) enum Direction {
 pub struct OrbitCamera {
     /// The point looked at, metres, before vertical exaggeration.
     pub target: Vec3,
-    /// From the target, metres.
+    /// Distance from the target, metres.
     pub distance_m: f32,
     /// Compass direction of the view, radians clockwise from north.
     pub azimuth_rad: f32,
@@ -180,12 +180,12 @@ pub(super) fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
     })
 }
 
-/// From the world to the picture.
+/// Projection from the world to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraProjection {
     /// Clip space from world metres.
     pub clip_from_world: Mat4,
-    /// Where the camera is, in world metres.
+    /// Position of the camera, world metres.
     pub eye: Vec3,
 }
 

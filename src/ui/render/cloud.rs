@@ -55,7 +55,7 @@ impl CloudBuffers {
     }
 }
 
-/// What to draw and from where.
+/// Parameters of a picture of the cloud.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CloudDraw {
     /// Clip space from metres.
@@ -64,8 +64,8 @@ pub(crate) struct CloudDraw {
     pub radius_px: f32,
     /// The first so many points are drawn.
     pub count: usize,
-    /// By this share of their distance the points count as nearer than they are: beside a bottom
-    /// that runs through them they are seen.
+    /// Share of their distance by which the points count as nearer, so that points are visible on a
+    /// bottom that runs through them.
     pub nearer: f32,
     /// The part that is drawn.
     pub part: ScenePart,

@@ -68,7 +68,7 @@ impl FlatRenderer {
         });
     }
 
-    /// What [`FlatRenderer::show`] reads a picture by.
+    /// Creates the bind group by which [`FlatRenderer::show`] reads a picture.
     pub(crate) fn bind_picture(
         &self,
         device: &wgpu::Device,

@@ -14,7 +14,7 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    /// Where the line is broken.
+    /// Break of the line.
     pub(crate) const BREAK: Self = Self { place: [f32::NAN; 2], colour: [0; 4] };
 }
 
@@ -25,7 +25,7 @@ pub(super) type LayerBounds = [f32; 4];
 const CHUNK: usize = 512;
 /// Spacing of the vertices of the finest level, metres: below what a position fix resolves.
 const FINEST_M: f32 = 0.02;
-/// From level to level.
+/// Ratio of the spacing of a level to that of the next finer one.
 const COARSER: f32 = 2.0;
 /// Vertices that one straight piece replaces, at most.
 const STRAIGHT: usize = 24;
@@ -85,7 +85,7 @@ pub(crate) struct LinePyramid {
     pub levels: Vec<LineLevel>,
 }
 
-/// What becomes of pieces that are smaller than a level resolves.
+/// Treatment of pieces that are smaller than a level resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Specks {
     /// They stay, as a dot: a boat at anchor was there.

@@ -41,7 +41,8 @@ impl TrackBuffers {
     }
 }
 
-/// What to draw: a level, its runs of segments, and the strokes drawn over each other, first below.
+/// Lines to draw: a level, its runs of segments, and the strokes drawn over each other, first
+/// below.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LineDraw {
     /// Index of the level.

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-/// What lies in a box, and on one side of an upright plane.
+/// Part of a scene in a box, and on one side of a vertical plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScenePart {
     /// Corners of the box outside of which nothing is drawn, metres.
@@ -38,8 +38,8 @@ impl ScenePart {
         (place.cmpge(low) & place.cmple(high)).all() && !self.cut.is_some_and(is_beyond)
     }
 
-    /// As the shaders read it: the corners, and the plane as its unit vector and how far along it
-    /// stands.
+    /// Returns the part as the shaders read it: the corners, and the plane as its unit vector and
+    /// its distance along that vector.
     pub(super) fn uniform(&self) -> [Vec4; 3] {
         let [low, high] = self.corners.map(|corner| corner.extend(0.0));
         let cut = self

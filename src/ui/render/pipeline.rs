@@ -1,6 +1,7 @@
-//! What all pipelines are made of: buffers, bind groups and their layouts, and the pipeline itself.
+//! Building blocks of all pipelines: buffers, bind groups and their layouts, and the pipeline
+//! itself.
 
-/// What a pipeline differs in from the others.
+/// Properties that differ between the pipelines.
 pub(super) struct PipelineParts<'a> {
     pub label: &'static str,
     pub shader: &'a str,

@@ -15,7 +15,7 @@ pub(crate) const TILE_ROWS: usize = 512;
 /// Places of a curve in the table of curves. Same as in the shader.
 const CURVE_PLACES: usize = 64;
 
-/// How echo strength becomes colour. Same layout as `EchoStyle` in `shaders/waterfall.wgsl`.
+/// Conversion of echo strength into colour. Same layout as `EchoStyle` in `shaders/waterfall.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct EchoStyle {
@@ -31,8 +31,8 @@ pub(crate) struct EchoStyle {
     pub time_is_down: u32,
     /// 1 where the target converts to sRGB on writing; set by [`WaterfallPicture::prepare`].
     pub linear_target: u32,
-    /// What lies across: 0 recorded slant range, 1 slant range beyond the altitude, 2 distance on
-    /// the ground.
+    /// Geometry of the across direction: 0 recorded slant range, 1 slant range beyond the altitude,
+    /// 2 distance on the bottom.
     pub geometry: u32,
     /// Sum of 1 for the gain curves, 2 for the stripe factors, 4 for the median of 3 x 3.
     pub filters: u32,
@@ -54,7 +54,7 @@ pub(crate) struct EchoStyle {
     pub padding: f32,
 }
 
-/// Where a tile, or the part of it in view, lies. Same layout as `Quad` in the shader.
+/// Place of a tile, or of the part of it in view. Same layout as `Quad` in the shader.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Quad {
@@ -79,8 +79,8 @@ pub(crate) struct Quad {
 /// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
 pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 
-/// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe
-/// filter]`.
+/// Values that bring a row of a tile to the common level: `[altitude, scale, offset, factor of the
+/// stripe filter]`.
 pub type TileRow = [f32; 4];
 
 /// The gain curves that tiles are brought to one level by, on the GPU. Clones share it.
@@ -95,7 +95,7 @@ pub(crate) struct TileTexture {
     bind_group: wgpu::BindGroup,
 }
 
-/// What the rows of a tile are brought to one level by, on the GPU. Clones share it.
+/// Values of [`TileRow`] for the rows of a tile, on the GPU. Clones share them.
 #[derive(Clone, Debug)]
 pub struct TileRows {
     bind_group: wgpu::BindGroup,

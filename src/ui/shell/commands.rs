@@ -1,4 +1,4 @@
-//! What the shell itself does about a command; the rest goes to the state.
+//! Commands that the shell itself carries out; the rest goes to the state.
 
 use super::printing::BUSY;
 use super::sides::SidePanel;
@@ -58,8 +58,8 @@ impl Shell {
         ctx.request_repaint();
     }
 
-    /// What an action needs a path for, if that is all it does and something is open that the path
-    /// belongs to.
+    /// Purpose of the path that an action needs, if the action does nothing else and the path can
+    /// be used with what is open.
     fn path_for(&self, action: Action) -> Option<PathPurpose> {
         let has_survey = self.app.log.survey.is_some();
         let has_products = self.app.log.products.is_some();
@@ -79,7 +79,7 @@ impl Shell {
         }
     }
 
-    /// What an action asks of which view.
+    /// View and request of an action; `None` if the action is no request to a view.
     fn view_request(&self, action: Action) -> Option<(View, ViewRequest)> {
         let target = self.layout.target();
         match action {
@@ -369,7 +369,7 @@ impl Shell {
     }
 }
 
-/// How an action arranges the views.
+/// Arrangement of the views by an action; `None` if the action is no such command.
 fn layout_preset(action: Action) -> Option<LayoutPreset> {
     match action {
         Action::LayoutSurvey => Some(LayoutPreset::Survey),

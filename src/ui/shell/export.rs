@@ -21,14 +21,14 @@ pub(super) struct ExportDialog {
     open: Option<Asked>,
 }
 
-/// What the dialog holds.
+/// State of the open dialog.
 struct Asked {
     folder: String,
     /// The folder was named, and not only proposed.
     is_named: bool,
-    /// What the sizes follow from.
+    /// Amounts of data that the sizes of the files follow from.
     amounts: Amounts,
-    /// What the depths count from and what is not corrected.
+    /// Level that the depths are counted from, and corrections that are not applied.
     statement: Vec<String>,
     /// The folder that was looked at, and what happens to it.
     known: Option<(String, String)>,
@@ -36,7 +36,7 @@ struct Asked {
     takes_keyboard: bool,
 }
 
-/// What the analyst pressed.
+/// Button that the analyst pressed.
 #[derive(Clone, Copy, PartialEq)]
 enum Pressed {
     Nothing,
@@ -193,7 +193,7 @@ fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
     (pressed, goes_on)
 }
 
-/// What becomes of a folder that products are written into.
+/// Describes the effect of an export on a folder.
 fn state_of(folder: &Path) -> &'static str {
     if folder.join(MANIFEST).is_file() {
         "The files of an earlier export there will be replaced."

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 /// A key of the command table.
 struct Bound {
-    /// As the table writes it.
+    /// Key in the notation of the table.
     keys: Keys,
     shortcut: KeyboardShortcut,
     action: Action,
@@ -130,10 +130,10 @@ pub(super) fn collect(
     }
 }
 
-/// How often a key was pressed since the last frame, which then nobody else sees: more than once
-/// where frames are slow. A letter with Shift is another key than the letter: where one of them has
-/// no meaning, the other one must not act in its place. Of a sign only its keyboard knows whether
-/// it takes Shift.
+/// Counts the presses of a key since the last frame and consumes them; there is more than one where
+/// frames are slow. A letter with Shift is another key than the letter: where one of them has no
+/// meaning, the other one must not act in its place. Whether a sign takes Shift depends on the
+/// keyboard.
 fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
     let name = shortcut.logical_key.name();
     let is_letter =

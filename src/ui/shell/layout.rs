@@ -17,7 +17,7 @@ pub(super) struct Layout {
     tree: Tree<View>,
     focus: View,
     maximised: Option<View>,
-    /// Nobody has arranged the views: they lie as the window has room.
+    /// True until the user arranges the views; until then they lie as there is room.
     #[serde(default)]
     is_automatic: bool,
 }
@@ -187,7 +187,7 @@ impl Layout {
     }
 }
 
-/// What egui_tiles asks while it draws.
+/// Behaviour of the panes for egui_tiles.
 struct Panes<'a, 'c> {
     views: &'a mut Views,
     context: &'a mut ViewContext<'c>,
@@ -198,7 +198,7 @@ struct Panes<'a, 'c> {
     is_edited: bool,
 }
 
-/// What the title of a view's tab says of its results.
+/// State of the results of a view, for the title of its tab.
 fn state_of(view: View, app: &App) -> &'static str {
     match view {
         View::Waterfall if app.is_following() => " (following)",

@@ -108,7 +108,7 @@ fn set(context: &mut ViewContext<'_>, levels: Option<[f64; 2]>, label: &'static 
     });
 }
 
-/// How often each level occurs, with black and white to be dragged.
+/// Draws the histogram of the levels, with black and white to be dragged.
 fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());

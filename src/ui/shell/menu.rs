@@ -21,17 +21,17 @@ const FILE: &[Action] = &[
     Action::ShowTogether,
     Action::CloseLog,
 ];
-/// What else the map is drawn with.
+/// Commands for further files that the map is drawn with.
 const MAP_FILES: &[Action] = &[
     Action::OpenBaseMap,
     Action::CloseBaseMap,
     Action::OpenIsobathArea,
     Action::RemoveIsobathArea,
 ];
-/// What other instruments recorded of the open survey.
+/// Commands for recordings of other instruments over the open survey.
 const EXTERNAL: &[Action] =
     &[Action::OpenWaterLevels, Action::RemoveWaterLevels, Action::OpenTrack, Action::RemoveTrack];
-/// How the recorder of the shown log is mounted.
+/// Commands for the mounting of the recorder of the shown log.
 const MOUNTING: &[Action] =
     &[Action::SwapSides, Action::ApplySoundingLag, Action::UseMounting, Action::ForgetMounting];
 const LAYOUTS: &[Action] = &[
@@ -115,11 +115,11 @@ const PROCESSING: &[Action] = &[
     Action::Cancel,
 ];
 
-/// What makes boxes.
+/// Commands of the detector, which makes boxes.
 const DETECTOR: &[Action] = &[Action::FindObjects, Action::ChooseModel, Action::ShippedModel];
 const REVIEW_FILES: &[Action] =
     &[Action::TakeUpUnsaved, Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
-/// What compares boxes with the truth.
+/// Commands that compare boxes with the truth.
 const TRUTH: &[Action] =
     &[Action::OpenTruth, Action::ForgetTruth, Action::NextMistake, Action::PreviousMistake];
 const BOXES: &[Action] = &[
@@ -145,7 +145,7 @@ const BOXES: &[Action] = &[
     Action::RemoveBox,
 ];
 
-/// What draws the entries of a menu.
+/// Function that draws the entries of a menu.
 type Contents = fn(&mut Ui, &mut ViewContext<'_>);
 
 /// Draws the bar.

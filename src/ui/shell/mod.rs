@@ -57,7 +57,7 @@ struct Views {
     cloud: CloudView,
     objects: ObjectsView,
     profile: ProfileView,
-    /// Where each was drawn last, in the order of [`View::ALL`].
+    /// Area of each view where it was drawn last, in the order of [`View::ALL`].
     areas: [Option<Rect>; View::ALL.len()],
 }
 
@@ -151,7 +151,7 @@ pub struct Shell {
     warned_of_loss: bool,
     /// The survey that the play head ran over.
     met: u64,
-    /// What the window is named after.
+    /// Title of the window.
     title: String,
 }
 
@@ -280,8 +280,8 @@ impl Shell {
         }
     }
 
-    /// What a survey that has just been opened asks of the window itself: its name in the title,
-    /// and a play head at rest.
+    /// Updates the window after a survey was opened: shows its name in the title, and stops the
+    /// play head.
     fn meet_survey(&mut self, ctx: &egui::Context) {
         let title = self.title();
         if title != self.title {
@@ -325,8 +325,8 @@ impl Shell {
         }
     }
 
-    /// What bare keys act in; `None` while a dialog, a list that has dropped down, the manual or a
-    /// control outside of views and review has the keyboard.
+    /// Part of the window that bare keys act in; `None` while a dialog, a drop-down list, the
+    /// manual or a control outside of views and review has the keyboard.
     fn key_focus(&self, ui: &Ui) -> Option<KeyFocus> {
         let ctx = ui.ctx();
         if self.dialogs.is_waiting() || self.manual.open || egui::Popup::is_any_open(ctx) {

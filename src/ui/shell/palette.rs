@@ -18,7 +18,7 @@ pub(super) struct CommandPalette {
     has_keyboard: bool,
 }
 
-/// What can be run, or gone to.
+/// Entry of the palette: a command to run, or a setting to go to.
 struct Item {
     label: String,
     /// Another name that it is found by.
@@ -179,9 +179,8 @@ fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
     found.into_iter().map(|(_, item)| item).collect()
 }
 
-/// How well the letters of `query` fit into `label` in order: letters that start a word or follow
-/// each other count more, and most where the label begins with all of them. `None` when they do not
-/// fit.
+/// Score of the letters of `query` in `label` in order: letters that start a word or follow each
+/// other count more, and most where the label begins with all of them. `None` when they do not fit.
 fn score(label: &str, query: &str) -> Option<i32> {
     let label = label.to_lowercase();
     let letters: Vec<char> = label.chars().collect();

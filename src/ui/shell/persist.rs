@@ -1,6 +1,6 @@
-//! What is kept between runs: what a person likes (display options, arrangement, mountings), recent
-//! logs with the settings that each was last given, the base map's file. Never data; and no setting
-//! of one survey for the next.
+//! Saves a person's preferences between runs (display options, arrangement, mountings), with recent
+//! logs, the settings that each was last given, and the path of the base map. Never data; and no
+//! setting of one survey for the next.
 
 use super::Shell;
 use super::layout::Layout;
@@ -19,7 +19,7 @@ struct Saved {
     recent: Vec<PathBuf>,
     #[serde(default)]
     base_map: Option<PathBuf>,
-    /// How recorders are mounted as a rule.
+    /// Default mountings of the recorders.
     #[serde(default)]
     mountings: Mountings,
     /// Settings of another version may not be known here; the rest is taken all the same.

@@ -10,7 +10,7 @@ const SPEEDS: [f64; 6] = [1.0, 2.0, 4.0, 10.0, 20.0, 30.0];
 /// The one of them to begin with.
 const FIRST_SPEED: usize = 2;
 
-/// Whether and how fast the selection runs.
+/// Playback of the selection: its state and its speed.
 pub(super) struct Play {
     running: bool,
     /// Index into [`SPEEDS`].

@@ -104,8 +104,8 @@ fn sheet_summary(view: View, sheet: Sheet, views: &Views) -> String {
     }
 }
 
-/// By how much the map is smaller than the ground on a sheet of [`PrintOptions::POINT_M`] points;
-/// `None` while there is no map.
+/// Scale of the map on a sheet of [`PrintOptions::POINT_M`] points, as the length in nature over
+/// the length on paper; `None` while there is no map.
 pub(super) fn map_scale(sheet: Sheet, views: &Views) -> Option<f64> {
     let [width, height] = sheet.size_px.map(|side| side as f32 / sheet.pixels_per_point);
     let inside = [width, (height - ABOVE - BELOW).max(1.0)];

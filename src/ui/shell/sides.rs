@@ -10,7 +10,7 @@ use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, UiBuilder, UiKind, UiStac
 pub(super) enum SidePanel {
     /// The paper's steps, left.
     Steps,
-    /// What is selected, right.
+    /// The selection, right.
     Details,
 }
 

@@ -1,4 +1,4 @@
-//! Which layers of the map lie left, and which right of its divider.
+//! Control of the swipe: the layers of the map that lie left of its divider, and those right of it.
 
 use crate::app::{MapOptions, SwipeSide};
 use crate::ui::drop_down::DropDown;

@@ -19,7 +19,7 @@ const LEAST_PX: f32 = 64.0;
 /// Longer side of a picture over its shorter one, at most.
 const LONGEST: f32 = 2.6;
 
-/// What a picture was made of.
+/// Inputs of a picture.
 #[derive(Clone, PartialEq)]
 pub(crate) struct ChipKey {
     pub survey: Same<Survey>,
@@ -34,7 +34,7 @@ pub(crate) struct ChipKey {
 }
 
 impl ChipKey {
-    /// Of a box of a log; `None` while the log has no results.
+    /// Creates the key of a box of a log; `None` while the log has no results.
     pub(crate) fn of(log: &OpenLog, mark: &Mark, shown: &WaterfallOptions) -> Option<Self> {
         Some(Self {
             survey: Same(log.survey.clone()?),
@@ -56,8 +56,8 @@ impl ChipKey {
     }
 }
 
-/// How a raster's picture, range to the right and time downward, is turned: as the waterfall shows
-/// that side.
+/// Rotation of a raster's picture (range to the right, time downward) into the orientation in which
+/// the waterfall shows that side.
 #[derive(Clone, Copy)]
 struct Turned {
     orientation: Orientation,
@@ -68,7 +68,7 @@ struct Turned {
 }
 
 impl Turned {
-    /// Where a place of the raster's picture comes to lie; both as shares of the picture.
+    /// Place of a point of the raster in the turned picture; both as shares of the picture.
     fn share(self, range: f32, time: f32) -> Pos2 {
         let across = if self.is_first { 1.0 - range } else { range };
         let time = if self.flip { 1.0 - time } else { time };
@@ -85,7 +85,7 @@ impl Turned {
         }
     }
 
-    /// Which way range grows and time runs.
+    /// Describes the directions in which range grows and time runs.
     fn words(self) -> String {
         let sideways = |to_left: bool| {
             if to_left { "to the left" } else { "to the right" }

@@ -6,7 +6,7 @@ use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::survey::{LogPart, Side};
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
 
-/// What comes of a drag along the pings of a log.
+/// Effect of a drag along the pings of a log.
 #[derive(Clone, Copy)]
 pub(super) enum Does {
     Exclusion(ExclusionEdit),
@@ -26,7 +26,7 @@ impl Does {
         }
     }
 
-    /// What it will do, with how much it covers.
+    /// Describes the effect, with the length that the drag covers.
     pub(super) fn words(self, app: &App, log: LogId, pings: [usize; 2]) -> Option<String> {
         let units = app.view.options.units;
         let extent = app.extent_of(log, LogPart::Pings(pings))?;
@@ -47,8 +47,8 @@ impl Does {
     }
 }
 
-/// Where a drag with a tool in hand began in this frame; with Space held it moves the picture
-/// instead.
+/// Place where a drag with a tool in hand began in this frame; `None` while Space is held, which
+/// moves the picture instead.
 pub(super) fn begun(ui: &Ui, response: &Response) -> Option<Pos2> {
     let (space, pressed) =
         ui.input(|input| (input.key_down(Key::Space), input.pointer.press_origin()));
@@ -63,7 +63,7 @@ pub(super) fn is_given_up(ui: &Ui, response: &Response) -> bool {
     response.drag_stopped() && ui.input(|input| input.pointer.primary_down())
 }
 
-/// What the tool for excluded stretches does by the keys that are held.
+/// Effect of the tool for excluded stretches with the keys that are held.
 pub(super) fn exclusion_edit(held: Modifiers) -> ExclusionEdit {
     if held.alt {
         ExclusionEdit::Reset

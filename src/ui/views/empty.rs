@@ -1,4 +1,4 @@
-//! What an empty view says, and what it offers.
+//! Text and buttons of an empty view.
 
 use crate::app::Action;
 use crate::ui::{ViewContext, theme};
@@ -8,7 +8,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, vec2};
 pub(super) const NO_GPU: &str =
     "No GPU: this picture needs a graphics driver (Vulkan, Metal or DirectX 12).";
 
-/// What a person does first, one line a step.
+/// First steps of a person, one line each.
 const FIRST_STEPS: [&str; 3] = [
     "1. Open the log that your recorder wrote on its card, or drop it on the window.",
     "2. Look whether the line follows the bottom here, and at the depths on the map.",

@@ -118,7 +118,7 @@ impl LegendScale {
         Self::of_metres("slant range", ends_m, units, share_colour)
     }
 
-    /// What depths are worth, the surest on top.
+    /// Uncertainties of depths, the least on top.
     pub(super) fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
         Self::of_metres("uncertainty", ends_m, units, uncertainty_colour)
     }
@@ -137,7 +137,7 @@ impl LegendScale {
         }
     }
 
-    /// How hard the bed is against the median of the map, decibels, the hardest on top.
+    /// Hardness of the bed against the median of the map, decibels, the hardest on top.
     pub(super) fn of_hardness([low_db, high_db]: [f32; 2]) -> Self {
         Self {
             title: "hardness, dB".to_owned(),

@@ -1,5 +1,5 @@
-//! What is measured, in words, and what the views share to measure: the strip that says it and the
-//! keys of the cross.
+//! Describes a measurement in words, and has the parts of measuring that the views share: the strip
+//! with the result and the keys of the cross.
 
 use super::legend;
 use crate::app::{Action, App};
@@ -27,7 +27,7 @@ pub(crate) fn beside(app: &App, figure: &Measurement) -> Option<String> {
     Some(format!("{whole}\nleg {leg}{course}"))
 }
 
-/// What is measured; `None` while there is nothing between the corners.
+/// Result of a measurement; `None` while there is nothing between the corners.
 fn measured(app: &App, figure: &Measurement) -> Option<String> {
     let units = app.view.options.units;
     let length = units.ground_length(figure.length_m());
@@ -49,7 +49,7 @@ fn measured(app: &App, figure: &Measurement) -> Option<String> {
     }
 }
 
-/// What is measured, with its name; `None` while there is nothing between the corners.
+/// Result of a measurement with its name; `None` while there is nothing between the corners.
 fn words(app: &App, figure: &Measurement) -> Option<String> {
     let measured = measured(app, figure)?;
     Some(match figure.kind {
@@ -73,7 +73,8 @@ pub(crate) fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) ->
     }
 }
 
-/// What is measured, and what can be done with it. How to measure stands in the banner of the tool.
+/// Draws the result of a measurement and the buttons for it. The banner of the tool explains the
+/// measuring.
 pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Measurement) {
     let Some(text) = words(context.app, shown) else {
         return;

@@ -36,7 +36,7 @@ impl ViewTexture {
         true
     }
 
-    /// What to draw into.
+    /// Returns the target to draw into, and marks the picture as changed.
     pub(super) fn target(&mut self) -> Option<&RenderTarget> {
         let shown = self.shown.as_mut()?;
         shown.picture.has_changed();

@@ -14,7 +14,7 @@ const MARGIN: egui::Vec2 = vec2(7.0, 3.0);
 /// Lowest view that has room for the keys, points.
 const ROOM_FOR_KEYS: f32 = 170.0;
 
-/// What a banner says.
+/// Text of a banner.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Banner {
     name: &'static str,
@@ -27,7 +27,7 @@ impl Banner {
         Self { name, next: next.into(), keys }
     }
 
-    /// Of the tool in hand that is of use in a view; `None` without one.
+    /// Creates the banner of the tool in hand that is of use in a view; `None` without one.
     pub(super) fn of(app: &App, view: View) -> Option<Self> {
         if let Some(kind) = app.map.measuring.tool {
             return measuring(app, kind, view);
@@ -86,7 +86,7 @@ impl Banner {
 
 /// A banner in its place.
 pub(super) struct PlacedBanner {
-    /// What it covers.
+    /// Area of the banner.
     pub plate: Rect,
     galley: Arc<Galley>,
     words: String,
@@ -107,7 +107,7 @@ impl PlacedBanner {
     }
 }
 
-/// Of a tool that is of use in the waterfall alone.
+/// Returns the banner of a tool that is of use in the waterfall alone.
 fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
     Some(match tool {
         Tool::Look | Tool::Exclude | Tool::Calibrate => return None,

@@ -1,4 +1,4 @@
-//! Which file of the source tree imports which. Tests do not count, and a path counts for the file
+//! Imports between the files of the source tree. Tests do not count, and a path counts for the file
 //! that defines the item.
 
 use super::{code, files_of, folder_of};
@@ -8,7 +8,7 @@ use std::path::Path;
 /// A module with its `::` path and without its tests.
 #[derive(Default)]
 struct Module {
-    /// What it knows by `use`: name and path.
+    /// Names that `use` brings into it, with their paths.
     scope: BTreeMap<String, String>,
     /// The paths that its code takes.
     taken: Vec<String>,
@@ -16,7 +16,7 @@ struct Module {
     extended: BTreeSet<String>,
 }
 
-/// For each module the names that it takes from each other one.
+/// Names that each module takes from each other module.
 pub(super) type Imports = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 fn joined(one: &str, other: &str) -> String {
@@ -188,7 +188,7 @@ pub(super) fn imports(name: &str) -> Imports {
     imports
 }
 
-/// All modules that one imports, directly or through others.
+/// Returns all modules that a module imports, directly or through others.
 fn reached<'a>(imports: &'a Imports, start: &'a str) -> BTreeSet<&'a str> {
     let (mut seen, mut ahead) = (BTreeSet::new(), vec![start]);
     while let Some(module) = ahead.pop() {
@@ -198,8 +198,8 @@ fn reached<'a>(imports: &'a Imports, start: &'a str) -> BTreeSet<&'a str> {
     seen
 }
 
-/// What modules take from each other that import each other, directly or through others: a sentence
-/// for each two.
+/// Returns the names that modules take from each other where they import each other, directly or
+/// through others: a sentence for each pair.
 pub(super) fn circles(imports: &Imports) -> Vec<String> {
     let mut ties = Vec::new();
     for (module, taken) in imports {

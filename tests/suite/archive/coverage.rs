@@ -1,4 +1,5 @@
-//! Which recording saw a place: the rows of an archive against all pings of the logs themselves.
+//! Tests which recordings saw a place: the rows of an archive against all pings of the logs
+//! themselves.
 
 use super::{CORNER_M, ZONE, three_logs};
 use crate::cli::{refusal, run};

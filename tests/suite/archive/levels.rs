@@ -120,7 +120,7 @@ fn tiles_from_levels_meet_to_the_bit_and_are_as_their_neighbours_change() {
     }
 }
 
-/// What a raster of depths says of places, by squares of half a metre.
+/// Reads the depths of a raster, by squares of half a metre.
 fn depths(path: &Path) -> BTreeMap<[i64; 2], f64> {
     let points = read_cells(path).expect("a raster of depths").points;
     let square = |[x, y, depth_m]: [f64; 3]| ([x, y].map(|m| (2.0 * m).floor() as i64), depth_m);

@@ -47,7 +47,7 @@ impl Levels {
     }
 }
 
-/// What all tiles of the archive show.
+/// Reads the levels that all tiles of the archive show.
 fn of_archive(archive: &Path, cell_m: f64) -> BTreeMap<[i64; 2], u8> {
     let opened = Archive::open(archive).expect("an archive");
     let tiles = contents(&opened).expect("records").into_keys();

@@ -13,8 +13,8 @@ use std::fs;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
-/// How the positions of each log are off, metres to the east and north, and late, seconds: shifts
-/// have a mean of zero, since one that all share shows nowhere.
+/// Errors of the positions of each log: metres to the east and north, and latency, seconds. Shifts
+/// have a mean of zero, since a shift that all share shows nowhere.
 pub(crate) const TRUTH: [[f64; 3]; 4] =
     [[1.5, -1.0, 0.0], [0.0, 0.0, 1.2], [-1.5, 1.0, 0.0], [0.0, 0.0, 0.0]];
 

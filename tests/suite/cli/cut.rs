@@ -34,8 +34,8 @@ fn sha256(bytes: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// That a run ended with all products of one of two states of the log, or with a sentence and none.
-/// Gives the sentence.
+/// Checks that a run ended with all products of one of two states of the log, or with a sentence
+/// and none. Returns the sentence.
 fn refused(folder: &Path, output: &Output, states: [&[u8]; 2]) -> Option<String> {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let out = folder.join("out");

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// Kills of the test; `BATHYSCOPE_KILLS` asks for more.
 const KILLS: usize = 15;
-/// Where a run keeps its files until all are there.
+/// Folder in which a run keeps its files until all are there.
 const SIDE: &str = ".bathyscope-run";
 /// A file of the user's in the same folder.
 const NOTES: &str = "notes.txt";
@@ -55,7 +55,8 @@ fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
 }
 
-/// That all files are of the run that the manifest names, and no other is there. What is the draft?
+/// Checks that all files are of the run that the manifest names, and no other is there. Returns the
+/// draft.
 fn draft_of_whole_run(out: &Path) -> f64 {
     let manifest = json(&out.join(MANIFEST));
     let mut expected: BTreeSet<String> = [MANIFEST, NOTES].map(str::to_owned).into();

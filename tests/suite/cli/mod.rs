@@ -38,7 +38,7 @@ pub(crate) fn run(folder: &Path, args: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text on stdout")
 }
 
-/// What a run says on the way.
+/// Returns the text that a run writes on stderr.
 pub(crate) fn stderr_of(folder: &Path, args: &[&str]) -> String {
     let output = bathyscope(folder, args);
     assert!(output.status.success(), "{args:?} failed");

@@ -1,5 +1,5 @@
-//! What the manifest of `bathyscope process` says of each file, and the systems that products are
-//! written in.
+//! Tests the description of each file in the manifest of `bathyscope process`, and the systems that
+//! products are written in.
 
 use super::{refusal, run, simulated};
 use crate::support::manifest;

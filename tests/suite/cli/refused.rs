@@ -1,5 +1,5 @@
-//! What the command line refuses, and how: one sentence, the right exit code, nothing half written,
-//! no waiting for ever.
+//! Tests refusals of the command line: one sentence, the right exit code, nothing half written, no
+//! waiting for ever.
 
 use super::{bathyscope, refusal, run, simulated};
 use bathyscope_test_support::handmade;

@@ -8,7 +8,7 @@ fn page(folder: &Path) -> String {
     fs::read_to_string(folder.join("report.html")).expect("a page")
 }
 
-/// What stands between two marks, every time.
+/// Returns the texts between two marks, at every occurrence.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> Vec<&'a str> {
     let parts = text.split(from).skip(1);
     parts.filter_map(|part| part.split(to).next()).collect()

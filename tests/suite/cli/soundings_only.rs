@@ -19,7 +19,7 @@ fn sentence(body: &str) -> String {
     format!("${body}*{sum:02X}\r\n")
 }
 
-/// As a logger of NMEA 0183 writes them.
+/// Writes the soundings as a logger of NMEA 0183 writes them.
 fn nmea() -> String {
     let each = soundings().map(|(second, [east, north], depth_m)| {
         let time = 100_000 + second / 60 * 100 + second % 60;
@@ -30,7 +30,7 @@ fn nmea() -> String {
     each.collect()
 }
 
-/// As an app exports them, the depths in feet.
+/// Writes the soundings as an app exports them, the depths in feet.
 fn table() -> String {
     let each = soundings().map(|(second, [east, north], depth_m)| {
         let [lon_deg, lat_deg] = [11.0 + east / 60.0, 48.0 + north / 60.0];

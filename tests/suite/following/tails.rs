@@ -1,5 +1,5 @@
-//! What is read of the tail of a growing log makes the very survey that the whole file makes,
-//! wherever it was split.
+//! Tests that the tail of a growing log gives the same survey as the whole file, wherever the file
+//! was split.
 
 use crate::support::real_data;
 use bathyscope_log::formats::{open_growing, open_tail};

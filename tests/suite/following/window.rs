@@ -19,9 +19,9 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How much faster than it was recorded a log is written.
+/// Speed at which a log is written, as a multiple of that of its recording.
 const SPEED: f64 = 20.0;
-/// Between two pieces that are written, as a recorder's buffer is flushed.
+/// Time between two pieces that are written, as a recorder's buffer is flushed.
 const FLUSH: Duration = Duration::from_millis(20);
 
 fn threads() -> App {

@@ -12,23 +12,24 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// What a case is made from: a simulated pond of ten seconds and all that the program makes of it.
+/// Files that a case is made from: a simulated pond of ten seconds and all that Bathyscope makes of
+/// it.
 pub(super) struct Seeds {
     folder: TempDir,
 }
 
 /// One run of the program.
 pub(super) struct Case {
-    /// What is harmed.
+    /// Kind of the input that is harmed.
     pub kind: &'static str,
-    /// Where it lies, and where the products go.
+    /// Folder of the input and of the products.
     pub folder: TempDir,
     pub args: Vec<String>,
 }
 
 type Make = fn(&Seeds, &mut Random, &Path) -> Vec<String>;
 
-/// In turn, so that any number of cases holds all.
+/// Kinds of cases, taken in turn, so that all kinds occur equally often.
 const KINDS: [(&str, Make); 15] = [
     ("log, info", info),
     ("log, process", process_log),

@@ -49,7 +49,7 @@ fn whatever_a_file_holds_it_is_read_or_refused() {
     }
 }
 
-/// Not with the others: two thousand take half an hour of processor time.
+/// Runs apart from the others: two thousand runs take half an hour of processor time.
 #[test]
 #[ignore = "thousands of runs; see the head of this file"]
 fn recorded() {

@@ -60,8 +60,8 @@ pub(super) const WILD: [&str; 28] = [
     "3.5",
 ];
 
-/// What makes trouble in text: commands to a terminal, letters that turn others round, what never
-/// ends.
+/// Returns a text that causes trouble: commands to a terminal, letters that turn others round, very
+/// long runs.
 fn snippet(random: &mut Random) -> String {
     let plain = [
         "\u{1b}[2J\u{1b}[31m",

@@ -1,5 +1,5 @@
-//! What once took the program down, for ever, or more memory than a laptop has; each with the
-//! sentence that it ends in.
+//! Tests inputs that once ended Bathyscope, ran for ever, or took more memory than a laptop has;
+//! each with the sentence that it ends in.
 
 use super::survives;
 use crate::support;

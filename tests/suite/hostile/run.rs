@@ -13,7 +13,7 @@ const STOPPED_AFTER_S: f64 = 90.0;
 /// Letters of a line for people; longer ones are cut.
 const LONGEST_LINE: usize = 1000;
 
-/// How a run ended.
+/// Result of a run.
 pub(super) struct Outcome {
     /// `None` where a signal ended it.
     pub code: Option<i32>,

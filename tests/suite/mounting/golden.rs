@@ -9,7 +9,7 @@ use bathyscope_log::survey::{
 use serde_json::Value;
 use std::sync::Arc;
 
-/// What pyproj says.
+/// Reads the values that pyproj gives.
 pub(super) fn golden() -> Value {
     serde_json::from_str(include_str!("golden.json")).expect("the goldens")
 }

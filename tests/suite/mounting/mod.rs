@@ -1,5 +1,5 @@
-//! How a recorder is mounted: lever arm and metres against pyproj, everything else against surveys
-//! that were simulated askew.
+//! Tests the mounting of a recorder: lever arm and metres against pyproj, everything else against
+//! surveys that were simulated askew.
 
 mod golden;
 mod sailed;

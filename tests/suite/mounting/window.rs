@@ -17,7 +17,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 
-/// What the readers say of the simulator's logs.
+/// Format that the readers report for the simulator's logs.
 const RECORDER: &str = "Lowrance SL2 (version 1)";
 
 fn written(folder: &Path, name: &str, seed: u64) -> KnownSurvey {

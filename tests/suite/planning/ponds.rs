@@ -1,4 +1,4 @@
-//! What sailing the planned lines does for simulated ponds whose survey has a hole.
+//! Tests the gain from sailing the planned lines in simulated ponds whose survey has a hole.
 
 use bathyscope_bottom::bathymetry::Surface;
 use bathyscope_bottom::planning::{Plan, PlanSettings, plan};

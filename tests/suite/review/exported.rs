@@ -1,4 +1,4 @@
-//! What the export of a review writes, read back.
+//! Tests the files that the export of a review writes, by reading them back.
 
 use super::*;
 
@@ -99,7 +99,7 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
     assert!(labelled >= objects, "{labelled} labels of {objects} objects");
 }
 
-/// What lies in a dataset's folder, by name.
+/// Returns the names of the files in a dataset's folder.
 fn listed(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let mut names: Vec<String> = entries

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Where a place is on the screen of a waterfall that shows all of the demo, time to the right.
+/// Returns the position of a place on the screen of a waterfall that shows all of the demo, time to
+/// the right.
 pub(crate) fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
     let view = window.get_by_label_contains("Waterfall, pings").rect();
     let seen = &app(window).view.visible;

@@ -127,7 +127,8 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     assert!(page.contains(&covered), "the report");
 }
 
-/// What a perfect detector would find in the demo: each sighting of each object, with its shadow.
+/// Returns the detections of a perfect detector in the demo: each sighting of each object, with its
+/// shadow.
 pub(super) fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
     let simulated = simulate(&Scene::demo(), 1, &Progress::new()).expect("the demo");
     let mut names: Vec<String> = Vec::new();

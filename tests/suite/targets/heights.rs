@@ -10,7 +10,7 @@ use bathyscope_test_support::Moments;
 use std::path::Path;
 
 const OBJECTS: usize = 50;
-/// From one object to the next along the line, metres.
+/// Distance from one object to the next along the line, metres.
 const APART_M: f64 = 6.0;
 const KINDS: [ObjectKind; 5] = [
     ObjectKind::Rock,
@@ -146,7 +146,7 @@ fn drawn(truth: &Simulated, index: usize) -> Option<(Mark, f64)> {
     Some((mark, seen.top_height_m))
 }
 
-/// What was found of the objects of a case.
+/// Heights found for the objects of a case.
 struct Found {
     /// Heights found over true ones, less 1; in ascending order.
     errors: Vec<f64>,

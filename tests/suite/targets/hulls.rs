@@ -33,8 +33,8 @@ fn scene() -> Scene {
     scene
 }
 
-/// What an analyst draws who sees all of it: pings and edges of the echo, the end of the longest
-/// shadow, and that shadow.
+/// Returns the box and shadow that an analyst draws who sees all of the hull: pings and edges of
+/// the echo, the end of the longest shadow, and that shadow.
 fn edges(seen: &ObjectPass) -> (Mark, f64, MeasuredShadow) {
     let [top_m, end_m] = seen.shadow_m;
     let mark = Mark {

@@ -54,7 +54,7 @@ fn size_m(kind: ObjectKind, between: &mut impl FnMut(f64, f64) -> f64) -> [f64; 
     }
 }
 
-/// Which passes show the objects.
+/// Passes that show the objects.
 #[derive(Clone, Copy, PartialEq)]
 enum Looks {
     /// One line past all of them.
@@ -125,7 +125,7 @@ fn shape_of(app: &mut App, boxes: Vec<Mark>) -> Result<FittedShape, ShapeError> 
     shape.clone()
 }
 
-/// What was found of the objects of a survey.
+/// Results for the objects of a survey.
 #[derive(Default)]
 struct Found {
     right: usize,

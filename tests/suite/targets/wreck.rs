@@ -33,8 +33,8 @@ fn scene() -> Scene {
     scene
 }
 
-/// What an analyst draws who sees all of it: pings of the echo, its near edge, the border to the
-/// shadow, and the end of that.
+/// Returns the box and border that an analyst draws who sees all of the wreck: pings of the echo,
+/// its near edge, the border to the shadow, and the end of the shadow.
 fn edges(truth: &Simulated) -> (Mark, f64) {
     let [seen] = &truth.objects[0].sightings[..] else {
         panic!("one pass: {:?}", truth.objects[0].sightings)

@@ -1,4 +1,4 @@
-//! What is said of the place under the pointer.
+//! Tests the read-out of the place under the pointer.
 
 use super::{settle, window};
 use bathyscope::app::{App, Command, Jobs};

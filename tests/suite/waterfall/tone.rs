@@ -13,7 +13,7 @@ use egui::pos2;
 use egui_kittest::Harness;
 use std::sync::Arc;
 
-/// Where the bottom lies, metres.
+/// Depth of the bottom, metres.
 const BED_M: f64 = 4.0;
 /// Level that is shown as white.
 const WHITE: f64 = 1000.0;

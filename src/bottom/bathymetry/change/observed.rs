@@ -1,4 +1,4 @@
-//! The errors of the difference of two maps, as the ground shows them that did not change.
+//! The errors of the difference of two maps, estimated where the bottom did not change.
 //!
 //! Surveys along the same lines draw the ground between them alike: what that is wrong by is in
 //! both maps, and not in their difference. How much of the stated errors is in the difference is
@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 /// Distance to the nearest place that the other map measured, metres, within which both measured
 /// the same place: no boat comes back to a line exactly.
 const SAME_PLACE_M: f32 = 1.0;
-/// How much farther than the nearest place that any map measured the nearest one that both measured
-/// may be, as a factor, where both maps draw a cell from the same places.
+/// Greatest ratio of two distances, to the nearest place that both maps measured and to the nearest
+/// place that either measured, where both maps draw a cell from the same places.
 const FARTHER: f32 = 1.25;
 /// Share of the cells drawn from the same places from which on errors may reach less far than
 /// assumed: what is drawn anew errs along a whole line.
@@ -101,9 +101,9 @@ impl ChangeField<'_> {
         (0..self.sigma_m.len()).map(bin).collect()
     }
 
-    /// What the quiet cells of each group differ by, as a share of what is stated: the largest of
-    /// what 68 % do not exceed, half of what 95 % do not, and the root mean square, for a few
-    /// places may err by much more than the rest.
+    /// Returns the observed differences of the quiet cells of each group as a share of the stated
+    /// errors: the largest of the value that 68 % do not exceed, half of the value that 95 % do not
+    /// exceed, and the root mean square, because a few places may err by much more than the rest.
     fn shares(&self, quiet_m: &[f64], bins: &[Option<i32>]) -> BTreeMap<i32, f64> {
         let mut ratios: BTreeMap<i32, Vec<f64>> = BTreeMap::new();
         for (cell, rise_m) in quiet_m.iter().enumerate() {
@@ -122,8 +122,9 @@ impl ChangeField<'_> {
         ratios.into_iter().map(share).collect()
     }
 
-    /// How far errors reach, by how much the means over squares of ground still differ: those of
-    /// independent cells would hardly, and those of cells that all err together as much as a cell.
+    /// Returns the range of the errors, metres, from the differences that remain between the means
+    /// over squares: means of independent cells would hardly differ, and means of cells that all
+    /// err together would differ as much as single cells.
     fn range_m(&self, quiet_m: &[f64], sigma_m: &[f32], assumed_m: f64) -> f64 {
         let cell_m = self.cell_area_m2.sqrt();
         let side = (assumed_m / cell_m).round().max(1.0) as usize;

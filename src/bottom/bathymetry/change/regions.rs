@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Half the side of the square that a change is averaged over before its rim is sought, metres.
 const SMOOTHED_M: f64 = 1.0;
-/// Most cells of that: averages of more say nothing else.
+/// Largest half side in cells: larger averages add nothing.
 const MOST_SMOOTHED: usize = 10;
 /// Fewest detected cells of a place, and least ground that they cover, square metres: positions are
 /// off by as much.
@@ -15,8 +15,8 @@ const FEWEST_DETECTED: usize = 4;
 const LEAST_DETECTED_M2: f64 = 2.0;
 /// The share of maps without a change in which errors alone make a place.
 const BY_CHANCE: f64 = 0.05;
-/// A place ends where the change is less than so many standard deviations of what undetected cells
-/// show.
+/// A place ends where the change is less than this number of standard deviations of the undetected
+/// cells.
 const RIM_SIGMAS: f64 = 1.5;
 /// The edges of a change on both sides of a line err independently: together they are as uncertain
 /// as this share of their sum.
@@ -33,7 +33,7 @@ pub struct ChangeField<'a> {
     pub rise_m: &'a [f32],
     /// Standard deviation of the depths' own errors in that, metres.
     pub sigma_m: &'a [f32],
-    /// Whether either map measured a depth in the cell: the newer, the older.
+    /// True where a map measured a depth in the cell: the newer map, the older map.
     pub is_measured: &'a [[bool; 2]],
 }
 
@@ -50,7 +50,7 @@ pub struct ChangeRegion {
 }
 
 impl ChangeField<'_> {
-    /// What is known of a cell.
+    /// Returns the change of a cell; `None` where one of the maps has no depth.
     pub fn cell(&self, index: usize) -> Option<CellChange> {
         let (rise_m, sigma_m) = (*self.rise_m.get(index)?, *self.sigma_m.get(index)?);
         (!rise_m.is_nan()).then(|| CellChange {
@@ -75,8 +75,8 @@ impl ChangeField<'_> {
         regions
     }
 
-    /// The places that errors alone may have made, and what one map is set off from the other,
-    /// metres.
+    /// Returns the places that errors alone may have made, and the offset of one map from the
+    /// other, metres.
     fn candidates(&self, errors: &ChangeErrors) -> (Vec<ChangeRegion>, f64) {
         let smoothed = self.smoothed(errors);
         let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
@@ -120,7 +120,7 @@ impl ChangeField<'_> {
     }
 
     /// Returns true if the detected cells of a place are more than a few wrong depths, and their
-    /// volume, less what one map is set off from the other, is larger than so many standard
+    /// volume, less the offset of one map from the other, is larger than `sigmas` standard
     /// deviations of the errors that vary from place to place.
     fn stands_out(
         &self,

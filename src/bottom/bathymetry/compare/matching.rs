@@ -1,11 +1,11 @@
-//! Which reference belongs to a measured point.
+//! Finds the reference of each measured point.
 
 use crate::bathymetry::{Between, Node, Tin};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// How the reference of a point is found.
+/// Method that finds the reference of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Matching {
     /// The nearest reference point, seen from above, within a radius in metres.
@@ -22,7 +22,7 @@ pub enum Matching {
 }
 
 impl Matching {
-    /// In words.
+    /// Returns the method in words.
     pub fn in_words(self) -> String {
         match self {
             Self::Nearest { radius_m } => format!("nearest point within {radius_m} m"),
@@ -71,7 +71,8 @@ enum Prepared {
 }
 
 impl ReferencePoints {
-    /// Of points as east, north, elevation, metres; those that are not finite are left out.
+    /// Prepares reference points as east, north, elevation, metres; points that are not finite are
+    /// ignored.
     pub fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let prepared = match matching {
@@ -85,7 +86,8 @@ impl ReferencePoints {
         Self(prepared.unwrap_or(Prepared::Nothing))
     }
 
-    /// As [`match_points`], of anything that `place` finds east, north and elevation of.
+    /// Finds the reference of each measured item as [`match_points`] does; `place` returns its
+    /// east, north and elevation.
     pub fn matches<T: Sync>(
         &self,
         measured: &[T],
@@ -109,7 +111,7 @@ impl ReferencePoints {
     }
 }
 
-/// Asks a reference of each worker's own for the elevation at every measured place.
+/// Finds the reference elevation at every measured place; each chunk of places has its own sampler.
 fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
     measured: &[T],
     place: impl Fn(&T) -> [f64; 3] + Sync,
@@ -161,7 +163,8 @@ impl NearPoints {
     fn at(&self, place: [f64; 2]) -> Option<f64> {
         let (found, _) = self.nearest.at(place);
         let [x, y, z_m] = self.points[found];
-        // Of coordinates, not of the index's square: a radius is exact to its last bit only so.
+        // Computed from coordinates, not from the index's squared distance: only then is a radius
+        // exact to its last bit.
         let distance_m = (x - place[0]).hypot(y - place[1]);
         (distance_m <= self.radius_m).then_some(z_m)
     }

@@ -20,12 +20,12 @@ pub use tables::{Bin, DifferenceHistogram, binned, suited_width};
 use crate::cloud::Residuals;
 use serde::Serialize;
 
-/// How a measurement agrees with a reference.
+/// Agreement of a measurement with a reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Measured points.
     pub measured: usize,
-    /// Of these, points without a reference near enough.
+    /// Measured points without a reference near enough.
     pub unmatched: usize,
     /// Statistics of the differences, measured minus reference elevation; absent where nothing was
     /// matched.
@@ -35,7 +35,7 @@ pub struct Comparison {
     pub orders: Vec<OrderShare>,
 }
 
-/// Number of points that an order's limit holds.
+/// Share of the points within an order's limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderShare {
     /// The order.
@@ -46,8 +46,8 @@ pub struct OrderShare {
 }
 
 impl Comparison {
-    /// Of `measured` points those in `matches` have a reference; the water's surface is at
-    /// `water_level_m` in their elevations.
+    /// Compares `measured` points, of which those in `matches` have a reference; the water's
+    /// surface is at `water_level_m` in their elevations.
     pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
         let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
         let within = |order: SurveyOrder| {

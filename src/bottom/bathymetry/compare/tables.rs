@@ -1,4 +1,4 @@
-//! Differences by what they may hang on, and how often each size of them occurs.
+//! Statistics of differences by a variable that may cause them, and histograms of differences.
 
 use crate::cloud::Residuals;
 use crate::presentation::ticks;
@@ -51,7 +51,7 @@ pub fn suited_width(values: &mut [f64]) -> Option<f64> {
     Some(ticks::round_up(0.999 * width))
 }
 
-/// How often differences of each size occur.
+/// Histogram of differences.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DifferenceHistogram {
     /// Begin of the first column, metres.
@@ -70,7 +70,8 @@ pub struct DifferenceHistogram {
 const COLUMNS: i64 = 100;
 
 impl DifferenceHistogram {
-    /// Of differences in metres; the ends hold 99 % of them or more. `None` without any.
+    /// Creates the histogram of differences in metres; its columns hold 98 % of them or more.
+    /// `None` without any.
     pub fn of(differences: &[f64]) -> Option<Self> {
         let mut sorted: Vec<f64> = differences.iter().copied().filter(|d| d.is_finite()).collect();
         let width_m = 0.2 * suited_width(&mut sorted).unwrap_or(0.05);

@@ -18,16 +18,17 @@ use std::collections::BTreeMap;
 
 /// Unknowns: height, share, and the shift to the east and to the north.
 const UNKNOWNS: usize = 4;
-/// Fewest overlaps of two logs that tell a share.
+/// Fewest overlaps of two logs that determine a share.
 const FEWEST: usize = 10;
 /// Rounds in which outliers lose their weight.
 const ROUNDS: usize = 12;
-/// Lines are left out one by one to find the error; more of them are left out in so many lots.
+/// Most lots in which lines are left out to find the error: one line in each, or several where
+/// there are more lines.
 const MOST_LOTS: usize = 40;
-/// Fewer lines tell no error.
+/// Fewest lots that give an error.
 const LEAST_LOTS: usize = 4;
-/// The share is told from so many standard errors on, and from this share, and where it makes the
-/// shallowest and the deepest overlap differ by so much, metres.
+/// Least share that is reported: in standard errors, as a share, and as the difference that it
+/// makes between the shallowest and the deepest overlap, metres.
 const SIGMAS: f64 = 4.0;
 const LEAST_SHARE: f64 = 0.004;
 const LEAST_DIFFERENCE_M: f64 = 0.03;
@@ -37,7 +38,7 @@ const LEAST_DIFFERENCE_M: f64 = 0.03;
 pub struct DepthScale {
     /// Indices of the log whose depths are greater, and of the other.
     pub logs: [usize; 2],
-    /// By what share of the depth they are greater: 0.02 is 2 %.
+    /// Share of the depth by which they are greater: 0.02 is 2 %.
     pub share: f64,
     /// Its standard error.
     pub standard_error: f64,
@@ -83,8 +84,8 @@ fn depth_scale(logs: [usize; 2], overlaps: &[&LogOverlap]) -> Option<DepthScale>
     })
 }
 
-/// The share by which the depths of the second log are greater; `None` where the overlaps do not
-/// tell it apart from the other unknowns.
+/// Returns the share by which the depths of the second log are greater; `None` where the overlaps
+/// do not separate it from the other unknowns.
 fn fitted_share(overlaps: &[&LogOverlap]) -> Option<f64> {
     let mean_m = overlaps.iter().map(|one| one.depth_m).sum::<f64>() / overlaps.len() as f64;
     let row = |one: &LogOverlap| [1.0, one.depth_m - mean_m, one.gradient[0], one.gradient[1]];

@@ -6,8 +6,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{ends, median};
 use std::collections::{BTreeMap, HashMap};
 
-/// Where the tracks of two logs cross fewer times than this, places along which both went count as
-/// well.
+/// Number of crossings of two logs below which places along which both went count as well.
 pub const FEW_CROSSINGS: usize = 3;
 /// Side of the squares in which two logs measured the same, metres.
 const SQUARE_M: f64 = 1.0;
@@ -68,8 +67,8 @@ pub fn crossing_overlaps(
     Ok(log_overlaps.collect())
 }
 
-/// When the line began that each depth of a track lies on, seconds: a stretch of about one course,
-/// along which positions err alike.
+/// Returns the time at which the line of each depth of a track began, seconds: a line is a stretch
+/// of about one course, along which positions err alike.
 fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
     let mut line: Option<(f64, [f64; 2])> = None;
     let starts = track.iter().enumerate().map(|(index, depth)| {
@@ -77,7 +76,7 @@ fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
         let turned = |course: [f64; 2]| {
             let sizes = course[0].hypot(course[1]) * now[0].hypot(now[1]);
             let cos = (course[0] * now[0] + course[1] * now[1]) / sizes;
-            // Of a boat at rest it is no number.
+            // NaN for a boat at rest.
             cos < LINE_TURN_DEG.to_radians().cos()
         };
         if line.is_none_or(|(_, course)| course == [0.0; 2] || turned(course)) {

@@ -1,5 +1,4 @@
-//! How much higher or lower the depths of one log are than those of the others, from where logs
-//! cross or overlap.
+//! Height offsets between the depths of logs, from places where logs cross or overlap.
 //!
 //! In: depths of several logs where these cross or overlap. Out: a height for each log, with its
 //! standard error.
@@ -25,7 +24,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use depth_scales::depth_scales;
 use serde::Serialize;
 
-/// What the heights of the logs count from: their differences say nothing about what all of them
+/// Zero of the heights of the logs: their differences do not determine a height that all logs
 /// share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Datum {
@@ -36,7 +35,7 @@ pub enum Datum {
     Log(usize),
 }
 
-/// Whether two logs cross or overlap.
+/// Kind of a place that two logs measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OverlapKind {
@@ -51,7 +50,7 @@ pub enum OverlapKind {
 pub struct LogOverlap {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
-    /// Whether they cross or overlap.
+    /// Crossing or overlap.
     pub kind: OverlapKind,
     /// East and north, metres.
     pub place: [f64; 2],
@@ -62,11 +61,11 @@ pub struct LogOverlap {
     /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN
     /// where it is not known.
     pub slope: f64,
-    /// What the depth grows by a metre to the east and to the north, metres; NaN where the slope's
-    /// direction is not known.
+    /// Increase of the depth per metre to the east and to the north, metres; NaN where the
+    /// direction of the slope is not known.
     pub gradient: [f64; 2],
-    /// When each log began the line that it was on there, whole seconds: overlaps of one line err
-    /// together. `None` where that is not known.
+    /// Time at which each log began the line that it was on there, whole seconds: overlaps of one
+    /// line err together. `None` where that is not known.
     pub lines: Option<[i64; 2]>,
 }
 
@@ -100,16 +99,15 @@ impl LogOverlap {
 /// The height offset of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogOffset {
-    /// What is to be added to every elevation of the log, metres, so that it agrees with the
-    /// others; 0 for a log that crosses and overlaps no other, or whose overlaps do not determine
-    /// it.
+    /// Height to be added to every elevation of the log, metres, so that it agrees with the others;
+    /// 0 for a log that crosses and overlaps no other, or whose overlaps do not determine it.
     pub offset_m: f64,
     /// Its standard error against the datum, metres; NaN where the offset is not determined.
     pub standard_error_m: f64,
     /// Logs of the same group are connected by overlaps; groups are numbered by their first log.
     /// Heights of different groups cannot be compared.
     pub group: usize,
-    /// Meetings of the log with others.
+    /// Crossings and overlaps of the log with others.
     #[serde(rename = "meetings")]
     pub log_overlaps: usize,
 }
@@ -127,12 +125,12 @@ impl LogOffset {
     }
 }
 
-/// How two logs differ.
+/// Difference in height between two logs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairDifference {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
-    /// Whether they cross or overlap.
+    /// Crossing or overlap.
     pub kind: OverlapKind,
     /// Places where they cross or overlap.
     pub n: usize,
@@ -142,13 +140,13 @@ pub struct PairDifference {
     pub spread_m: f64,
     /// Standard error of the median, metres.
     pub standard_error_m: f64,
-    /// What is left of the median once the offsets of both logs are applied, metres.
+    /// Remainder of the median once the offsets of both logs are applied, metres.
     pub residual_m: f64,
 }
 
-/// What offsets leave of the difference between two logs is worth a warning from so many metres and
-/// standard errors on: errors of a crossing are not quite independent, so fewer standard errors
-/// would warn of surveys that are sound.
+/// Least remaining difference between two logs that is worth a warning, metres and standard errors:
+/// errors of a crossing are not quite independent, so fewer standard errors would warn of surveys
+/// that are sound.
 const CONTRADICTION_M: f64 = 0.05;
 const CONTRADICTION_SIGMAS: f64 = 5.0;
 
@@ -183,15 +181,16 @@ const LEVEL_SIGMAS: f64 = 3.0;
 pub struct HeightDifference {
     /// Indices of the log whose depths are deeper, and of the other.
     pub logs: [usize; 2],
-    /// By how much, metres.
+    /// Size of the difference, metres.
     pub difference_m: f64,
     /// Its standard error, metres.
     pub standard_error_m: f64,
 }
 
 impl HeightOffsets {
-    /// The logs whose depths differ the most, beyond the error of that, once the offsets in force
-    /// are applied to them, metres; `None` where all agree, or their overlaps do not tell.
+    /// Returns the logs whose depths differ the most, beyond the error of the difference, once the
+    /// offsets in force are applied to them, metres; `None` where all agree, or their overlaps do
+    /// not determine it.
     pub fn unlevelled(&self, in_force_m: &[f64]) -> Option<HeightDifference> {
         let logs = self.logs.iter().zip(in_force_m).enumerate();
         let known: Vec<(usize, &LogOffset, f64)> = logs

@@ -22,9 +22,10 @@ const SETTLED_M: f64 = 1e-7;
 /// The scale of the residuals is at least this share of what the weights assume: differences may
 /// agree to the last digit.
 const LEAST_SCALE: f64 = 1e-6;
-/// What is assumed of differences before they check each other counts like so many of them.
+/// Weight of the variance that is assumed before differences check each other, as a number of
+/// differences.
 const ASSUMED_DIFFERENCES: f64 = 1.0;
-/// A robust weight below this ties nothing.
+/// Least robust weight that connects two logs.
 const LEAST_SHARE: f64 = 1e-9;
 /// An offset is not determined where its standard error is larger than this, metres, and than this
 /// share of the offset: overlaps on false depths contradict each other by metres, and what is left
@@ -184,7 +185,7 @@ impl<'a> LogNetwork<'a> {
         }
     }
 
-    /// `None` for a log alone.
+    /// Solves for the heights; `None` for a log alone.
     fn solve(&self) -> Option<SolvedNetwork> {
         if self.size < 2 {
             return None;
@@ -223,7 +224,8 @@ impl<'a> LogNetwork<'a> {
         self.size - 1 + if self.has_shifts { 2 * self.size } else { 0 }
     }
 
-    /// Where the shift of a log to the east is among the unknowns; that to the north follows.
+    /// Returns the index of a log's shift to the east among the unknowns; its shift to the north
+    /// follows.
     fn shift(&self, log: usize) -> usize {
         self.size - 1 + 2 * log
     }
@@ -260,10 +262,10 @@ impl<'a> LogNetwork<'a> {
         .collect()
     }
 
-    /// What the mean residuals of the lines say of the variance of a single one, as those of the
-    /// pairs do, a line by the weight of its overlaps: that is what it counts in a height. Each
-    /// overlap lies on a line of either log, so that what lines add counts twice. 0 where too few
-    /// lines cross.
+    /// Returns the variance of a single residual by the mean residuals of the lines, as by those of
+    /// the pairs; a line has the weight of its overlaps, which is its weight in a height. Each
+    /// overlap lies on a line of either log, so that the excess of the lines counts twice. 0 where
+    /// too few lines cross.
     fn variance_of_lines(
         &self,
         residuals: &[f64],
@@ -284,10 +286,10 @@ impl<'a> LogNetwork<'a> {
         }
         let total = |of: fn(&[f64; 2]) -> f64| lines.values().map(of).sum::<f64>();
         let weights = total(|[_, weight]| *weight);
-        // So many lines of one weight would count alike.
+        // Effective number of lines: this number of lines of one weight would count alike.
         let count = weights * weights / total(|[_, weight]| weight * weight);
         let freedom = count - parameters - 1.0;
-        // Without any line it is no number.
+        // NaN without any line.
         if freedom.is_nan() || freedom < 0.5 {
             return 0.0;
         }
@@ -296,9 +298,9 @@ impl<'a> LogNetwork<'a> {
         2.0 * (squares + assumed) / (freedom + ASSUMED_DIFFERENCES) - single
     }
 
-    /// What the mean residuals of the pairs of logs say of the variance of a single one: larger
-    /// than that of the single ones where a pair disagrees with others as a whole. 0 where the
-    /// pairs do not check each other.
+    /// Returns the variance of a single residual by the mean residuals of the pairs of logs: larger
+    /// than the variance by single residuals where a pair disagrees with others as a whole. 0 where
+    /// the pairs do not check each other.
     fn variance_of_pairs(&self, residuals: &[f64], shares: &[f64]) -> f64 {
         let mut pairs: BTreeMap<[usize; 2], [f64; 2]> = BTreeMap::new();
         let all = self.ends.iter().zip(&self.sigmas_m);
@@ -312,8 +314,8 @@ impl<'a> LogNetwork<'a> {
         if pairs.len() < self.size { 0.0 } else { squares / (pairs.len() + 1 - self.size) as f64 }
     }
 
-    /// What the overlaps say of the heights of all logs but the first, which is taken for zero, and
-    /// of the shifts; behind them what is assumed of the shifts.
+    /// Returns the equations of the overlaps for the heights of all logs but the first, which is
+    /// taken for zero, and for the shifts; behind them the assumptions about the shifts.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
@@ -394,7 +396,8 @@ impl<'a> LogNetwork<'a> {
     }
 }
 
-/// What the overlaps of each pair say, and what the offsets leave of it.
+/// Returns the difference of each pair of logs by its overlaps, and its remainder after the
+/// offsets.
 fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<PairDifference> {
     let mut by_pair: BTreeMap<[usize; 2], Vec<&LogOverlap>> = BTreeMap::new();
     for log_overlap in log_overlaps {

@@ -12,9 +12,9 @@ pub use rings::{Polygon, polygons};
 /// The part of a surface between two depths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthArea {
-    /// From this depth on, metres.
+    /// Shallow limit, itself included, metres.
     pub from_m: f64,
-    /// Up to, but without, this one, metres.
+    /// Deep limit, itself not included, metres.
     pub to_m: f64,
     /// Its parts; they do not overlap.
     pub polygons: Vec<Polygon>,
@@ -55,14 +55,14 @@ pub fn depth_areas(
         .collect()
 }
 
-/// Where the border of an area has a corner.
+/// Corner of the border of an area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Stop {
     /// The centre of a cell at the edge of the surface.
     Corner(usize),
-    /// Where the shallower level crosses an edge.
+    /// Crossing of the shallower level and an edge.
     Shallow(CellEdge),
-    /// Where the deeper level crosses an edge.
+    /// Crossing of the deeper level and an edge.
     Deep(CellEdge),
 }
 

@@ -40,7 +40,7 @@ fn within(
         return None;
     }
     let way = [to[0] - from[0], to[1] - from[1]];
-    // How far along the step it enters and leaves, and at which edge.
+    // Shares of the step at which it enters and leaves, and the edges there.
     let mut entry: (f64, Option<(usize, f64)>) = (0.0, None);
     let mut exit: (f64, Option<(usize, f64)>) = (1.0, None);
     for (axis, low, high) in [(0, west, east), (1, south, north)] {
@@ -70,7 +70,7 @@ fn within(
     (entry.0 < exit.0).then(|| [at(entry, from), at(exit, to)])
 }
 
-/// Where a piece begins or ends, and its depth, bit by bit.
+/// Depth and place of the begin or end of a piece, bit by bit.
 type End = [u64; 3];
 
 /// The lines that pieces make: one that ends where another of its depth begins goes on there.

@@ -8,15 +8,15 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
 
-/// How far beyond its ends a step is still taken to touch an edge, as a share of it: where a line
+/// Distance beyond its ends at which a step still touches an edge, as a share of it: where a line
 /// passes through a corner, rounding must not let it slip between the two edges.
 const SLACK: f64 = 1e-9;
-/// As much across bands, metres.
+/// The same distance across bands, metres.
 const SLACK_M: f64 = 1e-6;
 /// Corners of an area so near to each other, metres, are one: in the digits of files they would
 /// fold into a spike.
 const SAME_M: f64 = 0.002;
-/// Most bands, and how often an edge is in one on average at most.
+/// Most bands, and most bands that an edge lies in on average.
 const MOST_BANDS: usize = 4096;
 const MOST_TIMES: usize = 8;
 
@@ -26,15 +26,15 @@ pub struct ClipArea {
     /// Each corner once.
     rings: Vec<Vec<[f64; 2]>>,
     edges: Vec<[[f64; 2]; 2]>,
-    /// The edges in each band from west to east, so that few are looked at; from the south.
+    /// Edges in each band from west to east, so that few are examined; from the south.
     bands: Vec<Vec<u32>>,
     south_m: f64,
     band_m: f64,
 }
 
 impl ClipArea {
-    /// Of rings that name each corner once; those without three corners, and corners that are no
-    /// place, are left out.
+    /// Creates an area from rings that name each corner once; rings without three corners, and
+    /// corners that are not finite, are ignored.
     pub fn new(rings: Vec<Vec<[f64; 2]>>) -> Self {
         let mut rings = rings;
         for ring in &mut rings {
@@ -74,7 +74,7 @@ impl ClipArea {
         self.rings.is_empty()
     }
 
-    /// Whether a place lies in it.
+    /// Returns true if a place lies in the area.
     pub fn holds(&self, place: [f64; 2]) -> bool {
         let crosses = |index: &&u32| is_crossed(self.edges[**index as usize], place);
         let band = self.bands_over(place[1], place[1]).next();
@@ -148,12 +148,13 @@ impl ClipArea {
     /// The bands that lie between two northings.
     fn bands_over(&self, one_m: f64, other_m: f64) -> std::ops::RangeInclusive<usize> {
         let last = self.bands.len() - 1;
-        // What lies north or south of all is in no ring, whatever band it is looked for in.
+        // Places north or south of all edges are in no ring, in whatever band they are sought.
         let band = |north_m: f64| ((north_m - self.south_m) / self.band_m) as usize;
         band(one_m.min(other_m) - SLACK_M).min(last)..=band(one_m.max(other_m) + SLACK_M).min(last)
     }
 
-    /// Where a step touches edges, as rising shares of it; one that ends at an edge touches it.
+    /// Returns the places where a step touches edges, as rising shares of the step; a step that
+    /// ends at an edge touches it.
     fn shares(&self, from: [f64; 2], to: [f64; 2]) -> Vec<f64> {
         let way = [to[0] - from[0], to[1] - from[1]];
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
@@ -201,7 +202,8 @@ fn without_spikes(ring: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     (kept.len() > 3).then_some(kept)
 }
 
-/// Of a ring, the part that ends where the line began goes on with the one that begins there.
+/// Joins the ends of a ring that was cut: the part that ends where the line began goes on with the
+/// part that begins there.
 fn join_ends(parts: &mut Vec<Vec<[f64; 2]>>, start: [f64; 2]) {
     let begins = parts.first().and_then(|part| part.first()) == Some(&start);
     let ends = parts.last().and_then(|part| part.last()) == Some(&start);

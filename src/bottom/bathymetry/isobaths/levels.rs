@@ -1,4 +1,4 @@
-//! Which depths isobaths are drawn at.
+//! Chooses the depths of isobaths.
 
 use super::Smoothing;
 use crate::presentation::ticks;
@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Every so many isobaths one is thick and labelled, counted from depth 0.
+/// Number of isobaths from one that is thick and labelled to the next, counted from depth 0.
 pub const INDEX: f64 = 5.0;
 /// More isobaths than this are a mistake, not a map.
 const MOST_LEVELS: f64 = 1000.0;
-/// About so many are drawn where nobody says how many.
+/// Approximate number of isobaths where the settings do not determine it.
 const TARGET_LEVELS: f64 = 10.0;
-/// From one isobath to the next are so many standard deviations of the depth at least where nobody
-/// says otherwise: two thirds of a line's places are nearer to its own depth than to another's.
+/// Least interval of isobaths in standard deviations of the depth, where the settings do not
+/// determine it: two thirds of a line's places are nearer to its own depth than to another's.
 const SIGMAS_APART: f64 = 2.0;
 
 /// The depths of a map that isobaths are drawn through.
@@ -28,8 +28,8 @@ pub struct DepthExtent {
 }
 
 impl DepthExtent {
-    /// An interval that is round in a unit of so many metres, makes about ten levels, and is no
-    /// finer than the errors of measured depths.
+    /// Returns an interval that is round in a unit of `unit_m` metres, makes about ten levels, and
+    /// is no finer than the errors of measured depths.
     fn usual_interval_m(self, unit_m: f64) -> f64 {
         let [least_m, most_m] = self.range_m;
         let apart_m = if most_m > least_m {
@@ -40,7 +40,7 @@ impl DepthExtent {
         unit_m * readable(apart_m / unit_m)
     }
 
-    /// True where isobaths that are so far apart are no finer than the errors of measured depths.
+    /// Returns true if isobaths at this interval are no finer than the errors of measured depths.
     pub fn allows(self, interval_m: f64) -> bool {
         interval_m >= SIGMAS_APART * self.error_m
     }
@@ -50,7 +50,7 @@ impl DepthExtent {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IsobathSettings {
-    /// What the depths of the isobaths are round in, and are written in along the lines.
+    /// Unit in which the depths of the isobaths are round, and are written along the lines.
     pub unit: LengthUnit,
     /// Metres from one isobath to the next, counted from depth 0, rounded to two digits of the
     /// unit; when not given, 1, 2 or 5 times a power of ten of the unit that makes about ten.
@@ -58,7 +58,7 @@ pub struct IsobathSettings {
     pub interval_m: Option<f64>,
     /// Depths of the isobaths, metres; when there are any, the interval does not count.
     pub depths_m: Vec<f64>,
-    /// How often the corners of the lines are cut; 0 leaves them as measured.
+    /// Number of times the corners of the lines are cut; 0 leaves them as measured.
     pub smooth: u32,
     /// True if every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
@@ -70,12 +70,12 @@ pub struct IsobathSettings {
     /// not given, they are wherever there are depths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip: Option<PathBuf>,
-    /// What the file holds, once it has been read.
+    /// Area in the file, once it has been read.
     #[serde(skip)]
     pub area: Option<Arc<WaterArea>>,
 }
 
-/// Why there are no isobaths.
+/// Reason why there are no isobaths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoIsobaths {
     /// The interval would draw more of them than anybody can read.
@@ -93,13 +93,13 @@ pub enum NoIsobaths {
     /// The file that `isobaths.clip` names was not found when the settings were read.
     #[error("the area of isobaths.clip has not been read; choose its file again: {}", path.display())]
     AreaNotRead {
-        /// Which file.
+        /// File of the area.
         path: PathBuf,
     },
     /// The area is another water's.
     #[error("the area of isobaths.clip lies elsewhere than the depths; choose that of this water: {}", path.display())]
     AreaElsewhere {
-        /// Which file.
+        /// File of the area.
         path: PathBuf,
     },
 }
@@ -116,10 +116,10 @@ pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
 }
 
 impl IsobathSettings {
-    /// The same with an interval that is round in a unit of so many metres, where it is left to the
-    /// depths.
+    /// Returns the same settings with an interval that is round in a unit of `unit_m` metres, where
+    /// the interval is left to the depths.
     pub fn round_in(&self, unit_m: f64, depths: DepthExtent) -> Self {
-        // A unit of the settings counts for files and window alike.
+        // A unit of the settings counts for files and the display alike.
         let unit_m = match self.unit {
             LengthUnit::Metres => unit_m,
             other => other.metres(),
@@ -138,7 +138,7 @@ impl IsobathSettings {
         })
     }
 
-    /// How the lines are rounded.
+    /// Returns the smoothing of the lines.
     pub fn smoothing(&self) -> Smoothing {
         Smoothing { passes: self.smooth, toward_deep: self.shoal_safe }
     }
@@ -162,7 +162,8 @@ impl IsobathSettings {
         format!("{whole:.*}", decimals as usize)
     }
 
-    /// Returns true if an isobath is one of every fifth, so many metres from one to the next.
+    /// Returns true if an isobath is an index isobath, which is every fifth, at an interval of
+    /// `step_m`.
     pub fn is_index(depth_m: f64, step_m: f64) -> bool {
         let count = (depth_m / step_m).round();
         (count / INDEX).fract() == 0.0
@@ -177,7 +178,7 @@ impl IsobathSettings {
         self.given_m().or(first_two.map(|(first, second)| second - first))
     }
 
-    /// Those of some levels that a map makes thick and labels: every fifth; where none of them is
+    /// Returns the levels that a map makes thick and labels: every fifth; where none of them is
     /// one, or their depths were listed, all.
     pub fn index_levels_m(&self, levels_m: &[f64]) -> Vec<f64> {
         let step_m = self.step_m(levels_m);
@@ -186,8 +187,8 @@ impl IsobathSettings {
         if index.is_empty() { levels_m.to_vec() } else { index }
     }
 
-    /// Metres from one isobath to the next for some depths, where none are listed; no number for
-    /// depths that are all one.
+    /// Returns the metres from one isobath to the next for some depths, where none are listed; NaN
+    /// for depths that are all equal.
     pub fn interval_m(&self, depths: DepthExtent) -> f64 {
         self.given_m().unwrap_or_else(|| depths.usual_interval_m(self.unit.metres()))
     }
@@ -218,12 +219,12 @@ fn two_digits(value: f64) -> f64 {
     if one.is_normal() { (value / one).round() * one } else { value }
 }
 
-/// A round interval, at least so long; no number for a level bottom.
+/// Returns a round interval, at least this long; NaN for a level bottom.
 fn readable(at_least_m: f64) -> f64 {
     if at_least_m > 0.0 { ticks::round_up(at_least_m) } else { f64::NAN }
 }
 
-/// To the micrometre: three times 0.1 is 0.3.
+/// Rounds to the micrometre: three times 0.1 is then 0.3.
 fn tidy(metres: f64) -> f64 {
     (metres * 1e6).round() / 1e6
 }

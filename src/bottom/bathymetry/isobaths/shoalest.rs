@@ -68,7 +68,7 @@ mod tests {
         Surface::of_depths(grid, vec![3.0; side * side])
     }
 
-    /// Whether a place lies inside of a ring, by the steps that a line to the east crosses.
+    /// Returns true if a place lies inside a ring, by the steps that a line to the east crosses.
     fn is_inside(ring: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
         let crossed = ring.windows(2).filter(|step| {
             let [a, b] = [step[0], step[1]];

@@ -2,13 +2,13 @@
 
 use bathyscope_log::support::outline::between;
 
-/// How the corners of lines are cut.
+/// Settings for cutting the corners of lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Smoothing {
-    /// How often.
+    /// Number of passes.
     pub passes: u32,
-    /// Only where the line moves toward deeper water by it, so that nothing shallower comes to lie
-    /// beyond it.
+    /// True if a corner is cut only where this moves the line toward deeper water, so that nothing
+    /// shallower comes to lie beyond it.
     pub toward_deep: bool,
 }
 

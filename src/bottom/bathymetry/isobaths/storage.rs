@@ -1,4 +1,4 @@
-//! How much lies below a level: what a reservoir's table says.
+//! Area and volume below a level, as in a reservoir's table.
 
 use super::ClipArea;
 use crate::bathymetry::Surface;

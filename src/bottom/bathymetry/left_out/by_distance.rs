@@ -1,4 +1,4 @@
-//! How the error of a depth grows with the distance to the nearest sounding.
+//! Error of a depth by the distance to the nearest sounding.
 
 use super::LeftOutMiss;
 use bathyscope_log::support::statistics::sigma_of_sizes;
@@ -49,8 +49,8 @@ impl SigmaByDistance {
         Self { steps: distances_m.into_iter().map(at).collect() }
     }
 
-    /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on
-    /// as between the last two.
+    /// Returns the standard deviation at a distance from the nearest sounding, metres; beyond the
+    /// distances of all left-out soundings it grows on as between the last two.
     pub fn at(&self, away_m: f64) -> f64 {
         let after = self.steps.partition_point(|[distance_m, _]| *distance_m <= away_m);
         let pair = match (after, self.steps.len()) {

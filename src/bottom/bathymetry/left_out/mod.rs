@@ -1,4 +1,5 @@
-//! What the depths of a surface are worth: how far soundings that are left out are predicted wrong.
+//! Uncertainty of the depths of a surface, from the errors with which left-out soundings are
+//! predicted.
 //!
 //! In: depths with their places, and their surface. Out: a standard deviation for each cell, and by
 //! the distance to the nearest sounding.
@@ -25,7 +26,7 @@ use roughness::{Roughness, RoughnessSampler};
 
 /// Times that soundings are left out, a quarter of all squares each time.
 const FOLDS: usize = 4;
-/// Fewer left-out soundings than this say nothing.
+/// Fewest left-out soundings that determine an error.
 const LEAST_MISSES: usize = 40;
 /// Most soundings that are left out or kept: of more, as many are taken evenly from among them.
 const MOST_NODES: usize = 30_000;
@@ -48,7 +49,7 @@ const STRAIGHT_ERROR: f64 = 0.5;
 const FULL_SHARE: f64 = 0.8;
 /// They count where left-out soundings are then missed by at most this share.
 const MOST_RATIO: f64 = 0.98;
-/// Most cells whose distances say how large the large squares are.
+/// Most cells whose distances determine the size of the large squares.
 const MOST_CELLS_TRIED: usize = 10_000;
 
 /// A sounding that was left out: the predicted depth less its own, and its distance to the nearest
@@ -64,7 +65,7 @@ struct LeftOutMiss {
 /// The standard deviation of a depth's error by place and distance to the nearest sounding.
 struct StatedError {
     by_distance: SigmaByDistance,
-    /// Of the depths themselves, and of the ground between them.
+    /// Factors on the variance of the depths themselves, and on that of the bottom between them.
     near: Roughness,
     far: Roughness,
     /// `None` where they are straight.
@@ -83,10 +84,10 @@ pub(super) struct SurfaceCells<'a> {
 /// The result of leaving soundings of a surface out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LeftOut {
-    /// There are too few of them: depths and spreads stay as they are.
+    /// There are too few soundings: depths and spreads stay as they are.
     TooFew,
-    /// The triangles bend so, `None` where they stay straight, and spreads are standard deviations
-    /// of errors.
+    /// Spreads are now standard deviations of errors; the triangles bend by these bends, `None`
+    /// where they stay straight.
     Told(Option<Bends>),
 }
 
@@ -126,7 +127,8 @@ pub(super) fn bend_and_state_error(
             let mut bend_m = 0.0;
             if let Some(bend) = bends.at(place) {
                 *depth_m += (share * bend.deeper_m()) as f32;
-                // Within a square that slopes are taken over, they do not tell how the ground bends.
+                // Within a square that slopes are taken over, they do not determine how the bottom
+                // bends.
                 let near = (1.0 - away_m / squares.slope_m()).max(0.0);
                 bend_m = (error_share + near * (STRAIGHT_ERROR - error_share)) * bend.least_m;
             }
@@ -136,9 +138,8 @@ pub(super) fn bend_and_state_error(
     Ok(LeftOut::Told(stated.bends))
 }
 
-/// What the error of a depth between soundings is by the distance to the nearest, as leaving
-/// soundings out shows it; distances up to `max_gap_m` count. `None` where there are too few
-/// soundings to tell.
+/// Returns the error of a depth between soundings by the distance to the nearest, found by leaving
+/// soundings out; distances up to `max_gap_m` count. `None` where there are too few soundings.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -249,7 +250,7 @@ impl StatedError {
     }
 }
 
-/// For questions about many places, of which most are near the one before.
+/// Samples stated errors at many places, of which most are near the place before.
 struct StatedErrorSampler<'a> {
     by_distance: &'a SigmaByDistance,
     /// Variance at a sounding.
@@ -366,7 +367,7 @@ fn column_and_row(node: &Node, square_m: f64) -> [i64; 2] {
     node.place().map(|metres| (metres / square_m).floor() as i64)
 }
 
-/// What [`DISTANCE_SHARE`] of some distances do not exceed; 0 of none.
+/// Returns the distance that [`DISTANCE_SHARE`] of some distances do not exceed; 0 without any.
 fn usual_of(mut distances: Vec<f32>) -> f64 {
     let Some(last) = distances.len().checked_sub(1) else {
         return 0.0;

@@ -1,13 +1,13 @@
-//! Where left-out soundings are missed by more than elsewhere at the same distance, and where by
+//! Finds where left-out soundings are missed by more than usual at the same distance, and where by
 //! less.
 
 use super::{LeftOutMiss, SigmaByDistance};
 use std::collections::HashMap;
 
-/// A single miss counts as so many times its usual square at most: it is one wrong depth, not rough
-/// ground.
+/// Largest square of a single miss, as a multiple of its usual square: a larger miss is one wrong
+/// depth, not a rough bottom.
 const MOST_SQUARE: f64 = 9.0;
-/// So many squares that are as rough as usual count along: few misses say little.
+/// Weight of the usual roughness, in squares: it makes a few misses count little.
 const USUAL_SQUARES: f64 = 1.0;
 /// Squares to both sides that count, by a bell curve with a standard deviation of one square.
 const REACH: i64 = 2;
@@ -46,12 +46,13 @@ impl Roughness {
         Self { square_m, shares: squares.keys().map(|square| (*square, around(*square))).collect() }
     }
 
-    /// For questions about many places, of which most are near the one before.
+    /// Returns a sampler for many places, of which most are near the place before.
     pub(super) fn sampler(&self) -> RoughnessSampler<'_> {
         RoughnessSampler { roughness: self, last: None }
     }
 
-    /// Of the squares whose middles are the corners around a place; 1 where nothing was left out.
+    /// Returns the shares of the squares whose middles are the corners around a place; 1 where
+    /// nothing was left out.
     fn around(&self, corner: [i64; 2]) -> [f64; 4] {
         CORNERS.map(|step| {
             let square = [0, 1].map(|axis| corner[axis] + step[axis] as i64);
@@ -60,7 +61,7 @@ impl Roughness {
     }
 }
 
-/// From the south-west of the four middles of squares around a place to each.
+/// Steps from the south-western of the four middles of squares around a place to each of them.
 const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
 
 /// Keeps what it looked up last.
@@ -70,7 +71,7 @@ pub(super) struct RoughnessSampler<'a> {
 }
 
 impl RoughnessSampler<'_> {
-    /// At a place, between the middles of squares.
+    /// Returns the share at a place, interpolated between the middles of squares.
     pub(super) fn at(&mut self, place: [f64; 2]) -> f64 {
         let [x, y] = place.map(|metres| metres / self.roughness.square_m - 0.5);
         let first = [x.floor(), y.floor()];

@@ -1,4 +1,4 @@
-//! What is stated of a depth against beds that are known.
+//! Tests of stated errors against beds that are known.
 
 use super::*;
 use crate::bathymetry::testing::{point, random};

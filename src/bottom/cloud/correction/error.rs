@@ -1,15 +1,15 @@
-//! Why readings of the water's height are not in force.
+//! Reasons why readings of the water's height are not in force.
 
 use bathyscope_log::support::calendar;
 use std::path::PathBuf;
 
-/// Why readings of the water's height are not in force: one sentence, the path last.
+/// Reason why readings of the water's height are not in force: one sentence, the path last.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WaterLevelError {
     /// The settings name a file only.
     #[error("the readings of the water level have not been read: {}", path.display())]
     NotRead {
-        /// Which file.
+        /// The file of the readings.
         path: PathBuf,
     },
     /// The readings have dates and the log has none.
@@ -17,7 +17,7 @@ pub enum WaterLevelError {
         "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead: {}", path.display()
     )]
     UnknownTime {
-        /// Which file.
+        /// The file of the readings.
         path: PathBuf,
     },
     /// The log begins before the first reading, or ends after the last.
@@ -30,7 +30,7 @@ pub enum WaterLevelError {
         readings_s: [f64; 2],
         /// Begin and end of the log, Unix seconds.
         log_s: [f64; 2],
-        /// Which file.
+        /// The file of the readings.
         path: PathBuf,
     },
 }

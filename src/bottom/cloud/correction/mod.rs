@@ -1,4 +1,4 @@
-//! From recorded depths to depths below a level: sound speed, draft, and the water's own height
+//! Corrects recorded depths to depths below a level: sound speed, draft, and the water's own height
 //! over time.
 //!
 //! In: recorded depths and slant ranges, and what the settings say of the water. Out: depths below
@@ -30,12 +30,12 @@ pub struct WaterLevelSettings {
     /// [`bathyscope_log::formats::read_gauge`] reads them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// What the file holds, once it has been read.
+    /// Readings in the file, once it has been read.
     #[serde(skip)]
     pub gauge: Option<Arc<Gauge>>,
 }
 
-/// What is known of water and transducer.
+/// Known properties of water and transducer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthSettings {
     /// Depth of the transducer below the water's surface, metres.
@@ -45,14 +45,14 @@ pub struct DepthSettings {
     pub water_level_m: f64,
     /// Readings of the water's height.
     pub water_level: WaterLevelSettings,
-    /// What is added to every elevation, metres, so that the log agrees with others of its survey
+    /// Height added to every elevation, metres, so that the log agrees with others of its survey
     /// (`bathymetry::height_offsets`).
     pub height_offset_m: f64,
     /// Sound speed.
     pub sound_speed: SoundSpeedSettings,
 }
 
-/// What is done to the depths of one survey.
+/// Correction of the depths of one survey.
 ///
 /// With the sound speed `c`, that of the recorder `c0`, the draft `t`, the water's height `h` at
 /// the time and the height offset `o`, a depth `d` below the transducer becomes `d c / c0 + t - h -
@@ -60,27 +60,27 @@ pub struct DepthSettings {
 ///
 /// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times
 /// the rate at which the water rises: 1 cm for 6 minutes where it rises 10 cm an hour, and as much
-/// as the height of a tide for hours. What of it is the same all along the log is in the height
-/// offset that crossings show; what changes along the log stays, unless `mounting.clock_offset_s`
-/// says how far the clock is behind. Recorders take the time from the satellites, so a drift within
-/// a log is below a second.
+/// as the height of a tide for hours. The part that is the same all along the log is in the height
+/// offset that crossings show; the part that changes along the log stays, unless
+/// `mounting.clock_offset_s` says how far the clock is behind. Recorders take the time from the
+/// satellites, so a drift within a log is below a second.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Correction {
     settings: DepthSettings,
     /// Unix seconds of the log's time zero, its clock put right, where readings are in force.
     start_unix_s: Option<f64>,
-    /// What was added to the log's clock, seconds.
+    /// Offset added to the log's clock, seconds.
     clock_offset_s: f64,
     /// The water's height in the middle of the survey, metres.
     middle_level_m: f64,
-    /// Why the readings of the water's height are not in force.
+    /// Reason why the readings of the water's height are not in force.
     refused: Option<WaterLevelError>,
     /// The readings, Unix seconds and metres, between which the level of the survey is a guess.
     gap: Option<[(f64, f64); 2]>,
 }
 
-/// Between readings farther apart in time, seconds, whose levels differ by more metres, the water's
-/// height is not known: it may have risen first and fallen later.
+/// Longest time between readings, seconds, and largest difference of their levels, metres: where
+/// both are exceeded, the water's height is not known, as it may have risen first and fallen later.
 const LONGEST_BRIDGE_S: f64 = 3600.0;
 const BRIDGED_M: f64 = 0.02;
 /// Standard deviation of a level that is drawn straight between such readings, in units of their
@@ -88,7 +88,7 @@ const BRIDGED_M: f64 = 0.02;
 const GAP_SHARE: f64 = 0.25;
 
 impl Correction {
-    /// For a survey. Where the readings do not cover it they are left aside, and
+    /// Creates the correction of a survey. Readings that do not cover it are not applied, and
     /// [`Correction::refused`] says why.
     pub fn new(settings: DepthSettings, survey: &Survey) -> Self {
         let over = over_survey(&settings.water_level, survey);
@@ -116,7 +116,7 @@ impl Correction {
         made
     }
 
-    /// Why the readings of the water's height are not in force.
+    /// Returns the reason why the readings of the water's height are not in force.
     pub fn refused(&self) -> Option<&WaterLevelError> {
         self.refused.as_ref()
     }
@@ -127,7 +127,7 @@ impl Correction {
         self.gap.map_or(0.0, |[before, after]| GAP_SHARE * (after.1 - before.1).abs())
     }
 
-    /// What slant ranges and depths are multiplied with, `c / c0`.
+    /// Returns the factor on slant ranges and depths, `c / c0`.
     pub fn range_factor(&self) -> f64 {
         let speed = &self.settings.sound_speed;
         speed.water_m_s().map_or(1.0, |water_m_s| water_m_s / speed.recorder_m_s)
@@ -149,12 +149,12 @@ impl Correction {
         self.level_m(time_s) + self.settings.height_offset_m - self.settings.draft_m - below_m
     }
 
-    /// The depth that a recorded one means.
+    /// Returns the depth that a recorded depth means at a time of the log, metres.
     pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
         -self.z_m(time_s, recorded_m * self.range_factor())
     }
 
-    /// What is added to every elevation so that the log agrees with others, metres.
+    /// Returns the height added to every elevation so that the log agrees with others, metres.
     pub fn height_offset_m(&self) -> f64 {
         self.settings.height_offset_m
     }

@@ -1,8 +1,8 @@
-//! How fast sound runs in the water, against what the recorder took for it.
+//! Speed of sound in the water, and the speed that the recorder assumed.
 
 use serde::{Deserialize, Serialize};
 
-/// What a recorder is taken to assume: 1500 m/s, usual for sea water. Some assume 4800 feet a
+/// Speed that a recorder is taken to assume: 1500 m/s, usual for sea water. Some assume 4800 feet a
 /// second (1463 m/s), usual for fresh water, or let their owner choose; logs of fish-finders do not
 /// say which.
 const RECORDER_M_S: f64 = 1500.0;

@@ -1,9 +1,9 @@
-//! What was and was not corrected, in words for every product.
+//! Statement of what was and was not corrected, in words for every product.
 
 use super::Correction;
 use super::error::moment;
 
-/// What depths count from.
+/// Reference that depths count from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthReference {
     /// The transducer: no draft is known.
@@ -15,7 +15,7 @@ pub enum DepthReference {
 }
 
 impl DepthReference {
-    /// In a label, after a depth.
+    /// Returns the reference in words for a label, after a depth.
     pub fn name(self) -> &'static str {
         match self {
             Self::Transducer => "below transducer",
@@ -24,8 +24,8 @@ impl DepthReference {
         }
     }
 
-    /// Over a scale of depths in some unit, `m`; short where nothing was corrected, which is the
-    /// rule.
+    /// Returns the title of a scale of depths in some unit, such as `m`; short where nothing was
+    /// corrected, as is usual.
     pub fn title(self, unit: &str) -> String {
         match self {
             Self::Transducer => format!("depth, {unit}"),
@@ -34,7 +34,7 @@ impl DepthReference {
         }
     }
 
-    /// In a sentence.
+    /// Returns the reference in words for a sentence.
     fn in_words(self) -> &'static str {
         match self {
             Self::Transducer => "the transducer",
@@ -45,12 +45,13 @@ impl DepthReference {
 }
 
 impl Correction {
-    /// What depths count from, what was applied, and what was not.
+    /// States what depths count from, what was applied, and what was not.
     pub fn statement(&self) -> String {
         self.sentences().join(" ")
     }
 
-    /// The same: what depths count from and what was applied, then what was not.
+    /// Returns the same in two parts: what depths count from and what was applied, then what was
+    /// not.
     pub fn sentences(&self) -> [String; 2] {
         let applied = self.applied();
         let missing = self.missing();
@@ -64,7 +65,7 @@ impl Correction {
         ]
     }
 
-    /// What depths count from.
+    /// Returns the reference that depths count from.
     pub fn reference(&self) -> DepthReference {
         match (self.knows_level(), self.knows_draft()) {
             (true, _) => DepthReference::Level,

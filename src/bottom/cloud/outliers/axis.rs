@@ -4,7 +4,7 @@
 /// cell, not a grid.
 #[derive(Debug)]
 pub(super) struct CellAxis {
-    /// Where each occupied stretch begins, ascending, with its first cell number.
+    /// Begin of each occupied stretch, ascending, with its first cell number.
     stretches: Vec<(f64, u32)>,
     cells_per_m: f64,
     /// Number of cells.
@@ -21,8 +21,8 @@ impl CellAxis {
         Self { stretches: vec![(0.0, 0)], cells_per_m: 0.0, len: 1 }
     }
 
-    /// Evenly from the smallest to the largest of the values; `None` when there would be too many
-    /// cells to number.
+    /// Numbers cells evenly from the smallest to the largest of the values; `None` when there would
+    /// be too many cells to number.
     pub(super) fn even(values: impl Iterator<Item = f64>, cell_m: f64) -> Option<Self> {
         let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
             (min.min(value), max.max(value))
@@ -35,9 +35,9 @@ impl CellAxis {
         })
     }
 
-    /// As [`CellAxis::even`], but a gap of more than a cell between two values starts a new
-    /// stretch, which is numbered on with one empty cell between. Values on the two sides of a gap
-    /// are no neighbours.
+    /// Numbers cells as [`CellAxis::even`] does, but a gap of more than a cell between two values
+    /// starts a new stretch, which is numbered on with one empty cell between. Values on the two
+    /// sides of a gap are no neighbours.
     pub(super) fn compact(values: impl Iterator<Item = f64>, cell_m: f64) -> Self {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_unstable_by(f64::total_cmp);

@@ -22,11 +22,12 @@ use cells::CellPoints;
 /// apart.
 const CELL_MARGIN: f64 = 1.0 + 1e-6;
 
-/// Which points have more than `min_neighbors` points (themselves included) strictly within
-/// `radius_m`: one flag a point.
+/// Returns a flag for each point, true if more than `min_neighbors` points (itself included) lie
+/// strictly within `radius_m`.
 ///
-/// Distances are compared in f64. Points with a coordinate that is not finite are dropped and are
-/// nobody's neighbours. Memory is proportional to the number of points, however far apart they lie.
+/// Distances are compared in f64. Points with a coordinate that is not finite are dropped and do
+/// not count as neighbours. Memory is proportional to the number of points, however far apart they
+/// lie.
 pub fn keep(
     points: &[[f64; 3]],
     radius_m: f64,
@@ -37,12 +38,12 @@ pub fn keep(
     keep_places(points.len(), &place, radius_m, min_neighbors, progress)
 }
 
-/// Where the point of an index is, metres.
+/// Function that returns the place of the point of an index, metres.
 trait PointPlace: Fn(u32) -> [f64; 3] + Sync {}
 
 impl<P: Fn(u32) -> [f64; 3] + Sync> PointPlace for P {}
 
-/// As [`keep`], over points that need not lie side by side in memory.
+/// Does the same as [`keep`] for points that need not lie side by side in memory.
 pub(super) fn keep_places(
     count: usize,
     place: &(impl Fn(u32) -> [f64; 3] + Sync),

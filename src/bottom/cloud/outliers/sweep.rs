@@ -15,8 +15,8 @@ const BLOCK: usize = 8;
 /// neighbours together sooner.
 const MOST_TESTS: usize = 2048;
 
-/// For each sorted point, whether more than `min_neighbors` points lie strictly within the radius,
-/// itself included.
+/// Returns a flag for each sorted point, true if more than `min_neighbors` points lie strictly
+/// within the radius, itself included.
 pub(super) fn flags(
     cells: &CellPoints,
     radius_m: f64,

@@ -59,15 +59,15 @@ impl PointBounds {
 }
 
 impl Tree {
-    /// Of points that are all finite.
+    /// Creates a tree of points that are all finite.
     pub(super) fn new(mut points: Vec<[f64; 3]>) -> Self {
         let mut boxes = Vec::new();
         halve(&mut points, 0, &mut boxes);
         Self { points, boxes }
     }
 
-    /// Whether at least `enough` points lie strictly within the radius, of which the square is
-    /// given. Large boxes are looked at first, so that the answer is often known before any point
+    /// Returns true if at least `enough` points lie strictly within the radius, of which the square
+    /// is given. Large boxes are tested first, so that the answer is often known before any point
     /// is tested.
     pub(super) fn has_enough(&self, at: &[f64; 3], square: f64, enough: usize) -> bool {
         let (mut found, mut possible) = (0, self.points.len());

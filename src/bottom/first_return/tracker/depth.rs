@@ -1,4 +1,4 @@
-//! What the recorded depth says about where the line can lie.
+//! Limits that the recorded depth sets to the place of the line.
 
 use super::super::beyond_depth::farthest_m;
 use super::TUNING;
@@ -7,7 +7,7 @@ use super::score::Scores;
 use bathyscope_log::survey::Survey;
 use std::ops::Range;
 
-/// A stretch goes on over so many rows that do not lie far beyond the depth.
+/// Longest pause in a stretch, rows: rows that do not lie far beyond the depth.
 const PAUSE: usize = 8;
 
 /// The recorded depth along a chunk, in cells of its picture.

@@ -90,7 +90,8 @@ pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Where between its neighbours a parabola through three values peaks, -0.5 to 0.5.
+/// Returns the peak of a parabola through three values, as an offset from the middle one, -0.5 to
+/// 0.5.
 pub(super) fn peak_offset(values: &[f32], at: usize) -> f32 {
     let before = at.checked_sub(1).and_then(|before| values.get(before));
     let (Some(&before), Some(&peak), Some(&after)) = (before, values.get(at), values.get(at + 1))

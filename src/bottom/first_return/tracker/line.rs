@@ -1,4 +1,4 @@
-//! Which rows of the line are picks, and what speaks for them.
+//! Selects the rows of the line that are picks, and measures the evidence for them.
 
 use super::grid::TrackerGrid;
 use super::score::Scores;

@@ -29,7 +29,7 @@ use rayon::prelude::*;
 use runs::TrackerChunk;
 use std::ops::Range;
 
-/// What the tracker is set to; chosen on simulated ponds and looked at on real recordings.
+/// Settings of the tracker; chosen on simulated ponds and verified on real recordings.
 ///
 /// Lengths are in metres where the bottom decides, with limits in cells of the picture where the
 /// recorder's grid does: a range of 37 m in 512 samples is coarser than any step.
@@ -46,9 +46,9 @@ struct Tuning {
     move_cost_per_m: f64,
     /// See `move_cost_per_m`.
     move_cost_per_cell: f64,
-    /// How many standard deviations of the noise the echo before a step may lie above quiet water.
-    /// Over the boulders of the real river the step from a boulder to the ground behind it is often
-    /// the greater one; the first is the one from the water.
+    /// Largest rise of the echo before a step above quiet water, in standard deviations of the
+    /// noise. Over the boulders of the real river the step from a boulder to the ground behind it
+    /// is often the greater one; the first is the one from the water.
     quiet: f32,
     /// Score that each further one costs. On the river any from 0.3 on finds the boulders; on ponds
     /// none up to 1 changes the error by more than a tenth of a millimetre.
@@ -91,7 +91,7 @@ const TUNING: Tuning = Tuning {
     leap_share: 1.25,
 };
 
-/// What is found on both sides (port, starboard) of `pings`.
+/// Tracks the bottom on both sides (port, starboard) of `pings`.
 pub(super) fn track(
     survey: &Survey,
     normalisation: &Normalisation,

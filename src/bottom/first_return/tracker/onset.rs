@@ -22,7 +22,7 @@ const BOTTOM_M: (f64, f64) = (0.03, 0.12);
 /// Rise above the water that is an onset, as a share of the usual contrast between bottom and
 /// water.
 const RISE: f32 = 0.18;
-/// So many standard deviations of the water that rise must be. In louder water nothing that faint
+/// Least rise of an onset, in standard deviations of the water. In louder water nothing that faint
 /// can be distinguished from noise, and the edge stays where it is.
 const QUIET: f32 = 4.0;
 /// Range by which an onset may be earlier than usual by its noise alone, metres.
@@ -138,8 +138,8 @@ fn blur_row(values: &[f32], reach: usize, out: &mut [f32]) {
     }
 }
 
-/// Where, coming from the end, the values last lie above a level, interpolated; `None` where they
-/// never fall below it.
+/// Returns the place where, coming from the end, the values last lie above a level, interpolated;
+/// `None` where they never fall below it.
 fn rises_above(level: f32, values: &[f32]) -> Option<f32> {
     let below = values.iter().rposition(|&value| value < level)?;
     let high = *values.get(below + 1)?;

@@ -1,4 +1,4 @@
-//! From the cell that the line goes through to the place of the edge within a fraction of it.
+//! Refines the line from whole cells to the place of the edge within a fraction of a cell.
 //!
 //! The first search smooths along the track and so blurs a sloping edge. Here the picture is laid
 //! straight along the line, searched again close by with shorter windows, and the edge is then read
@@ -27,7 +27,8 @@ const WINDOW_M: f64 = 0.1;
 const SEARCH_M: f64 = 0.2;
 /// The second search moves at most this many cells from row to row, at this cost each.
 const MOVE: (usize, f32) = (4, 0.5);
-/// Where beyond the edge the plateau of the bottom lies, and before it the water, metres.
+/// Distances beyond the edge between which the bottom's plateau lies, and before it the water,
+/// metres.
 const PLATEAU_M: (f64, f64) = (0.05, 0.14);
 const WATER_M: (f64, f64) = (0.07, 0.17);
 /// Drop below the plateau at which the edge is read, as a share of the median contrast between
@@ -134,7 +135,7 @@ fn moments(values: &[f32]) -> (f32, f32) {
 /// The picture averaged along the line; the line goes through the middle cell.
 struct LineProfile<'a> {
     values: &'a [f32],
-    /// Where the search for the edge begins.
+    /// Cell at the end of the plateau, where the search for the edge begins.
     plateau_end: usize,
     plateau: f32,
     water: f32,

@@ -1,4 +1,4 @@
-//! Where the line may not run on, and the chunks that are tracked on their own.
+//! Splits the pings where the line may not run on, and into chunks that are tracked on their own.
 
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
@@ -17,7 +17,7 @@ const LONGEST_GAP_S: f64 = 1.5;
 pub(super) struct TrackerChunk {
     /// All pings, overlap included.
     pub pings: Vec<u32>,
-    /// Which of them this chunk answers for.
+    /// Range of `pings` that this chunk answers for.
     pub kept: Range<usize>,
     /// Slant range of a sample, the same for all of them.
     pub metres_per_sample: f64,

@@ -1,4 +1,4 @@
-//! How much every cell of every row looks like the step from water to bottom.
+//! Scores the likeness of every cell of every row to the step from water to bottom.
 
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
 use super::TUNING;
@@ -28,7 +28,7 @@ const LONG_WINDOWS: usize = 5;
 /// Scores are cut here: one glaring echo must not pull the line off for many pings.
 pub(super) const MOST: f32 = 6.0;
 
-/// What the score compares.
+/// Windows, limits and threshold of the score, in the units of a chunk's picture.
 pub(super) struct Kernel {
     /// Cells of each of the two windows.
     window: usize,
@@ -71,7 +71,7 @@ pub(super) struct Scores {
     fine: Vec<i16>,
     loudest: Vec<u8>,
     spare: Vec<u8>,
-    /// Of the rows that are measured together.
+    /// Running sums of the rows that are measured together.
     sums: [RunningSums; TOGETHER],
     quiet: [Vec<f32>; TOGETHER],
     before: Vec<f32>,
@@ -163,7 +163,7 @@ impl Scores {
         }
     }
 
-    /// For every cell, the loudest one in the window that begins there, over this ping and its
+    /// Finds for every cell the loudest one in the window that begins there, over this ping and its
     /// neighbours.
     #[inline(always)]
     fn find_loudest(&mut self, rows: &SampleRows, row: usize, window: usize) {
@@ -213,8 +213,8 @@ impl VectorLoop for Measure<'_> {
     }
 }
 
-/// At every cell, the mean of all cells before it from the dead zone on, or of the last few
-/// windows' worth if that is brighter: what must be dark for a step to be the first. Behind a
+/// Writes for every cell the mean of all cells before it from the dead zone on, or of the last few
+/// windows' worth if that is brighter: this must be dark for a step to be the first. Behind a
 /// boulder's shadow, the boulder lies in between.
 #[inline(always)]
 fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
@@ -235,9 +235,9 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     }
 }
 
-/// At every cell, how dark the water is before the window that ends there: the darkest window so
-/// far, which may brighten slowly with range. What lies unbroken between that water and a step is
-/// an echo already: the step is not the first.
+/// Writes for every cell the brightness of the darkest window so far, up to the window that ends
+/// there; it may brighten slowly with range. What lies unbroken between that water and a step is an
+/// echo already: the step is not the first.
 #[inline(always)]
 fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], kernel: &Kernel) {
     let per = 1.0 / kernel.window as f32;
@@ -268,7 +268,7 @@ fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], k
     }
 }
 
-/// How bright it is before every cell.
+/// Brightness before every cell of a row.
 struct WaterBrightness<'a> {
     /// See [`brightness_before`].
     before: &'a [f32],
@@ -322,7 +322,8 @@ struct Moments {
 }
 
 impl Moments {
-    /// From the running sums at both ends; `per` is one by the number of cells.
+    /// Creates the moments from the running sums at both ends; `per` is 1 divided by the number of
+    /// cells.
     #[inline(always)]
     fn of(sum: u32, sum_end: u32, square: u32, square_end: u32, per: f32) -> Self {
         // A window of 255 cells stays below 2^31, and signed numbers convert faster.

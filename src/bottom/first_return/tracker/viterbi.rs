@@ -4,7 +4,7 @@ use super::TUNING;
 use super::grid::{TrackerGrid, highest, larger, maximum};
 use crate::vectors::{VectorLoop, vectorised};
 
-/// What moving the line from one ping to the next costs.
+/// Cost of moving the line from one ping to the next.
 pub(super) struct MotionCost {
     /// Cells that it may move without a leap.
     pub limit: usize,
@@ -25,7 +25,7 @@ impl MotionCost {
     }
 }
 
-/// For every cell, the score of the best path through it.
+/// Score of the best path through every cell.
 #[derive(Default)]
 pub(super) struct Paths {
     through: TrackerGrid,
@@ -73,8 +73,9 @@ impl Paths {
         line
     }
 
-    /// How much less the best path gathers that goes more than `apart` cells nearer, or farther,
-    /// than the line on a row; at most [`MOST_MARGIN`]. Of the line that was found last.
+    /// Returns how much less than the line the best path gathers that passes more than `apart`
+    /// cells nearer, or farther, on each row; at most [`MOST_MARGIN`]. For the line that was found
+    /// last.
     pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
         vectorised(Margins { paths: self, line, apart })
     }
@@ -126,7 +127,7 @@ impl VectorLoop for Margins<'_> {
     }
 }
 
-/// Beyond this a margin says no more: two leaps and the row's own step.
+/// Upper limit of a margin: two leaps and the row's own step. A larger margin means no more.
 const MOST_MARGIN: f32 = 20.0;
 
 /// `max over |k| <= limit of value[j + k] - cost |k|` by doubling, or the best of all less a leap.
@@ -182,7 +183,7 @@ fn higher(out: &mut [f32], stay: &[f32], moved: &[f32], cost: f32) {
 mod tests {
     use super::*;
 
-    /// What a path gathers.
+    /// Score that a path gathers.
     fn gathered(scores: &TrackerGrid, path: &[usize], motion: &MotionCost) -> f32 {
         let cost = |from: usize, to: usize| {
             let cells = from.abs_diff(to);

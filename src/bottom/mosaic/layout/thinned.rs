@@ -67,7 +67,8 @@ impl MosaicLayout {
         around.collect()
     }
 
-    /// How far the boat and the ends of its swath are from one ping to another, metres.
+    /// Sum of the distances that the boat and an end of its swath move from one ping to another,
+    /// metres.
     fn moved_m(&self, from: usize, to: usize) -> f64 {
         let (Some(from), Some(to)) = (self.placed[from], self.placed[to]) else {
             return f64::INFINITY;

@@ -1,4 +1,4 @@
-//! Colours of depth, the same in the window, on the report's map and in the style of `depth.tif`:
+//! Colours of depth, the same in Bathyscope, on the report's map and in the style of `depth.tif`:
 //! shallow light to deep dark, even to the eye.
 
 use super::{Rgb, ramp};
@@ -20,7 +20,7 @@ const DEEP: [Rgb; 11] = [
     [54, 43, 77],
 ];
 
-/// Where a depth lies between the ends of the colour scale, 0 (shallow) to 1 (deep).
+/// Returns the place of a depth between the ends of the colour scale, 0 (shallow) to 1 (deep).
 pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
     let [shallow_m, deep_m] = range_m;
     if deep_m > shallow_m {

@@ -117,7 +117,7 @@ fn steps(format: CoordinateFormat) -> Vec<i64> {
     }
 }
 
-/// 1, 2 and 5 at each of so many places after the point.
+/// Returns 1, 2 and 5 units at each of `places` places after the point.
 fn decimals(unit: i64, places: u32) -> Vec<i64> {
     let at = |place: u32| [1, 2, 5].map(|count| count * unit / 10i64.pow(place));
     (1..=places).rev().flat_map(at).collect()

@@ -1,4 +1,4 @@
-//! The graticule of a map, in the window and in the report: lines at round degrees, or metres of
+//! The graticule of a map, in Bathyscope and in the report: lines at round degrees, or metres of
 //! the UTM zone, with their names.
 //!
 //! In: bounds of a map, and the form of coordinates. Out: lines with names.
@@ -9,7 +9,7 @@ use super::ticks;
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat, UtmZone};
 use degrees::{DegreeAxis, Graticule};
 
-/// What the lines of a map are lines of.
+/// Coordinates that the lines of a map stand for.
 #[derive(Clone, Copy, Debug)]
 pub enum Net {
     /// Longitude and latitude; longitudes are counted on from that of the middle, so that the date
@@ -17,7 +17,7 @@ pub enum Net {
     Degrees {
         /// Longitude in the middle of the map, degrees.
         middle_deg: f64,
-        /// How a place is written.
+        /// Format that a place is written in.
         format: CoordinateFormat,
     },
     /// Easting and northing of a zone, metres.
@@ -30,9 +30,9 @@ pub type NetBounds = [f64; 4];
 /// A family of lines: meridians or lines of easting, parallels or lines of northing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineFamily {
-    /// From south to north, each at an easting or a longitude.
+    /// Lines from south to north, each at an easting or a longitude.
     Upright,
-    /// From west to east.
+    /// Lines from west to east, each at a northing or a latitude.
     Level,
 }
 
@@ -110,7 +110,8 @@ impl Net {
         }
     }
 
-    /// A name as long as those of upright lines so far apart: it tells how much room they take.
+    /// Returns a name as long as those of upright lines at least `least` apart: it determines the
+    /// room that they take.
     pub fn typical_label(&self, [west, _, east, _]: NetBounds, least: f64) -> String {
         match self {
             Self::Degrees { format, .. } => {

@@ -1,20 +1,20 @@
-//! Sentences of the parts below the window, which count in metres, in the units that the window
-//! shows.
+//! Converts sentences in metres into the units in use: the rest of the program writes its sentences
+//! in metres, and Bathyscope shows them in the units of the analyst.
 
 use super::{FEET_PER_FATHOM, LengthUnit, METRES_PER_NAUTICAL_MILE, SpeedUnit, Units};
 use bathyscope_log::support::geo::METRES_PER_FOOT;
 use std::ops::Range;
 
-/// Slower is a boat, faster is sound, metres a second.
+/// Limit between speeds of boats and speeds of sound, metres a second.
 const FASTEST_BOAT_MPS: f64 = 1000.0;
-/// What may stand between two numbers that share the unit behind the second.
+/// Texts that may stand between two numbers that share the unit behind the second.
 const JOINTS: [&str; 4] = [" to ", " × ", " ± ", " ±"];
 /// The units that are turned, the longer before those that they begin with.
 const UNITS: [&str; 4] = ["m/s", "cm", "km", "m"];
 
 impl Units {
-    /// What the speed of sound is written in: it goes with the lengths, for nobody counts it in
-    /// knots.
+    /// Returns the unit for the speed of sound, in metres a second, with its symbol: it follows the
+    /// lengths, since the speed of sound is never given in knots.
     pub fn sound_speed(self) -> (f64, &'static str) {
         match self.length {
             LengthUnit::Metres => (1.0, "m/s"),
@@ -89,8 +89,8 @@ impl Units {
     }
 }
 
-/// Where names stand: between “ and ” or two `, and from the beginning of an absolute path to the
-/// end of its part of the sentence.
+/// Finds the ranges of names: between “ and ” or two `, and from the beginning of an absolute path
+/// to the end of its part of the sentence.
 fn names(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -118,7 +118,8 @@ fn names(text: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// Where plain numbers stand, without their signs: not the digits of a name or of a time of day.
+/// Finds the ranges of plain numbers, without their signs: not the digits of a name or of a time of
+/// day.
 fn numbers(text: &str) -> Vec<Range<usize>> {
     let is_part = |c: char| c.is_ascii_digit() || c == '.';
     let mut found: Vec<Range<usize>> = Vec::new();

@@ -9,8 +9,8 @@ use bathyscope_log::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What `process` and `archive` call the depths, and beside them their standard deviations and
-/// sources.
+/// Names of the files that `process` and `archive` write: the depths, and in the same folder their
+/// standard deviations and sources.
 const DEPTH: &str = "depth.tif";
 const UNCERTAINTY: &str = "uncertainty.tif";
 const SOURCE: &str = "source.tif";
@@ -39,7 +39,7 @@ impl DepthMaps {
         Ok(Self { path: path.to_owned(), files })
     }
 
-    /// What was named.
+    /// Returns the path that was given.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
@@ -81,13 +81,13 @@ fn tiles(archive: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// Another raster beside depths, of a map that this program wrote.
+/// Returns the path of another raster in the folder of the depths, for a map that Bathyscope wrote.
 fn beside(depths: &Path, name: &str) -> Option<PathBuf> {
     let beside = depths.with_file_name(name);
     (depths.file_name()? == DEPTH && beside.is_file()).then_some(beside)
 }
 
-/// The cells of a raster beside depths, which has as many.
+/// Reads the cells of a raster in the folder of the depths, which has as many.
 fn cells_beside<T>(
     depths: &Path,
     name: &str,
@@ -113,11 +113,11 @@ pub(super) struct DepthPart {
     /// Classes of [`CellSource`].
     sources: Option<Vec<u8>>,
     crs: Crs,
-    /// What its results are called: the tile's name in an archive, nothing otherwise.
+    /// Name of the tile in an archive, with which the names of its results begin; otherwise empty.
     pub name: String,
 }
 
-/// What is known of a place.
+/// Depth at a place, with its uncertainty.
 #[derive(Clone, Copy)]
 pub(super) struct Depth {
     /// Metres, positive down.
@@ -182,7 +182,7 @@ impl DepthPart {
         cell_m2 / plane.area_scale_at(plane.place(middle))
     }
 
-    /// What is known of a cell.
+    /// Returns the depth in a cell; `None` where the depth or its standard deviation is unknown.
     pub(super) fn cell(&self, cell: usize) -> Option<Depth> {
         let depth_m = *self.raster.values.get(cell)?;
         let sigma_m =
@@ -198,8 +198,8 @@ impl DepthPart {
         })
     }
 
-    /// What is known at the middle of a cell of another map: between the middles of its own cells,
-    /// or `None` where one of those that count is unknown.
+    /// Returns the depth at the middle of a cell of another map, interpolated between the middles
+    /// of its own cells; `None` where a cell that counts is unknown.
     pub(super) fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
         let there = other.raster.transform.at([column as f64, row as f64]);
         let place =
@@ -239,7 +239,7 @@ impl DepthPart {
         Some(sum)
     }
 
-    /// Where a raster of its cells lies; of nothing yet.
+    /// Returns the grid of a raster with the same cells; band and description are still empty.
     pub(super) fn spec(&self) -> RasterSpec {
         let transform = &self.raster.transform;
         let [west, north] = transform.at([-0.5, -0.5]);

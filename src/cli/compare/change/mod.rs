@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 /// Steps of the colours in a style.
 const STEPS: usize = 16;
 
-/// What changed between two surveys.
+/// Options of a comparison of two depth maps.
 #[derive(Debug, clap::Args)]
 pub(super) struct ChangeArgs {
     /// Compare two depth maps in place of points, the newer one first: a folder of `process`, an
@@ -39,12 +39,12 @@ pub(super) struct ChangeArgs {
     /// detection, and the volumes of fill and cut
     #[arg(long, value_name = "DIR", conflicts_with_all = ["output", "by", "radius", "max_gap", "water_level"])]
     change: Option<PathBuf>,
-    /// With --change: standard deviation of what is the same in all cells of one map against the
-    /// other, such as draft and water level, metres
+    /// Standard deviation of the error that all cells of one map share against the other, such as
+    /// draft and water level, metres (with --change)
     #[arg(long, value_name = "METRES", default_value_t = 0.03, value_parser = parse_error, requires = "change")]
     systematic: f64,
-    /// With --change: depths farther apart than this err independently, metres; less where cells
-    /// without a change show it
+    /// Distance from which on the errors of two depths are independent, metres; less where cells
+    /// without a change show it (with --change)
     #[arg(long, value_name = "METRES", default_value_t = 20.0, value_parser = parse_error, requires = "change")]
     error_range: f64,
 }
@@ -57,7 +57,7 @@ fn parse_error(text: &str) -> Result<f64, &'static str> {
 }
 
 impl ChangeArgs {
-    /// Where the change between maps is to be written; `None` where points are compared.
+    /// Returns the folder for the change between maps; `None` where points are compared.
     pub(super) fn folder(&self) -> Option<&Path> {
         self.change.as_deref()
     }
@@ -121,11 +121,11 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     if args.json { output::json(&record) } else { output::results(record.table()) }
 }
 
-/// What the parts of the maps showed of their errors.
+/// Errors of the maps as observed in their parts.
 #[derive(Default)]
 struct Observed {
     range_m: f64,
-    /// Of each part.
+    /// Median share of the stated errors that is in the difference, for each part.
     shares: Vec<f64>,
 }
 
@@ -150,7 +150,7 @@ impl Observed {
     }
 }
 
-/// What changed in the cells of a part of the newer map.
+/// Change of the depths in the cells of a part of the newer map.
 struct PartChange<'a> {
     part: &'a DepthPart,
     cell_area_m2: f64,
@@ -158,7 +158,7 @@ struct PartChange<'a> {
     rise_m: Vec<f32>,
     /// Standard deviation of that by the depths' own errors, metres.
     sigma_m: Vec<f32>,
-    /// Whether the newer map measured a depth there, and the older.
+    /// True if the depth was measured there, in the newer map and in the older.
     is_measured: Vec<[bool; 2]>,
 }
 
@@ -188,7 +188,7 @@ impl<'a> PartChange<'a> {
         }
     }
 
-    /// What a function says of each cell, NaN where nothing is known.
+    /// Returns the value of a function for each cell, NaN where nothing is known.
     fn layer(&self, value: impl Fn(usize, &CellChange) -> f64) -> Vec<f32> {
         let field = self.field();
         let cells = 0..self.rise_m.len();

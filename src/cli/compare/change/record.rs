@@ -1,4 +1,4 @@
-//! What changed, in figures: for scripts, for a terminal, and for the page.
+//! Records the figures of a change: for scripts, for a terminal, and for the page.
 
 use bathyscope_bottom::bathymetry::change::{ChangeErrors, ChangeSum, ChangeTotals};
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub(super) struct ChangeRecord {
     pub detection_level_m: Option<f64>,
     /// Places where a change is detected and the bottom rose.
     pub fill: Volume,
-    /// Where it sank.
+    /// Places where a change is detected and the bottom sank.
     pub cut: Volume,
     /// Both together.
     pub net: Volume,
@@ -84,7 +84,7 @@ impl Volume {
 }
 
 impl ChangeRecord {
-    /// Of two maps, the newer one first.
+    /// Creates the record of two maps, the newer one first.
     pub(super) fn new(
         [newer, older]: [&Path; 2],
         totals: &ChangeTotals,

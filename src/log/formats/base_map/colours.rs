@@ -1,4 +1,4 @@
-//! From the bytes of a block to colours.
+//! Converts the bytes of a block to colours.
 
 use super::BaseMapFault;
 use std::io::{Read, Seek};
@@ -9,7 +9,7 @@ use tiff::tags::Tag;
 /// Red, green, blue and opacity; transparent is all zero.
 pub type RgbaPixel = [u8; 4];
 
-/// How the bytes of a pixel make its colour.
+/// Encoding of the colour of a pixel in its bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Coding {
     kind: Kind,
@@ -25,7 +25,7 @@ enum Kind {
     GreyAlpha,
     Rgb,
     Rgba,
-    /// As JPEG holds it, ITU-R BT.601 over the full range.
+    /// Colours as JPEG holds them, ITU-R BT.601 over the full range.
     YCbCr,
     Palette(Vec<RgbaPixel>),
     /// Bands that the file gives no meaning: the first three are taken for a colour, or the first
@@ -34,7 +34,7 @@ enum Kind {
 }
 
 impl Coding {
-    /// Of the picture that the decoder is at.
+    /// Reads the encoding of the picture that the decoder is at.
     ///
     /// # Errors
     /// When its colours cannot be read, or are of a kind that is not shown.

@@ -1,11 +1,11 @@
-//! Why a file is no base map.
+//! Errors of base maps.
 
 use crate::support::file_error::FileError;
 use crate::support::progress::Cancelled;
 use std::io;
 use tiff::{ColorType, TiffError};
 
-/// Why a file is no base map.
+/// Reason why a file is not opened as a base map.
 #[derive(Debug, thiserror::Error)]
 pub enum BaseMapError {
     /// The file cannot be read or shown.

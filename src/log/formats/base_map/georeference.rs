@@ -1,4 +1,4 @@
-//! Where the pixels of a base map lie.
+//! Place of the pixels of a base map.
 
 use super::BaseMapFault;
 use crate::formats::geotiff::{GeoKeys, GeoTransform};
@@ -10,7 +10,7 @@ use tiff::decoder::Decoder;
 const WGS84: u16 = 4326;
 const DEGREES: [u16; 3] = [WGS84, 4258, 4269];
 
-/// Where the pixels of a picture lie, north up.
+/// Place of the pixels of a picture, north up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Georeference {
     /// The system that the numbers are in.

@@ -8,8 +8,8 @@ use tiff::ColorType;
 /// overview.
 const KINDS: [u32; 2] = [4, 5];
 
-/// Where the decoder is at a mask: columns and rows of the picture that it is of, and those of a
-/// block.
+/// Returns the size of the picture that the mask at the decoder belongs to, columns and rows, and
+/// the size of a block; `None` where the decoder is at no mask.
 pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2], [u32; 2])> {
     if !KINDS.contains(&kind?) || tiff.colortype().ok()? != ColorType::Gray(1) {
         return None;

@@ -50,7 +50,7 @@ type Tiff = Decoder<AsGrey>;
 pub struct BaseMap {
     /// The file.
     pub path: PathBuf,
-    /// Where its pixels lie.
+    /// Place of its pixels.
     pub place: Georeference,
     /// Columns and rows.
     pub size: [u32; 2],
@@ -69,11 +69,11 @@ struct PictureLevel {
     mask: Option<usize>,
 }
 
-/// Where the pixels of a level are.
+/// Storage of the pixels of a level.
 enum Kept {
-    /// In a directory of the file.
+    /// Number of a directory of the file.
     Directory(usize),
-    /// In memory.
+    /// Pixels in memory.
     Memory(Vec<RgbaPixel>),
 }
 
@@ -124,7 +124,7 @@ pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
     })
 }
 
-/// The same before anybody has said which file it is.
+/// Fault before the name of the file is added to it.
 enum Fault {
     Unusable(BaseMapFault),
     Cancelled(Cancelled),
@@ -333,8 +333,8 @@ impl BaseMap {
         Some(reader.blocks.keep((directory, number), colours))
     }
 
-    /// Where the coarsest level is too large to be looked at as a whole, makes one that is not, in
-    /// one pass.
+    /// Adds a level that is small enough to be viewed as a whole, in one pass, if the coarsest
+    /// level is too large for that.
     fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), Fault> {
         let index = self.levels.len() - 1;
         let level = &self.levels[index];

@@ -15,7 +15,7 @@ const GREY: u8 = 1;
 pub(super) struct AsGrey {
     file: BufReader<File>,
     at: u64,
-    /// Where the bytes lie that say palette or mask.
+    /// Offsets of the bytes that say palette or mask.
     said: Vec<u64>,
 }
 
@@ -52,7 +52,7 @@ impl Seek for AsGrey {
     }
 }
 
-/// Where the low bytes lie of all values that say palette or mask.
+/// Returns the offsets of the low bytes of all values that say palette or mask.
 fn palettes(file: &mut BufReader<File>) -> Vec<u64> {
     let mut found = Vec::new();
     if let Some(walk) = DirectoryWalk::begin(file) {

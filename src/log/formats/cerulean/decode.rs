@@ -1,4 +1,4 @@
-//! From packets to sides and fixes in SI units.
+//! Decodes packets to sides and fixes in SI units.
 
 use super::navigation::{Navigation, Told};
 use super::packet::Packet;

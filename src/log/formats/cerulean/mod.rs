@@ -49,7 +49,7 @@ use packet::{FORMAT, Packet};
 const NAME: &str = "Cerulean svlog";
 /// Bytes searched for packets where the beginning is damaged.
 const SEARCHED_FOR_PACKETS: usize = 1 << 20;
-/// So many rows of bytes are taken for a packet at most before a file is none.
+/// Most markers that are tried as a packet before a file counts as another format.
 const MOST_TRIES: usize = 16;
 
 /// The reader of the format.

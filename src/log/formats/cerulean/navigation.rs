@@ -31,7 +31,7 @@ enum Clock {
     Autopilot,
 }
 
-/// What MAVLink messages were wrapped in, as mavlink2rest writes them.
+/// Wrapper of a MAVLink message, as mavlink2rest writes it.
 #[derive(Deserialize)]
 struct Wrapped {
     message: GlobalPosition,

@@ -10,7 +10,7 @@ const SUM: usize = 2;
 /// The two bytes that each packet begins with.
 const MARKER: [u8; 2] = *b"BR";
 
-/// How packets follow each other.
+/// Marker and length of packets, by which a walk finds each after the one before.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
     noun: "message",
     marker: MARKER,
@@ -24,7 +24,7 @@ pub(super) const FORMAT: MessageFormat = MessageFormat {
 /// A packet that is whole.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packet<'a> {
-    /// What it is.
+    /// Number of its type.
     pub(super) id: u16,
     /// Number of the device that sent it.
     pub(super) device: u8,

@@ -11,14 +11,14 @@ const PROFILE_HEADER: usize = 52;
 /// Powers beyond this are damage, decibels.
 const MOST_DB: f32 = 400.0;
 
-/// What a profile says.
+/// Content of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Profile {
     /// Device that sent it.
     pub(super) device: u8,
     /// Channel number.
     pub(super) channel: u8,
-    /// Where its transducer looks, degrees; negative is port.
+    /// Direction of its transducer, degrees; negative is port.
     pub(super) transducer_deg: f32,
     /// Heading of the vehicle, degrees; 0 where it is not known.
     pub(super) vehicle_deg: f32,

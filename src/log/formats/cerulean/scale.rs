@@ -58,7 +58,7 @@ impl Scale {
         })
     }
 
-    /// How samples between these decibels are stored.
+    /// Returns the encoding on this scale of samples that lie between two levels in decibels.
     pub(super) fn encoding(self, [least_db, most_db]: [f32; 2]) -> Encoding {
         let levels_per_db = 255.0 / f64::from(self.high_db - self.low_db);
         let zero_level = (f64::from(least_db) - f64::from(self.low_db)) * levels_per_db;

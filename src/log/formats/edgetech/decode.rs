@@ -1,4 +1,4 @@
-//! From messages to sides, altitudes and fixes in SI units.
+//! Decodes messages to sides, altitudes and fixes in SI units.
 
 use super::message::{HEADER, MessageHeader};
 use super::pair::{self, Half, Pairs};

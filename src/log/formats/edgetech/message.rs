@@ -10,7 +10,7 @@ pub(super) const MARKER: [u8; 2] = [0x01, 0x16];
 /// No message is longer; a longer one is damage.
 const LONGEST: usize = 1 << 24;
 
-/// How messages follow each other.
+/// Marker and length of messages, by which a walk finds each after the one before.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
     noun: "message",
     marker: MARKER,

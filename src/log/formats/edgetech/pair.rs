@@ -19,7 +19,7 @@ const HEAVIEST: u16 = 40;
 /// One side of a ping.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Half {
-    /// Which side.
+    /// Side of the boat.
     pub(super) side: Side,
     /// The subsystem that it is of.
     pub(super) subsystem: u8,
@@ -29,7 +29,7 @@ pub(super) struct Half {
     pub(super) half: HalfPing,
 }
 
-/// What is known of a subsystem.
+/// Pings and frequency of a subsystem.
 #[derive(Clone, Copy, Debug, Default)]
 struct Subsystem {
     pings: usize,
@@ -41,7 +41,8 @@ struct Subsystem {
 pub(super) struct Pairs {
     halves: Vec<Half>,
     subsystems: BTreeMap<u8, Subsystem>,
-    /// What was chosen for the log, where its tail is read; the subsystem that is shown first.
+    /// Choices made for the log before, where its tail is read; the subsystem that is shown comes
+    /// first.
     known: Vec<Chosen>,
 }
 

@@ -1,4 +1,4 @@
-//! What messages beside the traces tell: the speed of sound, the sonar's name, positions.
+//! Reads messages other than traces: the speed of sound, the sonar's name, positions.
 
 use crate::formats::collected::Collected;
 use crate::formats::nmea::{self, Sentence};
@@ -32,9 +32,9 @@ pub(super) struct Sensors {
 }
 
 impl Sensors {
-    /// Nothing was told yet but, of the tail of a log, the speed of sound before it, metres a
-    /// second. Of a file of so many bytes no more sentences are kept than a recorder writes between
-    /// its traces.
+    /// Creates a collection without messages; for the tail of a log it has the speed of sound
+    /// before it, metres a second. From a file of `byte_count` bytes no more sentences are kept
+    /// than a recorder writes between its traces.
     pub(super) fn new(sound_mps: Option<f64>, byte_count: usize) -> Self {
         Self {
             sound_mps,

@@ -15,7 +15,7 @@ const TRACE_HEADER: usize = 240;
 /// An older trace with a header of 80 bytes.
 const OLD_TRACE: u16 = 82;
 const OLD_TRACE_HEADER: usize = 80;
-/// From this version of the protocol on a field has the high bits of the number of samples.
+/// First version of the protocol with a field for the high bits of the number of samples.
 const WITH_HIGH_BITS: u8 = 0xA;
 /// Bits of the validity flags, bytes 30 and 31 of a trace.
 const POSITION_VALID: u16 = 1 << 0;
@@ -25,18 +25,18 @@ const HEADING_VALID: u16 = 1 << 3;
 const ALTITUDE_VALID: u16 = 1 << 6;
 const SOUND_VALID: u16 = 1 << 14;
 
-/// What a trace says, in SI units. What it does not say is NaN or `None`.
+/// Content of a trace, in SI units. Missing values are NaN or `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Trace {
     /// Subsystem of the sonar.
     pub(super) subsystem: u8,
     /// Channel of the subsystem.
     pub(super) channel: u8,
-    /// Which part of a ping it is, from 1 on; 0 where that is not counted.
+    /// Number of the part of a ping that it holds, from 1 on; 0 where parts are not counted.
     pub(super) packet: u16,
     /// Unix milliseconds.
     pub(super) unix_ms: i64,
-    /// How its samples are stored, by EdgeTech's number.
+    /// Format of its samples, by EdgeTech's number.
     pub(super) data_format: u16,
     /// Offset of the first sample in the file.
     pub(super) samples_at: usize,
@@ -56,7 +56,7 @@ pub(super) struct Trace {
     pub(super) sound_mps: Option<f64>,
     /// Height of the sonar above the bottom, metres; 0 where it is not known.
     pub(super) altitude_m: f32,
-    /// Where it is.
+    /// Recorded position.
     pub(super) place: Option<Coordinates>,
     /// Heading of the compass, radians.
     pub(super) heading_rad: f32,
@@ -95,7 +95,7 @@ impl Trace {
         })
     }
 
-    /// What its channel is.
+    /// Returns the kind of its channel.
     pub(super) fn kind(&self) -> ChannelKind {
         match (self.subsystem, self.channel) {
             (20..=22 | 70..=72, 0) => ChannelKind::Port,
@@ -109,8 +109,8 @@ impl Trace {
         u16::from_be_bytes([self.subsystem, self.channel])
     }
 
-    /// How its samples are stored, on a scale that is not set yet; `None` for formats that are not
-    /// read.
+    /// Returns the encoding of its samples, on a scale that is not set yet; `None` for formats that
+    /// are not read.
     pub(super) fn encoding(&self) -> Option<Encoding> {
         match self.data_format {
             0 => Some(Encoding::ScaledU16 { base: 0, step: 0 }),

@@ -1,5 +1,5 @@
-//! What the channels of an RSD file are: their numbers differ between units, so that the beam in
-//! the records tells.
+//! Determines the kinds of the channels of an RSD file from the beam in the records: the numbers of
+//! channels differ between units.
 
 use super::header::FileHeader;
 use super::record::RecordBody;
@@ -19,7 +19,7 @@ const FEW: usize = 8;
 /// Channels without a number have this one and that of their beam.
 pub(super) const UNNUMBERED: u16 = 65_000;
 
-/// What a channel looks at.
+/// Role of a channel: the direction in which its sonar looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Traditional,
@@ -30,7 +30,7 @@ enum Role {
 }
 
 impl Role {
-    /// Of the beam in a record: PINGVerter and sidescantools agree about it.
+    /// Returns the role of the beam in a record: PINGVerter and sidescantools agree about it.
     fn of_beam(beam: u32) -> Self {
         match beam {
             1 => Role::Traditional,
@@ -63,7 +63,7 @@ impl Role {
     }
 }
 
-/// What the pings of a channel say of it.
+/// Counts of the pings of a channel, from which its role is determined.
 #[derive(Clone, Debug)]
 pub(super) struct SeenChannel {
     /// Its number.
@@ -112,8 +112,8 @@ impl SeenChannel {
         }
     }
 
-    /// What its pings state: the beam that most of them name, else the side that the element looks
-    /// to.
+    /// Returns the role that its pings state: the beam that most of them name, else the side that
+    /// the element looks to.
     fn stated(&self) -> Option<Role> {
         if self.with_samples == 0 {
             return Some(Role::Other);

@@ -1,4 +1,4 @@
-//! From records to pings, depths and fixes in SI units.
+//! Decodes records to pings, depths and fixes in SI units.
 
 use super::channels::{self, SeenChannel, UNNUMBERED};
 use super::depth::DepthEncoding;

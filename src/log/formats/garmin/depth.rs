@@ -1,4 +1,4 @@
-//! How depths are stored: millimetres as signed integers, or as unsigned ones.
+//! Encoding of depths: millimetres as signed integers, or as unsigned ones.
 
 use super::record::{RecordBody, RecordHeader};
 
@@ -9,7 +9,7 @@ const HEAD: usize = 1 << 22;
 /// Share of the ranges that may be damaged without speaking for unsigned integers.
 const DAMAGED_SHARE: f64 = 0.125;
 
-/// How a depth is stored.
+/// Encoding of a depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum DepthEncoding {
     /// Twice the value where it is not negative, else one less than twice its amount ("zig-zag"):
@@ -21,7 +21,7 @@ pub(super) enum DepthEncoding {
 }
 
 impl DepthEncoding {
-    /// Told by the ranges of the first records: no range is negative.
+    /// Determines the encoding from the ranges of the first records: no range is negative.
     pub(super) fn of_head(bytes: &[u8], first_record: usize) -> Self {
         let head = &bytes[..bytes.len().min(first_record.saturating_add(HEAD))];
         let (mut at, mut ranges, mut odd) = (first_record, 0_usize, 0_usize);

@@ -15,7 +15,7 @@ const SONAR_HZ: std::ops::Range<u32> = 1_000..10_000_000;
 /// Channels that are read of the list in the header.
 const MOST_CHANNELS: u32 = 64;
 
-/// What the file header states.
+/// Fields of the file header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FileHeader {
     /// Unix seconds of the start of the recording.

@@ -68,7 +68,7 @@ impl LogFormat for Garmin {
     }
 }
 
-/// What was recognised.
+/// Header of a recognised file, and offset of its first record.
 #[derive(Clone, Debug)]
 struct RsdStart {
     header: Option<FileHeader>,

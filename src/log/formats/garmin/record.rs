@@ -53,12 +53,12 @@ impl RecordHeader {
     }
 }
 
-/// Where the samples of a ping lie.
+/// Place of the samples of a ping in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StoredSamples {
     /// Offset of the first one.
     pub(super) offset: usize,
-    /// How many.
+    /// Number of samples.
     pub(super) count: u32,
     /// True if a sample has two bytes.
     pub(super) is_wide: bool,
@@ -75,10 +75,10 @@ pub(super) struct RecordBody {
     pub(super) range: [Option<u32>; 2],
     /// Latitude and longitude, 2^32 to the circle.
     pub(super) place: Option<[i32; 2]>,
-    /// What the transducer element looks at: 1 down in a cone, 2 to port, 3 to starboard, 4 down in
+    /// Direction of the transducer element: 1 down in a cone, 2 to port, 3 to starboard, 4 down in
     /// a fan.
     pub(super) beam: Option<u32>,
-    /// Where a side-scan element looks, as peers understand it: negative to port, positive to
+    /// Tilt of a side-scan element, as other programs interpret it: negative to port, positive to
     /// starboard.
     pub(super) tilt: Option<f32>,
     /// Samples that the ping says it has.
@@ -98,7 +98,7 @@ pub(super) struct Ping {
     pub(super) time_ms: i32,
     /// Number of its channel.
     pub(super) channel: u16,
-    /// What its record holds.
+    /// Content of its record.
     pub(super) body: RecordBody,
 }
 

@@ -1,4 +1,4 @@
-//! From record to record through an RSD file, over whatever is damaged in it.
+//! Walks from record to record through an RSD file, over damaged parts of it.
 
 use super::record::{BEFORE_MAGIC, MAGIC, RecordHeader};
 use crate::formats::report::{WarningKind, WarningReport};
@@ -16,11 +16,11 @@ const RECORDS_A_CHECK: usize = 1024;
 pub(super) struct RecordWalk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
-    /// Where to say what is wrong.
+    /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// What is cut at its end is still being written.
+    /// True if the file is still being written: a record that is cut at its end is no damage.
     pub(super) is_growing: bool,
-    /// Where to say how far it is.
+    /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
@@ -98,8 +98,9 @@ impl RecordWalk<'_> {
     }
 }
 
-/// Where the record behind one that ends at `end` begins, if the bytes there say that it ends so:
-/// with a trailer, of which some may not be written yet, without one, or at the end of the file.
+/// Returns the offset of the record behind one that ends at `end`, if the bytes there show that it
+/// ends there: with a trailer, of which some may not be written yet, without one, or at the end of
+/// the file.
 fn behind(bytes: &[u8], end: usize) -> Option<usize> {
     let len = bytes.len();
     let next = end.saturating_add(TRAILER);

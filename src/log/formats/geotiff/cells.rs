@@ -15,7 +15,7 @@ use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-/// What a raster holds.
+/// Cells of a raster as points.
 pub struct RasterPoints {
     /// x and y of the middle of each cell that has a value, and the value as stored.
     pub points: Vec<[f64; 3]>,
@@ -46,14 +46,14 @@ pub struct RasterValues {
     pub columns: usize,
     /// Cells from north to south.
     pub rows: usize,
-    /// From columns and rows to the coordinates of the system, whole numbers being the middles of
-    /// cells.
+    /// Transform from columns and rows to the coordinates of the system, whole numbers being the
+    /// middles of cells.
     pub transform: GeoTransform,
-    /// What is stored, NaN where that is nothing.
+    /// Values as stored, NaN in cells without one.
     pub values: Vec<f32>,
     /// EPSG number of the system, where the raster names one.
     pub epsg: Option<u16>,
-    /// As [`RasterPoints::downwards`].
+    /// True if the values count downwards, as in [`RasterPoints::downwards`].
     pub downwards: bool,
 }
 
@@ -65,7 +65,8 @@ pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
     CellsError::guard(|| points(Open::new(path)?))
 }
 
-/// The same as a raster, where its rows run from west to east and the first lies in the north.
+/// Reads the first image of a file as a raster, where its rows run from west to east and the first
+/// lies in the north.
 ///
 /// # Errors
 /// As [`read_cells`], and where the raster is turned.
@@ -73,7 +74,7 @@ pub fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
     CellsError::guard(|| values(Open::new(path)?))
 }
 
-/// Why a raster gives no points, in a sentence without the path.
+/// Reason why a raster gives no points, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum CellsError {
     /// The system does not give it.
@@ -123,8 +124,8 @@ impl CellsError {
     }
 }
 
-/// What may be set aside for a file: a block of [`LARGEST_BLOCK`] at most, and of a small file no
-/// more than it can hold as it is packed by the usual programs.
+/// Returns the limits of the memory for a file: a block of [`LARGEST_BLOCK`] at most, and for a
+/// small file no more than it can hold as it is packed by the usual programs.
 fn limits(file: &File) -> io::Result<Limits> {
     let packed = usize::try_from(file.metadata()?.len()).unwrap_or(LARGEST_BLOCK);
     let mut limits = Limits::default();

@@ -11,11 +11,11 @@ const MOST_ENTRIES: u64 = 4096;
 /// An entry of a directory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectoryEntry {
-    /// What it is about.
+    /// Number of its tag, which gives the meaning of its values.
     pub tag: u64,
     /// Bytes that its values claim to take.
     pub bytes: u64,
-    /// Where its value field begins.
+    /// Offset of its value field.
     pub value_at: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Where the cells of a GeoTIFF lie: its geo keys and its transform, as OGC 19-008 defines them.
+//! Place of the cells of a GeoTIFF: its geo keys and its transform, as OGC 19-008 defines them.
 
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
@@ -17,7 +17,7 @@ const IS_POINT: u16 = 2;
 pub(crate) struct GeoKeys(Vec<u16>);
 
 impl GeoKeys {
-    /// Those of the picture that the decoder is at; none where it has none.
+    /// Reads the keys of the picture that the decoder is at; none where it has none.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
         let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
         Self(keys.unwrap_or_default())
@@ -48,22 +48,22 @@ impl GeoKeys {
     }
 }
 
-/// From columns and rows to the coordinates of a system: `ModelPixelScale` with `ModelTiepoint`, or
-/// `ModelTransformation`.
+/// Transform from columns and rows to the coordinates of a system: `ModelPixelScale` with
+/// `ModelTiepoint`, or `ModelTransformation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeoTransform {
-    /// Of column and row 0.
+    /// Coordinates of column and row 0.
     pub origin: [f64; 2],
-    /// From one column to the next.
+    /// Step from one column to the next.
     pub per_column: [f64; 2],
-    /// From one row to the next.
+    /// Step from one row to the next.
     pub per_row: [f64; 2],
     /// True if the numbers place the middles of cells, not their corners.
     is_point: bool,
 }
 
 impl GeoTransform {
-    /// That of the picture that the decoder is at; `None` where it has none.
+    /// Reads the transform of the picture that the decoder is at; `None` where it has none.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
         let (scale, tie) = (numbers(Tag::ModelPixelScaleTag), numbers(Tag::ModelTiepointTag));
@@ -90,12 +90,12 @@ impl GeoTransform {
         })
     }
 
-    /// The same with whole numbers for the middles of cells.
+    /// Returns the transform with whole numbers for the middles of cells.
     pub(crate) fn of_middles(self) -> Self {
         self.moved(if self.is_point { 0.0 } else { 0.5 })
     }
 
-    /// The same with whole numbers for the upper left corners of cells.
+    /// Returns the transform with whole numbers for the upper left corners of cells.
     pub(crate) fn of_corners(self) -> Self {
         self.moved(if self.is_point { -0.5 } else { 0.0 })
     }

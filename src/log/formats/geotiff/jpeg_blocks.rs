@@ -22,7 +22,8 @@ pub(crate) fn is_jpeg<R: Read + Seek>(tiff: &mut Decoder<R>) -> bool {
 
 /// The blocks of a directory that are JPEG streams.
 pub(crate) struct JpegBlocks {
-    /// What stands before each stream: tables that they share, without the marker of an end.
+    /// Tables that all streams share and that belong before each of them, without the marker of an
+    /// end.
     tables: Vec<u8>,
     /// Offset and length of each.
     places: Vec<[u64; 2]>,
@@ -31,8 +32,8 @@ pub(crate) struct JpegBlocks {
 }
 
 impl JpegBlocks {
-    /// Those of the directory that the decoder is at; `None` where it has none, or does not say
-    /// where they lie.
+    /// Reads the blocks of the directory that the decoder is at; `None` where it has none, or does
+    /// not say where they lie.
     pub(crate) fn read<R: Read + Seek>(tiff: &mut Decoder<R>) -> Option<Self> {
         let either = |tiff: &mut Decoder<R>, tiles: Tag, strips: Tag| {
             let tiles = tiff.find_tag_unsigned_vec::<u64>(tiles).ok().flatten();
@@ -64,8 +65,8 @@ impl JpegBlocks {
         })
     }
 
-    /// What the decoder makes of a block: the tables, and the stream without the marker of its
-    /// start.
+    /// Returns a block as the decoder puts it together: the tables, and the stream without the
+    /// marker of its start.
     fn stream<R: Read + Seek>(&self, number: u32, file: &mut R) -> Option<Vec<u8>> {
         let [offset, length] = *self.places.get(number as usize)?;
         if length > MOST_BYTES {

@@ -1,4 +1,4 @@
-//! What GDAL keeps of a band in a tag of its own: a little XML.
+//! Writes and reads the XML about a band that GDAL keeps in a tag of its own.
 
 use super::statistics::Statistics;
 use super::{Band, RasterSpec};

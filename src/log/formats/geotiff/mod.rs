@@ -50,7 +50,7 @@ pub const RASTER_TILE: usize = 256;
 /// Stands for "nothing known" in a raster of metres.
 pub const NODATA: f32 = -9999.0;
 
-/// What a cell holds.
+/// Content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellFormat {
     /// Red, green, blue, opacity; one byte each.
@@ -86,7 +86,7 @@ impl CellFormat {
     }
 }
 
-/// What the values of a raster are.
+/// Meaning of the values of a raster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Band {
     /// Its name: `depth`.
@@ -98,7 +98,7 @@ pub struct Band {
 }
 
 impl Band {
-    /// Of a grey mosaic.
+    /// Band of a grey mosaic.
     pub const ECHO_LEVEL: Self = Self { name: "echo level", unit: "", positive_down: false };
 }
 
@@ -117,11 +117,11 @@ pub struct RasterSpec {
     pub cell: [f64; 2],
     /// The coordinate system.
     pub crs: Crs,
-    /// What a cell holds.
+    /// Content of a cell.
     pub cells: CellFormat,
-    /// What the values are; `None` for a picture in colours.
+    /// Meaning of the values; `None` for a picture in colours.
     pub band: Option<Band>,
-    /// What the raster shows, for people.
+    /// Description of the raster, for people.
     pub description: String,
 }
 

@@ -1,10 +1,10 @@
-//! Where packed tiles wait until it is known how long all of them are.
+//! Keeps packed tiles in a file until the lengths of all of them are known.
 
 use super::pack::Packed;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 
-/// Where some bytes lie in the scratch file.
+/// Place of some bytes in the scratch file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScratchBlock {
     at: u64,
@@ -26,7 +26,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// In an empty file.
+    /// Creates a store of tiles in an empty file.
     pub(super) fn new(file: File) -> Self {
         Self { file, end: 0 }
     }

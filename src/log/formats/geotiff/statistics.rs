@@ -1,4 +1,4 @@
-//! What GDAL calls the statistics of a band.
+//! Statistics of a band, as GDAL defines them.
 
 use super::{CellFormat, NODATA};
 
@@ -23,7 +23,7 @@ impl Default for Statistics {
 }
 
 impl Statistics {
-    /// Of the cells of a tile; colours have none.
+    /// Computes the statistics of the cells of a tile; colours have none.
     pub(super) fn of(cells: CellFormat, bytes: &[u8]) -> Self {
         match cells {
             CellFormat::Rgba => Self::default(),

@@ -82,8 +82,8 @@ fn directories(bytes: &[u8]) -> Vec<Directory> {
     found
 }
 
-/// What a validator of Cloud-Optimized GeoTIFF asks for: directories first and in order, tiles from
-/// the coarsest level to the full picture, row by row.
+/// Asserts the rules that a validator of Cloud-Optimized GeoTIFF checks: directories first and in
+/// order, tiles from the coarsest level to the full picture, row by row.
 fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
     assert_eq!(found[0].at, 8);
     assert!(found.is_sorted_by_key(|directory| directory.at));

@@ -22,7 +22,7 @@ pub struct RasterTiles {
     /// Cells from west to east and from north to south.
     columns: usize,
     rows: usize,
-    /// By row and column of the tile, whether it may hold something.
+    /// True for each tile that may hold something, by row and column of the tile.
     filled: Vec<bool>,
 }
 
@@ -61,7 +61,7 @@ impl RasterTiles {
         [self.columns, self.rows]
     }
 
-    /// Whether a tile, by its row and column, may hold something.
+    /// Returns true if a tile, by its row and column, may hold something.
     pub fn may_hold(&self, [row, column]: [usize; 2]) -> bool {
         let across = self.columns.div_ceil(RASTER_TILE);
         column < across && self.filled.get(row * across + column) == Some(&true)

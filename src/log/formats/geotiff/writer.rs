@@ -18,7 +18,7 @@ const BATCH: usize = 32;
 struct RasterLevel {
     columns: usize,
     rows: usize,
-    /// By row and column of the tile; those that are not here hold nothing.
+    /// Tiles by their row and column; those that are missing hold nothing.
     tiles: BTreeMap<[usize; 2], ScratchTile>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct RasterWriter<'a> {
 }
 
 impl<'a> RasterWriter<'a> {
-    /// Without any tile yet.
+    /// Creates a writer without any tile yet.
     pub(super) fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
         Self { spec, scratch, levels: Vec::new(), statistics: Statistics::default() }
     }

@@ -27,7 +27,7 @@ pub(crate) enum DatFamily {
 /// The fields used of a DAT file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dat {
-    /// Which kind.
+    /// Kind of DAT file.
     pub family: DatFamily,
     /// Byte 1: the kind of water that the user set the unit to.
     pub water_code: u8,
@@ -115,7 +115,8 @@ impl Dat {
     }
 }
 
-/// Whether it is a recording's name: of six letters and the ending, or on newer units of eight.
+/// Returns true if it is a recording's name: of six letters and the ending, or on newer units of
+/// eight.
 fn is_name(name: &[u8; 12]) -> bool {
     let ends_at = |at: usize| name[at..at + 4].eq_ignore_ascii_case(b".SON");
     name[0].eq_ignore_ascii_case(&b'R') && (ends_at(6) || ends_at(8))

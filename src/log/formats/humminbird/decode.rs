@@ -1,4 +1,4 @@
-//! From pings to sides, depths and fixes in SI units.
+//! Decodes pings to sides, depths and fixes in SI units.
 
 use super::dat::{Dat, WaterKind};
 use super::ping::PingHeader;

@@ -1,4 +1,4 @@
-//! Which files make up a recording: `Rec00001.DAT` and, in the folder `Rec00001` beside it,
+//! Finds the files of a recording: `Rec00001.DAT` and, in the folder `Rec00001` beside it,
 //! `B000.SON` to `B004.SON`.
 
 use super::dat::Dat;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The files of a recording.
 #[derive(Debug)]
 pub(super) struct Recording {
-    /// What the user opened.
+    /// Path that the user opened.
     pub(super) opened: PathBuf,
     /// The DAT file and, where it is one, its content.
     pub(super) dat: Option<(Opened, Option<Dat>)>,

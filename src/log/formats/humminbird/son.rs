@@ -1,5 +1,5 @@
-//! From ping to ping through a SON file. The IDX file beside it is not needed: magic numbers and
-//! lengths say it all.
+//! Walks from ping to ping through a SON file. The IDX file beside it is not needed: magic numbers
+//! and lengths are enough.
 
 use super::ping::{MAGIC, PingHeader};
 use crate::formats::ByteOrder;
@@ -40,11 +40,11 @@ pub(super) struct SonWalk<'a> {
     pub(super) file: usize,
     /// Its numbers' byte order.
     pub(super) order: ByteOrder,
-    /// Where to say what is wrong.
+    /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// What is cut at its end is still being written.
+    /// True if the file is still being written: a ping that is cut at its end is no damage.
     pub(super) is_growing: bool,
-    /// Where to say how far it is.
+    /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
@@ -123,7 +123,7 @@ impl SonWalk<'_> {
     }
 }
 
-/// Where the next magic number begins, from `from` on.
+/// Returns the offset of the next magic number, from `from` on.
 fn next_magic(bytes: &[u8], from: usize) -> Option<usize> {
     let searched = bytes.get(from..)?;
     searched.windows(4).position(|window| window == MAGIC).map(|at| from + at)

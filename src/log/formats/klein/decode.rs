@@ -1,4 +1,4 @@
-//! From pages to sides, altitudes and fixes in SI units.
+//! Decodes pages to sides, altitudes and fixes in SI units.
 
 use super::page::{Band, Channel, Page};
 use crate::formats::clock::{Clock, ClockVerdict};

@@ -62,9 +62,9 @@ pub(super) struct Page<'a> {
     /// Offset of its marker, and where it ends.
     pub(super) at: usize,
     pub(super) end: usize,
-    /// Which sonar wrote it, and with which layout.
+    /// Version of the page: it identifies the sonar that wrote it, and the layout.
     pub(super) version: u32,
-    /// Without the marker.
+    /// Fields of the page, without the marker.
     fields: Fields<'a>,
 }
 
@@ -77,7 +77,7 @@ impl<'a> Page<'a> {
         Some(Self { at, end, version: fields.u32(4), fields })
     }
 
-    /// Which sonar wrote it.
+    /// Returns the name of the sonar that wrote the page.
     pub(super) fn sonar(&self) -> &'static str {
         match self.version {
             3000..3500 => "System 3000",
@@ -161,7 +161,7 @@ impl<'a> Page<'a> {
         self.first_set([124, 208])
     }
 
-    /// Where the sonar is; a vehicle writes its own place as that of the ship.
+    /// Returns the position of the sonar; a vehicle writes its own place as that of the ship.
     pub(super) fn position(&self) -> Option<LonLat> {
         let place = |at: usize| {
             let [lat_rad, lon_rad] = [at, at + 8].map(|at| self.f64(at));
@@ -197,8 +197,8 @@ impl<'a> Page<'a> {
         matches!(self.version, 3501 | 3502)
     }
 
-    /// Of a field of the towed body and one of ship or auxiliary sensor the one that is set, a
-    /// vehicle's second first; else 0.
+    /// Returns the first of two fields that is set, one of the towed body and one of ship or
+    /// auxiliary sensor; for a vehicle the second field comes first. 0 where none is set.
     fn first_set(&self, mut at: [usize; 2]) -> f32 {
         if self.is_vehicle() {
             at.reverse();

@@ -1,4 +1,4 @@
-//! From frames to pings, depths and fixes in SI units.
+//! Decodes frames to pings, depths and fixes in SI units.
 
 use super::frame::{LowranceFrame, STRUCTURE_SCAN_3D, metres};
 use super::sides;

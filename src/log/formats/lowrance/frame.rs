@@ -21,14 +21,14 @@ const LAST_CHANNEL: u16 = 31;
 /// No header is longer than this.
 const LONGEST_HEADER: usize = 256;
 
-/// What Bathyscope uses of a frame, still in the recorder's units.
+/// Fields of a frame that Bathyscope uses, still in the recorder's units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LowranceFrame {
-    /// Where it begins.
+    /// Offset of the frame.
     pub offset: usize,
     /// Header and data.
     pub size: usize,
-    /// Where the echo data begins.
+    /// Offset of the echo data.
     pub data_offset: usize,
     /// Bytes of echo data.
     pub data_len: usize,
@@ -60,7 +60,7 @@ pub(crate) struct LowranceFrame {
     pub time_ms: i32,
 }
 
-/// What stands at a place where a frame should begin.
+/// Result of looking for a frame at an offset.
 #[derive(Debug)]
 pub(crate) enum FrameCheck {
     /// A whole frame.
@@ -112,8 +112,8 @@ pub(super) fn lost_before(bytes: &[u8], offset: usize) -> Option<i64> {
     Some(i64::from(stated.wrapping_sub(offset as u32).cast_signed()))
 }
 
-/// Where the data begins in a frame: behind the header, whose length is the frame's size less the
-/// packet's, where that is a length a header can have.
+/// Returns the offset of the data in a frame: behind the header, whose length is the frame's size
+/// less the packet's, where that is a length a header can have.
 fn data_start(size: usize, packet: usize, shortest: usize, usual: usize) -> usize {
     let stated = size.saturating_sub(packet);
     if (shortest..=LONGEST_HEADER).contains(&stated) { stated } else { usual.min(size) }

@@ -53,7 +53,7 @@ impl LogWriter for Lowrance {
     }
 }
 
-/// What SL2 has no place for.
+/// Lists data of the log that SL2 has no place for, a sentence each.
 fn losses(survey: &Survey, start_s: Option<f64>) -> Vec<String> {
     let mut losses = Vec::new();
     if survey.source.format.contains("SL2") || survey.source.format.contains("SL3") {

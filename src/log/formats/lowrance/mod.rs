@@ -26,9 +26,9 @@ use frame::{FrameCheck, FrameLayout};
 pub const FILE_HEADER: usize = 8;
 /// Bytes searched for frames when the file header does not say what the file is.
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
-/// So many frames in a row are no chance.
+/// Frames in a row that prove a log: fewer may occur by chance.
 const FRAMES_THAT_PROVE: usize = 4;
-/// So many beginnings of a row are looked at.
+/// Most places at which a row of frames is looked for.
 const MOST_TRIES: usize = 16;
 
 /// The reader of the format.
@@ -42,7 +42,7 @@ impl LogFormat for Lowrance {
     }
 }
 
-/// What the file header, or the frames themselves, say that the file is.
+/// Kind of the file, as its header or its frames show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LowranceKind {
     /// SLG: no side-scan in it.

@@ -78,7 +78,8 @@ fn composite(frame: &LowranceFrame) -> [Option<SideSpan>; 2] {
     [Some(port), Some(starboard)]
 }
 
-/// The one side of a left or right frame, or what looks down; its first sample is nearest.
+/// Returns the samples of a frame of one side, or of one that looks down; the first sample is
+/// nearest.
 fn alone(frame: &LowranceFrame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();

@@ -50,10 +50,10 @@ const LONGEST_STEP_S: f64 = 2.0;
 /// The only channel.
 const CHANNEL: u16 = 0;
 
-/// What is used of a block, in the recorder's units.
+/// Fields of a block that are used, in the recorder's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Block {
-    /// Where it begins and ends.
+    /// Offsets of its beginning and its end.
     at: usize,
     end: usize,
     depth_ft: f32,
@@ -162,8 +162,8 @@ pub(super) fn read_blocks(
     Ok(())
 }
 
-/// Where the next block begins that another follows, or that ends the bytes: the sizes of one add
-/// up by chance.
+/// Returns the offset of the next block that is followed by another one or by the end of the bytes:
+/// the sizes of a single block may add up by chance.
 fn next_block(bytes: &[u8], from: usize, size: usize) -> Option<usize> {
     let last = bytes.len().checked_sub(size)?;
     (from..=last).find(|&at| {

@@ -19,7 +19,7 @@ const HEADER: usize = 76;
 /// No such header is longer than this.
 const LONGEST_HEADER: usize = 256;
 
-/// What was read of all frames.
+/// Totals of all frames that were read.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SwathTotals {
     frames: usize,
@@ -67,7 +67,8 @@ pub(super) fn most_pairs(frame: &LowranceFrame) -> usize {
     frame.data_len.saturating_sub(HEADER) / SWATH_PAIR
 }
 
-/// Where the pairs of a frame lie; `None` where it does not hold as many as its header says.
+/// Reads the place of the pairs of a frame; `None` where it does not hold as many as its header
+/// says.
 fn read(bytes: &[u8], frame: &LowranceFrame, time_s: f64) -> Option<SwathPing> {
     let data = bytes.get(frame.data_offset..frame.data_offset + frame.data_len)?;
     let length = |at: usize| usize::try_from(scalar::u32_le(data, at)?).ok();

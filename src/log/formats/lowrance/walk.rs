@@ -1,4 +1,4 @@
-//! From frame to frame through a log, over whatever is damaged in it.
+//! Walks from frame to frame through a log, over damaged parts of it.
 
 use super::frame::{self, FrameCheck, FrameLayout, LowranceFrame};
 use crate::formats::report::{WarningKind, WarningReport};
@@ -9,7 +9,8 @@ use std::ops::Range;
 const FRAMES_A_CHECK: usize = 1024;
 /// Bytes searched between two looks at the progress.
 const BYTES_A_CHECK: usize = 1 << 20;
-/// So many bytes may be missing (or too many) in one place and the frames behind it still be found.
+/// Most bytes that may be missing (or added) in one place for the frames behind it to be still
+/// found.
 const MOST_LOST: u64 = 1 << 20;
 
 /// A walk over the frames of a log.
@@ -18,11 +19,11 @@ pub(super) struct FrameWalk<'a> {
     pub(super) bytes: &'a [u8],
     /// Its frames' layout.
     pub(super) layout: FrameLayout,
-    /// Where to say what is wrong.
+    /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// What is cut at its end is still being written.
+    /// True if the file is still being written: a frame that is cut at its end is no damage.
     pub(super) is_growing: bool,
-    /// Where to say how far it is.
+    /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
@@ -152,7 +153,7 @@ impl FrameWalk<'_> {
     }
 }
 
-/// Where a frame begins, and how many bytes were lost from the file before it.
+/// Beginning of a frame, and number of bytes lost from the file before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct FrameStart {
     /// Offset in the file.

@@ -50,9 +50,9 @@ pub struct Sl2Frame {
     pub index: u32,
     /// Near and far limit of the echo bytes, metres; negative to port.
     pub range_m: [f64; 2],
-    /// Below the transducer; 0 where it is not known.
+    /// Depth below the transducer, metres; 0 where it is not known.
     pub depth_m: f64,
-    /// After the log's time zero.
+    /// Milliseconds after the log's time zero.
     pub milliseconds: i32,
     /// The fix that is valid.
     pub fix: WrittenFix,

@@ -1,4 +1,4 @@
-//! From sentences to depths and fixes in SI units.
+//! Decodes sentences to depths and fixes in SI units.
 //!
 //! A sentence with a time begins an epoch; what comes after it belongs to it, for receivers send
 //! the time first. Depths between two epochs are placed between them.
@@ -31,7 +31,7 @@ const CHANNEL: u16 = 0;
 struct Depth {
     depth_m: f32,
     stamp_s: Option<f64>,
-    /// Where its line ends.
+    /// Offset of the end of its line.
     end: usize,
 }
 

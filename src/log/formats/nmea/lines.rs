@@ -6,7 +6,7 @@ use crate::support::progress::{Cancelled, Progress};
 
 /// Sentences are no longer than this: the standard has 82 bytes, and some recorders write more.
 const LONGEST: usize = 256;
-/// What a logger writes before a sentence is no longer than this.
+/// Most bytes that a logger writes before a sentence.
 const LONGEST_STAMP: usize = 128;
 /// Bytes between two looks at the progress.
 const BYTES_A_CHECK: usize = 1 << 20;
@@ -23,7 +23,7 @@ pub(super) struct Found<'a> {
     pub(super) end: usize,
     /// It, and what follows on the line.
     text: &'a [u8],
-    /// What stands before it on the line.
+    /// Text before it on the line.
     before: &'a [u8],
 }
 
@@ -33,7 +33,8 @@ impl<'a> Found<'a> {
         Framed::of(self.text)
     }
 
-    /// When the logger wrote it, seconds: Unix seconds, or since midnight where there is no date.
+    /// Returns the time at which the logger wrote it, seconds: Unix seconds, or since midnight
+    /// where there is no date.
     pub(super) fn stamp_s(&self) -> Option<f64> {
         let text = self.before.get(..self.before.len().min(LONGEST_STAMP))?;
         stamp_s(std::str::from_utf8(text).ok()?)
@@ -43,13 +44,14 @@ impl<'a> Found<'a> {
 /// Goes over the sentences of a text.
 pub(super) struct Lines<'a> {
     bytes: &'a [u8],
-    /// Of the line that is looked at: where it begins and ends.
+    /// Offsets of the beginning and the end of the current line.
     line: (usize, usize),
     at: usize,
 }
 
 impl<'a> Lines<'a> {
-    /// All of a text; of one that is being written without its last line, unless that has ended.
+    /// Creates the walk over a text. The last line of a text that is being written is left out,
+    /// unless it has ended.
     pub(super) fn new(bytes: &'a [u8], is_growing: bool) -> Self {
         let ended = bytes.iter().rposition(|byte| is_line_end(*byte));
         let length = if is_growing { ended.map_or(0, |at| at + 1) } else { bytes.len() };

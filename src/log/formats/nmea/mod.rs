@@ -47,7 +47,7 @@ use tally::Tally;
 const NAME: &str = "NMEA 0183";
 /// Bytes searched for sentences: other sentences than those that are read may come first.
 const SEARCHED_FOR_SENTENCES: usize = 1 << 16;
-/// So many sentences that are read make a text a log.
+/// Fewest sentences that are read for a text to be a log.
 const FEWEST_SENTENCES: usize = 3;
 
 /// The reader of the format.

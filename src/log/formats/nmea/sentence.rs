@@ -1,4 +1,4 @@
-//! What one sentence says.
+//! Content of one sentence.
 //!
 //! Fields as the public descriptions of NMEA 0183 have them: GGA, GNS, RMC and GLL give degrees and
 //! minutes as `ddmm.mmmm`, RMC and VTG knots and the course over ground, HDT and THS the true
@@ -11,14 +11,14 @@ use crate::support::geo::{LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
 /// Metres of a fathom.
 const METRES_PER_FATHOM: f64 = 6.0 * METRES_PER_FOOT;
 
-/// What one sentence tells; what it does not is NaN or `None`.
+/// Content of one sentence; missing values are NaN or `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::formats) struct Sentence {
     /// Seconds since midnight, UTC.
     pub(in crate::formats) utc_s: Option<f64>,
     /// Unix seconds, where it tells the date too.
     pub(in crate::formats) unix_s: Option<f64>,
-    /// Where the receiver is.
+    /// Position of the receiver.
     pub(in crate::formats) position: Option<LonLat>,
     /// Course over ground, radians from north, clockwise.
     pub(in crate::formats) cog_rad: f32,
@@ -32,8 +32,8 @@ pub(in crate::formats) struct Sentence {
     pub(in crate::formats) speed_mps: f32,
     /// Depth below the transducer, of DBS below the water's surface, metres.
     pub(in crate::formats) depth_m: f32,
-    /// From the transducer up to the water line, metres; negative from the transducer down to the
-    /// keel.
+    /// Distance from the transducer up to the water line, metres; negative from the transducer down
+    /// to the keel.
     pub(in crate::formats) offset_m: f32,
 }
 
@@ -93,7 +93,7 @@ impl<'a> Framed<'a> {
         address.iter().all(is_letter).then_some(address)
     }
 
-    /// What it tells; `None` for a type that is not read, and where nothing is set.
+    /// Returns its content; `None` for a type that is not read, and where nothing is set.
     pub(super) fn told(&self) -> Option<Sentence> {
         let kind = self.text(0);
         let told = match kind.get(kind.len().checked_sub(3)?..)? {

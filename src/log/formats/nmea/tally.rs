@@ -1,5 +1,4 @@
-//! What a log holds of each kind of sentence, and which of them is taken where several say the
-//! same.
+//! Counts each kind of sentence in a log, and chooses between kinds that state the same.
 
 use super::lines::Found;
 use crate::formats::report::WarningReport;
@@ -8,9 +7,9 @@ use std::collections::BTreeMap;
 /// Talker and type of a sentence, `GPRMC`.
 pub(super) type Address = [u8; 5];
 
-/// So many times as many depths of DBT have to be there before those of DPT are not taken: the
-/// second field of DPT says what they count from. As many of DBS before those of DBT are not: below
-/// the transducer is where the first returns count from.
+/// Weight of a depth of DPT against one of DBT: DBT is taken only where it has more than this many
+/// times as many depths, as the second field of DPT states what they count from. The same weight
+/// holds for DBT against DBS: below the transducer is where the first returns count from.
 const COUNTS_MORE: usize = 4;
 
 /// Counts of the sentences of one address.
@@ -73,7 +72,7 @@ impl Tally {
         self.with_sum > self.without_sum
     }
 
-    /// Whose depths are taken; `None` where there are none.
+    /// Returns the address whose depths are taken; `None` where there are none.
     pub(super) fn depths_of(&self) -> Option<Address> {
         self.most(|address, counts| match &address[2..] {
             b"DPT" => COUNTS_MORE * COUNTS_MORE * counts.depths,
@@ -82,9 +81,9 @@ impl Tally {
         })
     }
 
-    /// Whose positions are taken: of the address that has most of them, of several as many that
-    /// which has course and speed beside them, comes first; then those of other sentences of that
-    /// talker where they take turns, so that hardly a time is told twice.
+    /// Returns the addresses whose positions are taken. First comes the address that has most of
+    /// them, of several with as many that which has course and speed beside them; then other
+    /// sentences of that talker where they take turns, so that hardly any time is stated twice.
     pub(super) fn positions_of(&self) -> Vec<Address> {
         let first = self.most(|address, counts| {
             2 * counts.positions + usize::from(counts.positions > 0 && address.ends_with(b"RMC"))
@@ -102,7 +101,7 @@ impl Tally {
         first.into_iter().chain(others).collect()
     }
 
-    /// Whose times are taken: those of the positions, where there are any.
+    /// Returns the addresses whose times are taken: those of the positions, where there are any.
     pub(super) fn times_of(&self) -> Vec<Address> {
         let positions_of = self.positions_of();
         if positions_of.is_empty() {
@@ -151,7 +150,7 @@ impl Tally {
         }
     }
 
-    /// What there is beside depths, in words: `120 positions`.
+    /// Describes the content other than depths in words: `120 positions`.
     pub(super) fn summary(&self) -> String {
         let positions: usize = self.sources.values().map(|counts| counts.positions).sum();
         format!("{positions} positions")

@@ -20,9 +20,9 @@ use serde_json::json;
 /// The values of a column. What is not known is null in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Of 64 bits; NaN where not known.
+    /// Numbers of 64 bits; NaN where not known.
     Double(Vec<f64>),
-    /// Of 32 bits; NaN where not known.
+    /// Numbers of 32 bits; NaN where not known.
     Float(Vec<f32>),
     /// Whole numbers.
     Whole(Vec<Option<i32>>),
@@ -98,8 +98,8 @@ impl Column {
     }
 }
 
-/// What stands under the key `geo` of a file with points in a column, by GeoParquet 1.1: longitude
-/// and latitude on WGS84, which is its default system.
+/// Returns the text of the key `geo` of a file with points in a column, by GeoParquet 1.1:
+/// longitude and latitude on WGS84, which is its default system.
 pub fn geo_key(column: &str, points: &[LonLat]) -> String {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     let bounds = points.iter().fold(start, |[w, s, e, n], at| {

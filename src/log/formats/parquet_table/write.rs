@@ -17,8 +17,8 @@ use std::sync::Arc;
 
 /// Rows of a group: what a reader takes at once.
 const GROUP_ROWS: usize = 1 << 17;
-/// Who wrote it. Without a version, so that the same rows are the same bytes as long as they are
-/// the same rows.
+/// Name of the program that writes the file. Without a version, so that the same rows are the same
+/// bytes as long as they are the same rows.
 const WRITER: &str = "bathyscope";
 
 /// Writes a table with some keys of the file. The same columns give the same bytes. All columns

@@ -138,7 +138,7 @@ impl Pair {
     }
 }
 
-/// Why the rows of a table are not those of a picture.
+/// Reason why the rows of a table are not those of a picture.
 #[derive(Debug, thiserror::Error)]
 enum RowFault {
     /// No row of the table is a ping.
@@ -244,7 +244,8 @@ fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
     }
 }
 
-/// How a table of pings is laid out; `None` for any other table, and for what is none.
+/// Returns the layout of a table of pings; `None` for any other table, and for bytes that are no
+/// table.
 fn layout_of(bytes: &[u8]) -> Option<Layout> {
     match sounding_table::sniff(bytes)? {
         Recognised::Table(layout) => Some(layout).filter(Layout::has_pings),

@@ -1,14 +1,14 @@
 //! Columns of lines of text: what stands between them, what the first line names them, and the
 //! numbers in them.
 
-/// Whether a line says nothing of the table: it is empty, or begins with `#` or `//`.
+/// Returns true if a line is no part of the table: it is empty, or begins with `#` or `//`.
 pub(in crate::formats) fn is_comment(line: &str) -> bool {
     let line = line.trim_start();
     line.is_empty() || line.starts_with('#') || line.starts_with("//")
 }
 
-/// What stands between the fields of a table with such a line; `None` for runs of spaces. A comma
-/// between semicolons or tabs is that of a number.
+/// Returns the separator between the fields of a table with such a line; `None` for runs of spaces.
+/// A comma between semicolons or tabs belongs to a number.
 pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
     let stands = |separator: &char| {
         let mut quoted = false;
@@ -46,13 +46,13 @@ pub(in crate::formats) fn number(field: &str, separator: Option<char>) -> Option
     number.or_else(with_comma)
 }
 
-/// Whether the fields of the first line name columns: one of them is no number.
+/// Returns true if the fields of the first line name columns: one of them is no number.
 pub(in crate::formats) fn is_header(fields: &[&str], separator: Option<char>) -> bool {
     let is_name = |field: &&str| !field.is_empty() && number(field, separator).is_none();
     fields.iter().any(is_name)
 }
 
-/// Where a name stands in a header, in letters of either case.
+/// Returns the index of a name in a header, in letters of either case.
 pub(in crate::formats) fn position(header: &[&str], name: &str) -> Option<usize> {
     header.iter().position(|field| field.eq_ignore_ascii_case(name))
 }

@@ -17,7 +17,7 @@ const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
     ["longitude", "latitude", "z"],
 ];
 
-/// What the first two coordinates of a point are.
+/// Meaning of the first two coordinates of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointPlane {
     /// Metres (or the file's own units) east and north.
@@ -26,12 +26,13 @@ pub enum PointPlane {
     Degrees,
     /// Metres of a zone that the file names.
     Utm(UtmZone),
-    /// Those of another system that the file names by EPSG's number.
+    /// Coordinates of another system that the file names by EPSG's number.
     Epsg(u16),
 }
 
 impl PointPlane {
-    /// What a file means that names a system by its number, and what it is where it does not.
+    /// Returns the plane of a file that names a system by its EPSG number; `otherwise` where it
+    /// names none, or a private number.
     fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
         // From here on numbers are private: what they mean stands elsewhere in the file.
         const PRIVATE: u16 = 32_767;
@@ -48,15 +49,15 @@ impl PointPlane {
 /// Points with elevations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Elevations {
-    /// Which file.
+    /// Path of the file.
     pub path: PathBuf,
     /// x, y, and z positive up.
     pub points: Vec<[f64; 3]>,
-    /// What x and y are.
+    /// Meaning of x and y.
     pub plane: PointPlane,
     /// Lines or features left out because a coordinate is missing.
     pub blank: usize,
-    /// What had to be guessed about the file, in one sentence.
+    /// Guess that had to be made about the file, in one sentence.
     pub note: Option<String>,
 }
 

@@ -1,10 +1,10 @@
-//! Why a point file cannot be used.
+//! Errors of point files.
 
 use crate::formats::geotiff::CellsError;
 use crate::support::file_error::FileError;
 use std::io;
 
-/// Why a point file cannot be used.
+/// Reason why a point file cannot be used.
 pub type PointFileError = FileError<PointFault>;
 
 /// Fault of a point file, as a sentence without the path.
@@ -60,9 +60,9 @@ pub enum TextFault {
         names[0], names[1], names[2], header.join(", ")
     )]
     NoColumns {
-        /// What is asked for.
+        /// Names that are asked for.
         names: [String; 3],
-        /// What there is.
+        /// Names in the header.
         header: Vec<String>,
     },
     /// Columns are asked for by name, and the first line names none.
@@ -107,7 +107,7 @@ pub enum PointLineFault {
         "`{field}` in column `{column}` is not a number; mend it, or leave it empty to pass over the line"
     )]
     NotANumber {
-        /// What stands there.
+        /// Text in place of a number.
         field: String,
         /// The column.
         column: String,
@@ -167,7 +167,7 @@ pub enum LasFault {
     Point {
         /// Points before it.
         read: usize,
-        /// What the decoder said.
+        /// Error of the decoder.
         source: las::Error,
     },
     /// The decoder gave up.

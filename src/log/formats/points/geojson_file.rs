@@ -21,7 +21,7 @@ const KNOWN: [(&str, bool); 6] = [
 /// Longer than any table of soundings that is written as GeoJSON.
 const LONGEST: u64 = 1 << 30;
 
-/// What a file holds.
+/// Points of a file.
 pub(super) struct GeoJsonPoints {
     /// Longitude and latitude, degrees, and elevation, up.
     pub points: Vec<[f64; 3]>,

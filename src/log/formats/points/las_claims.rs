@@ -1,5 +1,5 @@
-//! What a LAS header claims, compared with the size of the file before the las crate allocates by
-//! it.
+//! Compares the claims of a LAS header with the size of the file before the las crate allocates by
+//! them.
 
 use crate::support::regular_file;
 use std::fs::File;
@@ -86,8 +86,8 @@ fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result
     Ok((at(data)?.u16() == LAYERED).then_some(layers))
 }
 
-/// Where the data of the record lie that says how points are packed: one of the records, or the
-/// first extended one.
+/// Returns the offset of the data of the record that says how points are packed: one of the
+/// records, or the first extended one.
 fn packing(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let [major, minor, ..] = at(24)?.0;
     // The records begin behind the fields of the version, whatever the header says of its length.
@@ -114,7 +114,7 @@ fn packing(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Resul
     Ok(is_packing(at, record)?.then(|| record.saturating_add(EXTENDED_HEADER)))
 }
 
-/// Whether a record, extended or not, says how points are packed.
+/// Returns true if a record, extended or not, says how points are packed.
 fn is_packing(at: &mut impl FnMut(u64) -> io::Result<Field>, record: u64) -> io::Result<bool> {
     let mut user = Vec::new();
     for part in [2, 10] {

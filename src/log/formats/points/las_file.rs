@@ -49,7 +49,8 @@ fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
 }
 
 impl LasFile {
-    /// Which points are withheld: by LAS they should not be included in processing.
+    /// Returns for each point true if it is withheld: by LAS such points should not be included in
+    /// processing.
     pub(super) fn withheld(&self) -> Vec<bool> {
         // Byte 15 holds the flag in every point format.
         const FLAGS: usize = 15;

@@ -36,21 +36,21 @@ use text_file::{ColumnRequest, KNOWN_NAMES, TextFile};
 pub struct PointFile {
     /// x, y, z of each point, in the file's own units and order.
     pub points: Vec<[f64; 3]>,
-    /// What had to be guessed about the file, in one sentence.
+    /// Guess that had to be made about the file, in one sentence.
     pub note: Option<String>,
     /// Names of the columns that the coordinates are from, where they have names.
     pub names: Option<[String; 3]>,
     /// Lines left out because a coordinate is blank; none unless that was asked for.
     pub blank: usize,
-    /// Whether the file says of a point that it is not to be used: "withheld" of LAS, 0 in a column
-    /// `kept`. Empty where it says so of none.
+    /// True for each point that is not to be used according to the file: "withheld" of LAS, 0 in a
+    /// column `kept`. Empty where the file says so of none.
     pub set_aside: Vec<bool>,
     /// EPSG number of the system that the file names, where it does.
     pub epsg: Option<u32>,
     rows: FormatFile,
 }
 
-/// What else the file says about its points.
+/// Other content of the file about its points, by format.
 #[derive(Debug)]
 enum FormatFile {
     Text(TextFile),
@@ -76,7 +76,7 @@ pub enum PointFormat {
 }
 
 impl PointFormat {
-    /// Of a file, by the end of its name.
+    /// Returns the format of a file, by the end of its name.
     ///
     /// # Errors
     /// When no point file is named so.

@@ -14,11 +14,11 @@ pub(super) struct PlyFile {
     /// Header lines between `ply` and `end_header`, of the vertices only and without their count.
     header: Vec<String>,
     bytes: Vec<u8>,
-    /// Where each vertex lies in the bytes.
+    /// Place of each vertex in the bytes.
     vertices: Vec<Range<usize>>,
 }
 
-/// How numbers are stored.
+/// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PlyEncoding {
     Text,
@@ -75,13 +75,13 @@ impl Scalar {
     }
 }
 
-/// What the header says.
+/// Content of the header.
 struct PlyLayout {
     encoding: PlyEncoding,
     count: usize,
     properties: Vec<(String, Scalar)>,
     kept_lines: Vec<String>,
-    /// Where the data begin.
+    /// Offset of the data.
     data: usize,
     lines: usize,
 }

@@ -25,10 +25,10 @@ pub(super) struct TextFile {
     pub(super) set_aside: Vec<bool>,
 }
 
-/// Which columns to take.
+/// Columns to read.
 #[derive(Clone, Copy)]
 pub(super) struct ColumnRequest<'a> {
-    /// As the user named them.
+    /// Names that the user gave.
     pub named: Option<&'a [String; 3]>,
     /// Names to look for when the user names none, in lower case; the first that are all there win.
     pub known: &'a [[&'a str; 3]],
@@ -95,7 +95,7 @@ pub(super) fn read(
 }
 
 impl TextFile {
-    /// What had to be guessed.
+    /// Returns a sentence about the columns that had to be guessed; `None` where none had to be.
     pub(super) fn note(&self) -> Option<String> {
         let [x, y, z] = self.guessed.as_ref()?;
         Some(one_line(&format!(
@@ -113,12 +113,12 @@ impl TextFile {
     }
 }
 
-/// Which columns hold the coordinates.
+/// Columns that hold the coordinates.
 struct ColumnLayout {
     /// `None` for runs of spaces and tabs.
     separator: Option<char>,
     columns: [usize; 3],
-    /// Where `kept` stands.
+    /// Column named `kept`.
     kept: Option<usize>,
     names: [String; 3],
     /// The first three names of a header that none of the known names is in.
@@ -126,7 +126,8 @@ struct ColumnLayout {
 }
 
 impl ColumnLayout {
-    /// From the first line, which is a header unless all it holds is numbers.
+    /// Determines the columns from the first line, which is a header unless it holds numbers only;
+    /// also returns true if it is a header.
     fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), TextFault> {
         let names = requested.named;
         let separator = separator_of(line);
@@ -189,7 +190,7 @@ impl ColumnLayout {
         self.columns.iter().any(|&column| field(column) == Some(""))
     }
 
-    /// Whether `kept` is 0; `None` where the header does not name it.
+    /// Returns true if `kept` is 0; `None` where the header does not name it.
     fn is_set_aside(&self, line: &str) -> Option<bool> {
         let kept = self.kept?;
         Some(fields(line, self.separator).get(kept).copied() == Some("0"))

@@ -1,4 +1,4 @@
-//! From rows to depths, fixes and pings in SI units.
+//! Decodes rows to depths, fixes and pings in SI units.
 
 use super::Line;
 use super::layout::{Layout, Lengths, PlaceColumns};
@@ -51,7 +51,7 @@ pub(in crate::formats) struct TablePing {
     /// Slant range of the near edge of the innermost sample and of the far edge of the outermost
     /// one, metres.
     pub(in crate::formats) range_m: (f32, f32),
-    /// Where its row begins and ends in the table.
+    /// Offsets of the beginning and the end of its row in the table.
     pub(in crate::formats) place: (usize, usize),
 }
 
@@ -70,7 +70,7 @@ pub(in crate::formats) struct Reader {
     pub(in crate::formats) rows: usize,
     /// The pings that were read.
     pub(in crate::formats) pings: Vec<TablePing>,
-    /// Whether times are read. Where the first row has none, none are.
+    /// True if times are read; `None` before the first row. Where the first row has none, none are.
     has_times: Option<bool>,
     zero_s: Option<f64>,
     /// First place in metres.
@@ -103,7 +103,7 @@ impl Reader {
         self.layout.has_header()
     }
 
-    /// Whether the rows name rows of a picture.
+    /// Returns true if the rows name rows of a picture.
     pub(in crate::formats) fn names_rows(&self) -> bool {
         let pings = self.layout.pings.as_ref();
         pings.is_some_and(|pings| pings.row.is_some())

@@ -1,4 +1,4 @@
-//! Which column holds what.
+//! Recognises the columns of a table.
 
 use crate::formats::points::columns::{fields, is_header, number, separator_of};
 use crate::formats::track_file::{HEADING, LAT, LON, TIME};
@@ -13,8 +13,8 @@ const DEPTH: &[&str] = &["depth", "water_depth", "waterdepth", "sonar_depth", "b
 /// negative.
 const BOTTOM: &[&str] = &["elevationbottom", "elevation_bottom", "bottom_elevation"];
 const COURSE: &[&str] = &["cog", "course"];
-/// Of tables beside a picture: slant range of the outermost and of the innermost sample of a side,
-/// and the row of the picture.
+/// Names in tables beside a picture: slant range of the outermost and of the innermost sample of a
+/// side, and the row of the picture.
 const RANGE: &[&str] = &["range", "slant_range", "max_range", "range_max"];
 const NEAR: &[&str] = &["min_range", "range_min"];
 const ROW: &[&str] = &["row", "picture_row", "line"];
@@ -42,7 +42,7 @@ const SURVEY_DEG: f64 = 2.0;
 /// Rows without names that have to be as Deeper writes them.
 const FEWEST_ROWS: usize = 3;
 
-/// What a table is.
+/// Kind of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) enum Recognised {
     /// Soundings.
@@ -74,10 +74,10 @@ pub(super) struct PingColumns {
     pub(super) row: Option<usize>,
 }
 
-/// Which column holds what.
+/// Columns of a table by their content.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) struct Layout {
-    /// What stands between the fields.
+    /// Separator between the fields.
     pub(super) separator: Option<char>,
     /// The place.
     pub(super) place: Option<PlaceColumns>,
@@ -105,7 +105,7 @@ pub(in crate::formats) struct Layout {
 }
 
 impl Layout {
-    /// From the first lines of a table; `None` where it holds neither soundings nor pings.
+    /// Recognises a table by its first lines; `None` where it holds neither soundings nor pings.
     pub(super) fn of(lines: &[String]) -> Option<Recognised> {
         let first = lines.first()?;
         let separator = separator_of(first);
@@ -226,8 +226,8 @@ impl Layout {
         }
     }
 
-    /// The same, with what the first rows tell; `None` where none of them is a sounding, nor may be
-    /// a ping.
+    /// Returns the layout completed from the first rows: direction of depths, order of dates,
+    /// places in degrees. `None` where none of the rows is a sounding, nor may be a ping.
     fn fitting(mut self, rows: &[String]) -> Option<Self> {
         let rows: Vec<Vec<&str>> = rows.iter().map(|row| fields(row, self.separator)).collect();
         let value = |row: &Vec<&str>, column: usize| {
@@ -264,12 +264,12 @@ impl Layout {
         self.depth.is_some() && self.place.is_some()
     }
 
-    /// The same of a table without a picture of its name.
+    /// Returns the layout without pings, for a table without a picture of its name.
     pub(super) fn without_pings(self) -> Self {
         Self { pings: None, ..self }
     }
 
-    /// Whether its rows are pings of a picture.
+    /// Returns true if its rows are pings of a picture.
     pub(in crate::formats) fn has_pings(&self) -> bool {
         self.pings.is_some()
     }

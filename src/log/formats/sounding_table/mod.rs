@@ -155,7 +155,7 @@ fn for_each(
 
 /// A line that is no comment.
 struct Line {
-    /// Where it begins and ends.
+    /// Offsets of its beginning and its end.
     at: usize,
     end: usize,
     text: String,

@@ -1,4 +1,4 @@
-//! What the channels of an XTF file are, and how their samples are stored.
+//! Channels of an XTF file, and the encoding of their samples.
 
 use super::raw::{ChannelInfo, FileHeader, record};
 use crate::survey::{ChannelKind, Encoding, NumberKind, SampleOrder};
@@ -64,8 +64,8 @@ fn listed(index: u16, info: &ChannelInfo) -> XtfChannel {
     }
 }
 
-/// What a channel that no header describes must be: recorders number the sides in pairs, port
-/// first.
+/// Guesses a channel that no header describes, from its index: recorders number the sides in pairs,
+/// port first.
 pub(super) fn guess(index: u16) -> XtfChannel {
     XtfChannel {
         kind: match index {
@@ -91,8 +91,8 @@ fn khz(stated: f32) -> Option<f32> {
 }
 
 impl XtfChannel {
-    /// How samples of `width` bytes are stored, on a scale that is not set yet; `None` for samples
-    /// that are not read.
+    /// Returns the encoding of samples of `width` bytes, on a scale that is not set yet; `None` for
+    /// samples that are not read.
     pub(super) fn encoding(&self, width: usize) -> Option<Encoding> {
         let kind = match (width, self.format) {
             (1, _) => NumberKind::U8,

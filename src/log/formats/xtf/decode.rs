@@ -1,4 +1,4 @@
-//! From pings to sides, altitudes and fixes in SI units.
+//! Decodes pings to sides, altitudes and fixes in SI units.
 
 use super::channels::{self, XtfChannel};
 use super::date;
@@ -36,7 +36,7 @@ pub(super) struct Reader<'a> {
     zero_ms: Option<i64>,
     others: Packets,
     provenance: Provenance,
-    /// Those of them that nothing is read of.
+    /// Packets among the others that are not read.
     skipped: Packets,
     /// Channels of pings whose range was computed with [`SOUND_MPS`].
     assumed_sound: usize,
@@ -201,7 +201,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where the side-scan is from the ship's reference point, forward and to starboard, metres.
+    /// Returns the offset of the side-scan from the ship's reference point, forward and to
+    /// starboard, metres.
     fn transducer_m(&self) -> [f32; 2] {
         let is_side = |channel: &&XtfChannel| {
             matches!(channel.kind, ChannelKind::Port | ChannelKind::Starboard)
@@ -211,7 +212,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What a channel is: as the file header has it, or a guess.
+/// Returns a channel: as the file header has it, or a guess.
 fn channel(channels: &[XtfChannel], index: u16) -> Cow<'_, XtfChannel> {
     let listed = channels.get(usize::from(index));
     listed.map_or_else(|| Cow::Owned(channels::guess(index)), Cow::Borrowed)

@@ -25,13 +25,13 @@ use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::io::{self, Write};
 
-/// What the note of the file header says where no compass was recorded.
+/// Words in the note of the file header where no compass was recorded.
 const TRACK_HEADINGS: &str = "headings of the track";
-/// What it says where the slant ranges are those of a fish-finder.
+/// Words in the note where the slant ranges are those of a fish-finder.
 const FISH_FINDER: &str = "ranges of a fish-finder";
 /// Words of the note for slant ranges that are estimated.
 const ESTIMATED: &str = "ranges by the transducer's size";
-/// What the program is called in eight letters.
+/// Name of the program in eight letters.
 const PROGRAM: &[u8; 8] = b"Bathysco";
 /// Packets are padded to a multiple of this.
 const PADDED_TO: usize = 64;
@@ -40,8 +40,8 @@ const MOST_SKIPPED: f64 = 1e6;
 /// Speed of sound, metres a second: fish-finders count ranges with it.
 const SOUND_MPS: f32 = 1500.0;
 
-/// What the header of a file that was written here states about its pings. Headers of other files
-/// state nothing of it.
+/// Statements about the pings in the header of a file that Bathyscope wrote. Headers of other files
+/// state nothing of this.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Provenance {
     /// Headings are those of the track.
@@ -53,7 +53,7 @@ pub(super) struct Provenance {
 }
 
 impl Provenance {
-    /// By the note of the header.
+    /// Reads the statements from the note of the header.
     pub(super) fn of(header: &FileHeader) -> Self {
         let note = channels::text(&header.note).filter(|_| header.program == *PROGRAM);
         let says = |text: &str| note.as_ref().is_some_and(|note| note.contains(text));
@@ -94,7 +94,7 @@ impl LogWriter for Xtf {
     }
 }
 
-/// What such an XTF has no place for.
+/// Lists data of the log that such an XTF has no place for, a sentence each.
 fn losses(survey: &Survey) -> Vec<String> {
     let mut losses = Vec::new();
     if !survey.echograms.is_empty() {

@@ -15,8 +15,8 @@ const LEVEL: i32 = 8;
 const MOST_ONE_SIDED: f64 = 0.3;
 /// Share of them that may be louder than half of the loudest that can be stored.
 const MOST_LOUD: f64 = 0.1;
-/// Where samples lie that are floating point, and a share of them that does. Whole numbers of less
-/// than 29 bits lie below.
+/// Range of samples that are floating point, and a share of them that lies in it. Whole numbers of
+/// less than 29 bits lie below.
 const FLOATING: Range<f64> = 1e-12..1e12;
 const FLOATING_SHARE: f64 = 0.99;
 /// Powers of two that are counted: those of all numbers of 64 bits, with any weight, from minus
@@ -26,7 +26,7 @@ const LEAST: i32 = 1100;
 /// Weights beyond this are damage: 2^-40 volts are no signal.
 const HEAVIEST: i16 = 40;
 
-/// What the headers of a file say about all of its samples.
+/// Statements of a file's headers about all of its samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stated {
     /// Samples may have a sign.
@@ -108,7 +108,7 @@ fn number(encoding: Encoding) -> (NumberKind, i16) {
     }
 }
 
-/// Which numbers the stored ones are: headers say less than samples do.
+/// Returns the kind of the stored numbers: headers say less than samples do.
 fn meant(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind, stated: Stated) -> NumberKind {
     let signed = match stored {
         NumberKind::U8 => NumberKind::I8,
@@ -192,7 +192,7 @@ fn bits_to_fit(
     highest.map_or(0, |place| place as i32 - LEAST)
 }
 
-/// Where a power of two is counted.
+/// Returns the index in a histogram at which a power of two is counted.
 fn place(bits: i32) -> usize {
     usize::try_from(bits + LEAST).map_or(0, |place| place.min(MAGNITUDES - 1))
 }

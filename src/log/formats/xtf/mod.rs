@@ -71,7 +71,7 @@ impl LogFormat for Xtf {
     }
 }
 
-/// What was recognised.
+/// Header of a recognised file, and offset of its first packet.
 #[derive(Clone, Copy, Debug)]
 struct XtfStart {
     header: Option<FileHeader>,

@@ -23,7 +23,7 @@ use std::path::Path;
 /// Types of packets.
 const BATHYMETRY: u8 = 2;
 const ATTITUDE: u8 = 3;
-/// What each datagram begins with.
+/// First bytes of each datagram.
 const SYNCHRONISATION: [u8; 4] = [0xFF, 0xFF, 0, 0];
 /// Ranges count quarters of a sample, there and back.
 const RANGES_A_SAMPLE: f64 = 8.0;
@@ -36,7 +36,7 @@ const STEEPEST_DEG: f64 = 85.0;
 /// Attitude this far from a ping in time says nothing of it, seconds.
 const ATTITUDE_WITHIN_S: f64 = 0.5;
 
-/// Where the fields of a datagram lie.
+/// Offsets of the fields in a datagram.
 struct Layout {
     velocity: usize,
     beam_count: usize,

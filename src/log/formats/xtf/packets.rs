@@ -1,4 +1,4 @@
-//! What else an XTF file holds than side-scan pings.
+//! Counts the packets of an XTF file that are no side-scan pings.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ impl Packets {
         *self.counts.entry(kind).or_default() += 1;
     }
 
-    /// All of them.
+    /// Returns the number of all packets.
     pub(super) fn total(&self) -> usize {
         self.counts.values().sum()
     }
@@ -38,7 +38,7 @@ impl Packets {
     }
 }
 
-/// What Triton's list of packet types calls them; vendors' own are numbers only.
+/// Returns the name of a type in Triton's list of packet types; vendors' own are numbers only.
 fn name(kind: u8) -> Option<&'static str> {
     match kind {
         0 => Some("damaged side-scan"),

@@ -27,7 +27,7 @@ impl PositionConverter {
         self.origin
     }
 
-    /// Whether a position is in degrees: some programs write them and say metres.
+    /// Returns true if a position is in degrees: some programs write degrees and state metres.
     fn is_degrees(&self, [x, y]: [f64; 2]) -> bool {
         let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
         self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees)

@@ -1,5 +1,5 @@
-//! Where the sonar was: the position that a ping states of it, or that of the ship with the layback
-//! of a towed sonar and the offsets of antenna and transducer.
+//! Positions of the sonar: the position that a ping states of it, or that of the ship with the
+//! layback of a towed sonar and the offsets of antenna and transducer.
 
 use super::from_log::Provenance;
 use super::navigation::{HEADING_WITHIN_S, SentNavigation, SentPosition};
@@ -21,7 +21,7 @@ const OWN_FROM: f64 = 0.5;
 /// Forward and to starboard of the ship's antenna, metres.
 type Arm = [f32; 2];
 
-/// What a ping says of the positions that packets sent near it.
+/// Arm and heading of a ping, for the positions that packets sent near it.
 #[derive(Clone, Copy, Debug)]
 struct Towing {
     time_s: f64,
@@ -37,12 +37,12 @@ pub(super) struct Positions {
     sent: SentNavigation,
     /// True if headings are not of a compass.
     has_track_headings: bool,
-    /// Of the antenna from the ship's reference point.
+    /// Offset of the antenna from the ship's reference point.
     antenna_m: Arm,
     latency_ms: i32,
-    /// Of the fixes of the log that are the ship's: index, and from the antenna to the sonar.
+    /// Index of each fix of the log that is the ship's, and its arm from the antenna to the sonar.
     arms: Vec<(usize, Arm)>,
-    /// Of the pings without a position.
+    /// Arms and headings of the pings without a position.
     unplaced: Vec<Towing>,
     /// The shortest and the longest layback of the ship's positions, metres.
     laybacks_m: Option<[f32; 2]>,
@@ -59,7 +59,8 @@ pub(super) struct Positions {
 }
 
 impl Positions {
-    /// Of a file with this header, or of the tail of a log whose metres count from `origin_m`.
+    /// Creates the collection for a file with this header, or for the tail of a log whose metres
+    /// count from `origin_m`.
     pub(super) fn new(header: Option<FileHeader>, origin_m: Option<[f64; 2]>) -> Self {
         let antenna_m =
             header.map_or([0.0; 2], |header| [header.nav_offset_y_m, header.nav_offset_x_m]);
@@ -81,7 +82,7 @@ impl Positions {
         }
     }
 
-    /// The same file, with nothing collected yet.
+    /// Returns the collection for the same file with nothing collected yet.
     pub(super) fn after_head(self) -> Self {
         Self {
             sent: SentNavigation::default(),
@@ -151,7 +152,7 @@ impl Positions {
         }
     }
 
-    /// From the antenna to the sonar.
+    /// Returns the arm from the antenna to the sonar.
     fn arm(&mut self, transducer_m: Arm, layback_m: Option<f32>) -> Arm {
         if let Some(layback_m) = layback_m {
             let [shortest_m, longest_m] = self.laybacks_m.unwrap_or([layback_m; 2]);
@@ -165,8 +166,8 @@ impl Positions {
         [forward_m - layback_m.unwrap_or(0.0), right_m]
     }
 
-    /// Whether the position that counts is the sonar's own: it is stated, and lies elsewhere than
-    /// the ship's by what a layback explains.
+    /// Returns true if the position that counts is the sonar's own: it is stated, and lies
+    /// elsewhere than the ship's by a distance that the layback explains.
     fn is_own(&self, sensor: Option<[f64; 2]>, ship: Option<[f64; 2]>, layback_m: f32) -> bool {
         match (sensor, ship) {
             (Some(sensor), Some(ship)) if sensor == ship => false,
@@ -204,7 +205,8 @@ impl Positions {
         self.remark(log, [stand_ins.len(), headings], moved);
     }
 
-    /// What pings of the ship's position, and without one, say of it, in time order.
+    /// Returns arm and heading of the pings with the ship's position and of those without one, in
+    /// time order.
     fn towing(&self, fixes: &[Fix]) -> Vec<Towing> {
         let of_fix = |&(index, arm): &(usize, Arm)| {
             fixes.get(index).map(|fix| Towing {
@@ -254,7 +256,7 @@ impl Positions {
         moved
     }
 
-    /// What the ship's positions are moved by.
+    /// Names the distances by which the ship's positions are moved.
     fn arms_in_words(&self) -> String {
         let layback = self.laybacks_m.map(|[from_m, to_m]| {
             if from_m == to_m {

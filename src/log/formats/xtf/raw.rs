@@ -44,7 +44,7 @@ pub(crate) struct FileHeader {
     pub rest_224: [u8; 32],
 }
 
-/// What a channel is; 128 bytes each from byte 256 of the file header on.
+/// Description of a channel; 128 bytes each from byte 256 of the file header on.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct ChannelInfo {

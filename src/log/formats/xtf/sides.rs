@@ -114,7 +114,7 @@ impl SideChannels {
         pair
     }
 
-    /// The same channels, with nothing kept yet.
+    /// Returns the same channels with nothing kept yet.
     pub(super) fn after_head(mut self) -> Self {
         for pair in &mut self.pairs {
             pair.halves = Default::default();

@@ -1,4 +1,4 @@
-//! How the packets of an XTF file begin, by which it is walked over.
+//! Header of the packets of an XTF file, by which a walk finds each after the one before.
 
 use super::raw::{PacketHeader, record};
 use crate::formats::messages::MessageFormat;

@@ -4,7 +4,7 @@ use super::{LonLat, UtmZone};
 use crate::named;
 use serde::{Deserialize, Serialize};
 
-/// How a position is written: each to about a decimetre.
+/// Notation of a position, each precise to about a decimetre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CoordinateFormat {
     /// Decimal degrees: `36.877100° N 111.516300° W`.
@@ -18,7 +18,7 @@ pub enum CoordinateFormat {
     Utm,
 }
 
-/// Where UTM is defined; beyond are the poles, which have a grid of their own.
+/// Latitudes at which UTM is defined; beyond are the poles, which have a grid of their own.
 const UTM_LATITUDES_DEG: std::ops::RangeInclusive<f64> = -80.0..=84.0;
 
 named! {

@@ -28,7 +28,7 @@ const MODEST: std::ops::Range<f64> = 0.8..1.25;
 /// Step over which that is measured, degrees: some 10 m.
 const STEP_DEG: f64 = 1e-4;
 
-/// Why a system cannot be used, in one sentence that begins with the setting.
+/// Reason why a system cannot be used, in one sentence that begins with the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{setting}: {reason}")]
 pub struct CrsError {
@@ -37,12 +37,12 @@ pub struct CrsError {
 }
 
 impl CrsError {
-    /// About the system that files are written in.
+    /// Creates the error of the system that files are written in.
     fn new(reason: String) -> Self {
         Self { setting: "crs", reason }
     }
 
-    /// About the system of a log's positions.
+    /// Creates the error of the system of a log's positions.
     fn of_source(reason: String) -> Self {
         Self { setting: "source.crs", reason }
     }
@@ -282,7 +282,8 @@ impl Crs {
         }
     }
 
-    /// Whether `metres` of this system, easting and northing, lie where it is meant for.
+    /// Returns true if `metres` of this system, easting and northing, lie in the area that the
+    /// system is meant for.
     fn reaches(&self, metres: [f64; 2]) -> bool {
         let position = self.to_lon_lat(metres);
         if !position.is_on_earth() {
@@ -385,7 +386,8 @@ fn agrees_with_wgs84(epsg: u16, proj4: &str, wkt: &str) -> bool {
     shift_is_none && ellipsoid && !shifted && !by_grid && !SHIFTED_SYSTEMS.contains(&epsg)
 }
 
-/// Without the shift to WGS84, which is none but keeps PROJ from recognising the system.
+/// Removes the shift to WGS84 from the text of a system: it is zero, but keeps PROJ from
+/// recognising the system.
 fn without_shift(wkt: &str) -> String {
     let Some((before, behind)) = wkt.split_once("TOWGS84[") else {
         return wkt.to_owned();

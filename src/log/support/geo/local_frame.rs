@@ -38,7 +38,7 @@ impl LocalFrame {
         }
     }
 
-    /// Where east and north are zero.
+    /// Returns the position where east and north are zero.
     pub fn origin(&self) -> LonLat {
         self.origin
     }

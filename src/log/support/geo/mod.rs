@@ -70,7 +70,7 @@ pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
     }
 }
 
-/// Whether two boxes of [`bounds_deg`] share a place.
+/// Returns true if two boxes of [`bounds_deg`] share a place.
 pub fn boxes_meet(one: [f64; 4], [west, south, east, north]: [f64; 4]) -> bool {
     let turned = |turn: f64| [west + turn, south, east + turn, north];
     [0.0, 360.0, -360.0].into_iter().any(|turn| outline::boxes_meet(one, turned(turn)))

@@ -14,12 +14,13 @@ use libc::{c_int, c_void, siginfo_t};
 use std::sync::{Once, OnceLock};
 use std::{mem, process, ptr};
 
-/// How often the pages of a fault are doubled: 4 GiB at once are the most.
+/// Largest exponent of 2 for the number of pages that one fault replaces: 4 GiB at once are the
+/// most.
 const MOST_DOUBLED: usize = 20;
 
-/// What the handler goes by.
+/// Data that the handler needs.
 struct Installed {
-    /// What was done about SIGBUS before: Rust's own look at the end of the stack.
+    /// Earlier handler of SIGBUS: Rust's own check of the end of the stack.
     before: libc::sigaction,
     /// Bytes of a page.
     page: usize,

@@ -99,7 +99,8 @@ impl MappedFile {
         self.state.is_some()
     }
 
-    /// From where on bytes could not be read, and are zero; `None` while all could.
+    /// Returns the fault of bytes that could not be read, with the first such byte: from there on
+    /// they are zero. `None` while all could be read.
     pub fn lost(&self) -> Option<FileFault> {
         #[cfg(unix)]
         let from = self.registered.lost_from();
@@ -108,9 +109,9 @@ impl MappedFile {
         from.map(|from| FileFault::Unreadable { from })
     }
 
-    /// What makes the bytes, or what was read of them before, wrong; `None` while they are right.
-    /// `path` names the file as it was opened. Asks the disk for the file's size and times, so it
-    /// may wait for a disk that does not answer.
+    /// Returns the fault that makes the bytes, or the data that was read from them before, wrong;
+    /// `None` while they are right. `path` names the file as it was opened. Asks the disk for the
+    /// file's size and times, so it may wait for a disk that does not answer.
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
         let state = self.state.as_ref();
         let changed = state.and_then(|state| state.fault(path, &self.map));

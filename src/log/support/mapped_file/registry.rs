@@ -81,7 +81,7 @@ pub(super) fn find(address: usize) -> Option<(&'static Place, Range<usize>)> {
 pub(super) struct Registered(&'static Place);
 
 impl Registered {
-    /// Of a map by its first address and its length in bytes.
+    /// Adds a map to the list, by its first address and its length in bytes.
     pub(super) fn new(start: usize, length: usize) -> Self {
         let mut place = &FIRST;
         while place.is_taken.swap(true, SeqCst) {

@@ -5,8 +5,9 @@
 use std::fs::File;
 use std::io::{self, Read as _};
 
-/// Whether a file's drive is a card, a stick, a disc or a share of a network, or nothing is known
-/// of it. A hard disk in a case of its own counts as part of the computer: Windows does not tell.
+/// Returns true if a file's drive is a card, a stick, a disc or a share of a network, or nothing is
+/// known of it. A hard disk in a case of its own counts as part of the computer: Windows does not
+/// distinguish it.
 // The call of the system below.
 #[allow(unsafe_code)]
 #[cfg(windows)]

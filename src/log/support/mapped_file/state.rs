@@ -1,4 +1,4 @@
-//! Whether a file is still the one that was mapped.
+//! Checks that a file is still the one that was mapped.
 
 use std::fs::{self, Metadata};
 use std::hash::{DefaultHasher, Hasher as _};
@@ -9,7 +9,7 @@ use std::time::SystemTime;
 /// Bytes before the end of what is mapped that have to be the same when the file is longer.
 const COMPARED: usize = 4096;
 
-/// What became of a mapped file that makes its bytes wrong, and what to do.
+/// Change of a mapped file that makes its bytes wrong, and advice on what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FileFault {
     /// There is less of it.
@@ -59,9 +59,9 @@ impl FileState {
         }
     }
 
-    /// What became of the file at `path`, which was mapped as `bytes`, that makes these wrong. It
-    /// is well that it grows behind them. Where it was deleted or another was renamed into its
-    /// place, the map keeps the old one; where its disk does not answer, the map tells what it
+    /// Returns the change of the file at `path` that makes its mapped `bytes` wrong. It is no fault
+    /// that the file grows behind them. Where it was deleted or another was renamed into its place,
+    /// the map keeps the old one; where its disk does not answer, the map reports the bytes that it
     /// lost.
     pub(super) fn fault(&self, path: &Path, bytes: &[u8]) -> Option<FileFault> {
         let now = fs::metadata(path).ok()?;

@@ -162,7 +162,7 @@ fn empty_files_have_no_bytes() {
     assert_eq!((map.len(), map.fault(&path)), (0, None));
 }
 
-/// In the process that dies, this names the file.
+/// Environment variable that names the file in the process that dies.
 const DIES: &str = "BATHYSCOPE_TEST_FAULT";
 
 #[test]

@@ -1,5 +1,5 @@
-//! What an analyst says about parts of a log: that they are excluded, that they count, or nothing
-//! any more.
+//! Changes an analyst's decisions about parts of a log: to exclude a part, to include it, or to
+//! remove the decision.
 
 use super::{ExclusionReason, ExclusionSettings, Exclusions, Stretch};
 use crate::survey::{Identity, NEAREST_SOUNDING_S, Navigation, PingNav, Survey, nearest_in_time};
@@ -26,7 +26,8 @@ impl LogPart {
         to_s - from_s
     }
 
-    /// Where the boat was: at its pings, or at its soundings where it is given by times.
+    /// Returns the places of the boat in this part: at its pings, or at its soundings where the
+    /// part is given by times.
     pub fn places<'a>(self, survey: &Survey, navigation: &'a Navigation) -> &'a [PingNav] {
         let places = match self {
             Self::Pings([first, last]) => navigation.pings.get(first..=last),
@@ -70,7 +71,8 @@ impl LogPart {
 }
 
 impl ExclusionSettings {
-    /// With a part of a log excluded; what was drawn and touches it becomes one stretch with it.
+    /// Returns the settings with a part of a log excluded; drawn stretches that touch it are joined
+    /// with it.
     pub fn excluding(&self, survey: &Survey, part: LogPart) -> Self {
         let (mut whole, mut others) = (part, Vec::new());
         for stretch in self.stretches_of(survey) {
@@ -87,15 +89,15 @@ impl ExclusionSettings {
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
 
-    /// With nothing said about a part of a log: turns and stops that are found there are excluded,
-    /// all else counts.
+    /// Returns the settings without any decision about a part of a log: turns and stops that are
+    /// found there are excluded, all else counts.
     pub fn reset(&self, survey: &Survey, part: LogPart) -> Self {
         let stretches = self.stretches_of(survey);
         let rest = stretches.iter().flat_map(|one| without(one, part, survey));
         self.with_stretches(survey, rest.collect())
     }
 
-    /// With a part of a log that counts, whatever is found there.
+    /// Returns the settings with a part of a log included, whatever is found there.
     pub fn including(&self, survey: &Survey, navigation: &Navigation, part: LogPart) -> Self {
         let mut settings = self.reset(survey, part);
         let found = Exclusions::new(survey, navigation, &settings);
@@ -114,7 +116,8 @@ impl ExclusionSettings {
         settings
     }
 
-    /// With the soundings of a part of a log trusted, which counts whatever is found there.
+    /// Returns the settings with the soundings of a part of a log trusted; the part counts,
+    /// whatever is found there.
     pub fn trusting(&self, survey: &Survey, part: LogPart) -> Self {
         let mut settings = self.reset(survey, part);
         let mut stretches = std::mem::take(&mut settings.stretches);
@@ -132,7 +135,7 @@ impl ExclusionSettings {
         }
     }
 
-    /// In the order in which a project keeps them.
+    /// Returns the settings with these stretches, in the order in which a project keeps them.
     fn with_stretches(&self, survey: &Survey, mut stretches: Vec<Stretch>) -> Self {
         stretches.sort_by(|one, other| match (one.pings, other.pings) {
             (Some([one, _]), Some([other, _])) => one.cmp(&other),
@@ -190,7 +193,7 @@ fn joined(part: LogPart, other: &Stretch, survey: &Survey) -> Option<LogPart> {
     }
 }
 
-/// What of a stretch lies outside of a part.
+/// Returns the pieces of a stretch that lie outside of a part.
 fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     let rest = match part {
         LogPart::Pings(part) => pings_of(other, survey).and_then(|whole| {
@@ -215,7 +218,7 @@ fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     }
 }
 
-/// What of a span lies before and after another one; `None` where the two lie apart.
+/// Returns the pieces of a span before and after another span; `None` where the two lie apart.
 fn cut<T: Copy + PartialOrd>(
     [first, last]: [T; 2],
     [from, to]: [T; 2],

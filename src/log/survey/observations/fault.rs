@@ -20,7 +20,7 @@ pub enum SoundingFault {
 }
 
 named! {
-    /// All of them.
+    /// All faults.
     pub SoundingFault {
         LostBottom: "lost bottom",
         FarBelow: "far below the bottom",

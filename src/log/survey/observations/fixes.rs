@@ -20,7 +20,7 @@ const FASTER: (f64, f64) = (2.0, 2.0);
 const NOISE_M: f64 = 8.0;
 /// Fewer fixes than this witness nothing of each other.
 const FEWEST: usize = 8;
-/// Where more than this share of the fixes would be left out, it is not known which are false.
+/// Largest share of the fixes that is left out: where more seem false, it is not known which are.
 const MOST_FALSE: f64 = 0.2;
 /// Positions that stay away for longer than this, seconds, are no fault of the receiver's: the
 /// clock or the log has a gap there, and both sides of it are kept.

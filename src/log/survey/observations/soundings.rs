@@ -22,8 +22,8 @@ const NEIGHBOURS_S: f64 = 10.0;
 /// are one loss of the bottom.
 const TOGETHER_S: f64 = 3.0;
 const TOGETHER: usize = 8;
-/// So many jumps together, up and down, are a loss; fewer are boulders, piers and ledges, which
-/// come in twos.
+/// Fewest jumps close together, up and down, that are a loss; fewer are boulders, piers and ledges,
+/// which come in twos.
 const JUMPS: usize = 4;
 /// A recorder that takes a second echo, or noise far below the bottom, leaps to so many times the
 /// depth, and leaps back as far: by these shares, more than this many metres, and more steeply than
@@ -56,8 +56,8 @@ pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     }
 }
 
-/// As [`mark_faults`], where all before `from` was marked already and what follows is new.
-/// Returns the first sounding that was marked anew.
+/// Marks faults as [`mark_faults`] does, where all soundings before `from` were marked already and
+/// those that follow are new. Returns the first sounding that was marked anew.
 pub(crate) fn mark_faults_from(
     soundings: &mut [Sounding],
     fixes: &[Fix],
@@ -138,8 +138,8 @@ pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: boo
     }
 }
 
-/// For each sounding whether it is a glitch alone, between two that agree: a fault of its own, so
-/// that the steps to it and back are no signs of a loss.
+/// Returns for each sounding true if it is a glitch alone, between two that agree: a fault of its
+/// own, so that the steps to it and back are no signs of a loss.
 fn spikes(soundings: &[Sounding], glitches: &[usize]) -> Vec<bool> {
     let mut is_spike = vec![false; soundings.len()];
     for (rank, &index) in glitches.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Which solid, in which size and pose, explains what the passes recorded of an object.
+//! Finds the solid, with size and pose, that explains best what the passes recorded of an object.
 //!
 //! What is sought is the least sum of squares of recorded levels minus predicted ones. A level is a
 //! logarithm of power here, in standard deviations of single-look speckle, which has one of 1.28 in
@@ -33,7 +33,7 @@ const ROUNDS: usize = 40;
 struct CoarseSearch {
     /// Pings and bins of the picture, about.
     size: [usize; 2],
-    /// How many states, those that explain most, are followed over how many rounds.
+    /// Number of states that are followed (those that explain most), and of rounds, for each stage.
     followed: &'static [(usize, usize)],
     /// Number of them that are kept.
     kept: usize,
@@ -42,7 +42,8 @@ struct CoarseSearch {
     worth_fitting: f64,
 }
 
-/// From coarse to fine. A boat that lies askew to the track is found from few of the beginnings.
+/// Coarse searches, from coarse to fine. A boat that lies askew to the track is found from few of
+/// the beginnings.
 const COARSE: [CoarseSearch; 2] = [
     CoarseSearch {
         size: [12, 24],
@@ -52,7 +53,7 @@ const COARSE: [CoarseSearch; 2] = [
     },
     CoarseSearch { size: [24, 48], followed: &[(3, 3), (1, 8)], kept: 1, worth_fitting: 0.9 },
 ];
-/// How far numbers are changed at first in the whole picture, as a share of the first steps: they
+/// First changes of the numbers in the whole picture, as a share of the first steps: the numbers
 /// are nearly right.
 const FINE_STEPS: f64 = 0.5;
 

@@ -1,4 +1,4 @@
-//! From where a search begins: what a box says of its object.
+//! Derives the beginnings of a search from the box of an object.
 
 use super::levels::BoxLevels;
 use super::problem::{DARKNESS, Numbers, OF_LOOK, STRENGTH};
@@ -8,13 +8,13 @@ use std::f64::consts::{PI, TAU};
 
 /// Headings that are tried at first over half a circle.
 const HEADINGS: usize = 8;
-/// How far from where the box says, outward, a search begins, in shares of the box.
+/// Distances outward from the box's place at which a search begins, in shares of the box.
 const OUTWARD: [f64; 3] = [-0.15, 0.0, 0.15];
 
 /// Logarithm of the ratio of two steepnesses from which on a search begins with both.
 const STEEPNESS_APART: f64 = 0.3;
 
-/// What is known of an object before, from one of its boxes.
+/// Prior estimate of an object from one of its boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InitialGuess {
     /// Its place, metres east and north.
@@ -33,7 +33,7 @@ pub(super) struct InitialGuess {
 }
 
 impl InitialGuess {
-    /// Of a box that is placed, and its look.
+    /// Creates the estimate from a box that is placed, and its look.
     pub(super) fn of(target: &Target, look: &BoxLevels) -> Self {
         Self {
             place_m: [target.east_m, target.north_m],

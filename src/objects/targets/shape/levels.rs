@@ -1,4 +1,4 @@
-//! What one pass recorded around a box.
+//! Levels that one pass recorded around a box.
 
 use super::super::Placer;
 use super::super::profile::{BackgroundLevels, RangeSteps};
@@ -18,7 +18,7 @@ pub struct BoxLevels {
     pub(super) from_m: f64,
     pub(super) step_m: f64,
     pub(super) bins: usize,
-    /// From one of the pings to the next on average.
+    /// Mean distance from one of the pings to the next, metres.
     pub(super) ping_m: f64,
     /// Pings in order, some neighbouring ones summed where they are many.
     pub(super) pings: Vec<PingLevels>,
@@ -33,7 +33,7 @@ pub struct BoxLevels {
 pub(super) struct PingLevels {
     /// Index of the ping, of several the middle one.
     pub(super) ping: usize,
-    /// Where on the bottom ranges count from, metres east and north: under the boat on a level
+    /// Point on the bottom that ranges count from, metres east and north: under the boat on a level
     /// bottom.
     pub(super) boat_m: [f64; 2],
     /// Unit vector across the track to the side of the look, east and north.
@@ -48,14 +48,14 @@ const PINGS: usize = 48;
 const BINS: usize = 96;
 /// Bins are no narrower than a pulse, metres.
 const LEAST_STEP_M: f64 = 0.03;
-/// What is looked at around the box: in range, metres and as a share of the box; along the track,
-/// pings and a share.
+/// Margins around the box: in range, metres and a share of the box; along the track, least number
+/// of pings, and the divisor of the box's pings (a quarter of them).
 const RANGE_MARGIN_M: f64 = 0.3;
 const RANGE_MARGIN: f64 = 0.15;
 const PING_MARGIN: usize = 4;
 const PING_SHARE: usize = 4;
-/// What counts begins where the bottom is seen under an angle, as a share of the altitude: nearer
-/// is the first return.
+/// Slant range at which the levels begin, in altitudes: there the bottom is seen under an angle;
+/// nearer is the first return.
 const BEYOND_NADIR: f64 = 1.02;
 /// Median of the square of what is normally distributed with a standard deviation of 1.
 const MEDIAN_SQUARE: f64 = 0.4549;
@@ -82,12 +82,13 @@ impl BoxLevels {
         levels.map(|level| f64::from(level * level)).sum()
     }
 
-    /// What that sum is where nothing lies.
+    /// Returns the sum of the squares of all levels where nothing lies.
     pub(super) fn speckle_squares(&self) -> f64 {
         self.noise * (self.pings.len() * self.bins) as f64
     }
 
-    /// The same with means of neighbouring pings and bins, about so many of each.
+    /// Returns the same with means of neighbouring pings and bins, about `pings` and `bins` in
+    /// number.
     #[must_use]
     pub(super) fn coarser(&self, [pings, bins]: [usize; 2]) -> Self {
         let [of_pings, of_bins] =
@@ -139,8 +140,9 @@ impl BoxLevels {
 }
 
 impl Placer<'_> {
-    /// What the pass of a box recorded around it; `None` where that is no picture (less than three
-    /// pings with a place, no samples, or no bottom beside the box that it could be compared with).
+    /// Returns the levels that the pass of a box recorded around it; `None` where that is no
+    /// picture (less than three pings with a place, no samples, or no bottom next to the box that
+    /// it could be compared with).
     pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let span = self.span(mark.side, middle)?;
@@ -222,9 +224,9 @@ impl Placer<'_> {
         })
     }
 
-    /// Mean square of the levels of so many pings together beside the box. It is that of most of
-    /// them: stones and other objects beside it are no noise, and would have any shape explain all
-    /// of a picture.
+    /// Returns the mean square of the levels next to the box, `together` pings at a time. It is
+    /// that of most of them: stones and other objects next to the box are no noise, and would let
+    /// any shape explain all of a picture.
     fn noise(
         &self,
         grid: &RangeSteps,

@@ -32,7 +32,7 @@ pub struct FittedShape {
     pub posed: PosedSolid,
     /// Elevation of the bottom there, metres: the depth of that box, upward.
     pub bottom_z_m: f64,
-    /// Where it lies in the pings of each box, in their order; nothing of a box without a look.
+    /// Place of the solid on the pings of each box, in their order; empty for a box without a look.
     pub on_pings: Vec<Vec<ShapeOnPing>>,
     /// Share of what the looks differ from bare bottom, beyond speckle, that it explains; 1 leaves
     /// nothing but speckle.
@@ -41,7 +41,7 @@ pub struct FittedShape {
     pub rivals: Vec<ShapeKind>,
 }
 
-/// Why an object has no shape.
+/// Reason why an object has no shape.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// There is no picture to fit it to.
@@ -55,7 +55,7 @@ pub enum ShapeError {
     Unexplained {
         /// The kind that explains most.
         kind: ShapeKind,
-        /// How much, as [`FittedShape::explained`].
+        /// Share that it explains, as [`FittedShape::explained`].
         explained: f64,
     },
     /// The best reaches beyond the picture, where it was compared with nothing.
@@ -70,8 +70,8 @@ pub enum ShapeError {
 
 /// Share that a shape has to explain.
 const LEAST_EXPLAINED: f64 = 0.35;
-/// How far the squares of a look exceed those of speckle at least, as a share of them, or it is too
-/// faint to tell shapes apart.
+/// Least excess of the squares of a look over those of speckle, as a share of the latter; with less
+/// it is too faint to distinguish shapes.
 const LEAST_CONTRAST: f64 = 0.15;
 /// A kind that leaves no more than so much of what the best explains is a rival.
 const RIVAL: f64 = 0.07;

@@ -1,4 +1,4 @@
-//! What a pass records of a solid on the bottom: its echo, and the shadow behind it.
+//! Predicts the record of a solid on the bottom: its echo, and the shadow behind it.
 //!
 //! Along a ray from the boat outward the solid is a profile of heights. A step of it is insonified
 //! as far as its direction from the vertical exceeds that of all steps before it; its echo, by
@@ -53,7 +53,7 @@ impl PosedSolid {
     }
 }
 
-/// Where echo and shadow of a solid lie in a ping, slant ranges on the recorder's scale, metres.
+/// Echo and shadow of a solid on a ping, slant ranges on the recorder's scale, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeOnPing {
     /// Index of the ping.
@@ -69,7 +69,7 @@ pub struct ShapeOnPing {
 const SEEN: f32 = 0.1;
 const DARK: f32 = 0.5;
 
-/// Where echo and shadow of a solid lie in the pings of a look that it changes.
+/// Returns echo and shadow of a solid on the pings of a look that it changes.
 pub(super) fn on_pings(look: &BoxLevels, posed: &PosedSolid) -> Vec<ShapeOnPing> {
     let mut predicted = Predicted::default();
     predict(look, posed, &mut predicted);
@@ -92,7 +92,7 @@ pub(super) fn on_pings(look: &BoxLevels, posed: &PosedSolid) -> Vec<ShapeOnPing>
 /// Power over that of the bare bottom, bins of a ping together, ping after ping.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Predicted {
-    /// What of the bottom is seen; 1 where the solid changes nothing.
+    /// Power of the bottom that is seen; 1 where the solid changes nothing.
     pub(super) bottom: Vec<f32>,
     /// The solid's echo, were it to scatter as strongly as the bottom.
     pub(super) object: Vec<f32>,
@@ -263,7 +263,7 @@ mod tests {
         (look, posed)
     }
 
-    /// What the look records of it.
+    /// Returns the block's look, and its prediction.
     fn of_block() -> (BoxLevels, Predicted) {
         let (look, posed) = block();
         let mut predicted = Predicted::default();

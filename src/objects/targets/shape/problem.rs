@@ -1,4 +1,4 @@
-//! What a solid is compared with: the looks, and what numbers of it predict of them.
+//! Compares a solid with looks: predicts them from the numbers of the solid, and sums the squares.
 
 use super::levels::{BoxLevels, PingLevels};
 use super::predict::{PosedSolid, Predicted, predict};
@@ -7,8 +7,7 @@ use bathyscope_bottom::vectors::{VectorLoop, ln, vectorised};
 
 /// Standard deviation of ln power of single-look speckle.
 pub(super) const SPECKLE_LN: f64 = 1.283;
-/// Beyond what is usual of a kind a logarithm of size counts against it as so many standard
-/// deviations.
+/// Standard deviation of the logarithm of a size beyond what is usual of a kind.
 const BEYOND_USUAL: f64 = 0.03;
 /// Largest list of a boat ([`Solid::list`]), at which its keel is beside it.
 const MOST_LIST: f64 = 0.4;
@@ -24,7 +23,7 @@ pub(super) const OF_OBJECT: usize = 5;
 pub(super) const OF_LOOK: usize = 5;
 /// First change of each.
 const FIRST_STEPS: [f64; OF_OBJECT + OF_LOOK] = [0.2, 0.2, 0.2, 0.2, 0.1, 0.2, 0.2, 0.7, 0.7, 0.7];
-/// How far each edge is moved at first, in ln length and ln width.
+/// First change of each edge, in ln length and ln width.
 const EDGE_STEP: f64 = 0.2;
 /// Smallest changes of place and of ln length that are worth another round.
 const LEAST_STEP: f64 = 0.01;
@@ -46,7 +45,7 @@ pub(super) struct FitState {
     pub(super) numbers: Numbers,
     /// Next change of each.
     pub(super) steps: Vec<f64>,
-    /// By how much, in ln length and ln width, each of [`OutlineEdge::ALL`] is moved next.
+    /// Next change of each of [`OutlineEdge::ALL`], in ln length and ln width.
     pub(super) edge_steps: [f64; 4],
     predicted: Vec<Predicted>,
     /// Sum of squares of each look.
@@ -132,7 +131,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Of an object whose size and heading are known.
+    /// Creates the problem for an object whose size and heading are known.
     pub(super) fn of_known(kind: ShapeKind, looks: &'a [BoxLevels]) -> Self {
         Self { is_object_known: true, ..Self::new(kind, looks) }
     }
@@ -328,9 +327,9 @@ impl VectorLoop for Squares<'_> {
 }
 
 impl Squares<'_> {
-    /// By how much the squares of some bins of a ping, from bin `first` on, exceed those of the
-    /// levels alone: most of a look is bare bottom, where nothing else is expected than 0. In:
-    /// levels, what is seen of the bottom, echo of the object.
+    /// Returns the excess of the squares of some bins of a ping, from bin `first` on, over those of
+    /// the levels alone: most of a look is bare bottom, where nothing else is expected than 0. In:
+    /// levels, visible share of the bottom, echo of the object.
     #[inline(always)]
     fn more(&self, [levels, bottom, object]: [&[f32]; 3], first: usize) -> f32 {
         let dark = self.darkest[0] as f32;

@@ -34,7 +34,7 @@ pub(super) struct ShapeRay {
     /// Echo of the step over that of the bare bottom, for each metre of range that the step extends
     /// over.
     echo_m: PlaceRow,
-    /// Where its range lies in a ping, counted in bins, and the bin.
+    /// Position of its range in a ping, counted in bins, and the bin.
     in_bins: PlaceRow,
     bin: [i32; MOST_PLACES],
 }

@@ -5,7 +5,7 @@ use bathyscope_log::named;
 /// Places that are computed together.
 pub(super) const LANES: usize = 8;
 
-/// What an object is like by its shape.
+/// Kind of an object by its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ShapeKind {
     /// A crate or a block: straight sides and a flat top.
@@ -22,7 +22,7 @@ pub enum ShapeKind {
     UpturnedHull,
 }
 
-/// What is usual of a kind: length and width in metres, length over width, height over width.
+/// Usual size of a kind: length and width in metres, length over width, height over width.
 pub(super) struct UsualSize {
     pub(super) length_m: [f64; 2],
     pub(super) width_m: [f64; 2],
@@ -77,16 +77,16 @@ impl ShapeKind {
 /// A shape in its size, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
-    /// What it is like.
+    /// Kind of its shape.
     pub kind: ShapeKind,
     /// Its longest extent.
     pub length_m: f64,
     /// Its extent across that.
     pub width_m: f64,
-    /// Of its highest point above the bottom.
+    /// Height of its highest point above the bottom.
     pub height_m: f64,
-    /// How much more than its middle a boat's starboard side stands up, as a share of the height
-    /// there; of the port side it is as much less. 0 of what is no boat.
+    /// Excess of a boat's height at its starboard side over that in its middle, as a share of the
+    /// latter; the port side is lower by as much. 0 for other kinds.
     pub list: f64,
 }
 
@@ -165,8 +165,8 @@ impl Solid {
         }
     }
 
-    /// Where a ray enters and leaves the rectangle around it: distances from a place along and
-    /// across it in a direction of length 1; `None` where it passes by.
+    /// Returns the distances at which a ray enters and leaves the rectangle around the solid, from
+    /// a place along and across it in a direction of length 1; `None` where it passes by.
     #[inline(always)]
     pub(super) fn met_m(&self, start_m: [f64; 2], toward: [f64; 2]) -> Option<[f64; 2]> {
         let half_m = self.half_m();

@@ -78,7 +78,7 @@ fn images(case: &Case) -> Vec<Image> {
     case.images.iter().map(image).collect()
 }
 
-/// At score 0, so that what is counted is what the oracles count.
+/// Evaluates at score 0, so that the same boxes are counted as by the oracles.
 fn measured(case: &Case, settings: MetricSettings) -> Evaluation {
     let settings = MetricSettings { score: 0.0, ..settings };
     evaluate(&images(case), case.classes, &settings)

@@ -10,7 +10,7 @@ const POLYGONS: u32 = 6;
 /// Corners of a ring, the last one that of the first.
 pub(crate) type Ring = Vec<[f64; 2]>;
 
-/// Where a feature is, in the system of its file: east or longitude first.
+/// Geometry of a feature, in the system of its file: east or longitude first.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum FeatureGeometry {
     /// A place.

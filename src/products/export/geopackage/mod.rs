@@ -36,9 +36,9 @@ const STYLES_SQL: &str = "CREATE TABLE layer_styles (id INTEGER PRIMARY KEY NOT 
 pub(crate) struct Layer {
     /// Its name in the file.
     pub name: &'static str,
-    /// What a map program calls it.
+    /// Title in a map program.
     pub title: &'static str,
-    /// What it shows, in a few words.
+    /// Description of its content, in a few words.
     pub about: &'static str,
     /// The kind of all its geometries: `POINT`, `LINESTRING`, `POLYGON` or `MULTIPOLYGON`.
     pub geometry: &'static str,
@@ -46,7 +46,7 @@ pub(crate) struct Layer {
     pub columns: Cow<'static, str>,
     /// Its features, each with a value a column.
     pub features: Vec<(FeatureGeometry, Vec<Value>)>,
-    /// How QGIS draws it (QML).
+    /// Style in which QGIS draws it (QML).
     pub style: String,
 }
 

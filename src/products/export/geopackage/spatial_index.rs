@@ -30,8 +30,8 @@ pub(super) fn add(file: &Connection, layer: &Layer) -> io::Result<()> {
     Ok(())
 }
 
-/// What keeps the index up to date, by the names and conditions of the standard (OGC 12-128r17,
-/// annex F.3).
+/// Returns the triggers that keep the index up to date, by the names and conditions of the standard
+/// (OGC 12-128r17, annex F.3).
 fn triggers(index: &str, table: &str) -> [(&'static str, String); 6] {
     let is_some = "(NEW.geom NOTNULL AND NOT ST_IsEmpty(NEW.geom))";
     let is_none = "(NEW.geom ISNULL OR ST_IsEmpty(NEW.geom))";
@@ -52,7 +52,7 @@ fn triggers(index: &str, table: &str) -> [(&'static str, String); 6] {
     ]
 }
 
-/// What the table of extensions says of the index.
+/// Returns the row of the index in the table of extensions.
 pub(super) fn extension(layer: &Layer) -> Vec<Value> {
     let texts = [
         layer.name,

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Endings of what is no recorder's format, without the dot.
 const TABLES: [&str; 3] = ["csv", "parquet", "gpx"];
 
-/// Why a log cannot be copied: one sentence.
+/// Reason why a log cannot be copied: one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum CopyError {
     /// No format has the ending of the file.
@@ -32,7 +32,7 @@ pub enum CopyError {
     Ending {
         /// The file.
         path: PathBuf,
-        /// Those that are written, in words.
+        /// Endings that are written, in words.
         endings: String,
     },
     /// It would replace the log.
@@ -49,7 +49,7 @@ pub enum CopyError {
     Export(#[from] ExportError),
 }
 
-/// What a copy is written as.
+/// Format of a copy.
 #[derive(Clone, Copy)]
 pub(crate) enum CopyFormat {
     /// The format of a recorder.
@@ -63,7 +63,7 @@ pub(crate) enum CopyFormat {
 }
 
 impl CopyFormat {
-    /// By the ending of a file.
+    /// Returns the format that the ending of a file names.
     ///
     /// # Errors
     /// When no format has it.
@@ -104,7 +104,7 @@ pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
     }
 }
 
-/// What a copy holds.
+/// Content of a copy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Copied {
     /// Side-scan pings.

@@ -1,4 +1,4 @@
-//! Which part of a log is copied.
+//! Chooses the part of a log that is copied.
 
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::calendar::unix_from_iso;
@@ -6,7 +6,7 @@ use bathyscope_log::survey::{Navigation, Survey, WaterArea};
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Why a part cannot be chosen: one sentence.
+/// Reason why a part cannot be chosen: one sentence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PartError {
     /// A time is neither a number of seconds nor a date with a time.
@@ -25,10 +25,10 @@ pub enum PartError {
     TooFew {
         /// Their number.
         count: usize,
-        /// Those asked for.
+        /// Records that were requested.
         asked: Range<usize>,
     },
-    /// Nothing of the log lies in it.
+    /// The part has no record of the log.
     #[error("nothing of the log lies in the part that was asked for")]
     Empty,
 }
@@ -83,7 +83,7 @@ pub struct LogPartChoice {
     pub pings: Option<PingRange>,
     /// First and last moment.
     pub time: Option<[TimeBound; 2]>,
-    /// Where the boat is in it by the fitted track.
+    /// Area in which the boat is, by the fitted track.
     pub area: Option<WaterArea>,
 }
 

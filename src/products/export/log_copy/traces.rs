@@ -21,7 +21,7 @@ struct Trace<'a> {
     time_s: f64,
     unix_s: Option<f64>,
     fix: Option<&'a Fix>,
-    /// Where the boat was by the fitted track.
+    /// Place of the boat by the fitted track.
     fitted: Option<(LonLat, &'a PingNav)>,
     depth_m: f32,
     span: Option<SideSpan>,

@@ -7,7 +7,7 @@ use bathyscope_log::support::printable::xml;
 use bathyscope_objects::objects::{ListedObject, OBJECT_COLUMNS, Object};
 use std::collections::HashMap;
 
-/// What a plotter shows beside the name; what is not known is left out.
+/// Returns the description that a plotter shows beside the name, without unknown values.
 pub(super) fn description(object: &Object) -> String {
     let units = Units::default();
     let mut parts = vec![object.class.clone(), object.state.name().to_owned()];
@@ -38,8 +38,8 @@ pub(super) fn description(object: &Object) -> String {
     parts.join("; ")
 }
 
-/// What each object is called, each otherwise: plotters take places of one name for one. `Anna`,
-/// `rock 12`; a name that several objects have is followed by their numbers.
+/// Returns a different name for each object, because plotters take places of one name for one
+/// place. `Anna`, `rock 12`; a name that several objects have is followed by their numbers.
 pub(super) fn titles(objects: &[ListedObject<'_>]) -> Vec<String> {
     let mut times: HashMap<&str, usize> = HashMap::new();
     for ListedObject { object, .. } in objects {

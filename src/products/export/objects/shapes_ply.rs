@@ -11,8 +11,8 @@ use std::path::Path;
 const SQUARES: usize = 40;
 /// Room around a solid, as a share of its extents: its sides stand in the outermost squares.
 const ROOM: f64 = 1.02;
-/// That of inferred shapes in the window, and of no source of points: what is inferred is not to be
-/// taken for measured.
+/// Colour of inferred shapes, the same as in Bathyscope and different from all sources of points:
+/// inferred shapes must not be taken for measured ones.
 const COLOUR: [u8; 3] = [255, 122, 46];
 
 /// The upper side of a solid in a grid of squares.

@@ -39,7 +39,7 @@ impl PlanFormat {
     pub const ALL: [PlanFormat; 4] =
         [PlanFormat::Gpx, PlanFormat::Kml, PlanFormat::QGroundControl, PlanFormat::MissionPlanner];
 
-    /// How its files end.
+    /// Returns the ending of its files.
     pub(crate) fn ending(self) -> &'static str {
         match self {
             PlanFormat::Gpx => "gpx",
@@ -49,7 +49,7 @@ impl PlanFormat {
         }
     }
 
-    /// What the name of a file asks for.
+    /// Returns the format that the name of a file asks for.
     ///
     /// # Errors
     /// When it ends like none of them.
@@ -70,7 +70,7 @@ pub struct PlannedWay<'a> {
     pub plan: &'a Plan,
     /// The frame of its plane.
     pub frame: &'a LocalFrame,
-    /// Where the boat starts and comes back to.
+    /// Place where the boat starts and to which it returns.
     pub home: LonLat,
 }
 

@@ -52,7 +52,7 @@ fn item((number, place): (u32, WayPlace)) -> Value {
     })
 }
 
-/// To a millimetre.
+/// Rounds degrees to about a millimetre.
 fn degrees(degrees: f64) -> f64 {
     (degrees * 1e8).round() / 1e8
 }

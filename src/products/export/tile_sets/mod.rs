@@ -15,14 +15,14 @@ pub(crate) use store::TileStore;
 
 use crate::map_tiles::MapScales;
 
-/// What a set of tiles is, for the programs that show it.
+/// Description of a set of tiles, for the programs that show it.
 #[derive(Clone, Debug)]
 pub(crate) struct TileSet {
     /// Name.
     pub name: String,
-    /// What it shows, in a sentence or two.
+    /// Description of its content, in a sentence or two.
     pub description: String,
-    /// Where it lies, and how it is drawn.
+    /// Extent of the map and scales of its drawing.
     pub scales: MapScales,
 }
 

@@ -18,14 +18,14 @@ pub(crate) struct TileStore {
 struct Inner {
     file: File,
     end: u64,
-    /// By what they show and by the tile's number along Hilbert's curve.
+    /// Stored pictures, by style and by the tile's number along Hilbert's curve.
     places: BTreeMap<(TileStyle, u64), Stored>,
 }
 
-/// Where the picture of a tile lies.
+/// Location of the picture of a tile in the file of a store.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stored {
-    /// Which tile.
+    /// Tile of the picture.
     pub tile: WebTile,
     at: u64,
     /// Bytes.
@@ -33,7 +33,8 @@ pub(crate) struct Stored {
 }
 
 impl TileStore {
-    /// Without a picture; its file takes room in a folder as long as it lives.
+    /// Creates a store without a picture; its file takes room in a folder as long as the store
+    /// exists.
     ///
     /// # Errors
     /// When the folder cannot be written into.
@@ -47,7 +48,7 @@ impl TileStore {
         Ok(Self { inner: Mutex::new(Inner { file, end: 0, places: BTreeMap::new() }) })
     }
 
-    /// With the pictures of a map, drawn now.
+    /// Creates a store and draws the pictures of a map into it.
     ///
     /// # Errors
     /// When the folder cannot be written into, the source cannot be read, or the work was

@@ -23,7 +23,7 @@ pub(crate) fn track_gpx(
     })
 }
 
-/// As [`track_gpx`], into a file that is open.
+/// Does the same as [`track_gpx`] for a file that is open.
 pub(crate) fn write_track_gpx(
     out: &mut impl Write,
     name: &str,

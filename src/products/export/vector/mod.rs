@@ -16,7 +16,7 @@ use bathyscope_log::support::geo::LonLat;
 pub(crate) struct LabelledLine {
     /// Its corners.
     pub points: Vec<LonLat>,
-    /// What stands beside it.
+    /// Text beside the line.
     pub label: String,
     /// Numbers, in the order of the names that the file is written with.
     pub numbers: Vec<f64>,

@@ -64,8 +64,8 @@ impl<W: Write> Write for ByteCounter<W> {
     }
 }
 
-/// What both headers of a file share: version, flags, method, time, date, check sum, sizes, length
-/// of the name, extra fields.
+/// Returns the fields that both headers of a file share: version, flags, method, time, date, check
+/// sum, sizes, length of the name, extra fields.
 fn shared(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for value in [VERSION, 0, DEFLATE, 0, DATE] {
@@ -93,7 +93,8 @@ fn directory(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     parts.concat()
 }
 
-/// One entry, on one disk; how long and where the directory is; no comment.
+/// Returns the end record of the archive: one entry, on one disk; length and place of the
+/// directory; no comment.
 fn end_record(length: u32, place: u32) -> Vec<u8> {
     let mut bytes = b"PK\x05\x06\0\0\0\0\x01\0\x01\0".to_vec();
     bytes.extend(length.to_le_bytes());

@@ -12,7 +12,7 @@ use std::path::Path;
 /// enough for a map.
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 
-/// What is drawn, and how.
+/// Isobaths and depth areas with the settings of their drawing.
 pub(in crate::outputs) struct DrawnContours<'a> {
     /// The lines and the areas between them.
     pub contours: &'a Contours,
@@ -24,7 +24,7 @@ pub(in crate::outputs) struct DrawnContours<'a> {
 }
 
 impl<'a> DrawnContours<'a> {
-    /// Of a survey that has a depth map.
+    /// Takes the contours of a survey that has a depth map.
     pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);

@@ -58,7 +58,7 @@ struct RunTiles<'a> {
     lit: LitSurface<'a>,
     map: &'a MapPlane,
     scales: MapScales,
-    /// In pixels of the finest zoom.
+    /// Isobaths in pixels of the finest zoom.
     lines: Vec<Isobath>,
 }
 

@@ -17,7 +17,7 @@ use bathyscope_bottom::bathymetry::Surface;
 /// The registry asks for a surface before it has one written.
 pub(super) const NO_SURFACE: &str = "there is no depth map";
 
-/// What was and was not corrected, and how the cells were filled.
+/// Describes the corrections, applied or not, and the interpolation of the cells.
 fn applied(products: &Products, surface: &Surface) -> String {
     let settings = &products.settings;
     format!(

@@ -7,9 +7,10 @@ use crate::outputs::product::Product;
 
 type Text = &'static str;
 
-/// What no table of pings depends on.
+/// Settings that no table of pings depends on.
 pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];
-/// What no cloud depends on: above which bottom a point lies is a setting of the surface.
+/// Settings that no cloud depends on. Those of the surface are not among them: they decide above
+/// which bottom a point lies.
 pub(super) const NOT_OF_CLOUD: &[&str] = NOT_OF_DEPTHS;
 const NOT_OF_TRACK: &[&str] = &[
     "calibration",

@@ -1,4 +1,4 @@
-//! What an earlier run wrote into a folder.
+//! Finds the files that an earlier run wrote into a folder.
 
 use super::journal::is_plain;
 use super::{EARLIER_MANIFESTS, Fingerprint};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// What the manifest of a run calls the list of its files.
+/// Key of the list of files in the manifest of a run.
 const FILES: &str = "files";
 /// The one file of a version that did not list them without a record.
 const PAGE: &str = "report.html";
@@ -17,15 +17,15 @@ const PAGE: &str = "report.html";
 /// Names of files that an earlier run wrote.
 #[derive(Debug, Default)]
 pub(super) struct EarlierFiles {
-    /// Nobody has changed them since.
+    /// Files that nobody has changed since.
     pub unchanged: Vec<String>,
-    /// These are no longer what the run wrote.
+    /// Files that are no longer as the run wrote them.
     pub changed: Vec<String>,
 }
 
-/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and
-/// holds data is of later versions than those that wrote all files there: `survey.gpkg` is no
-/// danger to `survey.sl2`.
+/// Returns true if a run may write a file with this name, apart from its ending. Files of data
+/// without a subfolder are not considered: only versions later than the last one that wrote all
+/// files there write them, so `survey.gpkg` is no danger to `survey.sl2`.
 pub(in crate::outputs) fn is_stem_of_output(stem: &str) -> bool {
     let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
     let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
@@ -66,8 +66,8 @@ pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> EarlierFiles 
     found
 }
 
-/// What lies on top under the name of a file that a version without subfolders wrote: it may be
-/// that of a run without a manifest.
+/// Returns the files without a subfolder that have the name of a file of a version without
+/// subfolders: they may belong to a run without a manifest.
 fn beside(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
@@ -81,7 +81,8 @@ pub(super) fn manifest_names(folder: &Path) -> Vec<String> {
     names.map(|(name, _)| name.to_owned()).collect()
 }
 
-/// Whether a folder has a file by the name of the manifest that is none of ours.
+/// Returns true if a folder has a file with the name of the manifest that no run of Bathyscope
+/// wrote.
 pub(in crate::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
     folder.join(MANIFEST).exists() && read(folder, MANIFEST).is_none()
 }
@@ -146,8 +147,8 @@ fn is_our_page(folder: &Path) -> bool {
     page.is_ok_and(|page| page.contains("Made with bathyscope "))
 }
 
-/// What a version that did not list its files wrote: files with a record beside them that names
-/// them.
+/// Returns the files of a version that did not list its files: files with a record beside them that
+/// names them.
 fn recorded(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

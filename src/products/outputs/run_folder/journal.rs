@@ -1,4 +1,4 @@
-//! What is left to be done once all files of a run are written.
+//! Keeps the work that is left once all files of a run are written.
 
 use crate::export::{ExportError, write_atomically};
 use crate::file_in_use::patiently;

@@ -99,7 +99,7 @@ fn two_runs_do_not_write_into_one_folder() {
     assert_eq!(names(folder.path()), ["cloud.csv", "manifest.json"]);
 }
 
-/// What a process leaves that is killed: no destructor runs, but the lock is gone.
+/// Leaves the folder as a killed process does: no destructor runs, but the lock is gone.
 fn kill(mut run: RunFolder) {
     drop(run.lock.take());
 }

@@ -1,4 +1,4 @@
-//! Why a survey cannot be compared with a reference.
+//! Errors of the comparison of a survey with a reference.
 
 use crate::pipeline::SourceError;
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -9,7 +9,7 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::{Crs, CrsError};
 use bathyscope_log::support::progress::Cancelled;
 
-/// Why a survey cannot be compared with a reference, in one sentence.
+/// Reason why a survey cannot be compared with a reference, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum AgreementError {
     /// The work was cancelled.
@@ -18,7 +18,7 @@ pub enum AgreementError {
     /// The reference cannot be opened.
     #[error(transparent)]
     Open(#[from] ReferenceError),
-    /// There is nothing to compare with it.
+    /// There is no log to compare with the reference.
     #[error("there is no log to compare with the reference")]
     NoLog,
     /// The reference does not fit.
@@ -47,16 +47,16 @@ pub enum ReferenceFault {
     /// The work was cancelled while a log of the other mission was processed.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// It is empty.
+    /// The reference is empty.
     #[error("the reference holds no point with a place")]
     NoPlace,
-    /// It lies so many metres off.
+    /// The reference lies this distance away from the survey, metres.
     #[error(
         "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right",
         way(*.0)
     )]
     Elsewhere(f64),
-    /// It lies over the survey, but no point is as near as asked.
+    /// The reference lies over the survey, but no point is as near as required.
     #[error(
         "no point of this survey has a reference ({}); take a larger distance",
         (*.0).in_words()

@@ -1,10 +1,11 @@
-//! How the points of a survey, of one log or of several, agree with a reference, one by one.
+//! Differences of the points of a survey, of one log or of several, from a reference, point by
+//! point.
 //!
 //! In: the results of logs, and a reference. Out: a difference for each point that has a reference,
 //! with statistics.
 //!
-//! `reference` is what it can be compared with: a file of points or another mission. `tables` sorts
-//! the differences by what they may hang on, `by_source` tells the sources of points apart.
+//! `reference` opens the reference: a file of points or another mission. `tables` sorts the
+//! differences by what may cause them, `by_source` compares each source of points.
 
 mod by_source;
 mod error;
@@ -30,25 +31,25 @@ use std::sync::Arc;
 pub struct Agreement {
     /// The points, log by log.
     pub logs: Vec<LogDifferences>,
-    /// What they were compared with; `None` for the survey's own soundings.
+    /// Reference of the points; `None` for the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
-    /// How a point found its reference.
+    /// Way in which the reference of each point was found.
     pub matching: Matching,
     /// Statistics of all differences.
     pub comparison: Comparison,
-    /// What the differences hang on.
+    /// Differences by depth, across-track distance and heading, and their histogram.
     pub tables: ResidualTables,
 }
 
 /// The points of a log that have a reference.
 #[derive(Clone, Debug)]
 pub struct LogDifferences {
-    /// The cloud that they are of.
+    /// Cloud of the points.
     pub cloud: Arc<PointCloud>,
     /// Points that were compared with the reference.
     pub measured: usize,
-    /// Those that have one, in the cloud's order: `measured` of each is the index there. Empty
-    /// where the reference is elsewhere.
+    /// Differences of the points that have a reference, in the cloud's order: `measured` of each is
+    /// the index there. Empty where the reference is elsewhere.
     pub differences: Vec<Match>,
 }
 
@@ -60,8 +61,8 @@ struct Chosen {
 }
 
 impl Agreement {
-    /// Of the kept points of some sources of all logs with the triangulated soundings of all of
-    /// them at their place; `None` where no point lies over them. The logs lie in one frame.
+    /// Compares the kept points of some sources of all logs with the triangulated soundings of all
+    /// logs at the same place; `None` where no point lies over them. The logs lie in one frame.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -86,8 +87,8 @@ impl Agreement {
         Self::of(logs, &asked, soundings, matching, progress)
     }
 
-    /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in
-    /// one frame.
+    /// Compares the kept points of all logs that a depth map is made of with a reference. The logs
+    /// lie in one frame.
     ///
     /// # Errors
     /// When there is no log, the reference lies elsewhere, or the work was cancelled.
@@ -123,7 +124,8 @@ impl Agreement {
         }
     }
 
-    /// Of chosen points of the logs, one log after the other, with points in their plane.
+    /// Compares chosen points of the logs, sorted by log, with reference points in the same plane;
+    /// `None` where no point has a reference.
     fn of(
         logs: &[ProcessedLog],
         chosen: &[Chosen],

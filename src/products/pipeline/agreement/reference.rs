@@ -1,4 +1,4 @@
-//! What a survey can be compared with: points of a file, or another mission over the same water.
+//! References of a survey: points of a file, or another mission over the same water.
 
 use super::{AgreementError, ReferenceFault};
 use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
@@ -17,11 +17,11 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a survey is compared with.
+/// Reference that a survey is compared with.
 #[derive(Debug)]
 pub struct Reference {
     path: PathBuf,
-    /// What is to be known about how it was read, in sentences.
+    /// Notes on how the reference was read, in sentences.
     pub notes: Vec<String>,
     held: Held,
 }
@@ -35,8 +35,7 @@ enum Held {
     /// One log or several of another mission.
     Mission {
         logs: Vec<MissionLog>,
-        /// What the pipeline made of each last: most changes of a setting leave most stages as they
-        /// were.
+        /// Last results of each log: most changes of a setting leave most stages as they were.
         made: Mutex<Vec<Products>>,
     },
 }
@@ -192,9 +191,10 @@ impl Reference {
 }
 
 impl MissionLog {
-    /// What the pipeline makes of it, and the recording as it is mounted. A flat spot, strokes,
-    /// stretches and a height offset of the log that is compared with it mean nothing here; that
-    /// log's mounting is taken for its own.
+    /// Runs the pipeline on the log; returns the recording as it is mounted, and the results.
+    /// Without settings of its own, the log is processed with those of the compared log, its
+    /// mounting included, but without that log's flat spot, strokes, excluded stretches and height
+    /// offset, which mean nothing here.
     fn processed(
         &self,
         settings: &Settings,
@@ -236,7 +236,7 @@ pub fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
     positions.collect()
 }
 
-/// What the coordinates of a file mean.
+/// Coordinate system of a file of points.
 enum System {
     Crs(Crs),
     /// Metres east and north of the survey's first fix.

@@ -1,4 +1,4 @@
-//! What differences hang on, and how they spread.
+//! Tables of differences by depth, across-track distance and heading, and their histogram.
 
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::compare::{
@@ -11,19 +11,20 @@ use serde::Serialize;
 /// Differences of points from a reference, measured minus reference elevation, sorted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResidualTables {
-    /// By the depth of the reference there, metres.
+    /// Bins by the depth of the reference at the point, metres.
     pub by_depth_m: Vec<Bin>,
-    /// By the across-track distance, metres: port below 0, starboard above.
+    /// Bins by the across-track distance, metres: port below 0, starboard above.
     pub by_across_m: Vec<Bin>,
-    /// By the heading, degrees clockwise from north.
+    /// Bins by the heading, degrees clockwise from north.
     pub by_heading_deg: Vec<Bin>,
-    /// How often each size occurs.
+    /// Count of the differences by size.
     pub histogram: Option<DifferenceHistogram>,
 }
 
 /// Headings that are taken together, degrees.
 const SECTOR_DEG: f64 = 45.0;
-/// Where all points lie at one distance from the track.
+/// Width of a bin where the values give none, as where all points lie at one distance from the
+/// track, metres.
 const ANY_WIDTH_M: f64 = 0.5;
 
 /// Sorts differences; `measured` tells the point of each, and the results that it is of.
@@ -54,7 +55,7 @@ pub(super) fn tables<'a>(
     }
 }
 
-/// Where the boat was when a point was measured.
+/// Returns the place and heading of the boat when a point was measured.
 fn boat<'a>(products: &'a Products, point: &CloudPoint) -> Option<&'a PingNav> {
     point.record().place(&products.navigation)
 }

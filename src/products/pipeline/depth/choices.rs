@@ -1,4 +1,4 @@
-//! What each choice of geometry and calibration costs: the same picks, compared with the same
+//! Residuals of each choice of geometry and calibration: the same picks, compared with the same
 //! soundings.
 
 use super::residuals::kept_of;

@@ -1,5 +1,5 @@
-//! What is drawn of a depth map: lines of equal depth, the areas between them and what lies below
-//! each.
+//! Contours of a depth map: lines of equal depth, the areas between them, and the area and volume
+//! below each.
 
 use crate::pipeline::{DepthMap, Isobaths};
 use bathyscope_bottom::bathymetry::Surface;
@@ -8,7 +8,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// What is drawn of a depth map.
+/// Lines and areas that are drawn of a depth map.
 #[derive(Clone, Debug)]
 pub struct Contours {
     /// Lines of equal depth.
@@ -20,9 +20,9 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// Between and below the lines of a depth map. The areas are bounded by the lines before these
-    /// are smoothed, and by the area that the lines end at; what lies below counts by the cells of
-    /// the depth map in it.
+    /// Computes the areas between the lines of a depth map, and area and volume below them. The
+    /// areas are bounded by the lines before these are smoothed, and by the area that the lines end
+    /// at; area and volume are counted by the cells of the depth map.
     ///
     /// # Errors
     /// When the work was cancelled.

@@ -17,11 +17,11 @@ pub struct Crosslines {
     reach_m: f64,
     #[serde(flatten)]
     residuals: Residuals,
-    /// Those of two logs alone; absent of one log.
+    /// Residuals of crossings of two logs alone; absent of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     between_logs: Option<Residuals>,
-    /// How late the positions of each log are, in the order of the logs; null where the crossings
-    /// do not tell.
+    /// Latency of the positions of each log, in the order of the logs; null where the crossings do
+    /// not determine it.
     latencies: Vec<Option<LogLatency>>,
     /// The first of them in the order of logs and time.
     list: Vec<Listed>,
@@ -41,7 +41,8 @@ struct Listed {
 }
 
 impl Crosslines {
-    /// How late the positions of each log are; `None` where the crossings do not tell.
+    /// Returns the latency of the positions of each log; `None` where the crossings do not
+    /// determine it.
     pub fn latencies(&self) -> &[Option<LogLatency>] {
         &self.latencies
     }
@@ -51,7 +52,7 @@ const SIGN: &str =
     "elevation of the later pass minus that of the earlier, metres; positive is shallower";
 const SIGN_OF_LOGS: &str = "elevation of the later pass minus that of the earlier, or of the second log minus that of the first, metres; \
      positive is shallower";
-/// More than this are not listed one by one.
+/// Most crossings that are listed one by one.
 const MOST_LISTED: usize = 10_000;
 
 /// The crossings of the tracks of some logs in one frame; `names` are what they are called. `None`

@@ -31,7 +31,7 @@ pub fn depth_points(
     points
 }
 
-/// Whether a place is known.
+/// Returns true if a place is known.
 pub(super) fn is_finite(place: &[f64; 3]) -> bool {
     place.iter().all(|value| value.is_finite())
 }

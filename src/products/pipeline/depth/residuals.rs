@@ -12,14 +12,14 @@ use serde::Serialize;
 /// Farthest sounding that a side-scan point is compared with by place, metres.
 const RADIUS_M: f64 = 1.0;
 
-/// How the depths of one source agree with those of another.
+/// Agreement of the depths of one source with those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct NamedComparison {
-    /// What was measured.
+    /// Source of the depths that are compared.
     pub source: &'static str,
-    /// What it is compared with.
+    /// Reference that they are compared with.
     pub reference: String,
-    /// How a point finds its reference, in words.
+    /// Way in which the reference of each point is found, in words.
     pub matching: String,
     /// The statistics.
     #[serde(flatten)]
@@ -67,7 +67,7 @@ pub(crate) fn comparisons(
     Ok(found)
 }
 
-/// What decides which lists a point is in.
+/// Properties of a point that decide which lists it is in.
 #[derive(Clone, Copy)]
 struct PointKind {
     source: PointSource,
@@ -76,7 +76,7 @@ struct PointKind {
     is_lost: bool,
 }
 
-/// Whether a list has a point.
+/// Test that returns true if a point is in a list.
 type PointTest = fn(PointKind) -> bool;
 
 /// The lists of points, each with a name.
@@ -106,7 +106,7 @@ fn points<T>(
     found
 }
 
-/// Which lists a point is in.
+/// Returns the properties of a point that decide which lists it is in.
 fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
     PointKind { source: point.source, is_lost: survey.good_depth_m(point.ping as usize).is_nan() }
 }

@@ -4,9 +4,9 @@ use crate::pipeline::Products;
 use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes};
 use bathyscope_log::survey::{PingNav, Side, Survey};
 
-/// What depths from levels read of a log; `place` gives east and north in the plane for those of
-/// the survey, metres. Pings that count for nothing have no place. Without usable side-scan there
-/// is none.
+/// Returns the echoes and places of the pings of a log, for depths from echo levels. `place` turns
+/// east and north in the plane of the survey into those of another plane, metres. Pings that count
+/// for nothing have no place. A log without usable side-scan gives no ping.
 pub fn log_echoes<'a>(
     survey: &'a Survey,
     products: &Products,
@@ -32,7 +32,8 @@ pub fn log_echoes<'a>(
     LogEchoes { levels: survey, pings: (0..count).map(of_ping).collect() }
 }
 
-/// Where a ping is, and which way starboard points there: north of two planes may differ.
+/// Returns the place of a ping in the plane that `place` leads to, and the direction of starboard
+/// there: north of two planes may differ.
 fn placed(
     navigation: &PingNav,
     place: impl Fn([f64; 2]) -> [f64; 2],

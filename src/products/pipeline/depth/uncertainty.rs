@@ -1,5 +1,5 @@
-//! What is uncertain in all depths of a survey alike. Depths that are left out do not show it,
-//! since the others have it, too.
+//! Uncertainty that all depths of a survey have in common. Left-out depths do not show it, since
+//! the other depths have it, too.
 
 use crate::pipeline::joint::crossing_error;
 use crate::pipeline::{ProcessedLog, Products};
@@ -9,9 +9,10 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Of a sound speed that is given, as a share of it: a degree of water temperature makes 3 m/s.
+/// Uncertainty of a sound speed that is given, as a share of it: a degree of water temperature
+/// makes 3 m/s.
 const SPEED_SHARE: f64 = 0.002;
-/// Of a draft and of a water level that are given, metres: as both are read off.
+/// Uncertainty of a draft and of a water level that are given, metres, as both are read off.
 const READING_M: f64 = 0.02;
 /// The edge of a first return is found to this share of a sample at best.
 const EDGE_SAMPLES: f64 = 0.25;
@@ -29,7 +30,7 @@ pub struct CommonUncertainty {
     pub draft_m: f64,
     /// Water level, metres; 0 where none is given.
     pub water_level_m: f64,
-    /// By how far depths differ where tracks cross themselves and each other: waves, levels,
+    /// Error of depths that crossings of tracks with themselves and each other show: waves, levels,
     /// positions, delays and wide beams together; 0 without crossings.
     pub crossings: CrossingError,
     /// Positions, metres along the ground, as far as the recorder's rounding is left in them:
@@ -38,7 +39,7 @@ pub struct CommonUncertainty {
 }
 
 impl CommonUncertainty {
-    /// Of one log.
+    /// Computes the uncertainty of one log, without its crossings.
     pub(crate) fn of_log(products: &Products) -> Self {
         let Products { navigation, calibration, correction, .. } = products;
         let where_given = |sigma: f64, is_given: bool| if is_given { sigma } else { 0.0 };
@@ -53,7 +54,8 @@ impl CommonUncertainty {
         }
     }
 
-    /// Of the logs of a survey: the root mean square of theirs, and what crossings differ by.
+    /// Computes the uncertainty of the logs of a survey: the root mean square of that of each log,
+    /// and the error that their crossings show.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -108,7 +110,8 @@ impl CommonUncertainty {
     }
 }
 
-/// What is left between first returns and recorded depths, and how uncertain it is.
+/// Computes the standard deviation of the constant between first-return ranges and recorded depths,
+/// with what remains of it after its correction, metres.
 fn range_offset_m(calibration: &Calibration) -> f64 {
     let Some([left_m, two_sigma_m]) = calibration.remaining_offset_m() else {
         return 0.0;

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Where the mosaic shows nothing.
+/// Colour where the mosaic shows nothing, or no value is known.
 const UNSEEN: Rgb = [74, 84, 94];
 /// The mosaic is drawn so far beside the depths at most, metres: no side-scan sees farther, but a
 /// damaged header may say so.
@@ -27,22 +27,22 @@ const FAR_CELLS: usize = 4;
 /// single cells do not dull all others.
 const SCALE_SHARE: f64 = 0.98;
 
-/// What the colours of the bottom say.
+/// Quantity that the colours of the bottom show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BottomColour {
     /// Depth.
     #[default]
     Depth,
-    /// How strong the side-scan's echo is there.
+    /// Strength of the side-scan's echo.
     Mosaic,
-    /// What the depth is worth: `depth/uncertainty.tif`.
+    /// Uncertainty of the depth: `depth/uncertainty.tif`.
     Uncertainty,
     /// Distance of the nearest measured depth.
     Distance,
     /// The source of the depth.
     Source,
-    /// How bright the bed is by itself: `depth/hardness.tif`. Without depths from echo levels
-    /// nothing is known.
+    /// Brightness of the bottom by itself: `depth/hardness.tif`. Unknown without depths from echo
+    /// levels.
     Hardness,
 }
 
@@ -67,7 +67,7 @@ impl BottomColour {
     }
 }
 
-/// What a bottom is made of; equal keys give equal bottoms.
+/// Inputs of a bottom; equal keys give equal bottoms.
 #[derive(Clone, PartialEq)]
 pub struct BottomKey {
     depth_map: Same<DepthMap>,
@@ -77,7 +77,7 @@ pub struct BottomKey {
 }
 
 impl BottomKey {
-    /// Of a depth map, with the mosaic of some logs where that is shown.
+    /// Creates the key of a depth map, with the mosaic of some logs where that is shown.
     pub fn of(
         depth_map: &Arc<DepthMap>,
         logs: &[ProcessedLog],
@@ -96,14 +96,14 @@ impl BottomKey {
 
 /// The bottom of a survey. A corner lies at the centre of each cell.
 pub struct Bottom {
-    /// What it was made of.
+    /// Depth map that it was made of.
     pub depth_map: Arc<DepthMap>,
     /// Its means over larger cells, where it has more corners than were asked for; under the mosaic
     /// with the ground that has an echo and no depth, on a flat extrapolation.
     made: Option<Surface>,
     /// Shallowest and deepest depth of the depth map, metres.
     pub range_m: [f64; 2],
-    /// What the colours say.
+    /// Quantity that the colours show.
     pub colour: BottomColour,
     /// Colour of each corner.
     pub rgb: Vec<Rgb>,
@@ -130,23 +130,23 @@ pub struct BottomCorner {
     pub rgb: Rgb,
     /// Mean colour of the ground around it, some [`FAR_CELLS`] across.
     pub far_rgb: Rgb,
-    /// What is known of its depth; where nothing is, the elevation is 0.
+    /// Knowledge of its depth; where nothing is known, the elevation is 0.
     pub ground: CornerGround,
 }
 
-/// What is known of the depth of a corner.
+/// Knowledge of the depth of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerGround {
-    /// Nothing, and nothing is to be seen there.
+    /// No depth is known, and no echo is shown there.
     Unknown,
-    /// An echo of it is shown, on a flat extrapolation of the depths.
+    /// No depth is known, but an echo is shown, on a flat extrapolation of the depths.
     Level,
-    /// A depth.
+    /// A depth is known.
     Depth,
 }
 
 impl Bottom {
-    /// Of a depth map; with `most_corners` or fewer.
+    /// Creates the bottom of a depth map, with `most_corners` or fewer.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -191,8 +191,8 @@ impl Bottom {
         })
     }
 
-    /// In the colours of the mosaic, with the ground beside the depths that the mosaic shows, in
-    /// cells as fine as the mosaic's where there may be so many corners.
+    /// Creates the bottom in the colours of the mosaic, including the parts around the depths that
+    /// the mosaic shows, in cells as fine as the mosaic's where `most_corners` allows.
     fn under_mosaic(
         derived: &Derived,
         depth_map: &Arc<DepthMap>,
@@ -405,7 +405,8 @@ fn scaled(values: &[f32], colour: fn(f32) -> Rgb) -> (Vec<Rgb>, Option<[f32; 2]>
     }
 }
 
-/// What [`SCALE_SHARE`] of the known values do not exceed, above 0; `None` where none is known.
+/// Returns the value that [`SCALE_SHARE`] of the known values do not exceed, above 0; `None` where
+/// none is known.
 fn usual_most(values: impl Iterator<Item = f32>) -> Option<f32> {
     let mut known: Vec<f32> = values.filter(|value| value.is_finite()).collect();
     let rank = (SCALE_SHARE * known.len().checked_sub(1)? as f64) as usize;

@@ -17,7 +17,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};
 
-/// What a depth map is made of; equal keys give equal maps.
+/// Inputs of a depth map; equal keys give equal maps.
 #[derive(Clone, PartialEq)]
 pub struct DepthMapKey(Vec<DepthMapLogKey>);
 
@@ -32,7 +32,7 @@ struct DepthMapLogKey {
 }
 
 impl DepthMapKey {
-    /// Of the results of some logs.
+    /// Creates the key from the results of some logs.
     pub fn of(logs: &[ProcessedLog]) -> Self {
         let key = |ProcessedLog { survey, products }: &ProcessedLog| DepthMapLogKey {
             survey: Same(survey.clone()),
@@ -53,18 +53,18 @@ pub struct DepthMap {
     /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the
     /// survey.
     pub map: MapPlane,
-    /// Where the light of the hill-shade comes from.
+    /// Direction of the light of the hill-shade.
     pub light: Light,
     /// Ends of the colour scale of depth on the screen, metres
     /// ([`crate::pipeline::Products::depth_range_m`]).
     pub colour_range_m: [f32; 2],
-    /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell
-    /// is looked at for it.
+    /// Usual error of its depths ([`Surface::usual_error_m`]): found with the map, since every cell
+    /// is examined for it.
     pub usual_error_m: Option<[f64; 2]>,
     /// The error of measured depths ([`Surface::measured_error_m`]), metres; 0 where none is
     /// stated.
     measured_error_m: f64,
-    /// Nothing is interpolated farther than this from a depth, metres.
+    /// Farthest distance from a depth to which depths are interpolated, metres.
     pub gap_m: f64,
     bounds_m: OnceLock<[f64; 4]>,
     shade: OnceLock<Vec<u8>>,
@@ -75,8 +75,8 @@ pub struct DepthMap {
 }
 
 impl DepthMap {
-    /// Of all logs of a survey ([`joint_depth_surface`]), which lie in the frame of the first;
-    /// `None` where the depths span no surface.
+    /// Creates the depth map of all logs of a survey ([`joint_depth_surface`]), which lie in the
+    /// frame of the first; `None` where the depths span no surface.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -197,7 +197,7 @@ impl DepthMap {
         self.surface.at(easting_m, northing_m)
     }
 
-    /// What the depth at a place comes from.
+    /// Returns the source of the depth at a place.
     pub fn source_at(&self, place: [f64; 2]) -> CellSource {
         let [easting_m, northing_m] = self.to_map(place);
         let cell = self.surface.grid.index_at(easting_m, northing_m);

@@ -7,7 +7,7 @@ use bathyscope_bottom::mosaic::{GainTable, MosaicLayout, gain_table};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 
-/// What the side-scan of a log is laid out by on the ground; equal keys give equal layouts.
+/// Inputs of the layout of a log's side-scan on the bottom; equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
 pub(super) struct SideScanKey {
     survey: Same<Survey>,
@@ -19,7 +19,7 @@ pub(super) struct SideScanKey {
 }
 
 impl SideScanKey {
-    /// Of the results of a log.
+    /// Creates the key from the results of a log.
     pub(super) fn of(ProcessedLog { survey, products }: &ProcessedLog) -> Self {
         Self {
             survey: Same(survey.clone()),
@@ -32,7 +32,7 @@ impl SideScanKey {
     }
 }
 
-/// What a gain table is made of; equal keys give equal tables.
+/// Inputs of a gain table; equal keys give equal tables.
 #[derive(Clone, PartialEq)]
 pub(super) struct GainKey {
     side_scan: SideScanKey,
@@ -40,7 +40,7 @@ pub(super) struct GainKey {
 }
 
 impl GainKey {
-    /// Of the results of a log.
+    /// Creates the key from the results of a log.
     pub(super) fn of(log: &ProcessedLog) -> Self {
         Self {
             side_scan: SideScanKey::of(log),

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// no lines any more.
 const LEAST_LENGTH_M: f64 = 0.01;
 
-/// What isobaths are made of; equal keys give equal lines.
+/// Inputs of isobaths; equal keys give equal lines.
 #[derive(Clone, PartialEq)]
 pub struct IsobathKey {
     depth_map: Same<DepthMap>,
@@ -22,7 +22,7 @@ pub struct IsobathKey {
 }
 
 impl IsobathKey {
-    /// Of a depth map by `isobaths.*`.
+    /// Creates the key of a depth map and the settings `isobaths.*`.
     pub fn of(depth_map: &Arc<DepthMap>, settings: &IsobathSettings) -> Self {
         Self { depth_map: Same(depth_map.clone()), settings: settings.clone() }
     }
@@ -43,7 +43,7 @@ pub struct Isobaths {
 }
 
 impl Isobaths {
-    /// By `isobaths.*`; the inner error says why there are none.
+    /// Computes the isobaths by `isobaths.*`; the inner error says why there are none.
     ///
     /// # Errors
     /// When the work was cancelled.

@@ -1,11 +1,11 @@
-//! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search
+//! Places of the echoes of one log in its own plane, which the mosaic on the screen and the search
 //! for passes share.
 
 use super::gain::SideScanKey;
 use crate::pipeline::{ProcessedLog, Same};
 use bathyscope_log::survey::Relief;
 
-/// What a log is laid out by; equal keys give equal layouts.
+/// Inputs of the layout of a log; equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
 pub(super) struct LayoutKey {
     side_scan: SideScanKey,
@@ -15,7 +15,7 @@ pub(super) struct LayoutKey {
 }
 
 impl LayoutKey {
-    /// Of the results of a log.
+    /// Creates the key from the results of a log.
     pub(super) fn of(log: &ProcessedLog) -> Self {
         let settings = &log.products.settings.mosaic;
         Self {

@@ -139,7 +139,7 @@ impl Derived {
             .get(key, progress, || Ok(Mosaic::new(logs, &plane, self, progress)?.map(Arc::new)))
     }
 
-    /// Where the echoes of a log lie in its own plane.
+    /// Returns the places of the echoes of a log in its own plane.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -168,7 +168,7 @@ impl Derived {
         self.gain.get(GainKey::of(log), progress, make)
     }
 
-    /// What the picture of a log is shown with.
+    /// Returns the picture of a log: its scales, gain and stripe filter.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -185,8 +185,9 @@ impl Derived {
         self.picture.get(key.clone(), progress, make)
     }
 
-    /// As [`Derived::picture`], of a log that grew since its last results as a `whole`: with the
-    /// gain of those, and without the stripe filter, which is of all pings.
+    /// Returns the same as [`Derived::picture`] for a log that has grown since its last results as
+    /// a `whole`: with the gain of those results, and without the stripe filter, which needs all
+    /// pings.
     ///
     /// # Errors
     /// When the work was cancelled.

@@ -27,13 +27,13 @@ const THINNED: f64 = 0.7;
 /// The plane that a mosaic is laid out in.
 #[derive(Clone, PartialEq)]
 pub enum MosaicPlane {
-    /// That of the survey, where the window draws.
+    /// Plane of the survey, which the map on the screen uses.
     Survey,
-    /// That of a map.
+    /// Plane of a map.
     Map(MapPlane),
 }
 
-/// What a mosaic is made of; equal keys give equal mosaics.
+/// Inputs of a mosaic; equal keys give equal mosaics.
 #[derive(Clone, PartialEq)]
 pub struct MosaicKey {
     plane: MosaicPlane,
@@ -48,8 +48,8 @@ struct MosaicLogKey {
 }
 
 impl MosaicKey {
-    /// Of the results of some logs. Cells and colours do not matter: they are chosen when it is
-    /// drawn.
+    /// Creates the key from the results of some logs. Cells and colours do not matter: they are
+    /// chosen when the mosaic is drawn.
     pub fn of(logs: &[ProcessedLog], plane: MosaicPlane) -> Self {
         let MosaicSettings { cell_m, colours, .. } = MosaicSettings::default();
         let key = |log: &ProcessedLog| MosaicLogKey {
@@ -65,12 +65,11 @@ impl MosaicKey {
 pub struct Mosaic {
     /// The logs that have side-scan, in the order of their recording.
     pub logs: Vec<MosaicLog>,
-    /// How it is drawn.
+    /// Settings that the mosaic is drawn with.
     pub settings: MosaicSettings,
     /// West, south, east and north of what is shown, metres.
     pub bounds: Bounds,
-    /// For each log the layouts with as many pings as a level shows, made when the level is first
-    /// drawn.
+    /// Layouts of each log with as many pings as a level shows, made when the level is first drawn.
     thinned: Vec<[OnceLock<MosaicLayout>; LEVELS]>,
 }
 

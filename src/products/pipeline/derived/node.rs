@@ -4,7 +4,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
-/// How long somebody who waits for the work of another looks away.
+/// Poll interval while another thread makes a result.
 const WAIT: Duration = Duration::from_millis(5);
 
 /// The last results of one kind, each with its key: equal keys give equal results, so none is made

@@ -1,4 +1,4 @@
-//! What the picture of one log is shown with.
+//! Scales, gain and stripe filter that the picture of one log is shown with.
 
 use super::gain::GainKey;
 use crate::pipeline::ProcessedLog;
@@ -7,8 +7,8 @@ use bathyscope_bottom::picture::{LogPicture, PingScales, stripe_factors};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::sync::Arc;
 
-/// What a log is shown with depends on this alone; levels, balance and time-varied gain are numbers
-/// that act on top.
+/// Inputs of the picture of a log; levels, balance and time-varied gain are numbers that act on
+/// top.
 #[derive(Clone, PartialEq)]
 pub struct PictureKey {
     of: GainKey,
@@ -17,7 +17,7 @@ pub struct PictureKey {
 }
 
 impl PictureKey {
-    /// Of the results of a log and its picture settings.
+    /// Creates the key from the results of a log and its picture settings.
     pub fn of(log: &ProcessedLog) -> Self {
         let picture = &log.products.settings.picture;
         Self {
@@ -38,7 +38,8 @@ impl PictureKey {
     }
 }
 
-/// With the factors of the stripe filter or without.
+/// Makes the picture of a log with a gain table; with the factors of the stripe filter if
+/// `is_even`.
 pub(super) fn made(
     ProcessedLog { survey, products }: &ProcessedLog,
     gain: Option<Arc<GainTable>>,

@@ -5,10 +5,9 @@ use bathyscope_bottom::bathymetry::compare::{Comparison, Matching, ReferencePoin
 use bathyscope_bottom::cloud::CloudPoint;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// How the points of some logs agree with the triangulated points of others, all in one plane: one
-/// log against the rest, a boat against another, a day against the next. Points count that the
-/// depth map takes, and `surface.max_gap_m` of the first measured log says how large a triangle may
-/// be.
+/// Compares the points of some logs with the triangulated points of others, all in one plane: one
+/// log with the rest, a boat with another, a day with the next. Points count that the depth map
+/// takes, and `surface.max_gap_m` of the first measured log limits the size of a triangle.
 ///
 /// # Errors
 /// When the work was cancelled.

@@ -62,7 +62,7 @@ impl ContradictedSoundings {
     }
 }
 
-/// How the heights of several logs compare.
+/// Comparison of the heights of several logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightComparison {
     /// Soundings that other logs show to be false: the offsets are found without them.

@@ -10,31 +10,31 @@ use std::fmt::{self, Display, Formatter};
 /// A correction of a log that was asked for.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RequestedCorrection {
-    /// What the log is called.
+    /// Name of the log.
     pub log: String,
-    /// Which correction.
+    /// The correction.
     #[serde(flatten)]
     pub found: FoundCorrection,
-    /// Why what was found is not in force; absent where it is.
+    /// Reason why the correction is not in force; absent where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<&'static str>,
 }
 
-/// What crossings show of a correction.
+/// Correction that crossings show.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "setting")]
 pub enum FoundCorrection {
     /// A shift of all positions.
     #[serde(rename = "position_shift")]
     Shift {
-        /// To be added to positions, metres to the east.
+        /// Metres to the east, to be added to positions.
         east_m: f64,
         /// The same to the north.
         north_m: f64,
         /// The larger standard error of both, metres.
         standard_error_m: f64,
     },
-    /// How late positions are.
+    /// Latency of positions.
     #[serde(rename = "mounting.latency_s")]
     Latency {
         /// Seconds.
@@ -42,7 +42,7 @@ pub enum FoundCorrection {
         /// Its standard error, seconds.
         standard_error_s: f64,
     },
-    /// How late soundings are.
+    /// Lag of soundings.
     #[serde(rename = "mounting.sounding_lag_s")]
     SoundingLag {
         /// Seconds.
@@ -53,7 +53,7 @@ pub enum FoundCorrection {
     /// Soundings that other logs show to be false, left out.
     #[serde(rename = "excluded.stretches")]
     FalseSoundings(ContradictedSoundings),
-    /// Nothing of the correction that a setting holds.
+    /// No value for the correction that a setting holds.
     #[serde(untagged)]
     Nothing {
         /// The key of the setting.
@@ -70,8 +70,8 @@ const ONE_LOG: &str = "one log alone has no other to agree with";
 const NO_SOLUTION: &str = "the crossings of the tracks give no solution";
 
 impl RequestedCorrection {
-    /// What became of the positions of a log; `found` is `None` where the equations have no
-    /// solution.
+    /// Returns the requested corrections of the positions of a log, applied or refused; `found` is
+    /// `None` where the equations have no solution.
     pub fn of_positions(log: &str, wanted: Wanted, found: Option<&LogPositions>) -> Vec<Self> {
         let nothing = |setting| Self::nothing(log, setting, NO_SOLUTION);
         let shift =
@@ -82,7 +82,7 @@ impl RequestedCorrection {
         shift.into_iter().chain(wanted.latencies.then(latency)).collect()
     }
 
-    /// What was done about soundings that are late.
+    /// Returns the correction of soundings that are late.
     pub fn of_sounding_lag(log: &str, lag: &SoundingLag) -> Self {
         Self {
             log: log.to_owned(),
@@ -94,13 +94,13 @@ impl RequestedCorrection {
         }
     }
 
-    /// Soundings that were left out, since other logs contradict them.
+    /// Returns the exclusion of soundings that other logs contradict.
     pub fn of_false_soundings(log: &str, found: &ContradictedSoundings) -> Self {
         let found = FoundCorrection::FalseSoundings(found.clone());
         Self { log: log.to_owned(), found, refused: None }
     }
 
-    /// What a single log cannot show.
+    /// Returns the requested corrections that a single log cannot show, as refused.
     pub fn of_one_log(log: &str, wanted: Wanted) -> Vec<Self> {
         let shift = wanted.shifts.then_some("position_shift");
         let settings = ["height_offset_m"].into_iter().chain(shift);

@@ -1,4 +1,4 @@
-//! What crossing tracks say about the depths of one log and of several.
+//! Comparison of the depths of one log and of several where tracks cross.
 
 use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::CrossingError;
@@ -17,9 +17,10 @@ use serde::Serialize;
 pub struct CrosslineAnalysis {
     /// All crossings.
     pub all: Residuals,
-    /// Those of two logs; `None` without any.
+    /// Crossings of two logs; `None` without any.
     pub between_logs: Option<Residuals>,
-    /// Those of each log with itself: its repeatability; `None` for one that never crosses itself.
+    /// Crossings of each log with itself: its repeatability; `None` for a log that never crosses
+    /// itself.
     pub within_logs: Vec<Option<Residuals>>,
 }
 
@@ -84,17 +85,16 @@ pub fn crossline_analysis(
     }))
 }
 
-/// How the positions of a log are off, as crossings show it.
+/// Errors of the positions of a log, as crossings show them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogPositions {
-    /// What should be in force.
+    /// Position shift and latency that should be in force.
     pub found: FoundShift,
-    /// What is: the position shift and the latency of the log's settings.
+    /// Position shift and latency that are in force by the log's settings.
     pub in_force: Shift,
 }
 
-/// What differs from what is in force by more than so many of its standard errors is worth
-/// applying.
+/// Least difference from the value in force that is worth applying, in standard errors.
 const TELLING_SIGMAS: f64 = 2.0;
 
 impl LogPositions {
@@ -128,9 +128,9 @@ fn in_hundredths(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-/// How the positions of each log are off, by all crossings of their tracks with themselves and each
-/// other: what a log has in force is part of what is found, so that applying it and asking again
-/// gives about the same. `None` where the equations have no solution.
+/// Finds the errors of the positions of each log by all crossings of their tracks with themselves
+/// and each other. The corrections that a log has in force are part of what is found, so that
+/// applying it and asking again gives about the same. `None` where the equations have no solution.
 ///
 /// # Errors
 /// When the work was cancelled.

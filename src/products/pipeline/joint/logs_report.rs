@@ -1,4 +1,4 @@
-//! How a report lists the logs of a survey of several.
+//! Part of a report that lists the logs of a survey of several logs.
 
 use super::{ContradictedSoundings, CrosslineAnalysis};
 use crate::pipeline::Input;
@@ -14,14 +14,14 @@ use std::collections::BTreeMap;
 /// All logs of a survey, and how they agree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogsReport {
-    /// What the offsets below count from.
+    /// Datum that the offsets below count from, in words.
     pub datum: &'static str,
     /// Every log.
     pub logs: Vec<LogReport>,
     /// Soundings that count although other logs show them to be false.
     pub contradicted: Vec<ContradictedSoundings>,
-    /// How every two logs differ that cross or overlap, before any offset is applied; `residual_m`
-    /// is what the offsets found leave of it.
+    /// Difference of every two logs that cross or overlap, before any offset is applied;
+    /// `residual_m` is what the offsets found leave of it.
     pub pairs: Vec<PairDifference>,
     /// Pairs of logs whose depths differ by a share of the depth, as by another sound speed.
     pub scales: Vec<DepthScale>,
@@ -43,12 +43,12 @@ pub struct LogReport {
     pub start_unix_s: Option<f64>,
     /// Its settings that differ from those of the first log, which stand above.
     pub own_settings: BTreeMap<String, Option<toml::Value>>,
-    /// What is added to its elevations (`height_offset_m`).
+    /// Offset in force that is added to its elevations (`height_offset_m`), metres.
     pub height_offset_in_force_m: f64,
     /// The offset that its overlaps with other logs show, in force or not.
     #[serde(flatten)]
     pub offset: LogOffset,
-    /// How its points agree with the triangulated points of all others.
+    /// Comparison of its points with the triangulated points of all others.
     pub against_the_others: Comparison,
     /// Counts.
     pub counts: RunCounts,
@@ -56,13 +56,13 @@ pub struct LogReport {
     pub excluded: Vec<ExcludedStretch>,
     /// Scales.
     pub calibration: CalibrationReport,
-    /// What the depths along the track come from.
+    /// Sources of the depths along the track.
     pub track: TrackShare,
     /// Side-scan against the recorded depth of the same ping.
     pub residuals: Option<Residuals>,
-    /// How recorded positions are corrected, in sentences; empty where they are not.
+    /// Corrections of recorded positions, in sentences; empty where there are none.
     pub positions: String,
-    /// What these depths are, and what was not corrected.
+    /// Statement of what these depths are, and what was not corrected.
     pub statement: String,
 }
 

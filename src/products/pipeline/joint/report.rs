@@ -1,4 +1,4 @@
-//! What `report.json` says of a survey of several logs.
+//! Makes the `report.json` of a survey of several logs.
 
 use super::logs_report::{LogReport, LogsReport};
 use super::{HeightComparison, compare_heights, compare_logs, crossline_analysis};
@@ -97,7 +97,8 @@ pub(crate) fn joint_report(
     Ok(Some(all))
 }
 
-/// What the depths of all logs are: once where it is the same of all.
+/// Returns the statement of what the depths of all logs are: given once where it is the same for
+/// all.
 fn statement(logs: &[LogReport]) -> String {
     let first = logs.first().map_or("", |log| log.statement.as_str());
     if logs.iter().all(|log| log.statement == first) {
@@ -117,8 +118,8 @@ fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
     logs.iter().flat_map(of_log).collect()
 }
 
-/// What another log is set to where that differs from the first: `None` where it leaves a setting
-/// without a value.
+/// Returns the settings of another log that differ from those of the first, with their values;
+/// `None` where it leaves a setting without a value.
 fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<toml::Value>> {
     let [values, others] = [first, own].map(setting_values);
     let keys = values.keys().chain(others.keys());

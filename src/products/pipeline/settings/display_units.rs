@@ -11,7 +11,7 @@ const SLOWEST_SOUND_MPS: f64 = 1000.0;
 #[derive(Clone, Debug)]
 pub struct ShownNumber<'a> {
     number: &'a Number,
-    /// What one of the shown unit is in the unit of the setting.
+    /// Size of one shown unit in the unit of the setting.
     per: f64,
     /// The ends of the control, in the shown unit: wider by less than a step than what is allowed.
     pub ends: [f64; 2],

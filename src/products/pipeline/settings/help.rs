@@ -1,5 +1,5 @@
-//! What is made of all rows of the table of settings: the row of a key, the help and the manual's
-//! page.
+//! Texts made from all rows of the table of settings: the help and the page of the manual; also
+//! finds the row of a key.
 
 use super::rows::ROWS;
 use super::table::{SettingKind, SettingRow};

@@ -8,7 +8,7 @@ use toml::{Table, Value};
 
 /// Key of the bottom edits, which are made of strokes and have no row.
 const BOTTOM: &str = "bottom";
-/// So many letters off, and a key is still taken for a slip of the pen.
+/// Largest edit distance at which a key is taken for a misspelt one.
 const SLIP: usize = 3;
 
 impl Settings {
@@ -60,7 +60,7 @@ pub(crate) fn in_one_line(text: &str) -> String {
     text.lines().collect::<Vec<_>>().join(" ")
 }
 
-/// What of a text is not TOML, with its line.
+/// Describes the part of a text that is not TOML, with its line.
 fn not_toml(error: &toml::de::Error, text: &str) -> String {
     let reason = in_one_line(error.message());
     let before = error.span().and_then(|span| text.get(..span.start));
@@ -73,14 +73,14 @@ fn not_toml(error: &toml::de::Error, text: &str) -> String {
     format!("line {}: {reason}{}", line + 1, hint.unwrap_or_default())
 }
 
-/// What to do about a number that is written with a comma.
+/// Returns the advice for a number that is written with a decimal comma.
 fn decimal_comma(value: &str) -> Option<String> {
     let written = value.trim().replacen(',', ".", 1);
     let is_number = written != value.trim() && written.parse::<f64>().is_ok();
     is_number.then(|| format!("; write {written}: decimals take a point"))
 }
 
-/// What to say of the first value that its setting cannot have.
+/// Describes the first value that its setting cannot have.
 fn misfit_in(over: &Table) -> Option<String> {
     let mut values = Vec::new();
     flatten("", over, &mut values);
@@ -99,7 +99,8 @@ fn misfit_in(over: &Table) -> Option<String> {
     })
 }
 
-/// That a setting cannot have a value, and what it may be; `reason` is what its own type said.
+/// States that a setting cannot have a value, and the values that it may have; `reason` is the
+/// error of its own type.
 fn misfit(row: &SettingRow, value: &Value, reason: &str) -> String {
     let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     // What serde says is meant for programmers; what the settings' own types say is not.
@@ -125,7 +126,7 @@ fn merge(base: &mut Table, over: Table) {
     }
 }
 
-/// What to say of the first key that is no setting.
+/// Describes the first key that is no setting.
 fn unknown_in(table: &Table) -> Option<String> {
     let mut values = Vec::new();
     flatten("", table, &mut values);
@@ -170,14 +171,14 @@ const RENAMED: [(&str, &str); 7] = [
     ("water_level.clock_offset_s", "mounting.clock_offset_s"),
 ];
 
-/// What a setting of an earlier version is called now; `None` where no version had one of this
-/// name.
+/// Returns the present name of a setting of an earlier version; `None` where no version had a
+/// setting of this name.
 pub fn renamed(key: &str) -> Option<&'static str> {
     let found = RENAMED.iter().find(|(then, _)| *then == key);
     found.map(|(_, now)| *now)
 }
 
-/// That a key is none, and which it may have been meant for.
+/// States that a key is no setting, and suggests the key that may have been meant.
 fn no_setting(key: &str) -> String {
     if let Some(now) = renamed(key) {
         return format!("`{key}` is called `{now}` now");

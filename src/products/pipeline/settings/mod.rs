@@ -54,7 +54,7 @@ pub struct SettingsError(pub String);
 pub enum Preset {
     /// The paper's formulas to the digit, so that its figures can be reproduced.
     Published,
-    /// What measures best on surveys of known truth.
+    /// The settings that measure best on surveys of known truth.
     #[default]
     Recommended,
 }
@@ -84,8 +84,8 @@ pub struct Settings {
     pub water_level_m: f64,
     /// `water_level.*`: readings over time.
     pub water_level: WaterLevelSettings,
-    /// What is added to every elevation of the log, metres, so that it agrees with others of its
-    /// survey: `height_offsets` finds it from crossings.
+    /// Offset that is added to every elevation of the log, metres, so that it agrees with others of
+    /// its survey: `height_offsets` finds it from crossings.
     pub height_offset_m: f64,
     /// `sound_speed.*`.
     pub sound_speed: SoundSpeedSettings,
@@ -236,7 +236,7 @@ impl Settings {
         }
     }
 
-    /// What decides where pings lie.
+    /// Returns the settings that decide the places of pings.
     pub fn position_settings(&self) -> PositionSettings<'_> {
         PositionSettings {
             heading: &self.heading,
@@ -246,7 +246,7 @@ impl Settings {
         }
     }
 
-    /// What decides about the class of each point.
+    /// Returns the settings that decide the class of each point.
     pub fn class_rules(&self) -> ClassRules<'_> {
         ClassRules {
             min_confidence: self.first_return.min_confidence,
@@ -256,7 +256,7 @@ impl Settings {
         }
     }
 
-    /// What is known of water and transducer.
+    /// Returns the settings of water and transducer that correct depths.
     pub fn depth(&self) -> DepthSettings {
         DepthSettings {
             draft_m: self.draft_m,

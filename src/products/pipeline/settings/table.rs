@@ -1,25 +1,25 @@
-//! What a row of the table of settings is: its words, what it may be, and the check of that.
+//! Row of the table of settings: its words, the values that it may have, and the check of a value.
 
 use super::{Settings, SettingsError};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// A setting: its key, its words, and what it may be.
+/// A setting: its key, its words, and the values that it may have.
 #[derive(Debug)]
 pub struct SettingRow {
     /// The key of files and of `--set`, `surface.max_gap_m`.
     pub key: &'static str,
-    /// In front of its control.
+    /// Label in front of its control.
     pub label: &'static str,
-    /// What it is in a sentence, `gap of the depth map`.
+    /// Name in a sentence, `gap of the depth map`.
     pub name: &'static str,
-    /// What it does, with the paper's symbol where it has one.
+    /// Explanation of its effect, with the paper's symbol where it has one.
     pub hint: &'static str,
-    /// What it may be.
+    /// Values that it may have.
     pub kind: SettingKind,
 }
 
-/// What a setting may be.
+/// Values that a setting may have.
 #[derive(Debug)]
 pub enum SettingKind {
     /// A number.
@@ -50,9 +50,9 @@ pub struct Number {
     pub step: f64,
     /// Digits behind the point.
     pub decimals: usize,
-    /// How it is moved.
+    /// Control that changes it.
     pub control: Control,
-    /// What happens without a value, where it may have none.
+    /// Explanation of what is done without a value, where it may have none.
     pub without: Option<&'static str>,
     /// Reads it.
     pub get: fn(&Settings) -> Option<f64>,
@@ -60,15 +60,15 @@ pub struct Number {
     pub set: fn(&mut Settings, Option<f64>),
 }
 
-/// How a number is moved.
+/// Control that changes a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
-    /// Along a line.
+    /// A slider along a line.
     Slider,
-    /// Along a line on which each decade is as long as the next: where more than two of them are of
-    /// use.
+    /// A slider along a line on which each decade is as long as the next: where more than two of
+    /// them are of use.
     LogSlider,
-    /// By its last digit: where no line is long enough.
+    /// A field whose last digit is dragged: where no line is long enough.
     Drag,
 }
 
@@ -79,8 +79,8 @@ impl Number {
         self.without.is_some() && self.range[0] > 0.0
     }
 
-    /// What its control shows without a value: `none` where nothing is done then, else `automatic`.
-    /// `None` where it always has one.
+    /// Returns the word that its control shows without a value: `none` where nothing is done then,
+    /// else `automatic`. `None` where it always has a value.
     pub fn none_word(&self) -> Option<&'static str> {
         let does_nothing = |without: &str| without.starts_with("no ");
         let word = |without| if does_nothing(without) { "none" } else { "automatic" };
@@ -111,9 +111,10 @@ impl Number {
 /// A setting that is one of several names.
 #[derive(Debug)]
 pub struct SettingChoice {
-    /// Those to choose from.
+    /// Names to choose from.
     pub names: &'static [Named],
-    /// What else it may be in a file, `EPSG:NUMBER`; empty where there is nothing else.
+    /// Form of the other values that it may have in a file, `EPSG:NUMBER`; empty where there are
+    /// none.
     pub others: &'static str,
     /// Reads its name.
     pub get: fn(&Settings) -> String,
@@ -124,11 +125,11 @@ pub struct SettingChoice {
 /// One of the names that a setting may be.
 #[derive(Debug)]
 pub struct Named {
-    /// In files and for `--set`.
+    /// Name in files and for `--set`.
     pub value: &'static str,
-    /// In a panel.
+    /// Name in a panel.
     pub label: &'static str,
-    /// What it means.
+    /// Meaning of the value.
     pub meaning: &'static str,
 }
 
@@ -215,7 +216,7 @@ impl SettingRow {
         }
     }
 
-    /// What it may be, in words: `0.1 to 1000 m`, `threshold | tracker`.
+    /// Returns the values that it may have, in words: `0.1 to 1000 m`, `threshold | tracker`.
     pub fn values(&self) -> String {
         match &self.kind {
             SettingKind::Number(number) => {
@@ -234,7 +235,7 @@ impl SettingRow {
         }
     }
 
-    /// What it may be, with what kind of value that is: `a number, 0.1 to 1000 m`.
+    /// Returns the values that it may have, with their kind: `a number, 0.1 to 1000 m`.
     pub(super) fn in_words(&self) -> String {
         let kind = match &self.kind {
             SettingKind::Number(number) if number.is_whole() => "a whole number, ",
@@ -245,7 +246,8 @@ impl SettingRow {
         format!("{kind}{}", self.values())
     }
 
-    /// What it does, and what happens without a value where it may have none.
+    /// Returns the explanation of its effect, and of what is done without a value where it may have
+    /// none.
     pub fn meaning(&self) -> String {
         match &self.kind {
             SettingKind::Number(Number { without: Some(without), .. }) => {

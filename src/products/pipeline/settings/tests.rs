@@ -5,7 +5,7 @@ use super::{Preset, SettingKind, Settings, help, markdown, row};
 use bathyscope_bottom::presentation::units::Units;
 use std::collections::BTreeSet;
 
-/// What serde expected in place of a name that does not exist.
+/// Returns the names that serde expected in place of one that does not exist.
 fn expected(toml: &str) -> Vec<String> {
     let error = toml::from_str::<Settings>(toml).expect_err("no such name");
     let text = error.message().to_owned();

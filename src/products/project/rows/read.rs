@@ -31,7 +31,7 @@ const SHA256_DIGITS: usize = 64;
 /// A line with what stands behind the start of its key.
 type Line = (Vec<String>, Row);
 
-/// What is read so far.
+/// State of the reading so far.
 struct RowReading<'a> {
     folder: &'a Path,
     unknown: Unknown,
@@ -396,8 +396,8 @@ impl RowReading<'_> {
     }
 }
 
-/// Where a sentence about settings belongs: the line whose key it names, or else the last part of
-/// it.
+/// Returns the error at the line that a sentence about settings belongs to: the line whose key it
+/// contains, or else the line of which it contains the last part of the key.
 fn at(lines: &[Line], what: &str) -> ProjectError {
     let whole = |(parts, _): &&Line| what.contains(&parts.join("."));
     let last = |(parts, _): &&Line| parts.last().is_some_and(|last| what.contains(last.as_str()));

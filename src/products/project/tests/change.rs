@@ -17,9 +17,9 @@ pub enum Change {
     Settings {
         /// The log whose settings the analyst looks at; `None` to change the shared ones alone.
         log: Option<LogKey>,
-        /// What they are now, as composed.
+        /// Settings after the change, as composed.
         after: Box<Settings>,
-        /// What changed: `threshold`.
+        /// Name of the change: `threshold`.
         label: &'static str,
     },
     /// Makes a setting a log's own, with the value that it has, or leaves it to what all share.
@@ -42,7 +42,7 @@ pub enum Change {
     Box {
         /// The log.
         log: LogKey,
-        /// What was decided.
+        /// The decision.
         edit: Edit,
     },
     /// Boxes that were searched for, or a review that was opened.
@@ -51,7 +51,7 @@ pub enum Change {
         log: LogKey,
         /// All of its boxes.
         after: Arc<Review>,
-        /// What happened: `search for objects`.
+        /// Name of the change: `search for objects`.
         label: &'static str,
     },
     /// A log more.

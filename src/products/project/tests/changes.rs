@@ -142,8 +142,8 @@ proptest! {
         prop_assert!(history.redo(&now).is_none());
     }
 
-    /// What a journal says of a change makes of the lines before it the lines after it, from any
-    /// state to any other.
+    /// The entry of a change in a journal turns the lines before it into the lines after it, from
+    /// any state to any other.
     #[test]
     fn the_lines_of_a_change_are_all_of_it(requested in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
         let mut states = vec![full()];

@@ -21,7 +21,7 @@ fn pond(scene: Scene, seed: u64) -> KnownSurvey {
     KnownSurvey::new(&Scene { artefacts, ..scene }, seed)
 }
 
-/// What a perfect detector finds, but `early_m` early.
+/// Returns the first returns of a perfect detector, but `early_m` early.
 fn true_returns(pond: &KnownSurvey, early_m: f64) -> FirstReturns {
     let picks = |side: Side| {
         let pings = pond.truth.pings.iter();

@@ -212,9 +212,9 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 
 /// A sighting and how far off it was placed.
 struct Off {
-    /// On a line from south to north, across the others.
+    /// True on a line from south to north, across the others.
     crossing: bool,
-    /// Of what casts the longest shadow.
+    /// Height of the part that casts the longest shadow.
     true_height_m: f64,
     target: Target,
     off_m: f64,

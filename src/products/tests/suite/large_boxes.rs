@@ -24,8 +24,8 @@ fn north_m(ping: usize) -> f64 {
     0.2 * ping as f64 + 0.1 * ping.saturating_sub(300) as f64
 }
 
-/// What an even bottom shows with speckle that is the same on every run, and `level` where that is
-/// anything else. Samples are 0.1 m of slant range to starboard.
+/// Returns a survey of an even bottom with speckle that is the same on every run, and with `level`
+/// where that gives a value. Samples are 0.1 m of slant range to starboard.
 fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
     let mut bytes = Vec::with_capacity(PINGS * SAMPLES);
     let mut random = 1_u32;

@@ -35,9 +35,10 @@ impl Mission {
 /// Mean and standard deviation, metres.
 pub(super) type Spread = [f64; 2];
 
-/// What the program says of the second mission against the surface of the first, and what follows
-/// from the error of each against the bed, taken one by one: the difference of the means, and the
-/// root of the sum of the squares of the standard deviations.
+/// Computes the difference that Bathyscope reports of the second mission from the surface of the
+/// first, and the difference that follows from the error of each mission against the bottom, taken
+/// one by one: the difference of the means, and the root of the sum of the squares of the standard
+/// deviations.
 pub(super) fn repeatability(first: &Mission, second: &Mission) -> (Spread, Spread) {
     let frames = [&first.known.survey.track.frame, &second.known.survey.track.frame];
     let measured = second.points().into_iter().map(|[east_m, north_m, z_m]| {

@@ -1,5 +1,5 @@
-//! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars
-//! across it, relief kept.
+//! Tests that the gain makes a mosaic even: no step under the boat, no bands along the track, no
+//! bars across it, relief kept.
 
 use crate::truth::processed;
 use bathyscope_bottom::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
@@ -24,9 +24,10 @@ const RELIEF_CELLS: usize = 5;
 
 /// Levels of a mosaic at even steps beside every ping; NaN where nothing is shown.
 struct Swaths {
-    /// By side (port first), ping, and step outward.
+    /// Levels by side (port first), ping, and step outward.
     levels: [Vec<Vec<f64>>; 2],
-    /// Between the 1 % and the 99 % quantile of the picture: what the figures are shares of.
+    /// Difference between the 99 % and the 1 % quantile of the picture: the figures are shares of
+    /// it.
     range: f64,
 }
 
@@ -104,9 +105,9 @@ impl Swaths {
         deviation(profile.into_iter().filter(|level| !level.is_nan())) / self.range
     }
 
-    /// How far a whole ping of one side lies at most from those around: of its differences from the
-    /// median of these, place by place, the one in the middle. A boulder or its shadow fills a part
-    /// of a ping, a bar all of it.
+    /// Computes the largest difference of a whole ping of one side from those around: of its
+    /// differences from the median of these, place by place, the median. A boulder or its shadow
+    /// fills a part of a ping, a bar all of it.
     fn bars(&self) -> f64 {
         let mut most: f64 = 0.0;
         for side in &self.levels {
@@ -148,7 +149,7 @@ impl Swaths {
     }
 }
 
-/// Of what is known; `None` where that is little.
+/// Returns the median of the known values; `None` where these are few.
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut known: Vec<f64> = values.filter(|value| !value.is_nan()).collect();
     let middle = known.len() / 2;

@@ -1,5 +1,5 @@
-//! Whether the constant that is taken off the ranges is the true one, on logs of any range, depth,
-//! pulse and sounding.
+//! Tests that the constant that is taken off the ranges is the true one, on logs of any range,
+//! depth, pulse and sounding.
 
 use crate::truth::KnownSurvey;
 use bathyscope_bottom::calibration::{Calibration, calibrate};
@@ -15,18 +15,19 @@ use std::sync::Arc;
 /// Largest error of an offset in force, metres.
 const WITHIN_M: f64 = 0.05;
 
-/// What the log's soundings are.
+/// Kind of the log's soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Soundings {
-    /// Of the bottom under the boat.
+    /// Soundings of the bottom under the boat.
     Right,
-    /// Of the bottom, with a draft that the log does not state, metres.
+    /// Soundings of the bottom, with a draft that the log does not state, metres.
     Draft(f64),
     /// There are none.
     Absent,
-    /// Of something else: the recorded depth is so many times that of the bottom.
+    /// Soundings of something else: the recorded depth is that of the bottom times this factor.
     Scaled(f64),
-    /// Of a wreck under the second half of the line, so many times as deep as the bottom.
+    /// Soundings of a wreck under the second half of the line: its depth is that of the bottom
+    /// times this factor.
     Wreck(f64),
 }
 

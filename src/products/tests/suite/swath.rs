@@ -16,7 +16,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Where the boat begins, Mercator metres.
+/// Start of the boat, Mercator metres.
 const START_M: [i32; 2] = [-9_000_000, 3_400_000];
 /// Milliseconds between two places of the boat, whole Mercator metres apart.
 const STEP_MS: i32 = 500;

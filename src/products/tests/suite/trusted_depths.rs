@@ -1,5 +1,5 @@
-//! Which depths count: side-scan where the recorder lost the bottom, first returns by their
-//! confidence, and what lies above the recorded depth.
+//! Tests which depths count: side-scan where the recorder lost the bottom, first returns by their
+//! confidence, and depths above the recorded depth.
 
 use crate::truth::KnownSurvey;
 use bathyscope_bottom::cloud::{

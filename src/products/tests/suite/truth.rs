@@ -15,7 +15,7 @@ use std::path::Path;
 pub(super) struct MapError {
     /// Depth of the map minus that of the bed, metres.
     pub error_m: f64,
-    /// What the map states there ([`Surface::spread_m`]).
+    /// Uncertainty that the map states there ([`Surface::spread_m`]), metres.
     pub spread_m: f64,
     /// Distance to the nearest sounding, metres.
     pub away_m: f64,

@@ -120,7 +120,7 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, source: RangeSource, units: Un
     }
 }
 
-/// What becomes of the recorded ranges.
+/// Describes the correction of the ranges: factor or offset.
 fn ranges(calibration: &Calibration, source: RangeSource, units: Units) -> String {
     let ranges = if source == RangeSource::Estimated { "estimated" } else { "recorded" };
     let factor = calibration.flat_spot.as_ref();

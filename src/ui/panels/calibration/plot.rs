@@ -40,7 +40,7 @@ pub(super) fn ui(ui: &mut Ui, trial: &ScaleTrial, products: &Products, options: 
     );
 }
 
-/// What is drawn.
+/// Points of both pictures.
 struct Points<'a> {
     log: Vec<&'a RangeAtDepth>,
     stretch: Vec<&'a RangeAtDepth>,
@@ -130,7 +130,7 @@ impl<'a> Points<'a> {
     }
 }
 
-/// Between which values nearly all lie.
+/// Ends of the values, without the share [`TAIL`] at either end.
 fn ends(mut values: Vec<f64>) -> [f64; 2] {
     values.sort_unstable_by(f64::total_cmp);
     let tail = (TAIL * values.len() as f64) as usize;
@@ -146,7 +146,7 @@ fn faint(options: &ViewOptions) -> Color32 {
     theme::plot_ink(options).gamma_multiply(0.45)
 }
 
-/// Of what is proposed, on the ground of a panel.
+/// Colour of the proposed scale on the background of a panel.
 fn ink(options: &ViewOptions) -> Color32 {
     theme::proposal_ink(options)
 }

@@ -56,7 +56,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
     }
 }
 
-/// What becomes of the depths.
+/// Draws the changes of the depths that the scale would cause.
 fn changes(ui: &mut Ui, effect: &ScaleEffect, units: Units) {
     let change = &effect.change;
     let hint = "By how much side-scan depths that count for the map would change, in the median of the log; above 0 they become greater.";

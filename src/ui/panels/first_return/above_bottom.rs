@@ -34,7 +34,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
     tool(ui, context);
 }
 
-/// Why they may lie there, and how many count for the map.
+/// Possible reasons why returns lie above the bottom, and how many count for the map.
 fn reasons(context: &ViewContext<'_>, above: &AboveBottom) -> Vec<String> {
     let units = context.units();
     let settings = &context.app.log.settings.surface;

@@ -1,5 +1,5 @@
-//! How the points of the survey differ from a reference: statistics, how the differences spread,
-//! and what they hang on.
+//! Differences between the points of the survey and a reference: statistics, their distribution,
+//! and the quantities that they depend on.
 //!
 //! In: the state. Out: tables and histograms, and commands.
 
@@ -57,7 +57,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Why there is nothing to show.
+/// Reason why there is nothing to show.
 fn lack(app: &App) -> &str {
     match app.agreement_problem() {
         _ if app.is_comparing_with_reference() => "Residuals are being compared.",
@@ -66,7 +66,7 @@ fn lack(app: &App) -> &str {
     }
 }
 
-/// Whether the map shows them, point by point.
+/// Draws the switch that shows the residuals of single points on the map.
 fn on_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let layers = &context.options().map.layers;
     let mut is_shown = layers.is_visible(MapLayer::Residuals);

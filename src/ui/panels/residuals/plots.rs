@@ -8,7 +8,7 @@ use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_products::pipeline::ResidualTables;
 use egui::{Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
-/// What the differences are drawn over.
+/// Plot of the differences: their histogram, or their medians over a quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Over {
     #[default]

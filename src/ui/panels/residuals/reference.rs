@@ -1,4 +1,4 @@
-//! What the points are compared with, and how a point finds its reference.
+//! Settings of the reference that the points are compared with, and of the match of a point to it.
 
 use crate::app::{Action, Command, ReferenceBy};
 use crate::ui::ViewContext;

@@ -1,4 +1,4 @@
-//! What is written about a box: its name, its class, a remark, and how sure the analyst is.
+//! Edits the text of a box: its name, its class, a remark, and the analyst's certainty.
 
 use super::super::parts::name_cell;
 use crate::app::{App, Command, LogBox};
@@ -113,7 +113,7 @@ impl BoxTexts {
     }
 }
 
-/// How sure the analyst is; the word that is chosen already is taken back by a click.
+/// Draws the certainty of the analyst; a click on the chosen word removes it.
 fn certainty(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
     let hint = "Your own certainty; the score is that of the detector.";
     ui.horizontal_wrapped(|ui| {

@@ -28,7 +28,7 @@ pub(crate) struct ReviewPanel {
     lines: lines::BoxTexts,
     classes: classes::Classes,
     object: ObjectPictures,
-    /// Where it was drawn last, and in which layer; `None` while there are no boxes.
+    /// Area and layer where the panel was drawn last; `None` while there are no boxes.
     area: Option<(LayerId, Rect)>,
 }
 

@@ -16,7 +16,7 @@ const PICTURE_HEIGHT: f32 = 110.0;
 /// Pictures that are made of one object; of one that was seen more often the others are counted.
 const MOST_PICTURES: usize = 24;
 
-/// What the pictures of an object are made of: the box of each.
+/// Source of the pictures of an object: the box of each.
 type Boxes = Vec<(LogBox, chip::ChipKey)>;
 
 /// The pictures of the boxes that show the selected object.

@@ -126,7 +126,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     fact(ui, "From", "The model that proposed it.", model);
 }
 
-/// Where its object lies and how large it is.
+/// Draws the position and the size of the object of a box.
 fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target: &Target) {
     let app = context.app;
     let units = app.view.options.units;
@@ -187,7 +187,7 @@ fn extent(target: &Target, units: Units) -> String {
     format!("{size}{edges}")
 }
 
-/// What the height is computed from.
+/// Describes the shadow and the altitude that the height is computed from.
 fn shadow(target: &Target, units: Units) -> String {
     let [start_m, end_m] = target.shadow_m;
     let altitude = units.measure(target.altitude_m, 2);

@@ -1,4 +1,4 @@
-//! What the status bar says of a place, and how much of it there is room for.
+//! Facts of a place for the status bar, shortened to the room that there is.
 
 use crate::app::{App, LogPlace};
 use crate::ui::{place, text};
@@ -6,9 +6,9 @@ use bathyscope_log::survey::Side;
 
 /// One fact of a place.
 pub(super) struct StatusCell {
-    /// In full.
+    /// Full text.
     pub text: String,
-    /// The same where room is scarce.
+    /// Short text, for little room.
     short: Option<String>,
     /// The lower, the longer it stays when the window gets narrower.
     rank: u8,

@@ -61,7 +61,7 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.keyed_button(ui.button(title).accessible_name(action.label()), action);
 }
 
-/// As much of the place as there is room for; all of it when the pointer rests on it.
+/// Draws the facts of the place that fit into the room; hovering shows all of them.
 fn place_under_pointer(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace, room: f32) {
     let cells = cells::of(context.app, mark);
     let font = egui::TextStyle::Monospace.resolve(ui.style());
@@ -80,7 +80,7 @@ fn place_under_pointer(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace, r
     }
 }
 
-/// What following does, in words.
+/// Draws the state of following, in words.
 fn following(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(status) = context.app.follow_status() else {
         return;

@@ -1,4 +1,4 @@
-//! How the time line is drawn, and what the pointer does in it.
+//! Draws the time line and handles the pointer in it.
 
 use super::columns::{ColumnExtremes, resampled, span};
 use super::strips::Strips;
@@ -8,7 +8,7 @@ use crate::ui::{ViewContext, text, theme};
 use bathyscope_bottom::presentation::ticks;
 use egui::{Color32, Pos2, Rect, Response, Stroke, Ui};
 
-/// Where the parts of the panel lie.
+/// Areas of the parts of the panel.
 pub(super) struct TimelineLayout {
     depth: Rect,
     speed: Rect,
@@ -224,8 +224,8 @@ impl TimelineLayout {
     }
 }
 
-/// Where a series is drawn, and its scale: from nothing to `reach`, hanging from the top or
-/// standing on the bottom.
+/// Area and scale of a series: from 0 to `reach`, from the top downwards if `hanging`, else from
+/// the bottom upwards.
 struct SeriesBand {
     rect: Rect,
     reach: f32,

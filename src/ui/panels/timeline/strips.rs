@@ -1,4 +1,4 @@
-//! What the time line shows, reduced on a worker to a few columns.
+//! Data of the time line, reduced on a worker to a few columns.
 
 use super::columns::{ColumnExtremes, columns, span};
 use bathyscope_bottom::cloud::{DepthReference, DepthSource};
@@ -10,7 +10,7 @@ use egui::Rect;
 /// Columns that a log is reduced to; more than any screen is wide.
 const COLUMNS: usize = 2048;
 
-/// What the strips show; computed on a worker for each survey and navigation.
+/// Data of the strips; computed on a worker for each survey and navigation.
 pub(super) struct Strips {
     /// First and last time of the log, seconds after its time zero.
     pub from_s: f64,
@@ -24,7 +24,7 @@ pub(super) struct Strips {
     pub lost: ColumnExtremes,
     /// Speeds over ground, metres a second.
     pub speed: ColumnExtremes,
-    /// What the depths count from.
+    /// Level that the depths are counted from.
     pub reference: DepthReference,
     /// Times at which the log's warnings point.
     pub warnings_s: Vec<f64>,
@@ -84,13 +84,13 @@ impl Strips {
         Some(format!("to {deepest} {}", self.reference.name()))
     }
 
-    /// Where a time lies on the screen.
+    /// Screen x of a time.
     pub(super) fn x(&self, rect: Rect, time_s: f64) -> f32 {
         let share = (time_s - self.from_s) / (self.to_s - self.from_s).max(f64::MIN_POSITIVE);
         rect.left() + rect.width() * share as f32
     }
 
-    /// Which time lies at a place of the screen.
+    /// Time at a screen x.
     pub(super) fn time_s(&self, rect: Rect, x: f32) -> f64 {
         let share = f64::from(((x - rect.left()) / rect.width()).clamp(0.0, 1.0));
         self.from_s + share * (self.to_s - self.from_s)

@@ -12,7 +12,7 @@ use glam::Vec3;
 /// upright one.
 const LABEL_SPACING: [f32; 2] = [44.0, 16.0];
 
-/// What the box is drawn with.
+/// The box with its axes, and the camera that shows it.
 pub(super) struct BoxAxes<'a> {
     pub rect: Rect,
     pub projection: CameraProjection,
@@ -21,7 +21,7 @@ pub(super) struct BoxAxes<'a> {
     /// Metres of the survey at the scene's zero.
     pub origin_m: [f64; 3],
     pub options: &'a ViewOptions,
-    /// What is drawn.
+    /// The part of the scene that is drawn.
     pub part: ScenePart,
 }
 
@@ -78,7 +78,7 @@ impl BoxAxes<'_> {
         ShownPoints { outliers: self.options.cloud.outlier_preview, part: self.part }
     }
 
-    /// Where a place is on the screen; `None` behind the camera.
+    /// Place on the screen; `None` behind the camera.
     pub(super) fn at(&self, place: Vec3) -> Option<Pos2> {
         let ndc = self.projection.project(place)?;
         let half = 0.5 * self.rect.size();

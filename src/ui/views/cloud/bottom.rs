@@ -22,7 +22,7 @@ const STEPS: usize = 6;
 
 /// A bottom on the GPU.
 pub(super) struct BottomScene {
-    /// What the bottom is.
+    /// The bottom itself.
     pub bottom: Arc<Bottom>,
     /// Its tiles.
     pub buffers: BottomBuffers,
@@ -65,7 +65,7 @@ impl BottomScene {
     }
 }
 
-/// What is asked for: a bottom about an origin, metres.
+/// Key of a scene: a bottom and its origin, metres.
 type BottomSceneKey = (Same<Bottom>, [f64; 3]);
 
 /// The bottom of the view, as it was uploaded last.
@@ -134,7 +134,7 @@ fn upload(
     BottomBuffers::new(uploader, grid.cell_m as f32, tiles)
 }
 
-/// How a bottom is drawn.
+/// Parameters of the picture of a bottom.
 pub(super) fn draw(
     app: &App,
     bottom: &Bottom,

@@ -113,7 +113,7 @@ pub(super) fn paint_read_out(
     legend::words(painter, &app.view.options, at, Align2::LEFT_TOP, &text);
 }
 
-/// Why there are no side-scan points, when there are none.
+/// Reason why there are no side-scan points; `None` if there are some.
 fn lack(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,
@@ -128,8 +128,8 @@ fn lack(survey: &Survey, units: Units) -> Option<String> {
     }
 }
 
-/// What the colours mean, and how many points there are of each; returns what its lines and scales
-/// cover.
+/// Draws the meaning of the colours, with the number of points of each; returns the areas of its
+/// lines and scales.
 pub(super) fn paint_legend(
     painter: &Painter,
     rect: Rect,

@@ -8,7 +8,7 @@ use egui::{Key, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2};
 const RADIUS: f32 = 11.0;
 /// Lowest that the light stands over the horizon, degrees.
 const LOWEST_DEG: f32 = 5.0;
-/// What an arrow key moves it by, degrees.
+/// Step of the arrow keys, degrees.
 const STEP_DEG: f32 = 5.0;
 
 /// The disc; `light_deg` is the direction clockwise from north and the height over the horizon,
@@ -43,8 +43,8 @@ pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     response.on_hover_text(format!("{name}. Drag the light, or turn it (arrow keys, Shift+L)."))
 }
 
-/// Where a light at a place of the disc stands: overhead in the middle, at the horizon on the rim.
-/// In the very middle it keeps its direction.
+/// Direction of the light at a place of the disc, azimuth and height in degrees: overhead in the
+/// middle, at the horizon on the rim. In the very middle it keeps its azimuth.
 fn light_at(place: Vec2, azimuth_deg: f32) -> [f32; 2] {
     let altitude_deg = 90.0 * (1.0 - place.length()).clamp(0.0, 1.0);
     let turned_deg = if place.length() > 0.05 {

@@ -48,11 +48,11 @@ pub struct CloudView {
     pointer: pointer::CloudPointer,
     /// Width over height of the last frame.
     aspect: Option<f32>,
-    /// That of the frame whose sight the first frame is to hold.
+    /// Width over height of the frame whose view the first frame is to show.
     aim: Option<f32>,
     seen_plane: u64,
     seen_reveal: u64,
-    /// What the camera was placed about: the origin of the scene, and the corners of its box.
+    /// Origin of the scene and corners of its box in the last frame, which the camera refers to.
     about: Option<Extent>,
 }
 
@@ -294,15 +294,15 @@ impl CloudView {
     }
 }
 
-/// From places that count from one origin to places that count from another.
+/// Shift of coordinates from one origin to another.
 fn shift(from_m: [f64; 3], to_m: [f64; 3]) -> glam::Vec3 {
     let by = |axis: usize| (from_m[axis] - to_m[axis]) as f32;
     glam::Vec3::new(by(0), by(1), by(2))
 }
 
-/// Whether a cloud has gone from where it was: its box is another by more than a twentieth, a fifth
-/// in depth; of a camera that the analyst has placed, whether its target is left outside of the
-/// cloud.
+/// Returns true if a cloud has moved away: its box differs by more than a twentieth, or a fifth in
+/// depth. With a camera that the analyst has placed, true if its target was inside the cloud and is
+/// now outside.
 fn has_moved(was: [glam::Vec3; 2], is: [glam::Vec3; 2], placed: Option<glam::Vec3>) -> bool {
     if let Some(target) = placed {
         let [low, high] = is;

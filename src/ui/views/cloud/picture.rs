@@ -8,7 +8,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use std::sync::Arc;
 
-/// What is drawn, and how.
+/// Bottom and points to draw, with their parameters.
 #[derive(Clone, Default)]
 pub(super) struct CloudDrawing {
     /// The bottom, where it is shown.
@@ -31,7 +31,7 @@ impl PartialEq for CloudDrawing {
     }
 }
 
-/// What draws.
+/// Renderers of bottom and points.
 struct Renderers {
     bottom: BottomRenderer,
     points: CloudRenderer,

@@ -1,4 +1,4 @@
-//! What the pointer does on the cloud: turn, move, zoom, pick.
+//! Handles the pointer on the cloud: turn, move, zoom, pick.
 
 use super::axes::BoxAxes;
 use super::bottom::BottomScene;
@@ -11,22 +11,23 @@ use bathyscope_products::pipeline::Products;
 use egui::{Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui};
 use glam::Vec2;
 
-/// How near a point the pointer must be, points of the screen.
+/// Greatest distance of the pointer from a point that it picks, points of the screen.
 const REACH: f32 = 9.0;
-/// How near a point must be for the place beside it to stay under the pointer in a zoom, points of
-/// the screen.
+/// Greatest distance from the pointer to a point for which a zoom keeps the place under the
+/// pointer, points of the screen.
 const NEAR: f32 = 40.0;
-/// Beyond so many points only a click picks: a look at all of them would cost more than a frame.
+/// Number of points above which only a click picks: a search of all of them would cost more than a
+/// frame.
 const MOST_ON_HOVER: usize = 2_000_000;
 
-/// What the pointer was found over.
+/// Hover of the pointer, with the last search for a point.
 #[derive(Default)]
 pub(super) struct CloudPointer {
     hover: OwnHover,
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
 
-/// What the camera moves in.
+/// Contents of the scene that the pointer picks from and the camera moves in.
 #[derive(Clone, Copy)]
 pub(super) struct PickScene<'a> {
     /// The points.

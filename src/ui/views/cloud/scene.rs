@@ -55,7 +55,7 @@ impl PointCounts {
     }
 }
 
-/// What the slant range of a point follows from.
+/// Source of the slant range of a point.
 #[derive(Clone)]
 pub(super) struct Ranging {
     survey: Arc<Survey>,
@@ -66,7 +66,7 @@ pub(super) struct Ranging {
 /// The points of one log.
 #[derive(Clone)]
 pub(super) struct SceneLogPoints {
-    /// Which log.
+    /// The log.
     pub id: LogId,
     /// Its name.
     pub name: String,
@@ -74,16 +74,16 @@ pub(super) struct SceneLogPoints {
     pub cloud: Arc<PointCloud>,
     /// The class of each point.
     pub classes: Arc<Vec<PointClass>>,
-    /// What their slant ranges follow from; without it none is known.
+    /// Source of their slant ranges; without it none is known.
     pub ranging: Option<Ranging>,
     /// The log's colour where logs are told apart.
     pub colour: [u8; 3],
-    /// Whether its points of a swath are shown.
+    /// Setting that shows or hides its swath points.
     pub swath: SwathShown,
 }
 
 impl SceneLogPoints {
-    /// Of a log with its results.
+    /// Creates the points of a log with its results.
     pub(super) fn of(shown: &ShownLog, swath: SwathShown) -> Self {
         let products = &shown.log.products;
         Self {
@@ -131,7 +131,7 @@ impl PartialEq for SceneLogPoints {
     }
 }
 
-/// Which points are drawn.
+/// Selection of the points that are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ShownPoints {
     /// Those that do not count for the map as well.
@@ -147,7 +147,7 @@ pub(super) struct CloudScene {
     logs: Vec<SceneLogPoints>,
     /// Number of the first point of each log: points are counted through all of them.
     starts: Vec<usize>,
-    /// What the vertices are relative to, metres east, north and up.
+    /// Origin of the vertices, metres east, north and up.
     pub origin_m: [f64; 3],
     /// The points on the GPU: kept ones first, then the others.
     pub buffers: Option<CloudBuffers>,
@@ -166,14 +166,15 @@ pub(super) struct CloudScene {
 /// The box of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SceneBox {
-    /// What its corners are relative to, metres east, north and up.
+    /// Origin of the corners, metres east, north and up.
     pub origin_m: [f64; 3],
     /// Its lower south-western and its upper north-eastern corner.
     pub corners: [Vec3; 2],
 }
 
 impl SceneBox {
-    /// As high, and at least as wide as another one about the same origin.
+    /// Returns a box of the same height that is at least as wide as another one about the same
+    /// origin.
     #[must_use]
     pub(super) fn as_wide_as(self, [low, high]: [Vec3; 2]) -> Self {
         let [from, to] = self.corners;
@@ -185,14 +186,15 @@ impl SceneBox {
 /// Ends of the colour scales of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ColourEnds {
-    /// Of depth, metres.
+    /// Ends for depth, metres.
     pub depth_m: Option<[f32; 2]>,
-    /// Of what else is known of them.
+    /// Ends for other properties of the points.
     pub scales: PointScales,
 }
 
 impl CloudScene {
-    /// In colours between these values; `None` when there is no point, or cancelled.
+    /// Creates the scene with colours between these values; `None` when there is no point, or
+    /// cancelled.
     pub(super) fn new(
         logs: Vec<SceneLogPoints>,
         ends: ColourEnds,

@@ -18,7 +18,8 @@ const WATER_ALPHA: u8 = 36;
 /// Nearest to the camera that the water's surface is drawn, metres.
 const NEAREST_M: f32 = 0.01;
 
-/// What is drawn, seen from `eye`: what lies in the clip box, and behind the cross-section.
+/// Returns the part of the scene that is drawn when seen from `eye`: inside the clip box and behind
+/// the cross-section.
 pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> ScenePart {
     let options = &app.view.options.cloud;
     let corners = options.clip.map(|one| clip::limits(scene.origin_m, one));
@@ -62,7 +63,7 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Box
     }
 }
 
-/// Where a place is on the screen, if it lies above, in or below the box that is drawn.
+/// Place on the screen of a point above, in or below the box that is drawn; `None` outside.
 fn in_box(axes: &BoxAxes<'_>, place: Vec3) -> Option<Pos2> {
     let [low, high] = axes.corners.map(Vec3::truncate);
     let beside = place.truncate();

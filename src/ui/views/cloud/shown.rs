@@ -1,4 +1,4 @@
-//! What a frame of the cloud view shows: the open log, and what was made for the view.
+//! Contents of a frame of the cloud view: the open log, and the scenes made for the view.
 
 use super::axes::BoxAxes;
 use super::bottom::{self, BottomScene};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// of each within.
 const NEARER: f32 = 0.004;
 
-/// What a frame of the view shows.
+/// Contents of a frame of the view.
 pub(super) struct ShownCloud<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
@@ -42,7 +42,7 @@ impl<'a> ShownCloud<'a> {
         Self { survey, products, scene, bottom, all }
     }
 
-    /// What the pointer picks from.
+    /// Returns the contents that the pointer picks from.
     pub(super) fn pick_scene(&self) -> PickScene<'a> {
         PickScene { scene: self.scene, bottom: self.bottom.map(|bottom| &**bottom), all: self.all }
     }
@@ -65,7 +65,7 @@ impl<'a> ShownCloud<'a> {
         }
     }
 
-    /// What the GPU draws.
+    /// Returns the drawing for the GPU.
     pub(super) fn drawing(
         &self,
         app: &App,

@@ -17,7 +17,7 @@ const EDGE: usize = 17;
 /// Looks at the picture along a texel, at most.
 const MOST_LOOKS: usize = 3;
 
-/// What the tiles of a base map are made of.
+/// Inputs of the tiles of a base map.
 #[derive(Clone, PartialEq)]
 pub(super) struct BaseMapKey {
     map: Same<BaseMap>,
@@ -39,7 +39,7 @@ impl BaseMapKey {
         }
     }
 
-    /// What paints the tiles.
+    /// Returns the painter of the tiles.
     pub(super) fn source(self) -> Arc<dyn TilePainter> {
         let bounds = bounds(&self);
         let pixel_m = self.map.0.pixel_m();
@@ -53,7 +53,7 @@ impl BaseMapKey {
     }
 }
 
-/// What of the picture lies near the survey, in its plane.
+/// Bounds of the part of the picture near the survey, in the survey's plane.
 fn bounds(key: &BaseMapKey) -> GroundBounds {
     let BaseMapKey { map, survey, navigation } = key;
     let near = [-REACH_M, -REACH_M, REACH_M, REACH_M];

@@ -20,7 +20,7 @@ const MOST_LOOKS: usize = 4;
 /// Texels of a cell's side beyond which finer tiles show nothing more.
 const FINEST_SHARE: f64 = 16.0;
 
-/// Where the texels of a tile's picture lie on the grid.
+/// Places on the grid of the texels of a tile's picture.
 fn warp(depth_map: &DepthMap, key: MapTileKey) -> Warp {
     let grid = &depth_map.surface.grid;
     Warp::new(key, |place| {

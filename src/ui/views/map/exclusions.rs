@@ -29,7 +29,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     }
 }
 
-/// Where the boat was in the excluded stretches of a log.
+/// Places of the boat in the excluded stretches of a log.
 fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
     let found = log.survey.as_ref().zip(log.products.as_ref());
     let found = found.zip(log.exclusions()).into_iter();
@@ -45,7 +45,7 @@ pub(super) fn ping_count(app: &App) -> usize {
     found.map(|found| found.exclusions.ping_count()).sum()
 }
 
-/// Where the boat's places lie on the screen.
+/// Places of the boat on the screen.
 pub(super) fn places(scene: &MapScene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
     let step = pings.len().div_ceil(MOST_PLACES).max(1);
     let last = pings.last();

@@ -16,7 +16,8 @@ const MOST_PLACES: usize = 48;
 /// Least distance of two places of a stretch on the screen, points.
 const LEAST_STEP: f32 = 2.0;
 
-/// Where a stretch's name may stand from its middle, best first; its number stands above.
+/// Positions of a stretch's name relative to its middle, best first; the number of the stretch is
+/// above the name.
 const SIDES: [(Vec2, Align2); 4] = [
     (vec2(10.0, 6.0), Align2::LEFT_TOP),
     (vec2(-10.0, 6.0), Align2::RIGHT_TOP),

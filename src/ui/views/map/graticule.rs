@@ -83,8 +83,8 @@ fn on_screen(scene: &MapScene<'_>, at: LonLat) -> Pos2 {
     scene.at(navigation.to_plane(&scene.survey.track, at))
 }
 
-/// Where the name of a line stands: upright lines have theirs on the lower edge, level ones on the
-/// left, which the lower edge takes first.
+/// Place of the name of a line: on the lower edge for vertical lines, on the left edge for
+/// horizontal ones; in the lower left corner the lower edge has priority.
 fn name_at(scene: &MapScene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Pos2> {
     let rect = scene.rect;
     match family {
@@ -117,7 +117,7 @@ fn name(painter: &Painter, scene: &MapScene<'_>, covered: &mut Vec<Rect>, at: Po
     }
 }
 
-/// Where a line passes the zero of `side`, between two of its points.
+/// Place where a line crosses the zero of `side`, between two of its points.
 fn crossing(line: &[Pos2], side: impl Fn(Pos2) -> f32) -> Option<Pos2> {
     line.windows(2).find_map(|ends| {
         let [from, to] = [side(ends[0]), side(ends[1])];

@@ -15,11 +15,11 @@ use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
-/// Where depth comes from side-scan only, the track shows it in dashes so long, with so much grey
-/// between, metres.
+/// Lengths of a dash and of the grey between two dashes where depth comes from side-scan only,
+/// metres.
 const DASH_M: [f64; 2] = [5.0, 2.5];
 
-/// What the tracks of some logs are made of; equal keys give equal tracks.
+/// Inputs of the tracks of some logs; equal keys give equal tracks.
 #[derive(PartialEq)]
 pub(super) struct TrackKey {
     logs: Vec<LayerLogKey>,
@@ -38,8 +38,8 @@ struct LayerLogKey {
 }
 
 impl TrackKey {
-    /// Of these logs in colours between two depths, metres; `by_log` colours by log instead of
-    /// depth.
+    /// Creates the key of these logs in colours between two depths, metres; `by_log` colours by log
+    /// instead of depth.
     pub(super) fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
         let key = |shown: &ShownLog| LayerLogKey {
             id: shown.id,
@@ -134,11 +134,11 @@ impl TrackLayer {
     }
 }
 
-/// What the colour of a track says.
+/// Meaning of the colour of a track.
 enum Colouring {
     /// Depth, between the ends of the scale, metres.
     Depth(Option<[f32; 2]>),
-    /// Which log it is.
+    /// The log, by its colour.
     Log([u8; 3]),
 }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A line with its levels of detail.
 pub(super) struct MapLine {
-    /// What the places of `pyramid` are relative to, metres.
+    /// Origin of the places of `pyramid`, metres.
     pub origin_m: [f64; 2],
     /// The levels.
     pub pyramid: LinePyramid,
@@ -37,7 +37,7 @@ impl MapLine {
     }
 }
 
-/// How a line is drawn: two strokes, the first below.
+/// Look of a line: two strokes, the first below.
 #[derive(Clone, Copy)]
 pub(super) struct MapPen {
     /// Widths of the strokes, points.

@@ -362,7 +362,7 @@ fn boxes(context: &ViewContext<'_>) -> String {
     }
 }
 
-/// What is drawn, bottom first.
+/// Names of the layers that are drawn, bottom first, for screen readers and tests.
 fn layers(context: &ViewContext<'_>) -> String {
     let stack = &context.options().map.layers;
     let shown = stack.bottom_up().map(|shown| shown.layer);

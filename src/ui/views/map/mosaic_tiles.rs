@@ -9,7 +9,7 @@ use bathyscope_products::pipeline::{FINEST, Mosaic};
 use egui::Color32;
 use std::sync::Arc;
 
-/// What the legend says.
+/// Note for the legend.
 pub(super) fn note(settings: &MosaicSettings) -> &'static str {
     match settings.overlap {
         Overlap::Later => "mosaic: later\npass on top",
@@ -27,7 +27,7 @@ pub(super) struct MosaicTiles {
 }
 
 impl MosaicTiles {
-    /// Of a mosaic in the plane of the survey, in the colours of `settings`.
+    /// Creates the tiles of a mosaic in the plane of the survey, in the colours of `settings`.
     pub(super) fn new(mosaic: Arc<Mosaic>, settings: &MosaicSettings) -> Self {
         let colour = |level: usize| {
             let [r, g, b, a] = settings.colours.rgba(level as u8);

@@ -1,4 +1,4 @@
-//! Where antenna and transducer were at the selected ping, while they are apart.
+//! Draws antenna and transducer at the selected ping, while they are apart.
 
 use super::scene::MapScene;
 use crate::app::App;
@@ -8,7 +8,7 @@ use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 
 /// Half of the antenna's triangle, points.
 const HALF: f32 = 5.0;
-/// From here on each has its name, points.
+/// Least distance between them at which each is labelled, points.
 const NAMED: f32 = 34.0;
 
 /// Places of antenna and transducer at the selected ping, metres east and north; `None` while they
@@ -53,7 +53,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     name(transducer, antenna, "transducer");
 }
 
-/// What a screen reader says of it, after the name of the map.
+/// Text for screen readers, after the name of the map.
 pub(super) fn name(app: &App) -> String {
     let products = app.log.products.as_ref();
     let apart = products

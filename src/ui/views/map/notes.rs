@@ -1,4 +1,4 @@
-//! What the colour scale does not say by itself: a few short lines for each layer that is drawn.
+//! Notes that complete the colour scale: a few short lines for each layer that is drawn.
 
 use super::scene::MapScene;
 use super::{mosaic_tiles, points};
@@ -66,7 +66,7 @@ fn notes(scene: &MapScene<'_>) -> Vec<String> {
     notes
 }
 
-/// Why some of the track is grey.
+/// Reason why some of the track is grey.
 fn grey_track(scene: &MapScene<'_>) -> Option<&'static str> {
     match scene.track.range_m {
         // Its colours say which log it is.

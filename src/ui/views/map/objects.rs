@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Half of a mark, points.
 const HALF: f32 = 4.5;
-/// How near a mark a click must be, points.
+/// Greatest distance of a click from a mark, points.
 const REACH: f32 = 8.0;
 /// Longer side of a footprint on the screen from which it is drawn, points.
 const FOOTPRINT: f32 = 12.0;

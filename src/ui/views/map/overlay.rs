@@ -1,4 +1,4 @@
-//! What lies on and under the track: depth map, scale bar, north arrow, legend, marks.
+//! Draws scale bar, north arrow, legends and marks over the layers of the map.
 
 use super::notes;
 use super::scene::MapScene;
@@ -73,7 +73,7 @@ fn scales(painter: &Painter, scene: &MapScene<'_>, mut corner: Pos2) -> Vec<Rect
     covered
 }
 
-/// What the map is still being made of.
+/// Draws the text about the work on the map that is under way.
 pub(super) fn under_way(painter: &Painter, scene: &MapScene<'_>, text: &str) {
     let at = scene.rect.center_bottom() - vec2(0.0, 20.0);
     legend::words(painter, scene.options, at, Align2::CENTER_BOTTOM, text);
@@ -129,7 +129,7 @@ pub(super) fn marks(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     }
 }
 
-/// Where a mark is on the screen, after drawing the line to it from its boat.
+/// Draws the line from the boat to a mark, and returns the place of the mark on the screen.
 fn mark_at(
     painter: &Painter,
     scene: &MapScene<'_>,

@@ -14,9 +14,9 @@ use egui::{
     Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, pos2, vec2,
 };
 
-/// How near the pointer must come to a line or an end of one, points.
+/// Greatest distance of the pointer from a line or an end of one, points.
 const REACH: f32 = 9.0;
-/// Where the map is less wide, the buttons stand below the words, points.
+/// Width of the map below which the buttons are below the words, points.
 const ONE_ROW: f32 = 640.0;
 
 /// The drag of an end under way.
@@ -33,7 +33,7 @@ struct Drag {
     at: Pos2,
 }
 
-/// What the pointer did about the lines in this frame.
+/// Use of the pointer by the lines in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PointerUse {
     /// A drag that must not move the map.
@@ -42,11 +42,11 @@ pub(super) struct PointerUse {
     pub click: bool,
 }
 
-/// Where the map lies on the screen, and the log whose plane it is in.
+/// Area of the map on the screen, and the log whose plane it is in.
 pub(super) struct MapPlace<'a> {
     /// Part of the screen.
     pub rect: Rect,
-    /// Ground to screen.
+    /// Transform from the plane to the screen.
     pub transform: MapTransform,
     /// The shown log.
     pub survey: &'a Survey,
@@ -196,7 +196,8 @@ fn paint(
     }
 }
 
-/// What the lines take and mend, and what can be done with them.
+/// Draws the strip of the planned lines: their length, duration and uncertainties, with the
+/// buttons.
 fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &PlannedLines) {
     let (foot, right) = (rect.left_bottom(), rect.right() - 84.0);
     let is_narrow = right - foot.x < ONE_ROW;
@@ -216,7 +217,7 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
     });
 }
 
-/// What can be done with the lines; nothing in a picture.
+/// Draws the buttons for the lines; none in a picture.
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if context.app.view.is_picture {
         return;

@@ -1,4 +1,4 @@
-//! What the pointer does on the map: move, read, select, propose a stretch for the scale.
+//! Handles the pointer on the map: move, read, select, propose a stretch for the scale.
 
 use super::scene::MapScene;
 use super::transform::MapTransform;
@@ -12,10 +12,10 @@ use bathyscope_products::pipeline::DepthMap;
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
 use std::sync::Arc;
 
-/// How near the pointer must come to the track, points.
+/// Greatest distance of the pointer from the track, points.
 pub(super) const REACH: f32 = 30.0;
 
-/// How near the pointer must come to a point whose residual is shown, points.
+/// Greatest distance of the pointer from a point whose residual is shown, points.
 const NEAR: f32 = 6.0;
 
 /// Width in which a place stands in one line in degrees and in metres, points.
@@ -23,17 +23,17 @@ const TWO_PLACES: f32 = 360.0;
 /// Width in which the whole read-out stands in one line, points.
 const ONE_LINE: f32 = 720.0;
 
-/// What the pointer is about.
+/// State of the pointer on the map.
 #[derive(Default)]
 pub(super) struct MapPointer {
     /// Room that the banner of a tool takes below the buttons, points.
     pub banner_height: f32,
     hover: OwnHover,
-    /// What the menu is about, as it was opened.
+    /// Place that the menu was opened at.
     menu_at: Option<MenuAt>,
 }
 
-/// What is under the pointer.
+/// Place that the menu refers to.
 struct MenuAt {
     position: LonLat,
     /// The ping of the track that is near, and its log.

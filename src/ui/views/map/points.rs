@@ -1,4 +1,4 @@
-//! The points of the cloud from above: where on the ground depths were measured.
+//! The points of the cloud from above: the places on the bottom where depths were measured.
 
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Points between two looks at whether the work was cancelled.
 const CHECK: usize = 1 << 14;
 
-/// What the points are drawn from, and in which colours.
+/// Inputs of the point layer: the points and their colours.
 #[derive(Clone, PartialEq)]
 pub(super) struct PointKey {
     logs: Vec<(Same<PointCloud>, Same<Vec<PointClass>>)>,
@@ -23,7 +23,7 @@ pub(super) struct PointKey {
 }
 
 impl PointKey {
-    /// Of the last results.
+    /// Creates the key of the last results.
     pub(super) fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
         let key = |shown: &ShownLog| {
             let products = &shown.log.products;
@@ -38,7 +38,7 @@ impl PointKey {
     }
 }
 
-/// What the legend says; `has_swath` says whether points of a swath are among them.
+/// Note for the legend; `has_swath` is true if points of a swath are among them.
 pub(super) fn note(options: &ViewOptions, has_swath: bool) -> String {
     let sides = match options.side_colours {
         SideColours::Paper => "points: blue port,\nred starboard",

@@ -18,7 +18,7 @@ const STEPS: u8 = 255;
 /// The points of an agreement, ready to paint and to search.
 pub(super) struct ResidualLayer {
     agreement: Arc<Agreement>,
-    /// Of each dot.
+    /// Difference of each dot, metres.
     differences_m: Vec<f32>,
     dots: Arc<Dots>,
     /// The colours end at plus and minus this, metres.
@@ -55,19 +55,19 @@ impl ResidualLayer {
         Some(dots.map(|dots| Self { agreement, differences_m, dots: Arc::new(dots), reach_m }))
     }
 
-    /// What paints it.
+    /// Returns the painter of the tiles.
     pub(super) fn tiles(&self) -> Arc<dyn TilePainter> {
         self.dots.clone()
     }
 
-    /// How the point nearest to a place differs from its reference, if one is within `reach_m`,
+    /// Difference from the reference at the point nearest to a place, if one is within `reach_m`,
     /// metres.
     pub(super) fn at(&self, place: [f64; 2], reach_m: f64) -> Option<f64> {
         let dot = self.dots.nearest(place, reach_m)?;
         self.differences_m.get(dot).copied().map(f64::from)
     }
 
-    /// What the legend says.
+    /// Note for the legend.
     pub(super) fn note(&self) -> String {
         let what = match &self.agreement.reference {
             Some(reference) => {

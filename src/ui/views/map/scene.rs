@@ -1,4 +1,4 @@
-//! What a frame of the map is made of.
+//! Contents of a frame of the map.
 
 use super::isobaths::layer::IsobathLayer;
 use super::layers::TrackLayer;
@@ -13,7 +13,7 @@ use bathyscope_products::pipeline::{DepthMap, Products};
 use egui::{Color32, Pos2, Rect};
 use std::sync::Arc;
 
-/// What a frame of the map is made of.
+/// Contents of a frame of the map.
 pub(super) struct MapScene<'a> {
     pub rect: Rect,
     pub transform: MapTransform,
@@ -42,7 +42,7 @@ pub(super) struct MapScene<'a> {
 }
 
 impl MapScene<'_> {
-    /// Where a place is on the screen.
+    /// Place on the screen.
     pub(super) fn at(&self, place: [f64; 2]) -> Pos2 {
         self.transform.to_screen(self.rect, place)
     }

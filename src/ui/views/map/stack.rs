@@ -26,12 +26,12 @@ use std::sync::Arc;
 /// Work that takes longer than this is announced.
 const PATIENCE_S: f64 = 0.5;
 
-/// What the tiles of a layer are painted by,
+/// Painter of the tiles of a layer.
 type PaintedBy = Arc<dyn TilePainter>;
-/// and `None` where there is nothing to paint.
+/// Painter of the tiles of a layer; `None` where there is nothing to paint.
 type LayerSource = Option<PaintedBy>;
 
-/// What the layers of one map are drawn from.
+/// Sources of the layers of one map, as far as they are ready.
 pub(super) struct Layers {
     base_map: Background<BaseMapKey, Arc<dyn TilePainter>>,
     /// Tiles of depths and of hill-shade, with the depth map that they are painted from.
@@ -44,12 +44,12 @@ pub(super) struct Layers {
     comparing: bool,
     tiles: [(MapLayer, TileLayer); 6],
     isobaths: Background<(Same<DrawnIsobaths>, Units), Arc<IsobathLayer>>,
-    /// What is made of all logs, in words.
+    /// Products of all logs that are being made, in words.
     deriving: Vec<&'static str>,
     labels: Background<(Same<IsobathLayer>, i32), IsobathLabels>,
     isobath_picture: LinePicture<IsobathLayer>,
     track: LinePicture<TrackLayer>,
-    /// When something began to be under way, in the window's seconds.
+    /// Start of the present work, in the window's seconds.
     busy_since_s: Option<f64>,
 }
 
@@ -219,7 +219,8 @@ impl Layers {
         self.residuals.result().filter(|_| shown).cloned().flatten()
     }
 
-    /// What some layers cover, and the track: a base map, which may show a country, does not count.
+    /// Extent of some layers and of the track: a base map, which may show a country, does not
+    /// count.
     pub(super) fn extent(&self, layers: &[MapLayer], track: GroundBounds) -> GroundBounds {
         let counts = |layer: &MapLayer| *layer != MapLayer::BaseMap && layers.contains(layer);
         let tiles = self.tiles.iter().filter(|(layer, _)| counts(layer));
@@ -297,7 +298,7 @@ impl Layers {
         isobaths::show(picture, painter, state, scene, &layer, labels);
     }
 
-    /// What is being made before it can be drawn.
+    /// Work that precedes the drawing, in words.
     fn making(&self) -> Vec<&'static str> {
         let jobs = [
             (self.base_map.is_running(), "placing the base map"),
@@ -311,7 +312,7 @@ impl Layers {
         derived.chain(running.map(|(_, what)| what)).collect()
     }
 
-    /// What is under way, in words, once it has taken longer than a moment.
+    /// Describes the work under way once it has taken longer than a moment.
     pub(super) fn under_way(&mut self, now_s: f64) -> Option<String> {
         if self.is_settled() {
             self.busy_since_s = None;

@@ -33,7 +33,7 @@ impl Drag {
     }
 }
 
-/// Where the map lies on the screen.
+/// Area of the map on the screen, and its transform.
 type MapPosition = (Rect, MapTransform);
 
 impl StretchTool {

@@ -1,4 +1,4 @@
-//! Where the map looks: north up, the same scale east and north.
+//! View of the map: north up, the same scale east and north.
 
 use egui::{Pos2, Rect, Vec2, pos2};
 
@@ -79,7 +79,7 @@ impl MapTransform {
         }
     }
 
-    /// Where a place is on the screen.
+    /// Place on the screen.
     pub(super) fn to_screen(self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
         let right = (east_m - self.centre_m[0]) / self.metres_per_point;
         let up = (north_m - self.centre_m[1]) / self.metres_per_point;

@@ -1,4 +1,4 @@
-//! From the texels of a tile into another plane: exact on a coarse net, linear between.
+//! Transforms the texels of a tile into another plane: exact on a coarse net, linear between.
 
 use super::tiles::{MapTileKey, SIDE};
 
@@ -6,13 +6,14 @@ use super::tiles::{MapTileKey, SIDE};
 /// less than half a texel.
 const MESHES: usize = 8;
 
-/// Where the texels of a tile's picture lie in another plane.
+/// Places of the texels of a tile's picture in another plane.
 pub(super) struct Warp {
     nodes: Vec<[f64; 2]>,
 }
 
 impl Warp {
-    /// By `into`, which takes metres east and north of the survey's origin to the other plane.
+    /// Creates the places with `into`, which takes metres east and north of the survey's origin to
+    /// the other plane.
     pub(super) fn new(key: MapTileKey, into: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
         let [west, north] = key.corner();
         let step_m = key.texel_m() * SIDE as f64 / MESHES as f64;
@@ -37,7 +38,7 @@ impl Warp {
             .map(move |look| self.at([share(column, look % looks), share(row, look / looks)]))
     }
 
-    /// At shares of the picture's width and height.
+    /// Place at shares of the picture's width and height.
     fn at(&self, shares: [f64; 2]) -> [f64; 2] {
         let [(left, right), (top, down)] = shares.map(|share| {
             let place = share * MESHES as f64;

@@ -34,7 +34,7 @@ impl ColumnWidths {
         PICTURE_WIDTH + columns
     }
 
-    /// Where the picture lies in a row, and where each cell does.
+    /// Area of the picture in a row, and of each cell.
     pub(super) fn cells(
         &self,
         row: Rect,

@@ -126,7 +126,8 @@ impl ObjectsView {
         self.thumbnails.ask(app, ui.ctx(), listed[in_sight].iter().copied());
     }
 
-    /// What has the keyboard: all rows as one control, which Tab comes to and leaves in one step.
+    /// Creates the control that has the keyboard: all rows as one, which Tab enters and leaves in
+    /// one step.
     fn body(&mut self, ui: &Ui, count: usize, selected: Option<usize>) -> Response {
         let rect = ui.available_rect_before_wrap();
         let body = ui.interact(rect, Id::unique("rows of objects"), Sense::click());
@@ -147,8 +148,8 @@ impl ObjectsView {
         body
     }
 
-    /// What the keys ask for while the rows have the keyboard: another row, or the selected object
-    /// in all views.
+    /// Commands of the keys while the rows have the keyboard: select another row, or show the
+    /// selected object in all views.
     fn keys(
         &self,
         ui: &Ui,

@@ -60,7 +60,7 @@ impl ObjectTableRow<'_> {
         }
     }
 
-    /// For screen readers and tests: `Object 3, Anna, wreck, seen 2 times, accepted`.
+    /// Name for screen readers and tests: `Object 3, Anna, wreck, seen 2 times, accepted`.
     fn name(&self) -> String {
         let object = self.object;
         let times = text::plural(object.sightings, "time", "times");

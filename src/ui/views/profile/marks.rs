@@ -1,4 +1,4 @@
-//! What is marked on the profile: threshold, dead zone, picks and the bottom under the boat.
+//! Draws the marks of the profile: threshold, dead zone, picks and the bottom under the boat.
 
 use super::Shown;
 use super::plot::ProfilePlot;

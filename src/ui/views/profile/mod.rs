@@ -47,7 +47,7 @@ impl Default for ProfileView {
     }
 }
 
-/// What the profile shows.
+/// Data that the profile shows.
 struct Shown<'a> {
     survey: &'a Survey,
     reduction: Reduction<'a>,
@@ -58,7 +58,7 @@ struct Shown<'a> {
     picks: [Option<Found>; 2],
     threshold: f32,
     dead_zone_m: f64,
-    /// Why the ping does not count, in words.
+    /// Reason why the ping is excluded, in words.
     excluded: Option<String>,
 }
 

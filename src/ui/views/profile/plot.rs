@@ -12,9 +12,9 @@ const BELOW: f32 = 16.0;
 /// Room for the words above, points.
 const ABOVE: f32 = 16.0;
 
-/// Between values and the screen.
+/// Transform between values and the screen.
 pub(super) struct ProfilePlot {
-    /// Where the curves lie.
+    /// Area of the curves.
     pub area: Rect,
     far_m: f64,
 }

@@ -6,7 +6,7 @@ use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::Background;
 use std::sync::Arc;
 
-/// What a measurement is valid for.
+/// Inputs that a measurement is valid for.
 #[derive(Clone, PartialEq)]
 struct ScaleKey {
     survey_serial: u64,

@@ -1,4 +1,4 @@
-//! What the view says about itself to screen readers and tests, and while it has nothing to show.
+//! Describes the view for screen readers and tests, also while it has nothing to show.
 
 use super::marks;
 use crate::ui::views::empty;
@@ -39,7 +39,7 @@ pub(super) fn without_picture(
     });
 }
 
-/// What the picture shows; the read-out under the pointer is its value.
+/// Describes the picture; the read-out under the pointer is its value.
 pub(super) fn describe(
     response: &Response,
     visible: &Range<usize>,

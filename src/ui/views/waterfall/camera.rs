@@ -1,4 +1,4 @@
-//! Where the waterfall looks, and how far it can go.
+//! View of the waterfall, and its limits.
 
 use crate::app::Orientation;
 use egui::Vec2;
@@ -10,19 +10,19 @@ const LARGEST_TEXEL: f64 = 48.0;
 /// showing all.
 const READABLE_PINGS: f64 = 4.0;
 
-/// What there is to look at.
+/// Extent of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PictureExtent {
     /// Pings of the survey.
     pub pings: f64,
-    /// What lies nearest to the upper or left edge, metres from the middle: on the other side, or
-    /// the middle itself.
+    /// End of the picture at the upper or left edge, metres from the middle: on the other side
+    /// (negative), or the middle itself (0).
     pub near_m: f64,
     /// Farthest slant range, metres.
     pub far_m: f64,
     /// Slant range of the finest sample, metres.
     pub bin_m: f64,
-    /// What the boat usually moves from one ping to the next, metres; `None` where it is not known.
+    /// Usual distance from one ping to the next, metres; `None` where it is not known.
     pub ping_m: Option<f64>,
 }
 
@@ -90,7 +90,7 @@ const CLOSE_UP: f64 = 3.0;
 /// around it.
 const FITS: f64 = 2.0;
 
-/// Where the view looks. Along: ping numbers. Across: metres, port negative.
+/// View of the waterfall. Along: ping numbers. Across: metres, port negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Camera {
     pub along: CameraAxis,
@@ -127,7 +127,7 @@ impl Camera {
         self.across.fit(extent.near_m, extent.far_m, size.across);
     }
 
-    /// What is in view: first and last ping, and ends across, metres.
+    /// Returns the ends of the view: first and last ping, and both ends across, metres.
     pub(super) fn seen(&self, size: Size) -> [f64; 4] {
         let ends = |axis: &CameraAxis, points: f64| {
             let half = 0.5 * axis.per_point * points;
@@ -276,8 +276,8 @@ impl Camera {
         }
     }
 
-    /// How many times longer a metre along is drawn than one across, where the boat's speed is
-    /// known.
+    /// Ratio of the drawn length of a metre along to that of a metre across; `None` where the
+    /// boat's speed is not known.
     pub(super) fn stretch(&self, extent: &PictureExtent) -> Option<f64> {
         let ping_m = self.ping_m.or(extent.ping_m)?;
         Some(self.across.per_point / (self.along.per_point * ping_m))

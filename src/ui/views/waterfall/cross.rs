@@ -6,7 +6,7 @@ use crate::ui::ViewContext;
 use crate::ui::views::measured;
 use egui::{Painter, Response, Ui, Vec2, vec2};
 
-/// Where it stands; nowhere before a key has moved it, and after the pointer has.
+/// Place of the cross; `None` before a key has moved it, and after the pointer has moved.
 #[derive(Default)]
 pub(super) struct Cross {
     place: Option<LensPlace>,
@@ -40,13 +40,13 @@ impl Cross {
         true
     }
 
-    /// Where it stands, or else the pointer.
+    /// Place of the cross, or else of the pointer.
     pub(super) fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<LensPlace> {
         let under = response.hover_pos().map(|at| lens.place_at(at));
         self.place.or(under)
     }
 
-    /// Where it stands.
+    /// Place of the cross.
     pub(super) fn place(&self) -> Option<LensPlace> {
         self.place
     }

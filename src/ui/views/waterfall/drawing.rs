@@ -1,5 +1,5 @@
-//! What is drawn of one survey: the worker that makes it, what has arrived, what still has to go to
-//! the GPU.
+//! Data of the picture of one survey: the worker that makes it, the tiles that have arrived, and
+//! those that still have to go to the GPU.
 
 use super::lens::Lens;
 use super::tiles::ResidentTiles;

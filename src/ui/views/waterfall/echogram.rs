@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Share of the view that it takes beside the side-scan.
 const SHARE: f32 = 0.36;
 
-/// What is shown of a log's channel.
+/// State of the picture of a log's channel.
 #[derive(Default)]
 pub(super) struct EchogramPart {
     shown: Option<Shown>,
@@ -189,8 +189,7 @@ fn aim(
     Lens::arranged(*camera, rect, &arrangement)
 }
 
-/// What the picture shows, for screen readers and tests; the read-out under the pointer is its
-/// value.
+/// Describes the picture for screen readers and tests; the read-out under the pointer is its value.
 fn describe(
     response: &Response,
     channel: &str,
@@ -236,7 +235,7 @@ fn draw_picture(
     drawing.is_settled()
 }
 
-/// What is drawn over the echoes.
+/// Overlay of the echoes.
 struct EchogramOverlay<'a> {
     survey: &'a Survey,
     drawing: &'a WaterfallDrawing,

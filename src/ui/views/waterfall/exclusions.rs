@@ -57,7 +57,7 @@ pub(super) fn edges(lens: &Lens, [first, last]: [usize; 2]) -> [[Pos2; 2]; 2] {
     [first as f64, last as f64 + 1.0].map(|ping| lens.line_at_ping(ping))
 }
 
-/// What pings cover of the picture; `None` out of view.
+/// Area of pings in the picture; `None` out of view.
 pub(super) fn area(lens: &Lens, pings: [usize; 2]) -> Option<Rect> {
     let [from, to] = edges(lens, pings);
     let area = Rect::from_two_pos(from[0], to[1]).intersect(lens.rect);

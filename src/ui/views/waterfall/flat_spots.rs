@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Thickness of a bar, points.
 const BAR: f32 = 2.0;
-/// How near the pointer must come to a bar, points.
+/// Greatest distance of the pointer from a bar, points.
 const REACH: f32 = 10.0;
 
 /// A stretch in view.
@@ -25,7 +25,7 @@ pub(super) struct ShownStretch {
     name: String,
 }
 
-/// What a stretch is.
+/// Kind of a stretch.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     InUse,

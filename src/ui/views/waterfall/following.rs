@@ -6,7 +6,7 @@ use crate::app::App;
 /// Share of the view by which the newest ping may lie beyond its edge and still count as in view.
 const NEAR: f64 = 0.02;
 
-/// Whether the newest ping is in view, and which it was.
+/// State of the newest ping: its number and whether it is in view.
 #[derive(Default)]
 pub(super) struct NewestPing {
     /// Pings in the last frame, where the last of them was in view then.

@@ -1,4 +1,4 @@
-//! What wheel, drag and keys do to the camera.
+//! Moves the camera by wheel, drag and keys.
 
 use super::camera::{Camera, PictureExtent, Size};
 use super::lens::{Arrangement, Lens};

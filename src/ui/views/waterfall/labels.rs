@@ -19,7 +19,7 @@ pub(super) struct WaterfallLabels<'a> {
 }
 
 impl<'a> WaterfallLabels<'a> {
-    /// Nothing written yet.
+    /// Creates an empty set of labels.
     pub(super) fn new(painter: &'a Painter) -> Self {
         Self { painter, taken: Vec::new() }
     }
@@ -48,7 +48,7 @@ pub(super) fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
     paint(painter, galley, rect, INK);
 }
 
-/// What [`text`] covers.
+/// Area that [`text`] covers.
 pub(super) fn covered(painter: &Painter, at: Pos2, anchor: Align2, text: &str) -> Rect {
     ground(lay_out(painter, at, anchor, text).1)
 }

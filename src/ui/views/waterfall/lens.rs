@@ -23,7 +23,7 @@ pub(super) struct LensPlace {
 }
 
 impl LensPlace {
-    /// At a slant range of a side.
+    /// Creates the place at a slant range of a side.
     pub(super) fn of(ping: f64, side: Side, range_m: f64) -> Self {
         let across_m = across_m(side, range_m);
         Self { ping, across_m }
@@ -40,18 +40,18 @@ impl LensPlace {
     }
 }
 
-/// How the picture is laid out, wherever the camera looks.
+/// Layout of the picture, independent of the camera.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arrangement {
-    /// Which way time runs.
+    /// Direction of time.
     pub orientation: Orientation,
-    /// What lies across.
+    /// Geometry of the across direction.
     pub geometry: PictureGeometry,
     /// Later pings to the left, or above.
     pub flip: bool,
     /// Starboard first.
     pub starboard_first: bool,
-    /// What ranges are worth; without them all is slant range.
+    /// Conversion of slant ranges at each ping; without it, slant range is shown.
     pub scales: Option<Arc<PingScales>>,
 }
 
@@ -81,7 +81,7 @@ impl Lens {
         Self::arranged(camera, rect, &arrangement)
     }
 
-    /// What is laid out in some way.
+    /// Creates the lens of a camera for an arrangement.
     pub(super) fn arranged(camera: Camera, rect: Rect, arrangement: &Arrangement) -> Self {
         Self {
             rect,
@@ -92,7 +92,7 @@ impl Lens {
         }
     }
 
-    /// What lies across.
+    /// Geometry of the across direction.
     pub(super) fn geometry(&self) -> PictureGeometry {
         match self.arrangement.scales {
             Some(_) => self.arrangement.geometry,
@@ -116,8 +116,7 @@ impl Lens {
         self.camera.along.centre - half..self.camera.along.centre + half
     }
 
-    /// What is shown across at both ends, metres from the middle, negative on the side that is
-    /// first.
+    /// Ends of the view across, metres from the middle, negative on the side that is first.
     pub(super) fn metres(&self) -> Range<f64> {
         let half = self.camera.across.per_point * self.size.across / 2.0;
         self.camera.across.centre - half..self.camera.across.centre + half
@@ -147,14 +146,14 @@ impl Lens {
         (seen.start.floor().max(0.0) as usize).min(end)..end
     }
 
-    /// What ranges of a side are worth at a ping.
+    /// Conversion of the slant ranges of a side at a ping.
     fn scale(&self, side: Side, ping: f64) -> PingScale {
         let scales = self.arrangement.scales.as_ref();
         // Beyond the first and last ping, theirs.
         scales.map_or_else(PingScale::default, |scales| scales.at(side, ping as usize))
     }
 
-    /// How far from the middle a recorded range of a side is shown at a ping, metres.
+    /// Distance from the middle at which a recorded range of a side is shown at a ping, metres.
     pub(super) fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
         match self.geometry() {
             PictureGeometry::Slant => range_m,

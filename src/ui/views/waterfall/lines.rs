@@ -16,7 +16,7 @@ const DOT_POINTS: f64 = 7.0;
 /// only with one.
 const RIM_POINTS: f32 = 1.25;
 
-/// How a line looks.
+/// Look of a line.
 #[derive(Clone, Copy)]
 pub(super) struct WaterfallPen {
     colour: Color32,
@@ -32,7 +32,7 @@ impl WaterfallPen {
         Self { colour, width, rim: 0.0 }
     }
 
-    /// What is drawn under the line, so that it stands out from any picture.
+    /// Returns the pen of the rim under the line, which makes it visible on any picture.
     fn rim(self) -> Self {
         Self { colour: Color32::from_black_alpha(170), rim: RIM_POINTS, ..self }
     }

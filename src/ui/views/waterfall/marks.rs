@@ -43,7 +43,7 @@ pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
     ground
 }
 
-/// What keeps the picture from being a picture of the bottom.
+/// Reason why the picture does not show the bottom; `None` if it does.
 pub(super) fn warning(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,

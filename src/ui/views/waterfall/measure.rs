@@ -14,16 +14,16 @@ use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui,
 /// Half of the stroke that ends a shadow, points.
 const TICK: f32 = 7.0;
 
-/// What the view keeps between frames for measuring.
+/// State of measuring that the view keeps between frames.
 #[derive(Default)]
 pub(super) struct MeasureTool {
-    /// Where the arrow keys have moved the cross; the pointer takes over when it moves.
+    /// Cross that the arrow keys move; the pointer takes over when it moves.
     cross: Cross,
     /// A corner was asked for by key.
     wants_corner: bool,
     /// A drag along a shadow is under way.
     drags: bool,
-    /// Where the next corner would be.
+    /// Place of the next corner.
     next: Option<Pick>,
 }
 
@@ -108,7 +108,7 @@ impl MeasureTool {
         }
     }
 
-    /// What the figure in hand covers of the screen; `None` while nothing is drawn.
+    /// Area of the figure in hand on the screen; `None` while nothing is drawn.
     pub(super) fn area(&self, lens: &Lens, app: &App) -> Option<Rect> {
         let shown = self.shown(app).filter(|_| app.map.measuring.is_drawing())?;
         let places = on_screen(lens, app, &shown);
@@ -144,7 +144,8 @@ fn pick_at(survey: &Survey, place: LensPlace) -> Option<Pick> {
     Some(Pick { log: Identity::of(survey), side, ping, slant_m: place.across_m.abs().min(far_m) })
 }
 
-/// Where the picks of a figure lie that are of the shown log.
+/// Places on the screen of those picks of a figure that are of the shown log, with the numbers of
+/// their corners.
 fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usize, Pos2)> {
     let Some(survey) = &app.log.survey else {
         return Vec::new();

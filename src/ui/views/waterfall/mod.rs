@@ -51,7 +51,7 @@ pub struct WaterfallView {
     drawing: Option<WaterfallDrawing>,
     gpu: Option<Gpu>,
     camera: Option<Camera>,
-    /// Where the first frame is to look: from and to along the track and across it.
+    /// View of the first frame: its ends along the track and across it.
     aim: Option<[f64; 4]>,
     /// The size of the last frame.
     size: Option<Size>,
@@ -62,20 +62,20 @@ pub struct WaterfallView {
     pen: bottom::BottomPen,
     stretch: stretch_tool::StretchTool,
     measure: measure::MeasureTool,
-    /// Where the arrow keys would mark a target.
+    /// Cross that the arrow keys move to mark a target.
     cross: cross::Cross,
     echogram: echogram::EchogramPart,
     settled: bool,
     end: following::NewestPing,
 }
 
-/// What was asked for between frames, when the size of the view is not known.
+/// Requests between frames, while the size of the view is not known.
 enum Request {
     View(ViewRequest),
     Pings(Range<usize>),
 }
 
-/// What draws one picture.
+/// GPU resources of one picture.
 struct Gpu {
     picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
@@ -183,7 +183,7 @@ impl WaterfallView {
         }
     }
 
-    /// How the picture is laid out. Who draws the bottom sees the water above it.
+    /// Layout of the picture. While the bottom is drawn by hand, the water above it is shown.
     fn arrangement(&self, app: &App) -> Arrangement {
         let options = &app.view.options.waterfall;
         let picture = &app.log.settings.picture;
@@ -309,7 +309,8 @@ impl Gpu {
     }
 }
 
-/// Where slant ranges in the middle of some pings are shown across, metres, the smaller first.
+/// Distances from the middle at which slant ranges at the middle of some pings are shown, metres,
+/// the smaller first.
 fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
     let ping = 0.5 * (pings[0] + pings[1]);
     let [a, b] = across_m.map(|across_m| {

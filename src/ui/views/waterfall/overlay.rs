@@ -14,7 +14,7 @@ use egui::Painter;
 /// Width of the first return, points.
 const FIRST_RETURN_WIDTH: f32 = 1.5;
 
-/// What is drawn over the picture.
+/// Overlay of the picture.
 pub(super) struct ShownOverlay<'a> {
     pub app: &'a App,
     pub survey: &'a Survey,
@@ -27,7 +27,7 @@ pub(super) struct ShownOverlay<'a> {
     /// The missed objects in view.
     pub missed: &'a [boxes::Missed<'a>],
     pub has_gpu: bool,
-    /// What the banner of a tool covers.
+    /// Area of the banner of a tool.
     pub banner: Option<egui::Rect>,
     /// Length of a metre along the track over that of one across, as drawn; where that is known.
     pub stretch: Option<f64>,
@@ -108,7 +108,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     }
 }
 
-/// What keeps the picture from being one, if anything does.
+/// Reason why there is no picture of the bottom, if there is one.
 fn warning(shown: &ShownOverlay<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
     marks::warning(shown.survey, shown.app.view.options.units)

@@ -1,4 +1,4 @@
-//! What is under the pointer: the read-out, hover and selection, and the menu.
+//! Handles the pointer: the read-out, hover and selection, and the menu.
 
 use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
@@ -24,9 +24,9 @@ pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
     Some(LogPlace { ping, side: sample.map(|_| side), sample, point: None })
 }
 
-/// What [`follow`] found.
+/// Result of [`follow`].
 pub(super) struct Followed {
-    /// What the pointer is over.
+    /// Place under the pointer.
     pub place: Option<LensPlace>,
     /// Equal scales along and across were asked for at this ping.
     pub equal_scales_at: Option<usize>,
@@ -190,7 +190,7 @@ pub(super) fn read_out(painter: &Painter, lens: &Lens, pointer: Pos2, text: &str
     labels::text(painter, at, anchor, text);
 }
 
-/// Where the read-out stands; `covered` is what it covers at a place.
+/// Place of the read-out; `covered` is its area at a place.
 fn read_out_place(
     view: Rect,
     pointer: Pos2,
@@ -227,7 +227,7 @@ fn anchor(right: bool, below: bool) -> Align2 {
     }
 }
 
-/// Why a line is dashed at a ping.
+/// Reasons why lines are dashed at a ping.
 fn doubts(app: &App, number: usize, side: Side) -> String {
     let shown = &app.view.options.waterfall;
     let mut lines = String::new();
@@ -243,8 +243,8 @@ fn doubts(app: &App, number: usize, side: Side) -> String {
     lines
 }
 
-/// What is known of a place. Its range is that of the range lines and of the cloud; beside it
-/// stands the recorder's.
+/// Describes a place. Its range is that of the range lines and of the cloud, followed by the
+/// recorded range.
 pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;

@@ -171,7 +171,8 @@ fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
     places.iter().map(at).collect()
 }
 
-/// What lies across, and how long a metre along is drawn, where the picture begins.
+/// Writes the geometry of the across direction and the stretch along the track, where the picture
+/// begins.
 pub(super) fn geometry(labels: &mut WaterfallLabels<'_>, lens: &Lens, stretch: Option<f64>) {
     let across = match lens.geometry() {
         PictureGeometry::Slant => "slant range",
@@ -194,7 +195,7 @@ pub(super) fn geometry(labels: &mut WaterfallLabels<'_>, lens: &Lens, stretch: O
     labels.write(at, Align2::LEFT_BOTTOM, &words, INK);
 }
 
-/// What is done to the recorded ranges, below the name of the side where the picture ends.
+/// Writes the change of the recorded ranges, below the name of the side where the picture ends.
 pub(super) fn range_change(labels: &mut WaterfallLabels<'_>, lens: &Lens, change: &str) {
     let rect = lens.rect.shrink(6.0);
     let (at, anchor) = match lens.orientation {

@@ -8,7 +8,7 @@ use crate::ui::views::tool_banner;
 use bathyscope_log::survey::Survey;
 use egui::{Painter, Rect, Response, Sense, Ui};
 
-/// What the tools in hand do with the pointer.
+/// Use of the pointer by the tools in hand.
 #[derive(Clone, Copy, Default)]
 struct ToolsInUse {
     /// A box is being moved or drawn.
@@ -91,8 +91,8 @@ impl WaterfallView {
         ToolsInUse { hold_box, draw: draws_bottom || draws_stretch || measures }
     }
 
-    /// With the tool for targets in hand, the place under the cross that the arrow keys move is
-    /// what keys are about.
+    /// Moves the cross of the tool for targets by the arrow keys; the place under it becomes the
+    /// one that keys act on.
     fn aim_at_target(
         &mut self,
         ui: &mut Ui,

@@ -22,7 +22,7 @@ struct Drag {
     does: Does,
 }
 
-/// What the tool in hand does with what was begun on a side.
+/// Effect of a drag with the tool in hand that began on a side.
 fn does(tool: Tool, side: Side, ui: &Ui) -> Option<Does> {
     let modifiers = ui.input(|input| input.modifiers);
     match tool {

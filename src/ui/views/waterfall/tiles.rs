@@ -1,5 +1,4 @@
-//! Which tiles are in view, which of them are there, and what is drawn instead of those that are
-//! not.
+//! Chooses the tiles in view, and what is drawn in place of tiles that are not ready.
 
 use super::lens::Lens;
 use crate::app::Orientation;
@@ -17,13 +16,13 @@ use std::sync::Arc;
 const BUDGET: usize = 96 << 20;
 
 const _: () = assert!(TILE == TILE_ROWS, "a row of a tile has its place in its rows");
-/// Of a row of which nothing but its recording is known.
+/// Values of a row of which nothing but its recording is known.
 const AS_RECORDED: TileRow = [0.0, 1.0, 0.0, 1.0];
 
 /// A tile on the GPU and how complete it is.
 pub(super) struct Resident {
     pub texture: TileTexture,
-    /// By what is shown; `None` until it is drawn with that.
+    /// Rows for the picture that is shown; `None` until the tile is drawn with it.
     rows: Option<TileRows>,
     pub completeness: u8,
     /// Rows that it has.
@@ -33,7 +32,7 @@ pub(super) struct Resident {
 /// The tiles of one survey that were drawn lately.
 pub(super) struct ResidentTiles {
     cache: Lru<WaterfallTileKey, Resident>,
-    /// What their rows are of.
+    /// Picture that the rows of the tiles belong to.
     rows_of: Option<Same<LogPicture>>,
 }
 
@@ -195,7 +194,7 @@ impl<'a> LensScale<'a> {
         Self { axis, lens, picture, pings_per_pixel, bins_per_pixel, level }
     }
 
-    /// What the lens sees of a side, within the survey.
+    /// Area of a side that the lens shows, within the survey.
     fn whole(&self, side: Side) -> QuadArea {
         let shown = self.lens.seen_of(side);
         let [near_m, far_m] = self.recorded_m([shown.start, shown.end]);
@@ -307,7 +306,7 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// What the rows of a tile are brought to one level by.
+    /// Values that bring the rows of a tile to the common level.
     fn rows(&self, key: &WaterfallTileKey) -> [TileRow; TILE_ROWS] {
         std::array::from_fn(|row| {
             let first = key.first_ping() + row * key.level.pings();

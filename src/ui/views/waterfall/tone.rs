@@ -1,4 +1,4 @@
-//! From the picture settings of the shown log to what the renderer takes.
+//! Converts the picture settings of the shown log into the parameters of the renderer.
 
 use super::lens::Lens;
 use crate::app::{App, Orientation};

@@ -111,14 +111,14 @@ struct EdgesByRow<'a> {
     outline: &'a [[f64; 2]],
     south_m: f64,
     rows_per_m: f64,
-    /// Of each row the edges, by their first corner.
+    /// Edges of each row, by their first corner.
     rows: Vec<Vec<usize>>,
 }
 
 impl<'a> EdgesByRow<'a> {
-    /// Of an outline within bounds: west, south, east and north.
+    /// Sorts the edges of an outline into rows; its bounds are west, south, east and north.
     fn new(outline: &'a [[f64; 2]], [_, south_m, _, north_m]: [f64; 4]) -> Self {
-        // As many rows as each has edges, about.
+        // There are about as many rows as each has edges.
         let count = outline.len().isqrt().max(1);
         let mut edges = Self {
             outline,
@@ -140,14 +140,15 @@ impl<'a> EdgesByRow<'a> {
         (row as usize).min(self.rows.len() - 1)
     }
 
-    /// Whether most corners of a ring lie inside the outline: rings do not cross, but may touch.
+    /// Returns true if most corners of a ring lie inside the outline: rings do not cross, but may
+    /// touch.
     fn surround(&self, ring: &[[f64; 2]]) -> bool {
         let corners = &ring[..ring.len() - 1];
         let inside = corners.iter().filter(|corner| self.go_around(**corner));
         2 * inside.count() > corners.len()
     }
 
-    /// Whether a ray from a place to the east crosses them an odd number of times.
+    /// Returns true if a ray from a place to the east crosses the edges an odd number of times.
     fn go_around(&self, place: [f64; 2]) -> bool {
         let row = self.rows[self.row_of(place[1])].iter();
         let edges = row.map(|&first| [self.outline[first], self.outline[first + 1]]);

@@ -74,7 +74,7 @@ impl Errors {
 /// An error that is no longer a matter of precision.
 const GROSS_M: f64 = 0.25;
 
-/// What is left when the constant bias (mean of the errors that are not gross) is taken off.
+/// Errors after the constant bias (mean of the errors that are not gross) is taken off.
 struct Summary {
     bias_m: f64,
     mae_m: f64,

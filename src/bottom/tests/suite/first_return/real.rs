@@ -63,8 +63,8 @@ fn river_line_lies_on_the_bottom_edge_along_the_whole_log() {
     }
 }
 
-/// Where boulders lie before a brighter bottom, the line follows them. Looked at in the waterfall:
-/// their edges are plain to see.
+/// The line follows boulders that lie before a brighter bottom. Verified in the waterfall: their
+/// edges are plain to see.
 #[test]
 fn river_line_follows_faint_boulders() {
     let Some((survey, returns)) = tracked("humminbird-glen-canyon/Rec00001.DAT") else {

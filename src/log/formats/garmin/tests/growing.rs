@@ -1,4 +1,4 @@
-//! What is read of the tail of a growing file makes the survey that the whole file makes.
+//! Tests that the tail of a growing file, when it is read, makes the same survey as the whole file.
 
 use super::{file, pings, with_second_pair};
 use crate::formats::{open_growing, open_tail};

@@ -16,7 +16,7 @@ const BANDS: [Band; 4] =
 /// Milliseconds between two pings of a channel.
 const STEP_MS: u32 = 100;
 
-/// What each channel pings, the port side first: number, beam, tilt.
+/// Number, beam and tilt of each channel, the port side first.
 const CHANNELS: [(u32, u32, Option<f32>); 4] =
     [(4, 2, Some(-TILT_DEG)), (5, 3, Some(TILT_DEG)), (2, 1, None), (6, 4, None)];
 

@@ -1,5 +1,5 @@
-//! Which points of a cloud a node of its octree holds: those near the root are few and far apart,
-//! each level below halves the distance.
+//! Distributes the points of a cloud over the nodes of an octree: those near the root are few and
+//! far apart, each level below halves the distance.
 
 use std::collections::VecDeque;
 
@@ -20,13 +20,13 @@ const DEEPEST: u32 = BITS - GRID_BITS;
 pub(super) struct OctreeNode {
     /// Level, 0 for the root.
     pub level: u32,
-    /// Which node of the level: east, north and up, from 0.
+    /// Place of the node in its level: east, north and up, from 0.
     pub cell: [u32; 3],
     /// Indices of its points, ascending.
     pub points: Vec<usize>,
 }
 
-/// Where a share of the root's side, 0 to 1, lies on the lattice of coordinates.
+/// Returns the coordinate on the lattice for a share of the root's side, 0 to 1.
 pub(super) fn on_lattice(share: f64) -> u32 {
     // A cast holds what lies beyond either end within the range.
     ((share * f64::from(1 << BITS)) as u32).min((1 << BITS) - 1)

@@ -15,7 +15,7 @@ use bytemuck::{Zeroable as _, bytes_of};
 
 /// Samples of a side of a ping.
 const SAMPLES: usize = 200;
-/// Where the first ping is.
+/// Position of the first ping.
 const START: LonLat = LonLat::new(11.5, 48.1);
 
 /// A file to write: pings of all channels, ten a second from noon on.

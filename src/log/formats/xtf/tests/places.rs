@@ -1,4 +1,4 @@
-//! Where the sonar is: its own position, that of a ship that tows it, and those of packets.
+//! Tests of the sonar's position: its own, that of a ship that tows it, and those of packets.
 
 use super::super::raw::{AttitudePacket, GyroPacket, NavigationPacket, RawNavigationPacket};
 use super::*;

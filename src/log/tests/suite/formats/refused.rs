@@ -1,4 +1,4 @@
-//! What is not opened, and in which words.
+//! Tests of files that are not opened, and of the messages about them.
 
 use super::*;
 

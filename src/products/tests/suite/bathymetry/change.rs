@@ -1,5 +1,5 @@
-//! Whether the interval of a volume holds the truth, over simulated pairs of surveys of a bed with
-//! and without a mound.
+//! Tests that the interval of a volume holds the truth, over simulated pairs of surveys of a bottom
+//! with and without a mound.
 
 use super::dice::Dice;
 use bathyscope_bottom::bathymetry::change::{ChangeErrors, ChangeField, ChangeTotals};
@@ -73,7 +73,7 @@ fn survey(spacing_m: f64, phases: [f64; 2], mound: Option<Mound>, dice: &mut Dic
     made.expect("nobody cancels").expect("a surface")
 }
 
-/// What changed, by the maps, and the errors that they show.
+/// Computes the change between the maps, and the errors that they show.
 fn change(newer: &Surface, older: &Surface) -> (ChangeTotals, ChangeErrors) {
     let columns = newer.grid.columns;
     let known = |surface: &Surface, cell: usize| {

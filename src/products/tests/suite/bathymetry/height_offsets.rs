@@ -142,7 +142,7 @@ fn heights_that_differ_beyond_their_error_are_named_until_they_are_levelled_or_h
     assert_eq!(adjust(2, &noisy, Datum::Mean).unlevelled(&[0.0; 2]), None);
 }
 
-/// How the positions of simulated logs err: of a whole log, and of each line, metres.
+/// Position errors of simulated logs: of a whole log, and of each line, metres.
 #[derive(Clone, Copy, Debug)]
 struct PositionErrors {
     of_log_m: f64,

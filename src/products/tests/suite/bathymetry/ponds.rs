@@ -100,7 +100,8 @@ fn levels_find_mounds_that_lie_between_the_lines() {
     check_hardness(&pond, &from_levels);
 }
 
-/// What was interpolated is from levels where echoes reach, and what was measured stays measured.
+/// Checks that interpolated cells are from levels where echoes reach, and that measured cells stay
+/// measured.
 fn check_sources(plain: &Surface, from_levels: &Surface) {
     let share = |map: &Surface, source: CellSource| {
         map.source.iter().filter(|one| **one == source).count() as f64 / map.source.len() as f64

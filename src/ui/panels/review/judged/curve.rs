@@ -52,7 +52,7 @@ pub(super) fn ui(
     });
 }
 
-/// What the slider's point says to screen readers and tests.
+/// Describes the point of the slider for screen readers and tests.
 fn said(standing: &Standing) -> String {
     let counts = &standing.counts;
     format!(

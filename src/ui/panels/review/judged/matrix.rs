@@ -1,4 +1,4 @@
-//! What was taken for what, as a grid of numbers.
+//! Confusion matrix: counts by true and predicted class, as a grid of numbers.
 
 use crate::ui::{ViewContext, text, theme};
 use bathyscope_objects::metrics::Confusion;
@@ -47,7 +47,7 @@ impl<'a> MatrixGrid<'a> {
         self.names.get(class).map_or(BACKGROUND, String::as_str)
     }
 
-    /// What a cell says in words.
+    /// Describes a cell in words.
     fn said(&self, truth: usize, predicted: usize) -> String {
         let count = self.confusion.at(truth, predicted);
         let background = self.confusion.classes();

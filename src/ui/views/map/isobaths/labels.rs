@@ -1,4 +1,4 @@
-//! Where the depths stand along isobaths: upright, on straight pieces, none over another.
+//! Places the depth labels along isobaths: upright, on straight pieces, none over another.
 //!
 //! Labels keep their size on the screen, so where they fit depends on the zoom. They are placed
 //! once for every octave of it, in a background thread, and move with the map in between.

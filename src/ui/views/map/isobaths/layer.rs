@@ -11,7 +11,7 @@ use bathyscope_products::pipeline::Isobaths;
 /// Vertices from which on rings too small to be seen are left out of the coarser levels.
 const MANY: usize = 20_000;
 
-/// What is drawn where the settings give no depths.
+/// Isobaths where the settings give no depths.
 static NONE: Isobaths =
     Isobaths { levels_m: Vec::new(), lines: Vec::new(), shoal_safe: false, clip: None };
 
@@ -27,11 +27,11 @@ pub(crate) struct GroundLine {
 
 /// The isobaths of a depth map.
 pub(crate) struct IsobathLayer {
-    /// What the lines are relative to, metres.
+    /// Origin of the lines, metres.
     pub origin_m: [f64; 2],
     /// The lines with their depths.
     pub lines: Vec<GroundLine>,
-    /// What the legend says of them.
+    /// Note for the legend.
     pub note: String,
     pub(super) thin: MapLine,
     pub(super) thick: MapLine,

@@ -1,4 +1,4 @@
-//! What is drawn to measure on the map.
+//! Draws the measuring figures on the map.
 
 use crate::app::App;
 use crate::ui::theme;

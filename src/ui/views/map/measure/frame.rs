@@ -9,9 +9,9 @@ use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
 /// Room for the numbers of depth, and of distance, points.
 const ROOM: [f32; 2] = [40.0, 18.0];
 
-/// Between metres and the screen.
+/// Transform between metres and the screen.
 pub(super) struct ProfileTransform {
-    /// Where the curve lies.
+    /// Area of the curve.
     pub area: Rect,
     length_m: f64,
     /// Depths at the upper and the lower edge, metres.
@@ -38,7 +38,7 @@ impl ProfileTransform {
         })
     }
 
-    /// Where a distance lies.
+    /// Screen x of a distance.
     pub(super) fn x(&self, distance_m: f64) -> f32 {
         self.area.left() + (distance_m / self.length_m) as f32 * self.area.width()
     }
@@ -49,13 +49,13 @@ impl ProfileTransform {
         f64::from(share.clamp(0.0, 1.0)) * self.length_m
     }
 
-    /// Where a depth lies.
+    /// Screen y of a depth.
     pub(super) fn y(&self, depth_m: f64) -> f32 {
         let [top_m, bottom_m] = self.depths_m;
         self.area.top() + ((depth_m - top_m) / (bottom_m - top_m)) as f32 * self.area.height()
     }
 
-    /// Where a station lies.
+    /// Place of a station on the screen; `None` without a depth.
     pub(super) fn at(&self, station: &TransectStation) -> Option<Pos2> {
         Some(pos2(self.x(station.distance_m), self.y(f64::from(station.depth_m?))))
     }

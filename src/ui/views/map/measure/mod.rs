@@ -19,16 +19,17 @@ use egui::{Pos2, Rect, Response, Ui};
 
 pub(crate) use profile::split;
 
-/// What the view keeps between frames for measuring.
+/// State of measuring that the view keeps between frames.
 #[derive(Default)]
 pub(super) struct MeasureTool {
-    /// Where the arrow keys have moved the cross, metres; the pointer takes over when it moves.
+    /// Place of the cross once the arrow keys have moved it, metres; the pointer takes over when it
+    /// moves.
     cross: Option<[f64; 2]>,
     /// A corner was asked for by key.
     wants_corner: bool,
-    /// Where the state knows the next corner of a profile to be.
+    /// Next corner of a profile that was last reported to the state.
     next: Option<LonLat>,
-    /// What the pointer is at along the line, metres from its start.
+    /// Place of the pointer along the line, metres from its start.
     hovered_m: Option<f64>,
 }
 
@@ -79,8 +80,8 @@ impl MeasureTool {
         }
     }
 
-    /// Where the next corner would be: under the pointer, or at the cross once the arrow keys have
-    /// moved it.
+    /// Place of the next corner: under the pointer, or at the cross once the arrow keys have moved
+    /// it.
     fn next_place(
         &mut self,
         ui: &mut Ui,

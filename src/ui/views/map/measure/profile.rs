@@ -113,7 +113,7 @@ fn head_line(
     });
 }
 
-/// Why there is no curve.
+/// Reason why there is no curve.
 fn lack(line: Option<&ProfileLine>) -> &'static str {
     match line {
         None => "Click the corners of a line on the map.",

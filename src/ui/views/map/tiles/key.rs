@@ -1,4 +1,4 @@
-//! Where the tiles of a map lie: squares of 256 texels whose side is a power of two in metres.
+//! Keys of the tiles of a map: squares of 256 texels whose side is a power of two in metres.
 
 use crate::ui::views::map::transform::GroundBounds;
 
@@ -51,8 +51,8 @@ impl MapTileKey {
         }
     }
 
-    /// Which part of the picture of `self` or of one of its forebears shows this tile: left, top,
-    /// right and bottom as shares.
+    /// Part of the picture of `forebear`, which is `self` or a tile that holds it, that shows this
+    /// tile: left, top, right and bottom as shares.
     pub(crate) fn part_of(self, forebear: MapTileKey) -> [f32; 4] {
         let up = u32::from((forebear.level - self.level).max(0).unsigned_abs());
         let count = f64::from(2u32.pow(up.min(30)));

@@ -28,7 +28,7 @@ const WORKERS: usize = 2;
 /// Bytes of an entry without a picture.
 const EMPTY: usize = 64;
 
-/// What paints the tiles of a layer.
+/// Painter of the tiles of a layer.
 pub(super) trait TilePainter: Send + Sync {
     /// West, south, east and north of all that there is, metres.
     fn bounds(&self) -> GroundBounds;

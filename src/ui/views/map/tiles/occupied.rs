@@ -1,5 +1,5 @@
-//! Which blocks of a tile's picture hold anything: most of a tile along a track is empty, and what
-//! is empty is not drawn.
+//! Finds the blocks of a tile's picture that are not empty: most of a tile along a track is empty,
+//! and empty blocks are not drawn.
 
 use egui::ColorImage;
 
@@ -35,7 +35,8 @@ impl Occupied {
         Self(bits)
     }
 
-    /// What to draw of a part of the picture: a rectangle for each run of blocks in a row.
+    /// Returns the rectangles to draw of a part of the picture: one for each run of blocks in a
+    /// row.
     pub(super) fn within(self, [left, top, right, bottom]: PicturePart) -> Vec<PicturePart> {
         let mut parts = Vec::new();
         if self.0 == u64::MAX {

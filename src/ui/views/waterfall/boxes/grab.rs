@@ -10,14 +10,14 @@ use bathyscope_objects::review::{BoxId, Edit, Reviewed};
 use bathyscope_objects::{Mark, ObjectExtent};
 use egui::{CursorIcon, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2};
 
-/// How near a box a click must be, points.
+/// Greatest distance of a click from a box that it selects, points.
 const NEAR: f32 = 3.0;
 /// Side of the square in which a click finds a point, points.
 const POINT: f32 = 18.0;
 /// Least extent on the screen of a box that is drawn: less is a click that slipped, points.
 const LEAST: f32 = 4.0;
 
-/// What the pointer holds.
+/// Box, border or corner that the pointer drags.
 enum Held {
     /// A box, or some of its edges, since a place.
     Box { id: BoxId, edges: Edges, origin: Mark, from: LensPlace },
@@ -25,7 +25,7 @@ enum Held {
     Border {
         id: BoxId,
         mark: Mark,
-        /// As it was, set or not.
+        /// Extent before the drag, set or not.
         extent: ObjectExtent,
         border_m: f64,
         from: LensPlace,
@@ -184,7 +184,7 @@ fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
     Some(Held::Box { id: one.id, edges, origin: one.mark.clone(), from })
 }
 
-/// Where a click finds a box: within its outline, or within the ring of a point.
+/// Area of a box for clicks: its outline with a margin, or the ring of a point.
 fn reach(lens: &Lens, one: &Reviewed) -> Rect {
     let rect = on_screen(lens, &one.mark);
     match one.extent {

@@ -1,11 +1,11 @@
-//! What of a box is under the pointer, and what a drag makes of it.
+//! Finds the edges of a box under the pointer, and the box that results from a drag.
 
 use super::Lens;
 use crate::ui::views::waterfall::lens::LensPlace;
 use bathyscope_objects::Mark;
 use egui::CursorIcon;
 
-/// How near an edge the pointer must come, points.
+/// Greatest distance of the pointer from an edge, points.
 const REACH: f64 = 6.0;
 /// The same of the border in a box so small that the rest of it is to be grabbed as well.
 const LEAST_REACH: f64 = 2.0;

@@ -50,7 +50,8 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
     seen
 }
 
-/// Where a mark is on the screen: around its corners, which over uneven ground lie in no rectangle.
+/// Area of a mark on the screen: the rectangle around its corners, which over an uneven bottom do
+/// not form a rectangle themselves.
 fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
     let at = |ping: usize, range_m: f64| LensPlace::of(ping as f64, mark.side, range_m);
     let corner = |ping: usize, range_m: f64| lens.screen_at(at(ping, range_m));
@@ -60,7 +61,7 @@ fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
 }
 
 impl ShownBox<'_> {
-    /// What it covers of the screen while keys and drags are about it.
+    /// Area of the box on the screen while keys and drags act on it.
     pub(super) fn edited(&self) -> Option<Rect> {
         self.is_selected.then_some(self.rect)
     }
@@ -138,7 +139,7 @@ fn caption(one: &Reviewed, review: &Review) -> String {
     }
 }
 
-/// What the view says about its boxes to screen readers and tests.
+/// Describes the boxes of the view for screen readers and tests.
 pub(super) fn words(seen: &[ShownBox<'_>], missed: &[Missed<'_>], app: &App) -> String {
     if !app.log.reviewing.has_boxes() {
         return tool_in_hand(app).to_owned();

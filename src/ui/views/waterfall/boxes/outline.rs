@@ -1,4 +1,4 @@
-//! How a box looks: its state by colour and by the kind of its line.
+//! Draws the outline of a box: its state is shown by colour and line style.
 
 use crate::ui::theme;
 use bathyscope_objects::review::State;
@@ -11,7 +11,7 @@ const HANDLE: f32 = 3.0;
 /// Radius of the ring of a point, points.
 const POINT: f32 = 6.0;
 
-/// What lies under lines, so that they are seen on any picture.
+/// Colour under lines, so that they are visible on any picture.
 pub(crate) const RIM: Color32 = Color32::from_black_alpha(120);
 
 /// The kind of line.
@@ -107,7 +107,7 @@ fn cross(painter: &Painter, rect: Rect, colour: Color32) {
     }
 }
 
-/// What a small box lacks of the size at which a cross can be seen, at each of its edges.
+/// Margin by which a small box is enlarged at each edge so that a cross in it is visible.
 fn room(rect: Rect) -> egui::Vec2 {
     (0.5 * (vec2(PLAIN, PLAIN) - rect.size())).max(egui::Vec2::ZERO)
 }
