@@ -1,6 +1,6 @@
 //! Applies each command to the state.
 
-mod handlers;
+mod run;
 
 use super::error::AppError;
 use super::external::Instrument;
@@ -255,12 +255,6 @@ impl App {
         let serial = self.view.reveal.map_or(0, |reveal| reveal.serial) + 1;
         self.view.selection = Some(mark);
         self.view.reveal = Some(Reveal { mark, serial, close_up: None });
-    }
-
-    fn act(&mut self, action: Action) {
-        if let Some(handler) = handlers::handler(action) {
-            handler(self);
-        }
     }
 
     /// Ends the innermost of what is under way.

@@ -1,7 +1,7 @@
 //! Views in which the bare key of an action acts: a key without Ctrl and Alt that is no function
 //! key, and could be part of a text.
 
-use super::{Action, View};
+use super::View;
 
 /// View or panel that has the keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,78 +83,9 @@ pub fn is_bare(keys: &str) -> bool {
     !names.any(|name| matches!(name, "Ctrl" | "Alt") || is_function_key(name))
 }
 
-impl Action {
-    /// Returns the scope of the action's bare key; `None` where it has no such key.
-    pub fn key_scope(self) -> Option<KeyScope> {
-        use Action as A;
-        Some(match self {
-            A::FocusWaterfall | A::FocusMap | A::FocusCloud | A::FocusObjects => KeyScope::Boxes,
-            A::Fit | A::ZoomIn | A::ZoomOut | A::Theme | A::Boxes => KeyScope::Views,
-            A::Play | A::PreviousPing | A::NextPing | A::Back25 | A::Forward25 => KeyScope::Views,
-            A::FirstPing | A::LastPing | A::NextPass | A::LeaveTool | A::SwapSides => {
-                KeyScope::Views
-            }
-            A::NextBox | A::PreviousBox | A::NextSighting | A::FlyToBox | A::ZoomToBoxes => {
-                KeyScope::Boxes
-            }
-            A::AcceptBox | A::RejectBox | A::UndecideBox | A::RemoveBox => KeyScope::Boxes,
-            A::AcceptObject | A::RejectObject | A::UndecideObject => KeyScope::Boxes,
-            A::NextMistake | A::PreviousMistake => KeyScope::Boxes,
-            A::EditBox | A::NextEdge | A::SwapSide | A::UseShadow => KeyScope::BoxesInWaterfall,
-            A::GainNormalised | A::GroundRange | A::WaterColumn | A::OneToOne => {
-                KeyScope::Waterfall
-            }
-            A::NextChannel | A::Orientation | A::FirstReturnLine => KeyScope::Waterfall,
-            A::ThresholdDown | A::ThresholdUp => KeyScope::Waterfall,
-            A::NewBox | A::MarkTarget | A::DrawBottom | A::HeightFromShadow => KeyScope::Waterfall,
-            A::Exclude | A::IncludeAgain | A::Calibrate => KeyScope::WaterfallAndMap,
-            A::MeasureDistance | A::MeasureArea | A::DepthProfile => KeyScope::WaterfallAndMap,
-            A::SetCorner | A::TakeCornerBack | A::EndFigure => KeyScope::WaterfallAndMap,
-            A::Swipe | A::PlanLines => KeyScope::Map,
-            A::TopView | A::SideView | A::NextCloudColour | A::Bottom3d => KeyScope::Cloud,
-            A::NextBottomColour | A::TurnLight | A::Points3d | A::ClipBox3d => KeyScope::Cloud,
-            A::Cut3d | A::Water3d | A::OutlierPreview => KeyScope::Cloud,
-            _ => return None,
-        })
-    }
-
-    /// Returns true if its bare key only offers it, with a button that does it: it changes depths
-    /// or places of the whole log, and a slip of the hand must not.
-    pub(crate) fn asks_by_key(self) -> bool {
-        matches!(self, Action::SwapSides)
-    }
-
-    /// Returns true if it decides about the selected box or changes it, so that the box must be in
-    /// sight.
-    pub(crate) fn is_about_selected_box(self) -> bool {
-        use Action as A;
-        matches!(
-            self,
-            A::AcceptBox
-                | A::RejectBox
-                | A::UndecideBox
-                | A::RemoveBox
-                | A::SwapSide
-                | A::AcceptObject
-                | A::RejectObject
-                | A::UndecideObject
-        )
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn each_bare_key_has_a_scope_and_no_other_key_has() {
-        for action in Action::ALL {
-            let has_bare_key = action.all_keys().any(is_bare);
-            let label = action.label();
-            assert_eq!(action.key_scope().is_some(), has_bare_key, "{label}");
-            assert!(has_bare_key || !action.asks_by_key(), "{label}");
-        }
-    }
 
     #[test]
     fn keys_that_could_be_typed_are_bare() {

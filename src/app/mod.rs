@@ -7,7 +7,6 @@ mod above_bottom;
 mod action;
 mod apart;
 mod apply;
-mod available;
 mod base_map;
 mod bottom;
 mod by_key;
@@ -65,6 +64,7 @@ mod work;
 
 pub use above_bottom::{AboveBottom, AboveStretch};
 pub use action::{Action, Keys};
+pub(crate) use action::{ActionGroup, WindowAction};
 pub use bottom::{BottomStroke, Ink};
 pub(crate) use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
 pub use clip_box::ClipBox;

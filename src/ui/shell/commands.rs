@@ -1,9 +1,9 @@
-//! Commands that the shell itself carries out; the rest goes to the state.
+//! Carries out the commands of the window; the rest goes to the state.
 
 use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
-use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, LayoutPreset, View};
+use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, View, WindowAction};
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
 use bathyscope_products::pipeline::settings;
@@ -46,111 +46,98 @@ impl Shell {
     }
 
     fn act(&mut self, ctx: &egui::Context, action: Action) {
-        if let Some(purpose) = self.path_for(action) {
-            self.dialogs.ask(purpose, self.app.jobs());
-        } else if let Some((view, request)) = self.view_request(action) {
-            self.views.request(view, request);
-        } else if let Some(preset) = layout_preset(action) {
-            self.layout.arrange(preset);
-        } else {
-            self.act_in_shell(ctx, action);
+        match action.in_window() {
+            Some(action) => self.act_in_window(ctx, action),
+            None => {
+                if action == Action::FindObjects {
+                    // What is found is reviewed in the views: the next Tab goes to the first box,
+                    // not to the next control.
+                    leave_control(ctx);
+                }
+                self.app.apply(Command::Do(action));
+            }
         }
         ctx.request_repaint();
     }
 
-    /// Purpose of the path that an action needs, if the action does nothing else and the path can
-    /// be used with what is open.
-    fn path_for(&self, action: Action) -> Option<PathPurpose> {
+    fn act_in_window(&mut self, ctx: &egui::Context, action: WindowAction) {
         let has_survey = self.app.log.survey.is_some();
-        let has_products = self.app.log.products.is_some();
         match action {
-            Action::Open => Some(PathPurpose::OpenLogs),
-            Action::AddLog => Some(PathPurpose::AddLogs),
-            Action::OpenFolder => Some(PathPurpose::OpenFolder),
-            Action::OpenReview => has_survey.then_some(PathPurpose::OpenReview),
-            Action::OpenTruth => has_survey.then_some(PathPurpose::OpenTruth),
-            Action::CompareWith => has_products.then_some(PathPurpose::OpenReference),
-            Action::ChooseModel => Some(PathPurpose::OpenModel),
-            Action::OpenBaseMap => Some(PathPurpose::OpenBaseMap),
-            Action::OpenIsobathArea => Some(PathPurpose::OpenIsobathArea),
-            Action::OpenWaterLevels => Some(PathPurpose::OpenWaterLevels),
-            Action::OpenTrack => Some(PathPurpose::OpenTrack),
-            _ => None,
-        }
-    }
-
-    /// View and request of an action; `None` if the action is no request to a view.
-    fn view_request(&self, action: Action) -> Option<(View, ViewRequest)> {
-        let target = self.layout.target();
-        match action {
-            Action::Fit => Some((target, ViewRequest::Fit)),
-            Action::ZoomIn => Some((target, ViewRequest::ZoomIn)),
-            Action::ZoomOut => Some((target, ViewRequest::ZoomOut)),
-            Action::OneToOne => Some((View::Waterfall, ViewRequest::OneToOne)),
-            Action::TopView => Some((View::Cloud, ViewRequest::Top)),
-            Action::SideView => Some((View::Cloud, ViewRequest::Side)),
-            _ => None,
-        }
-    }
-
-    /// Carries out an action that is more than a path, a request to a view or a layout; the others
-    /// go to the state.
-    fn act_in_shell(&mut self, ctx: &egui::Context, action: Action) {
-        match action {
-            Action::OpenPath => self.dialogs.ask_for_path(),
-            Action::Export => self.ask_to_export(),
-            Action::OpenExported => self.open_exported(),
-            Action::PrintView => self.ask_to_print(),
-            Action::CompareWith => {
-                let text = "open a log first, then its reference";
-                self.app.apply(Command::Notify(text.to_owned()));
+            WindowAction::OpenLogs => self.ask(PathPurpose::OpenLogs),
+            WindowAction::AddLogs => self.ask(PathPurpose::AddLogs),
+            WindowAction::OpenFolder => self.ask(PathPurpose::OpenFolder),
+            WindowAction::OpenPath => self.dialogs.ask_for_path(),
+            WindowAction::OpenBaseMap => self.ask(PathPurpose::OpenBaseMap),
+            WindowAction::OpenIsobathArea => self.ask(PathPurpose::OpenIsobathArea),
+            WindowAction::OpenWaterLevels => self.ask(PathPurpose::OpenWaterLevels),
+            WindowAction::OpenTrack => self.ask(PathPurpose::OpenTrack),
+            WindowAction::OpenModel => self.ask(PathPurpose::OpenModel),
+            WindowAction::OpenReview if has_survey => self.ask(PathPurpose::OpenReview),
+            WindowAction::OpenReview => self.say("open a log first, then its review"),
+            WindowAction::OpenTruth if has_survey => self.ask(PathPurpose::OpenTruth),
+            WindowAction::OpenTruth => self.say("open a log first, then its known objects"),
+            WindowAction::OpenReference if self.app.log.products.is_some() => {
+                self.ask(PathPurpose::OpenReference);
             }
-            Action::SaveProject => self.save_project(),
-            Action::SaveProjectAs => self.name_project(),
-            Action::SaveReview => self.save_review(),
-            Action::ExportBoxes => self.export_boxes(),
-            Action::FindObjects => {
-                // What is found is reviewed in the views: the next Tab goes to the first box, not
-                // to the next control.
-                leave_control(ctx);
-                self.app.apply(Command::Do(action));
+            WindowAction::OpenReference => self.say("open a log first, then its reference"),
+            WindowAction::Export => self.ask_to_export(),
+            WindowAction::ExportLog => self.ask_for_copy(PathPurpose::ExportLog, "copy.xtf"),
+            WindowAction::ExportPings => self.ask_for_copy(PathPurpose::ExportPings, "part.xtf"),
+            WindowAction::OpenExported => self.open_exported(),
+            WindowAction::PrintView => self.ask_to_print(),
+            WindowAction::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            WindowAction::SaveProject => self.save_project(),
+            WindowAction::SaveProjectAs => self.name_project(),
+            WindowAction::SaveReview => self.save_review(),
+            WindowAction::ExportBoxes => self.export_boxes(),
+            WindowAction::History => self.history.open = !self.history.open,
+            WindowAction::Notices => self.notices.open = !self.notices.open,
+            WindowAction::Palette => self.palette.open(),
+            WindowAction::Manual => self.manual.open = !self.manual.open,
+            WindowAction::Focus(view) => {
+                self.layout.focus(view);
+                if view == View::Objects {
+                    self.views.objects.take_keyboard();
+                }
             }
-            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            Action::Palette => self.palette.open(),
-            Action::Manual => self.manual.open = !self.manual.open,
-            Action::History => self.history.open = !self.history.open,
-            Action::Notices => self.notices.open = !self.notices.open,
-            Action::FocusPanels => self.focus_panels(ctx),
-            Action::NameBox => self.name_box(ctx),
-            Action::StepsPanel => self.toggle_panel(SidePanel::Steps, ctx),
-            Action::DetailsPanel => self.toggle_panel(SidePanel::Details, ctx),
-            Action::Play => self.play.toggle(&self.app),
-            Action::PlayFaster => self.play.change_speed(1),
-            Action::PlaySlower => self.play.change_speed(-1),
-            Action::FullScreen => toggle_full_screen(ctx),
-            Action::FocusWaterfall => self.layout.focus(View::Waterfall),
-            Action::FocusMap => self.layout.focus(View::Map),
-            Action::FocusCloud => self.layout.focus(View::Cloud),
-            Action::FocusObjects => {
-                self.layout.focus(View::Objects);
-                self.views.objects.take_keyboard();
-            }
-            Action::Maximise => self.layout.toggle_maximised(self.layout.target()),
-            Action::SetCorner => match self.target() {
+            WindowAction::FullScreen => toggle_full_screen(ctx),
+            WindowAction::Maximise => self.layout.toggle_maximised(self.layout.target()),
+            WindowAction::FocusPanels => self.focus_panels(ctx),
+            WindowAction::StepsPanel => self.toggle_panel(SidePanel::Steps, ctx),
+            WindowAction::DetailsPanel => self.toggle_panel(SidePanel::Details, ctx),
+            WindowAction::Arrange(preset) => self.layout.arrange(preset),
+            WindowAction::Fit => self.request(self.layout.target(), ViewRequest::Fit),
+            WindowAction::ZoomIn => self.request(self.layout.target(), ViewRequest::ZoomIn),
+            WindowAction::ZoomOut => self.request(self.layout.target(), ViewRequest::ZoomOut),
+            WindowAction::TopView => self.request(View::Cloud, ViewRequest::Top),
+            WindowAction::SideView => self.request(View::Cloud, ViewRequest::Side),
+            WindowAction::OneToOne => self.request(View::Waterfall, ViewRequest::OneToOne),
+            WindowAction::Play => self.play.toggle(&self.app),
+            WindowAction::PlayFaster => self.play.change_speed(1),
+            WindowAction::PlaySlower => self.play.change_speed(-1),
+            WindowAction::NameBox => self.name_box(ctx),
+            WindowAction::SetCorner => match self.target() {
                 View::Waterfall => self.views.waterfall.set_corner(),
                 View::Map | View::Cloud | View::Objects => self.views.map.set_corner(),
             },
-            Action::SaveFigure => self.save_figure(),
-            Action::SavePlan => self.save_plan(),
-            Action::SaveProfile => self.save_profile(),
-            Action::ExportLog => self.ask_for_copy(PathPurpose::ExportLog, "copy.xtf"),
-            Action::ExportPings => self.ask_for_copy(PathPurpose::ExportPings, "part.xtf"),
-            Action::CopyProfile => match self.app.profile_csv() {
+            WindowAction::SaveFigure => self.save_figure(),
+            WindowAction::SaveProfile => self.save_profile(),
+            WindowAction::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
-                None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
+                None => self.say(NO_PROFILE),
             },
-            other => self.app.apply(Command::Do(other)),
+            WindowAction::SavePlan => self.save_plan(),
         }
+    }
+
+    /// Asks for a path.
+    fn ask(&mut self, purpose: PathPurpose) {
+        self.dialogs.ask(purpose, self.app.jobs());
+    }
+
+    /// Sends a request to a view.
+    fn request(&mut self, view: View, request: ViewRequest) {
+        self.views.request(view, request);
     }
 
     /// Asks which products to write, and where, unless there are none or some are still being
@@ -366,18 +353,6 @@ impl Shell {
         } else {
             self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.jobs());
         }
-    }
-}
-
-/// Arrangement of the views by an action; `None` if the action is no such command.
-fn layout_preset(action: Action) -> Option<LayoutPreset> {
-    match action {
-        Action::LayoutSurvey => Some(LayoutPreset::Survey),
-        Action::LayoutReview => Some(LayoutPreset::Review),
-        Action::LayoutWaterfall => Some(LayoutPreset::Only(View::Waterfall)),
-        Action::LayoutMap => Some(LayoutPreset::Only(View::Map)),
-        Action::LayoutCloud => Some(LayoutPreset::Only(View::Cloud)),
-        _ => None,
     }
 }
 

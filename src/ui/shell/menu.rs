@@ -2,148 +2,14 @@
 
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
-use crate::app::{Action, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
+use crate::app::{
+    Action, ActionGroup, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice,
+};
 use crate::ui::ViewContext;
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
 use bathyscope_log::support::geo::CoordinateFormat;
 use bathyscope_products::pipeline::BottomColour;
 use egui::{Button, Ui};
-
-const FILE: &[Action] = &[
-    Action::Open,
-    Action::OpenFolder,
-    Action::OpenPath,
-    Action::OpenDemo,
-    Action::SaveProject,
-    Action::SaveProjectAs,
-    Action::AddLog,
-    Action::FollowRecording,
-    Action::ShowTogether,
-    Action::CloseLog,
-];
-/// Commands for further files that the map is drawn with.
-const MAP_FILES: &[Action] = &[
-    Action::OpenBaseMap,
-    Action::CloseBaseMap,
-    Action::OpenIsobathArea,
-    Action::RemoveIsobathArea,
-];
-/// Commands for recordings of other instruments over the open survey.
-const EXTERNAL: &[Action] =
-    &[Action::OpenWaterLevels, Action::RemoveWaterLevels, Action::OpenTrack, Action::RemoveTrack];
-/// Commands for the mounting of the recorder of the shown log.
-const MOUNTING: &[Action] =
-    &[Action::SwapSides, Action::ApplySoundingLag, Action::UseMounting, Action::ForgetMounting];
-const LAYOUTS: &[Action] = &[
-    Action::LayoutSurvey,
-    Action::LayoutReview,
-    Action::LayoutWaterfall,
-    Action::LayoutMap,
-    Action::LayoutCloud,
-    Action::FocusObjects,
-    Action::FullScreen,
-    Action::Maximise,
-    Action::FocusPanels,
-    Action::StepsPanel,
-    Action::DetailsPanel,
-];
-const CAMERAS: &[Action] = &[
-    Action::Fit,
-    Action::ZoomIn,
-    Action::ZoomOut,
-    Action::TopView,
-    Action::SideView,
-    Action::NextCloudColour,
-    Action::Points3d,
-    Action::ClipBox3d,
-    Action::Cut3d,
-    Action::Water3d,
-    Action::Bottom3d,
-    Action::NextBottomColour,
-    Action::BottomIsobaths,
-    Action::TurnLight,
-];
-const STEPS: &[Action] = &[
-    Action::PreviousPing,
-    Action::NextPing,
-    Action::Back25,
-    Action::Forward25,
-    Action::FirstPing,
-    Action::LastPing,
-    Action::NextPass,
-    Action::Play,
-    Action::PlayFaster,
-    Action::PlaySlower,
-];
-const MEASURING: &[Action] = &[
-    Action::MeasureDistance,
-    Action::MeasureArea,
-    Action::DepthProfile,
-    Action::EndFigure,
-    Action::TakeCornerBack,
-    Action::UseShadow,
-    Action::RemoveFigure,
-    Action::SaveFigure,
-    Action::SaveProfile,
-    Action::CopyProfile,
-];
-const PLANNING: &[Action] =
-    &[Action::PlanLines, Action::RemoveLine, Action::RemovePlan, Action::SavePlan];
-const COMPARING: &[Action] = &[Action::CompareWith, Action::CloseReference];
-const PROCESSING: &[Action] = &[
-    Action::PresetRecommended,
-    Action::PresetPublished,
-    Action::ThresholdDown,
-    Action::ThresholdUp,
-    Action::Exclude,
-    Action::IncludeAgain,
-    Action::TrustSoundings,
-    Action::DrawBottom,
-    Action::BottomBothSides,
-    Action::AcceptBottom,
-    Action::ForgetBottom,
-    Action::Calibrate,
-    Action::UseScale,
-    Action::KeepRecordedRange,
-    Action::DropProposal,
-    Action::LeaveOutContradicted,
-    Action::ApplyHeights,
-    Action::ComparePositions,
-    Action::ApplyPositions,
-    Action::OutlierPreview,
-    Action::Update,
-    Action::Cancel,
-];
-
-/// Commands of the detector, which makes boxes.
-const DETECTOR: &[Action] = &[Action::FindObjects, Action::ChooseModel, Action::ShippedModel];
-const REVIEW_FILES: &[Action] =
-    &[Action::TakeUpUnsaved, Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
-/// Commands that compare boxes with the truth.
-const TRUTH: &[Action] =
-    &[Action::OpenTruth, Action::ForgetTruth, Action::NextMistake, Action::PreviousMistake];
-const BOXES: &[Action] = &[
-    Action::Boxes,
-    Action::NextBox,
-    Action::PreviousBox,
-    Action::AcceptBox,
-    Action::RejectBox,
-    Action::UndecideBox,
-    Action::AcceptObject,
-    Action::RejectObject,
-    Action::UndecideObject,
-    Action::NextSighting,
-    Action::FlyToBox,
-    Action::ZoomToBoxes,
-    Action::NameBox,
-    Action::EditBox,
-    Action::NextEdge,
-    Action::FindEdges,
-    Action::NewBox,
-    Action::MarkTarget,
-    Action::SwapSide,
-    Action::RemoveBox,
-];
 
 /// Function that draws the entries of a menu.
 type Contents = fn(&mut Ui, &mut ViewContext<'_>);
@@ -180,8 +46,7 @@ fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let actions = [Action::Palette, Action::Notices, Action::Manual];
-    entries(ui, context, &actions);
+    entries(ui, context, ActionGroup::Help);
 }
 
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
@@ -193,25 +58,25 @@ fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &st
     }
 }
 
-fn entries(ui: &mut Ui, context: &mut ViewContext<'_>, actions: &[Action]) {
-    entries_where(ui, context, actions, App::has_what_it_takes);
+fn entries(ui: &mut Ui, context: &mut ViewContext<'_>, group: ActionGroup) {
+    entries_where(ui, context, group, App::is_available);
 }
 
 /// Entries that can be chosen where a condition holds.
 fn entries_where(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    actions: &[Action],
+    group: ActionGroup,
     enabled: impl Fn(&App, Action) -> bool,
 ) {
-    for &action in actions {
+    for action in group.actions() {
         let enabled = enabled(context.app, action);
         titled(ui, context, action, action.label(), enabled);
     }
 }
 
 fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    entries(ui, context, FILE);
+    entries(ui, context, ActionGroup::File);
     let recent = context.app.recent.clone();
     ui.add_enabled_ui(!recent.is_empty(), |ui| {
         ui.menu_button("Recent", |ui| {
@@ -225,20 +90,22 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
         });
     });
     ui.separator();
-    entries(ui, context, MAP_FILES);
+    entries(ui, context, ActionGroup::MapFiles);
     ui.separator();
     external(ui, context);
     ui.separator();
-    entries(ui, context, &[Action::ExportLog, Action::ExportPings]);
+    entries(ui, context, ActionGroup::LogCopies);
     let ready = context.app.log.products.is_some();
-    entries_where(ui, context, &[Action::Export, Action::PrintView], |_, _| ready);
+    entries_where(ui, context, ActionGroup::Export, |_, _| ready);
     ui.separator();
-    entries(ui, context, &[Action::Quit]);
+    entries(ui, context, ActionGroup::Quit);
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
-    entries_where(ui, context, EXTERNAL, |app, action| is_open && app.has_what_it_takes(action));
+    entries_where(ui, context, ActionGroup::External, |app, action| {
+        is_open && app.is_available(action)
+    });
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -253,13 +120,13 @@ fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         titled(ui, context, action, &title, label.is_some());
     }
-    entries(ui, context, &[Action::History]);
+    entries(ui, context, ActionGroup::History);
 }
 
 fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    entries(ui, context, LAYOUTS);
+    entries(ui, context, ActionGroup::Layout);
     ui.separator();
-    entries(ui, context, CAMERAS);
+    entries(ui, context, ActionGroup::Camera);
     ui.separator();
     let mut options = context.options().clone();
     ui.menu_button("Waterfall", |ui| {
@@ -327,40 +194,40 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .on_hover_text("Draws the points of StructureScan 3D on the map and in 3D.");
     }
     context.show(options);
-    entries(ui, context, &[Action::Orientation, Action::Theme]);
+    entries(ui, context, ActionGroup::Look);
 }
 
 fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    entries(ui, context, PROCESSING);
+    entries(ui, context, ActionGroup::Processing);
     ui.separator();
-    ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
-    ui.menu_button("Survey planning", |ui| entries(ui, context, PLANNING));
-    ui.menu_button("Mounting", |ui| entries(ui, context, MOUNTING));
-    entries_where(ui, context, COMPARING, |app, action| match action {
+    ui.menu_button("Measure", |ui| entries(ui, context, ActionGroup::Measuring));
+    ui.menu_button("Survey planning", |ui| entries(ui, context, ActionGroup::Planning));
+    ui.menu_button("Mounting", |ui| entries(ui, context, ActionGroup::Mounting));
+    entries_where(ui, context, ActionGroup::Comparing, |app, action| match action {
         Action::CompareWith => app.log.products.is_some(),
         _ => app.map.comparing.reference.is_some(),
     });
     ui.separator();
-    entries(ui, context, STEPS);
+    entries(ui, context, ActionGroup::Steps);
 }
 
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
     let has_boxes = context.app.has_boxes();
     let is_known = context.app.log.reviewing.judging.source().is_some();
-    entries_where(ui, context, DETECTOR, |app, action| {
+    entries_where(ui, context, ActionGroup::Detector, |app, action| {
         action != Action::FindObjects || app.log.products.is_some()
     });
     ui.separator();
-    entries_where(ui, context, BOXES, |_, action| {
+    entries_where(ui, context, ActionGroup::Boxes, |_, action| {
         is_open && (has_boxes || matches!(action, Action::NewBox | Action::MarkTarget))
     });
     ui.separator();
-    entries_where(ui, context, REVIEW_FILES, |_, action| {
+    entries_where(ui, context, ActionGroup::ReviewFiles, |_, action| {
         is_open && (has_boxes || action == Action::OpenReview)
     });
     ui.separator();
-    entries_where(ui, context, TRUTH, |_, action| {
+    entries_where(ui, context, ActionGroup::Truth, |_, action| {
         is_open && (is_known || action == Action::OpenTruth)
     });
 }

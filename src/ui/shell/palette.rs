@@ -124,7 +124,7 @@ fn line(ui: &mut Ui, item: &Item, chosen: bool, moved: bool) -> bool {
 
 fn items(context: &ViewContext<'_>) -> Vec<Item> {
     let actions = Action::ALL.iter();
-    let actions = actions.filter(|action| context.app.has_what_it_takes(**action));
+    let actions = actions.filter(|action| context.app.is_available(**action));
     let actions = actions.map(|&action| Item {
         label: action.label().to_owned(),
         alias: "",

@@ -1,0 +1,136 @@
+//! Functions that carry out the commands without arguments, and the conditions under which they
+//! have something to act on.
+
+use crate::app::action::action_rows;
+use crate::app::heights::FoundHeights;
+use crate::app::{
+    Action, App, FoundPositions, LayoutPreset, LogOrigin, MapLayer, Orientation, SideColours,
+    ThemeChoice, Tool, View, ViewOptions, WindowAction,
+};
+use bathyscope_bottom::calibration::ScaleMode;
+use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_objects::review::Edit;
+use bathyscope_products::pipeline::Preset;
+use bathyscope_products::project::MeasurementKind;
+
+/// Function that carries out a command.
+enum Run {
+    /// It changes the state.
+    State(fn(&mut App)),
+    /// It changes the display options.
+    Options(fn(&mut ViewOptions)),
+    /// It turns a display option on or off.
+    Toggle(fn(&mut ViewOptions) -> &mut bool),
+    /// The window carries it out.
+    Window(WindowAction),
+}
+
+macro_rules! run {
+    ($(
+        $(#[$of_group:meta])*
+        $group:ident {$(
+            $action:ident, $label:literal, $($with:ident($($arg:tt)*),)* $hint:literal
+                => $run:ident($($do:tt)*) $(, when($($when:tt)*))?;
+        )*}
+    )*) => {
+        impl Action {
+            fn run(self) -> Run {
+                match self {
+                    $($(Action::$action => Run::$run($($do)*),)*)*
+                }
+            }
+
+            /// Returns the condition under which a command has something to act on, where it has
+            /// one. All other commands say themselves what they lack.
+            fn condition(self) -> Option<fn(&App) -> bool> {
+                match self {
+                    $($($(Action::$action => Some($($when)*),)?)*)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+action_rows!(run);
+
+impl Action {
+    /// Returns what the window does for a command; `None` where the state carries it out.
+    pub(crate) fn in_window(self) -> Option<WindowAction> {
+        match self.run() {
+            Run::Window(action) => Some(action),
+            Run::State(_) | Run::Options(_) | Run::Toggle(_) => None,
+        }
+    }
+}
+
+impl App {
+    fn has_survey(&self) -> bool {
+        self.log.survey.is_some()
+    }
+
+    fn can_keep_recorded_range(&self) -> bool {
+        self.log.settings.calibration.mode == ScaleMode::FlatSpot
+            || self.log.proposed_stretch().is_some()
+    }
+
+    fn next_cloud_colour(&mut self) {
+        let has_several = self.log_count() > 1;
+        self.view.options.cloud.colour = self.view.options.cloud.colour.next(has_several);
+    }
+
+    fn fly_to_selected(&mut self) {
+        match self.selected_log_box() {
+            Some(id) => self.fly_to(id),
+            None => self.ask_for_box(),
+        }
+    }
+
+    /// Returns `false` where a command would remove or leave something that is not there.
+    pub(crate) fn is_available(&self, action: Action) -> bool {
+        action.condition().is_none_or(|condition| condition(self))
+    }
+
+    /// Carries out a command; those of the window are left to it.
+    pub(super) fn act(&mut self, action: Action) {
+        match action.run() {
+            Run::State(run) => run(self),
+            Run::Options(change) => change(&mut self.view.options),
+            Run::Toggle(option) => {
+                let option = option(&mut self.view.options);
+                *option = !*option;
+            }
+            Run::Window(_) => {}
+        }
+    }
+}
+
+fn next_bottom_colour(options: &mut ViewOptions) {
+    let cloud = &mut options.cloud;
+    // A hidden bottom is shown as it was.
+    if std::mem::replace(&mut cloud.bottom, true) {
+        cloud.bottom_colour = cloud.bottom_colour.next();
+    }
+}
+
+fn exchange_side_colours(options: &mut ViewOptions) {
+    options.side_colours = match options.side_colours {
+        SideColours::Paper => SideColours::Maritime,
+        SideColours::Maritime => SideColours::Paper,
+    };
+}
+
+fn turn_waterfall(options: &mut ViewOptions) {
+    options.waterfall.orientation = match options.waterfall.orientation {
+        Orientation::Horizontal => Orientation::Vertical,
+        Orientation::Vertical => Orientation::Horizontal,
+    };
+}
+
+fn switch_theme(options: &mut ViewOptions) {
+    options.theme = match options.theme {
+        ThemeChoice::Dark => ThemeChoice::Light,
+        ThemeChoice::Light => ThemeChoice::Dark,
+    };
+}
