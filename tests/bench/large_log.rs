@@ -2,7 +2,7 @@
 //! and over, each with its own offset and a time that goes on, each survey beside the one before: a
 //! lake in patches.
 
-use bathyscope_log::formats::lowrance::{FILE_HEADER, sl2::Header};
+use bathyscope_log::formats::lowrance::{FILE_HEADER, frame::Sl2Header};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_simulation::{Scene, simulate};
 use std::fs::File;
@@ -11,11 +11,11 @@ use std::mem::offset_of;
 use std::path::Path;
 
 /// Frame fields that change from copy to copy, and the one that tells a frame's length.
-const OWN_OFFSET: usize = offset_of!(Header, own_offset);
-const MILLISECONDS: usize = offset_of!(Header, time_ms);
-const EAST: usize = offset_of!(Header, x_m);
-const NORTH: usize = offset_of!(Header, y_m);
-const FRAME_SIZE: usize = offset_of!(Header, frame_size);
+const OWN_OFFSET: usize = offset_of!(Sl2Header, own_offset);
+const MILLISECONDS: usize = offset_of!(Sl2Header, time_ms);
+const EAST: usize = offset_of!(Sl2Header, x_m);
+const NORTH: usize = offset_of!(Sl2Header, y_m);
+const FRAME_SIZE: usize = offset_of!(Sl2Header, frame_size);
 
 /// Distance from one patch to the next, metres of Lowrance's Mercator, and patches in a row.
 const PATCH_M: i32 = 45;

@@ -1,14 +1,13 @@
-//! Assembles a [`Survey`] from channels in file order: sides joined, depths matched by time, noise
-//! named.
+//! Assembles a [`Survey`] from channels in file order: sides joined, soundings chosen, depths
+//! matched by time, noise named.
 
 use super::collected::{Collected, CollectedPair, HalfPing};
-use super::depths;
-use super::join::join_halves;
-use super::reading::Reading;
+use super::log_format::Reading;
 use super::report::WarningReport;
+use crate::support::statistics::upper_median;
 use crate::survey::{
     Channel, ChannelKind, Echogram, Fix, KnownTimes, Side, SidePair, SidePing, SideScanState,
-    Sounding, Survey, Track, drop_false_fixes, give_depths,
+    Sounding, SoundingFault, Survey, Track, drop_false_fixes, give_depths, mark_faults,
 };
 use std::sync::Arc;
 
@@ -19,6 +18,8 @@ pub(super) const UNNAMED_SYSTEM: &str = "positions are metres of a coordinate sy
 const STUCK_RANGE_M: f32 = 1.6;
 /// Share of stuck pings from which the side-scan is noise.
 const STUCK_SHARE: f64 = 0.95;
+/// Two halves without any other measure of the ping rate belong together within this time, seconds.
+const HALVES_TOGETHER_S: f64 = 0.1;
 
 /// Puts the pieces of a log together; those of its tail as they were put together before.
 pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
@@ -29,9 +30,8 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let chosen = known.and_then(|known| known.sounding_channel);
     let fixes = clean_track(&mut log);
     let depths = std::mem::take(&mut log.depths);
-    let (sounding_channel, soundings) =
-        depths::choose(depths, chosen, &fixes, !side_scan.is_empty());
-    depths::warn_of_lost_bottom(&soundings, &log.report);
+    let (sounding_channel, soundings) = choose(depths, chosen, &fixes, !side_scan.is_empty());
+    warn_of_lost_bottom(&soundings, &log.report);
     give_depths(&mut side_scan, &soundings);
     let mut swath = std::mem::take(&mut log.swath);
     swath.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -149,6 +149,64 @@ fn joined(mut port: Vec<HalfPing>, mut starboard: Vec<HalfPing>) -> Vec<SidePing
     pings
 }
 
+/// Joins the port and the starboard halves of pings that a recorder writes apart, where they were
+/// recorded at the same time (within half a ping); the others stay alone.
+fn join_halves(port: &[HalfPing], starboard: &[HalfPing]) -> Vec<SidePing> {
+    let within_s =
+        interval_s(port).or(interval_s(starboard)).map_or(HALVES_TOGETHER_S, |s| s / 2.0);
+    let mut pings = Vec::with_capacity(port.len().max(starboard.len()));
+    let (mut p, mut s) = (0, 0);
+    while let (Some(left), Some(right)) = (port.get(p), starboard.get(s)) {
+        let apart_s = apart_s(left, right);
+        // A half whose partner is damaged must not take the neighbour's: the closer pair wins.
+        let left_is_alone = nearer(port.get(p + 1), right, apart_s);
+        let right_is_alone = nearer(starboard.get(s + 1), left, apart_s);
+        let too_far = apart_s > within_s;
+        if left_is_alone || (too_far && left.time_s < right.time_s) {
+            pings.push(ping(Some(left), None));
+            p += 1;
+        } else if right_is_alone || too_far {
+            pings.push(ping(None, Some(right)));
+            s += 1;
+        } else {
+            pings.push(ping(Some(left), Some(right)));
+            p += 1;
+            s += 1;
+        }
+    }
+    pings.extend(port[p..].iter().map(|left| ping(Some(left), None)));
+    pings.extend(starboard[s..].iter().map(|right| ping(None, Some(right))));
+    pings
+}
+
+fn apart_s(a: &HalfPing, b: &HalfPing) -> f64 {
+    (a.time_s - b.time_s).abs()
+}
+
+fn nearer(next: Option<&HalfPing>, other: &HalfPing, than_s: f64) -> bool {
+    next.is_some_and(|next| apart_s(next, other) < than_s)
+}
+
+fn ping(port: Option<&HalfPing>, starboard: Option<&HalfPing>) -> SidePing {
+    SidePing {
+        time_s: port.or(starboard).map_or(f64::NAN, |half| half.time_s),
+        depth_m: f32::NAN,
+        depth_fault: None,
+        port: port.map(|half| half.span),
+        starboard: starboard.map(|half| half.span),
+    }
+}
+
+/// The median time between pings; `None` below three pings.
+fn interval_s(halves: &[HalfPing]) -> Option<f64> {
+    let mut steps: Vec<f64> =
+        halves.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    if steps.len() < 2 {
+        return None;
+    }
+    upper_median(&mut steps, f64::total_cmp).filter(|median| *median > 0.0)
+}
+
 /// Channels that look down, each in time order, the ones that show most of the bottom first.
 fn echograms(log: &mut Collected) -> Vec<Echogram> {
     let mut echograms = std::mem::take(&mut log.echograms);
@@ -157,6 +215,51 @@ fn echograms(log: &mut Collected) -> Vec<Echogram> {
     }
     echograms.sort_by_key(|echogram| std::cmp::Reverse(echogram.kind));
     echograms
+}
+
+/// Chooses the soundings among the recorded depths: those of one channel, in time order. It is the
+/// traditional sonar's, unless another knows four times as many; of the tail of a log those of the
+/// channel that was chosen for the log. All channels repeat the same bottom lock, so that two of
+/// them would only say it twice.
+fn choose(
+    mut depths: Vec<(ChannelKind, Vec<Sounding>)>,
+    chosen: Option<ChannelKind>,
+    fixes: &[Fix],
+    has_side_scan: bool,
+) -> (Option<ChannelKind>, Vec<Sounding>) {
+    if let Some(chosen) = chosen {
+        depths.retain(|(kind, _)| *kind == chosen);
+    }
+    depths.sort_by_key(|(kind, _)| *kind);
+    let most = depths.iter().map(|(_, soundings)| soundings.len()).max().unwrap_or(0);
+    let best = depths.into_iter().find(|(kind, soundings)| {
+        let is_down =
+            matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
+        // Side-scan channels ping faster than the lock: their count says nothing against a slower
+        // channel.
+        soundings.len() * if is_down { 4 } else { 1 } >= most
+    });
+    let (kind, mut soundings) =
+        best.map_or((None, Vec::new()), |(kind, depths)| (Some(kind), depths));
+    soundings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    mark_faults(&mut soundings, fixes, has_side_scan);
+    (kind, soundings)
+}
+
+/// Says which of the recorder's depths are false: a warning for each fault.
+fn warn_of_lost_bottom(soundings: &[Sounding], report: &WarningReport) {
+    for fault in SoundingFault::ALL {
+        let mut with = soundings.iter().filter(|sounding| sounding.fault == Some(fault));
+        let Some(first) = with.next() else { continue };
+        let (count, last) = with.fold((1, first), |(count, _), sounding| (count + 1, sounding));
+        report.log(format!(
+            "{count} of {} soundings between {:.0} s and {:.0} s {}: they are shown, and count only where a first return confirms them",
+            soundings.len(),
+            first.time_s,
+            last.time_s,
+            fault.sentence()
+        ));
+    }
 }
 
 /// Fixes in time order, without those where the boat cannot have been.
@@ -219,4 +322,44 @@ fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
         "the side-scan is noise: its range is stuck at {range_m:.1} m, which is what a unit records without a side-scan transducer"
     ));
     SideScanState::Noise { range_m }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::{Encoding, SampleOrder, SideSpan};
+
+    fn halves(times_s: &[f64]) -> Vec<HalfPing> {
+        let span = SideSpan {
+            file: 0,
+            encoding: Encoding::U8,
+            order: SampleOrder::NearToFar,
+            offset: 0,
+            count: 1,
+            near_m: 0.0,
+            far_m: 1.0,
+        };
+        times_s.iter().map(|&time_s| HalfPing { time_s, span }).collect()
+    }
+
+    /// `b` for both sides, `p` and `s` for one.
+    fn joined(port_s: &[f64], starboard_s: &[f64]) -> String {
+        let letter = |ping: &SidePing| match (ping.port, ping.starboard) {
+            (Some(_), Some(_)) => 'b',
+            (Some(_), None) => 'p',
+            _ => 's',
+        };
+        join_halves(&halves(port_s), &halves(starboard_s)).iter().map(letter).collect()
+    }
+
+    #[test]
+    fn halves_find_their_partners() {
+        assert_eq!(joined(&[0.0, 0.1, 0.2], &[0.01, 0.11, 0.21]), "bbb");
+        assert_eq!(joined(&[0.0, 0.1, 0.2, 0.3], &[0.01, 0.21, 0.31]), "bpbb");
+        assert_eq!(joined(&[0.1, 0.2], &[0.0, 0.1, 0.2, 0.3]), "sbbs");
+        assert_eq!(joined(&[0.0, 0.1, 0.2], &[]), "ppp");
+        assert_eq!(joined(&[], &[5.0]), "s");
+        // Interleaved, the later side 40 % of a ping behind: still the same ping.
+        assert_eq!(joined(&[0.0, 1.0, 2.0], &[0.4, 1.4, 2.4]), "bbb");
+    }
 }

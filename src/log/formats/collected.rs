@@ -1,7 +1,7 @@
 //! Data of a log as a reader hands them over, before they become a
 //! [`Survey`](crate::survey::Survey): channels apart, in file order.
 
-use super::reading::Reading;
+use super::log_format::Reading;
 use super::report::{WarningKind, WarningReport};
 use crate::support::geo::LonLat;
 use crate::survey::{

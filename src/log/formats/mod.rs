@@ -15,21 +15,21 @@
 //! 4. Write its test in its folder or in `src/log/tests/suite/formats`, with a small writer of the
 //!    format in `tests/support`: whole, cut, damaged.
 //! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take
-//!    its row out of `unsupported`, if it has one.
+//!    its row out of `KNOWN` in `table`, if it has one.
 //!
 //! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`,
 //! `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged
 //! and give it meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged
-//! times and `report` to say what was wrong. `reading` says which part of a log is read: the tail
-//! of one that is being written is read as a log of its own. `assemble` turns what was read into
-//! the survey: `join` pairs the sides, `depths` chooses the soundings. `file_source` brings the
-//! bytes, `log_folders` finds the folders of a card that hold logs, `messages` walks over logs of
-//! messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one
-//! that is being written as it comes, `unsupported` recognises formats that are not read, `table`
-//! lists those that are. `track_file` reads the track of another receiver, `gauge_file` the height
-//! of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with,
-//! `points` and `geotiff` what other programs say of depths; both also lay out what is written so,
-//! as `parquet_table` does tables of columns.
+//! times and `report` to say what was wrong. `log_format` says what a reader of a format is, brings
+//! it the bytes, and says which part of a log is read: the tail of one that is being written is
+//! read as a log of its own. `assemble` turns what was read into the survey: it pairs the sides and
+//! chooses the soundings. `log_folders` finds the folders of a card that hold logs, `messages`
+//! walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs,
+//! `growing_log` copies one that is being written as it comes, `table` lists the formats that are
+//! read and recognises some that are not. `track_file` reads the track of another receiver,
+//! `gauge_file` the height of the water, `area_file` a polygon of water, [`open_reference`]
+//! whatever a survey is compared with, `points` and `geotiff` what other programs say of depths;
+//! both also lay out what is written so, as `parquet_table` does tables of columns.
 
 mod area_file;
 mod assemble;
@@ -37,16 +37,13 @@ pub mod base_map;
 mod cerulean;
 mod clock;
 mod collected;
-mod depths;
 mod edgetech;
-mod file_source;
 mod garmin;
 mod gauge_file;
 pub mod geotiff;
 mod gpx;
 mod growing_log;
 pub mod humminbird;
-mod join;
 mod klein;
 mod log_folders;
 mod log_format;
@@ -57,14 +54,11 @@ mod nmea;
 pub mod parquet_table;
 mod picture_table;
 pub mod points;
-mod reading;
-mod reference;
 mod report;
 mod scalar;
 mod sounding_table;
 mod table;
 mod track_file;
-mod unsupported;
 mod xml;
 pub mod xtf;
 
@@ -72,9 +66,6 @@ pub use area_file::{AreaError, read_area};
 pub use gauge_file::{GaugeError, read_gauge};
 pub use growing_log::{GrowingError, GrowingLog};
 pub use log_folders::{FoundLog, LogFolder, log_folders};
-pub use reference::{
-    ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,
-};
 pub(crate) use scalar::ByteOrder;
 pub use table::{
     FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
@@ -85,12 +76,19 @@ use crate::support::file_error::FileError;
 use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
-use file_source::FileSource;
-use reading::Reading;
+use log_format::{FileSource, Reading};
+use points::{Elevations, PointFileError, is_named_as_elevations, read_elevations};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use xtf::read_multibeam;
 
 #[cfg(target_endian = "big")]
 compile_error!("the raw records of the readers are laid over little-endian bytes");
+
+/// Most names that a message lists.
+const MOST_NAMES: usize = 8;
+/// Suffix to the name of an XTF file whose multibeam depths are meant.
+const MULTIBEAM: &str = ":multibeam";
 
 /// Reason why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -357,9 +355,6 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
     logs
 }
 
-/// Most names that a message lists.
-const MOST_NAMES: usize = 8;
-
 fn some(names: &[String]) -> String {
     match names.get(..MOST_NAMES) {
         Some(some) if names.len() > MOST_NAMES => format!("{} ...", some.join(", ")),
@@ -380,7 +375,7 @@ fn read_by_content(
     if opened.bytes.is_empty() {
         return Err(not_recognised(&opened.path, "the file is empty"));
     }
-    if let Some(advice) = unsupported::advice(&opened.bytes) {
+    if let Some(advice) = table::advice(&opened.bytes) {
         return Err(OpenError::Unsupported { path: opened.path, what: advice.to_owned() });
     }
     Err(not_recognised(&opened.path, table::looked_for()))
@@ -388,4 +383,63 @@ fn read_by_content(
 
 fn not_recognised(path: &Path, looked_for: &'static str) -> OpenError {
     OpenError::NotRecognised { path: path.to_owned(), looked_for }
+}
+
+/// Content of a file that a survey is compared with.
+#[derive(Debug)]
+pub enum ReferenceFile {
+    /// Points with elevations.
+    Points(Elevations),
+    /// The log of another mission over the same water.
+    Log(Box<Survey>),
+}
+
+/// Reason why there is nothing to compare a survey with, in one sentence.
+#[derive(Debug, thiserror::Error)]
+pub enum ReferenceError {
+    /// The points cannot be read.
+    #[error(transparent)]
+    Points(#[from] PointFileError),
+    /// The log cannot be opened, or the work was cancelled.
+    #[error(transparent)]
+    Log(#[from] OpenError),
+}
+
+/// Returns true if an argument names points: a file of them, or the multibeam depths of a log,
+/// `FILE.xtf:multibeam`.
+pub fn is_named_as_points(argument: &OsStr) -> bool {
+    multibeam_of(argument).is_some() || is_named_as_elevations(argument)
+}
+
+/// The file whose multibeam depths are meant.
+pub fn multibeam_of(argument: &OsStr) -> Option<PathBuf> {
+    let file = argument.to_str()?.strip_suffix(MULTIBEAM)?;
+    Some(PathBuf::from(file))
+}
+
+/// Reads what [`is_named_as_points`] says are points.
+///
+/// # Errors
+/// When they cannot be read, or there are none.
+pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, ReferenceError> {
+    Ok(match multibeam_of(argument) {
+        Some(path) => read_multibeam(&path, progress)?,
+        None => read_elevations(argument)?,
+    })
+}
+
+/// Opens `FILE` or `FILE.csv:x,y,z` of points, `FILE.xtf:multibeam`, or a log. Which of them it is
+/// its name says.
+///
+/// # Errors
+/// When it cannot be read as what its name says that it is.
+pub fn open_reference(
+    argument: &OsStr,
+    progress: &Progress,
+) -> Result<ReferenceFile, ReferenceError> {
+    Ok(if is_named_as_points(argument) {
+        ReferenceFile::Points(read_points(argument, progress)?)
+    } else {
+        ReferenceFile::Log(Box::new(open(Path::new(argument), progress)?))
+    })
 }

@@ -6,7 +6,6 @@ pub mod catch_panic;
 pub mod file_error;
 pub mod geo;
 pub mod mapped_file;
-mod named;
 pub mod outline;
 pub mod picture_file;
 pub mod printable;
@@ -14,3 +13,22 @@ pub mod progress;
 pub mod regular_file;
 pub mod statistics;
 pub mod versions;
+
+/// Names the variants of an enum: gives it `ALL`, in the order of the list, and `name`. The doc
+/// comment is that of `ALL`.
+#[macro_export]
+macro_rules! named {
+    ($(#[$doc:meta])* $vis:vis $kind:ident { $($variant:ident: $name:literal,)+ }) => {
+        impl $kind {
+            $(#[$doc])*
+            $vis const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
+
+            /// Its name, in words and in files.
+            $vis fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)+
+                }
+            }
+        }
+    };
+}

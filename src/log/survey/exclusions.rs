@@ -7,8 +7,7 @@ mod verdict;
 
 pub use edit::LogPart;
 
-use super::turn_rate::turn_rates_deg_s;
-use super::{Identity, Navigation, PingNav, Sounding, Survey};
+use super::{Identity, Navigation, PingNav, Sounding, Survey, turn_rates_deg_s};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;

@@ -4,69 +4,54 @@
 //! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its
 //! pings.
 //!
-//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `observations` says
-//! which positions and recorded depths can be believed, `mounting` says how the recorder is mounted
-//! on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie
-//! apart, `turn_rate` how fast it turns, `pairs` holds the side-scan of several frequencies,
-//! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track,
-//! `growing` what becomes of a log that is still being written, `echogram` holds the channels that
-//! look down, `swath` the depths across the track, `part` cuts a log. [`navigate`] places every
-//! ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `samples` reads echoes where they lie in the file, `track` holds the fixes, and how far two
+//! tracks of one boat lie apart, `observations` says which positions and recorded depths can be
+//! believed, `mounting` says how the recorder is mounted on its boat, and by how much its positions
+//! are off, `logs` identifies and names a log among others, `channels` holds the side-scan of
+//! several frequencies and the channels that look down, `exclusions` which stretches count for
+//! nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is
+//! still being written, `swath` the depths across the track, `water` the area and the level of the
+//! water, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and
+//! its `local_fit` where a track is fitted; [`turn_rates_deg_s`] says how fast the boat turns.
 
-mod apart;
-mod area;
-mod echogram;
+mod channels;
 mod exclusions;
 mod fitted_track;
-mod gauge;
 mod growing;
-mod identity;
 mod local_fit;
+mod logs;
 mod mounting;
-mod names;
 mod navigation;
-mod nearest;
 mod observations;
-mod pairs;
 mod part;
-mod position_shift;
 mod relief;
 mod samples;
 mod swath;
 mod track;
-mod tracks_apart;
-mod turn_rate;
+mod water;
 
-pub use apart::{Apart, apart};
-pub use area::WaterArea;
-pub use echogram::{Echogram, EchogramPing};
+pub use channels::{Echogram, EchogramPing, SidePair};
 pub use exclusions::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
 };
 pub(crate) use fitted_track::KnownTimes;
-pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use growing::{Seam, StretchStart, SurveyVersions};
-pub use identity::Identity;
-pub use mounting::{MountingSettings, arm_in_words};
-pub use names::distinct_names;
+pub use logs::{Apart, Identity, apart, distinct_names};
+pub use mounting::{MountingSettings, PositionShift, arm_in_words};
 pub use navigation::{
     HeadingSettings, HeadingSource, Navigation, PingNav, PositionSettings, Projection, navigate,
-    navigate_with,
+    navigate_with, turn_rates_deg_s,
 };
-pub use nearest::nearest_in_time;
 pub use observations::{
     FaultCounts, SoundingFault, differ_as_no_bed, is_step_of_no_bed, mark_faults,
 };
 pub(crate) use observations::{NEAREST_SOUNDING_S, drop_false_fixes, give_depths};
-pub use pairs::SidePair;
-pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};
 pub use samples::{Bytes, Encoding, LEVEL_BITS, NumberKind, SampleOrder, Samples, SideSpan};
 pub(crate) use swath::{SWATH_PAIR, swath_pair_m};
 pub use swath::{SwathPing, SwathSounding};
-pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
-pub use tracks_apart::TracksApart;
-pub use turn_rate::turn_rates_deg_s;
+pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings, TracksApart};
+pub use water::{Gauge, WATER_LEVELS_M, WaterArea};
 
 use crate::support::file_error::FileError;
 use crate::support::geo::{LocalFrame, distance_m};
@@ -424,5 +409,34 @@ impl Survey {
     /// Returns true if the side-scan can be processed.
     pub fn has_side_scan(&self) -> bool {
         self.side_scan_state == SideScanState::Usable
+    }
+}
+
+/// Index of the item nearest to `time_s`, the earlier of two equally near; `None` without items.
+/// `items` are in the order of `time_of`, seconds.
+pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64) -> Option<usize> {
+    let after = items.partition_point(|item| time_of(item) < time_s);
+    let before = after.saturating_sub(1);
+    match (items.get(before), items.get(after)) {
+        (Some(a), Some(b)) if time_of(b) - time_s < time_s - time_of(a) => Some(after),
+        (Some(_), _) => Some(before),
+        (None, _) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_is_found_before_between_and_beyond() {
+        let times = [1.0, 2.0, 4.0];
+        let nearest = |time_s| nearest_in_time(&times, time_s, |time| *time);
+        assert_eq!(nearest(-3.0), Some(0));
+        assert_eq!(nearest(1.5), Some(0));
+        assert_eq!(nearest(1.6), Some(1));
+        assert_eq!(nearest(3.5), Some(2));
+        assert_eq!(nearest(9.0), Some(2));
+        assert_eq!(nearest_in_time(&[] as &[f64], 0.0, |time| *time), None);
     }
 }

@@ -1,5 +1,5 @@
 //! Settings of a recorder's mounting on its boat: place of the transducer relative to the antenna,
-//! which cable is port, errors of compass and clock.
+//! which cable is port, errors of compass, clock and positions.
 
 use super::observations::give_depths;
 use super::{Channel, ChannelKind, SidePing, Survey};
@@ -86,6 +86,33 @@ impl MountingSettings {
     }
 }
 
+/// `position_shift.*` settings: of one log each, the correction of an error that all its positions
+/// share. A receiver without corrections is off by a metre or two, which changes little in an hour:
+/// what crossings with other logs show of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PositionShift {
+    /// Added to every position, metres to the east.
+    pub east_m: f64,
+    /// Added to every position, metres to the north.
+    pub north_m: f64,
+}
+
+impl PositionShift {
+    /// East and north, metres; `None` where nothing is moved.
+    pub(crate) fn by_m(&self) -> Option<[f64; 2]> {
+        let by_m = [self.east_m, self.north_m];
+        (by_m != [0.0; 2]).then_some(by_m)
+    }
+
+    /// Describes the shift of the positions in a sentence; empty where there is none.
+    pub fn statement(&self) -> String {
+        let ways = [["east", "west"], ["north", "south"]];
+        let by = ways_in_words([self.east_m, self.north_m], ways, |m| format!("{m} m"));
+        if by.is_empty() { by } else { format!("Positions are moved by {by}.") }
+    }
+}
+
 /// A lever arm in words, `1.2 m forward and 0.3 m to port`; the lengths as `length` writes them.
 pub fn arm_in_words([forward_m, right_m]: [f64; 2], length: impl Fn(f64) -> String) -> String {
     let ways = [["forward", "aft"], ["to starboard", "to port"]];
@@ -94,7 +121,7 @@ pub fn arm_in_words([forward_m, right_m]: [f64; 2], length: impl Fn(f64) -> Stri
 
 /// Two distances in words, each with the name of the way that it goes: `1.2 m east and 0.3 m
 /// south`; empty where both are 0.
-pub(super) fn ways_in_words(
+fn ways_in_words(
     distances_m: [f64; 2],
     ways: [[&str; 2]; 2],
     length: impl Fn(f64) -> String,
@@ -187,5 +214,14 @@ mod tests {
         let twice = once.mounted(&mounting);
         assert!(!twice.swapped_sides);
         assert_eq!(twice.side_scan, survey.side_scan);
+    }
+
+    #[test]
+    fn a_shift_is_said_in_words() {
+        let shift = |east_m, north_m| PositionShift { east_m, north_m };
+        assert_eq!(shift(0.0, 0.0).statement(), "");
+        let said = shift(1.25, -0.5).statement();
+        assert_eq!(said, "Positions are moved by 1.25 m east and 0.5 m south.");
+        assert_eq!(shift(-2.0, 0.0).statement(), "Positions are moved by 2 m west.");
     }
 }

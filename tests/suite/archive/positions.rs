@@ -3,7 +3,7 @@
 
 use super::{add, sail, zigzag};
 use crate::cli::{refusal, run};
-use bathyscope_log::formats::lowrance::{FILE_HEADER, sl2::Header};
+use bathyscope_log::formats::lowrance::{FILE_HEADER, frame::Sl2Header};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::archive::{Archive, Offsets, contents, tile_map};
 use bathyscope_simulation::{BedSettings, Mound, Scene};
@@ -39,15 +39,15 @@ fn spoil(from: &Path, to: &Path, [east_m, north_m, latency_s]: [f64; 3]) {
     let integer = |log: &[u8], at: usize| i32::from_le_bytes(log[at..at + 4].try_into().unwrap());
     let mut frames = Vec::new();
     let mut at = FILE_HEADER;
-    while at + offset_of!(Header, frame_size) + 2 < log.len() {
-        let size = at + offset_of!(Header, frame_size);
+    while at + offset_of!(Sl2Header, frame_size) + 2 < log.len() {
+        let size = at + offset_of!(Sl2Header, frame_size);
         frames.push(at);
         at += usize::from(u16::from_le_bytes([log[size], log[size + 1]]));
     }
     let fixes: Vec<[f64; 3]> = frames
         .iter()
         .map(|frame| {
-            [offset_of!(Header, time_ms), offset_of!(Header, x_m), offset_of!(Header, y_m)]
+            [offset_of!(Sl2Header, time_ms), offset_of!(Sl2Header, x_m), offset_of!(Sl2Header, y_m)]
                 .map(|field| f64::from(integer(&log, frame + field)))
         })
         .collect();
@@ -57,8 +57,8 @@ fn spoil(from: &Path, to: &Path, [east_m, north_m, latency_s]: [f64; 3]) {
         let before_ms = time_ms - 1000.0 * latency_s;
         let [_, x, y] = fixes[fixes.partition_point(|fix| fix[0] < before_ms).min(fixes.len() - 1)];
         for (field, metres) in [
-            (offset_of!(Header, x_m), x - stretch * east_m),
-            (offset_of!(Header, y_m), y - stretch * north_m),
+            (offset_of!(Sl2Header, x_m), x - stretch * east_m),
+            (offset_of!(Sl2Header, y_m), y - stretch * north_m),
         ] {
             let stored = (metres.round() as i32).to_le_bytes();
             log[frame + field..][..4].copy_from_slice(&stored);

@@ -1,13 +1,28 @@
-//! Converts the bytes of a block to colours.
+//! Converts the bytes of a block to colours, and hides those that its mask does not show.
+//!
+//! The decoder knows neither palettes nor masks. It is shown grey levels in their place, which are
+//! the indices, or what is seen ([`AsGrey`]).
 
-use super::BaseMapFault;
-use std::io::{Read, Seek};
+use super::{BaseMapFault, Tiff};
+use crate::formats::geotiff::{DirectoryWalk, check_claims};
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use tiff::ColorType;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 /// Red, green, blue and opacity; transparent is all zero.
 pub type RgbaPixel = [u8; 4];
+
+/// The tag that says what a sample means, and its values for a palette, a mask and grey levels.
+const PHOTOMETRIC: u16 = 262;
+const PALETTE: u16 = 3;
+const MASK: u16 = 4;
+const GREY: u8 = 1;
+/// Kinds of directory (TIFF's `NewSubfileType`) that are masks: that of the full picture, and that
+/// of an overview. GDAL keeps them in a GeoTIFF, pictures of one bit a pixel beside that of the
+/// colours, set where these are seen.
+const KINDS: [u32; 2] = [4, 5];
 
 /// Encoding of the colour of a pixel in its bytes.
 #[derive(Clone, Debug)]
@@ -114,4 +129,108 @@ fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<RgbaPixel>, B
     let colours =
         (0..count).map(|index| [byte(index), byte(count + index), byte(2 * count + index), 255]);
     Ok(colours.collect())
+}
+
+/// A file in which every palette and mask is said to be grey levels.
+pub(super) struct AsGrey {
+    file: BufReader<File>,
+    at: u64,
+    /// Offsets of the bytes that say palette or mask.
+    said: Vec<u64>,
+}
+
+impl AsGrey {
+    /// Looks through the directories of a TIFF; what cannot be followed is left to the decoder to
+    /// refuse.
+    pub(super) fn new(file: File) -> io::Result<Self> {
+        let mut file = BufReader::new(file);
+        check_claims(&mut file)?;
+        let said = palettes(&mut file);
+        file.seek(SeekFrom::Start(0))?;
+        Ok(Self { file, at: 0, said })
+    }
+}
+
+impl Read for AsGrey {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        for said in &self.said {
+            let index = said.checked_sub(self.at).and_then(|index| usize::try_from(index).ok());
+            if let Some(byte) = index.and_then(|index| buffer[..count].get_mut(index)) {
+                *byte = GREY;
+            }
+        }
+        self.at += count as u64;
+        Ok(count)
+    }
+}
+
+impl Seek for AsGrey {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.at = self.file.seek(to)?;
+        Ok(self.at)
+    }
+}
+
+/// Returns the offsets of the low bytes of all values that say palette or mask.
+fn palettes(file: &mut BufReader<File>) -> Vec<u64> {
+    let mut found = Vec::new();
+    if let Some(walk) = DirectoryWalk::begin(file) {
+        walk.run(|walk, entry| {
+            if entry.tag == u64::from(PHOTOMETRIC) {
+                // The value, a short, fills the first two bytes of the last field.
+                walk.file.seek(SeekFrom::Start(entry.value_at)).ok()?;
+                if [PALETTE, MASK].map(u64::from).contains(&walk.number(2)?) {
+                    found.push(entry.value_at + u64::from(walk.is_big_endian));
+                }
+            }
+            Some(())
+        });
+    }
+    found
+}
+
+/// Returns the size of the picture that the mask at the decoder belongs to, columns and rows, and
+/// the size of a block; `None` where the decoder is at no mask.
+pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2], [u32; 2])> {
+    if !KINDS.contains(&kind?) || tiff.colortype().ok()? != ColorType::Gray(1) {
+        return None;
+    }
+    let (columns, rows) = tiff.dimensions().ok()?;
+    let (across, down) = tiff.chunk_dimensions();
+    Some(([columns, rows], [across, down.min(rows)]))
+}
+
+/// Makes the pixels of a block transparent that its mask does not show; both lie row by row, `wide`
+/// pixels in each.
+pub(super) fn hide(colours: &mut [RgbaPixel], mask: &[u8], wide: usize) {
+    if wide == 0 || colours.is_empty() {
+        return;
+    }
+    let rows = colours.len().div_ceil(wide);
+    let stride = mask.len() / rows;
+    for (row, colours) in colours.chunks_mut(wide).enumerate() {
+        for (column, colour) in colours.iter_mut().enumerate() {
+            let byte = mask.get(row * stride + column / 8);
+            // The first pixel is the highest bit.
+            let is_seen = byte.is_some_and(|byte| byte >> (7 - column % 8) & 1 == 1);
+            if !is_seen {
+                *colour = RgbaPixel::default();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_outside_the_mask_are_transparent() {
+        let seen = [9, 9, 9, 255];
+        let mut colours = vec![seen; 20];
+        hide(&mut colours, &[0b0000_0001, 0b1000_0000, 0xff, 0xff], 10);
+        let shown: Vec<usize> = (0..20).filter(|&index| colours[index] == seen).collect();
+        assert_eq!(shown, [[7, 8].as_slice(), &(10..20).collect::<Vec<_>>()].concat());
+    }
 }

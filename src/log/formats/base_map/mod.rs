@@ -2,20 +2,14 @@
 //!
 //! In: a GeoTIFF, and the part of it that is looked at. Out: the colours of that part.
 //!
-//! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder
-//! does not know), `masks` which of them are seen, `blocks` keeps those that were read last. Files
-//! are untrusted: a block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes is
-//! bounded by [`MOST_PIXELS`].
+//! `georeference` says where its pixels lie, `colours` what they mean and which of them are seen.
+//! Files are untrusted: a block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes
+//! is bounded by [`MOST_PIXELS`].
 
-mod blocks;
 mod colours;
-mod error;
 mod georeference;
-mod masks;
-mod palettes;
 
 pub use colours::RgbaPixel;
-pub use error::{BaseMapError, BaseMapFault};
 pub use georeference::Georeference;
 
 use crate::formats::geotiff::JpegBlocks;
@@ -24,13 +18,13 @@ use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
-use blocks::BlockCache;
-use colours::Coding;
-use palettes::AsGrey;
+use colours::{AsGrey, Coding, hide, masked_size};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use tiff::decoder::{Decoder, Limits};
 use tiff::tags::Tag;
+use tiff::{ColorType, TiffError};
 
 /// Bytes of a block that is still read.
 const MOST_BLOCK_BYTES: u64 = 64 << 20;
@@ -42,9 +36,71 @@ const MOST_WITHOUT_OVERVIEWS: u64 = 1 << 30;
 const COARSE_SIDE: u32 = 2048;
 /// Overviews that a file may have.
 const MOST_LEVELS: usize = 32;
+/// Bytes of colours that are kept of the blocks that were read last.
+const BUDGET: usize = 96 << 20;
 
 /// A decoder of the file.
 type Tiff = Decoder<AsGrey>;
+
+/// Reason why a file is not opened as a base map.
+#[derive(Debug, thiserror::Error)]
+pub enum BaseMapError {
+    /// The file cannot be read or shown.
+    #[error(transparent)]
+    Unusable(#[from] FileError<BaseMapFault>),
+    /// The user stopped it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Fault of a base map, as a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum BaseMapFault {
+    /// The system does not give it.
+    #[error("the base map cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// It is no TIFF, or one of a kind that is not known.
+    #[error("the base map cannot be read: {0}")]
+    Tiff(#[from] TiffError),
+    /// It contradicts itself, or has no pixels.
+    #[error("the base map cannot be read: {0}")]
+    Damaged(&'static str),
+    /// Its pixels have colours of another kind.
+    #[error(
+        "the base map is no picture of 8 bits a colour (RGB, grey or paletted); make one with gdal_translate"
+    )]
+    Colours(ColorType),
+    /// It holds all reds before all greens.
+    #[error("the base map keeps its colours apart; write it with INTERLEAVE=PIXEL")]
+    ColoursApart,
+    /// It has no system or no transform.
+    #[error("the picture does not say where on Earth it lies; {0}")]
+    Nowhere(&'static str),
+    /// It names a system that is not known.
+    #[error(
+        "the base map is in EPSG:{0}, which is not known here; turn it into WGS84, web Mercator or a UTM zone with gdalwarp"
+    )]
+    UnknownSystem(u16),
+    /// Its rows do not run from west to east, north first.
+    #[error("the base map is not north up; turn it with gdalwarp")]
+    Turned,
+    /// Its blocks, of so many bytes, are too large.
+    #[error(
+        "the base map holds blocks of {} MB, more than is read at once; write it with TILED=YES",
+        .0 >> 20
+    )]
+    LargeBlocks(u64),
+    /// It is too large to make an overview of.
+    #[error(
+        "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
+    )]
+    NoOverviews {
+        /// Pixels from west to east.
+        columns: u32,
+        /// Pixels from north to south.
+        rows: u32,
+    },
+}
 
 /// A base map.
 pub struct BaseMap {
@@ -84,6 +140,41 @@ struct Reader {
     /// The blocks of that directory where they are JPEG streams.
     jpegs: Option<JpegBlocks>,
     blocks: BlockCache,
+}
+
+/// A directory of the file, and a block of it.
+type BlockKey = (usize, u32);
+
+/// Blocks of the map that were read last, the one that was used last at the end.
+#[derive(Default)]
+struct BlockCache {
+    kept: Vec<(BlockKey, Arc<Vec<RgbaPixel>>)>,
+    bytes: usize,
+}
+
+impl BlockCache {
+    /// A block that is still there.
+    fn get(&mut self, key: BlockKey) -> Option<Arc<Vec<RgbaPixel>>> {
+        let index = self.kept.iter().rposition(|(other, _)| *other == key)?;
+        let found = self.kept.remove(index);
+        let block = found.1.clone();
+        self.kept.push(found);
+        Some(block)
+    }
+
+    /// Keeps a block in place of those that were not used for longest.
+    fn keep(&mut self, key: BlockKey, block: Vec<RgbaPixel>) -> Arc<Vec<RgbaPixel>> {
+        let block = Arc::new(block);
+        self.bytes += size_of_val(&block[..]);
+        self.kept.push((key, block.clone()));
+        let mut gone = 0;
+        while self.bytes > BUDGET && gone + 1 < self.kept.len() {
+            self.bytes -= size_of_val(&self.kept[gone].1[..]);
+            gone += 1;
+        }
+        self.kept.drain(..gone);
+        block
+    }
 }
 
 /// Part of a level.
@@ -184,7 +275,7 @@ fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<PictureLevel>, BaseMap
                 found.push(level);
             }
         }
-        if let Some(of) = masks::masked_size(tiff, subfile) {
+        if let Some(of) = masked_size(tiff, subfile) {
             let is_like = |level: &&mut PictureLevel| (level.size, level.block) == of;
             if let Some(level) = found.iter_mut().find(is_like) {
                 level.mask = Some(directory);
@@ -307,11 +398,7 @@ impl BaseMap {
     }
 
     /// The colours of a block.
-    fn block(
-        &self,
-        index: usize,
-        [column, row]: [u32; 2],
-    ) -> Option<std::sync::Arc<Vec<RgbaPixel>>> {
+    fn block(&self, index: usize, [column, row]: [u32; 2]) -> Option<Arc<Vec<RgbaPixel>>> {
         let level = &self.levels[index];
         let Kept::Directory(directory) = level.kept else {
             return None;
@@ -328,7 +415,7 @@ impl BaseMap {
         if let Some(mask) = level.mask {
             let mask = catch_panic(|| reader.read(mask, number)).flatten()?;
             let wide = level.block[0].min(level.size[0].saturating_sub(column * level.block[0]));
-            masks::hide(&mut colours, &mask, wide as usize);
+            hide(&mut colours, &mask, wide as usize);
         }
         Some(reader.blocks.keep((directory, number), colours))
     }

@@ -1,12 +1,11 @@
 //! Decodes packets to sides and fixes in SI units.
 
 use super::navigation::{Navigation, Told};
-use super::packet::Packet;
-use super::profile::Profile;
+use super::packet::{Packet, Profile};
 use super::scale::Scale;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
-use crate::formats::reading::Reading;
+use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_iso;
 use crate::support::statistics::upper_median;

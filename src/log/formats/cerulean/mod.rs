@@ -5,11 +5,11 @@
 //!
 //! A file is a row of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes of
 //! the payload, u16 packet id, u8 device that sent it, u8 device that it is for, the payload, u16
-//! sum of all bytes before (`packet`). Id 2198 is a ping of one transducer, a profile (`profile`):
-//! 52 bytes, then u16 samples from near to far, scaled between the least and the most decibels of
-//! that ping. Id 10 is a description of the session in JSON with the time when recording began, 109
-//! a NMEA sentence, 150 a MAVLink message in JSON, of which `GLOBAL_POSITION_INT` has a position.
-//! The depth is in none of them.
+//! sum of all bytes before. Id 2198 is a ping of one transducer, a profile; `packet` reads both. It
+//! has 52 bytes, then u16 samples from near to far, scaled between the least and the most decibels
+//! of that ping. Id 10 is a description of the session in JSON with the time when recording began,
+//! 109 a NMEA sentence, 150 a MAVLink message in JSON, of which `GLOBAL_POSITION_INT` has a
+//! position. The depth is in none of them.
 //!
 //! The sign of the transducer's heading tells the side: negative is port. Where it is 0, the
 //! channel number of a profile tells, 0 for port and 1 for starboard; boats with one transducer, or
@@ -32,15 +32,12 @@
 mod decode;
 mod navigation;
 mod packet;
-mod profile;
 mod scale;
 #[cfg(test)]
 mod tests;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::messages::MessageWalk;
-use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;

@@ -1,14 +1,22 @@
-//! Packets of the Ping protocol.
+//! Packets of the Ping protocol, and the ping of one transducer that packet 2198
+//! (`os_mono_profile`) holds.
 
 use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::{Fields, u16_le};
+use crate::survey::{Side, SideSpan};
 
 /// Bytes before the payload.
-pub(super) const HEADER: usize = 8;
+const HEADER: usize = 8;
 /// Bytes of the sum after the payload.
 const SUM: usize = 2;
 /// The two bytes that each packet begins with.
 const MARKER: [u8; 2] = *b"BR";
+/// Id of its packet.
+const PROFILE: u16 = 2198;
+/// Bytes before the samples.
+const PROFILE_HEADER: usize = 52;
+/// Powers beyond this are damage, decibels.
+const MOST_DB: f32 = 400.0;
 
 /// Marker and length of packets, by which a walk finds each after the one before.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
@@ -27,9 +35,9 @@ pub(super) struct Packet<'a> {
     /// Number of its type.
     pub(super) id: u16,
     /// Number of the device that sent it.
-    pub(super) device: u8,
+    device: u8,
     /// Offset of the payload in the file.
-    pub(super) payload_at: usize,
+    payload_at: usize,
     /// The payload.
     pub(super) payload: &'a [u8],
     header: &'a [u8],
@@ -58,5 +66,95 @@ impl<'a> Packet<'a> {
         let bytes = self.header.iter().chain(self.payload);
         let sum = bytes.fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));
         sum == self.sum || self.sum == 0
+    }
+}
+
+/// Content of a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Profile {
+    /// Device that sent it.
+    pub(super) device: u8,
+    /// Channel number.
+    pub(super) channel: u8,
+    /// Direction of its transducer, degrees; negative is port.
+    pub(super) transducer_deg: f32,
+    /// Heading of the vehicle, degrees; 0 where it is not known.
+    pub(super) vehicle_deg: f32,
+    /// Milliseconds since the sonar was switched on.
+    pub(super) time_ms: u32,
+    /// Slant range of the near edge of the first sample and of the far edge of the last, metres.
+    pub(super) range_m: [f32; 2],
+    /// Frequency, kHz.
+    pub(super) frequency_khz: Option<f32>,
+    /// Decibels of the sample 0 and of the sample 65535.
+    pub(super) power_db: [f32; 2],
+    /// Samples.
+    pub(super) samples: u16,
+    /// Offset of the first sample in the file.
+    pub(super) samples_at: usize,
+    /// True if the samples lie in the packet.
+    pub(super) has_samples: bool,
+    /// Offset of the end of the packet's payload.
+    pub(super) end: usize,
+}
+
+impl Profile {
+    /// The profile that a packet holds; `None` where it holds none.
+    pub(super) fn of(packet: &Packet<'_>) -> Option<Self> {
+        let (fields, samples) = packet.payload.split_at_checked(PROFILE_HEADER)?;
+        if packet.id != PROFILE {
+            return None;
+        }
+        let fields = Fields(fields);
+        let metres = |mm: u64| (mm as f64 / 1000.0) as f32;
+        let [start_mm, length_mm] = [4, 8].map(|at| u64::from(fields.u32(at)));
+        let khz = fields.u32(16) as f32 / 1000.0;
+        let count = fields.u16(22);
+        Some(Self {
+            device: packet.device,
+            channel: fields.u8(26),
+            transducer_deg: fields.f32(44),
+            vehicle_deg: fields.f32(48),
+            time_ms: fields.u32(12),
+            range_m: [start_mm, start_mm + length_mm].map(metres),
+            frequency_khz: (1.0..10_000.0).contains(&khz).then_some(khz),
+            power_db: [fields.f32(40), fields.f32(36)],
+            samples: count,
+            samples_at: packet.payload_at + PROFILE_HEADER,
+            has_samples: samples.len() >= 2 * usize::from(count),
+            end: packet.payload_at + packet.payload.len(),
+        })
+    }
+
+    /// The profile that a span was made of; `None` where there is none before it.
+    pub(super) fn of_span(bytes: &[u8], span: &SideSpan) -> Option<Self> {
+        let samples_at = usize::try_from(span.offset).ok()?;
+        let start = samples_at.checked_sub(HEADER + PROFILE_HEADER)?;
+        Self::of(&Packet::at(bytes, start)?)
+    }
+
+    /// The side that its transducer looks to by its heading; that of its channel where there is no
+    /// heading.
+    pub(super) fn side(&self) -> Side {
+        match (self.transducer_deg, self.channel_side()) {
+            (deg, _) if deg > 0.0 => Side::Starboard,
+            (deg, _) if deg < 0.0 => Side::Port,
+            (_, side) => side.unwrap_or(Side::Port),
+        }
+    }
+
+    /// The side that its channel number stands for; `None` for another number.
+    pub(super) fn channel_side(&self) -> Option<Side> {
+        match self.channel {
+            0 => Some(Side::Port),
+            1 => Some(Side::Starboard),
+            _ => None,
+        }
+    }
+
+    /// Returns true if its decibels can be.
+    pub(super) fn has_power(&self) -> bool {
+        let [least, most] = self.power_db;
+        least >= -MOST_DB && most <= MOST_DB && least <= most
     }
 }

@@ -1,6 +1,6 @@
 //! One scale of decibels for all pings of a file.
 
-use super::profile::Profile;
+use super::packet::Profile;
 use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, SidePing, SideSpan};
 
 /// Pings looked at to find the scale.

@@ -1,13 +1,11 @@
 //! Decodes messages to sides, altitudes and fixes in SI units.
 
-use super::message::{HEADER, MessageHeader};
 use super::pair::{self, Half, Pairs};
-use super::place::PositionConverter;
 use super::sensors::{SOUNDS_MPS, Sensors};
-use super::trace::Trace;
+use super::trace::{HEADER, MessageHeader, PositionConverter, Trace};
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
-use crate::formats::reading::Reading;
+use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::moment;
 use crate::survey::{

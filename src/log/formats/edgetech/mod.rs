@@ -25,23 +25,18 @@
 //! files, which PINGVerter reads alike.
 
 mod decode;
-mod message;
 mod pair;
-mod place;
 mod sensors;
 #[cfg(test)]
 mod tests;
-mod time;
 mod trace;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::messages::MessageWalk;
-use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::{ChannelKind, Survey};
-use message::{FORMAT, MessageHeader};
+use trace::{FORMAT, MessageHeader};
 
 const NAME: &str = "EdgeTech JSF";
 /// Bytes searched for messages where the beginning is damaged.

@@ -1,14 +1,20 @@
-//! A ping of one channel, as messages 80 and 82 hold it.
+//! Messages of a JSF file: their header, and the ping of one channel, with its time and its place,
+//! that messages 80 and 82 hold.
 
-use super::message::{HEADER, MessageHeader};
-use super::place::Coordinates;
 use super::sensors::SOUNDS_MPS;
-use super::time::unix_ms;
+use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::Fields;
-use crate::support::geo::MPS_PER_KNOT;
-use crate::survey::{ChannelKind, Encoding, SideSpan};
+use crate::support::geo::{LonLat, MPS_PER_KNOT};
+use crate::survey::{ChannelKind, Encoding, ProjectedTrack, SideSpan};
+use chrono::NaiveDate;
 use std::ops::Range;
 
+/// Bytes of a message's header.
+pub(super) const HEADER: usize = 16;
+/// The two bytes that each message begins with: 0x1601.
+const MARKER: [u8; 2] = [0x01, 0x16];
+/// No message is longer; a longer one is damage.
+const LONGEST: usize = 1 << 24;
 /// A trace with a header of 240 bytes.
 const TRACE: u16 = 80;
 const TRACE_HEADER: usize = 240;
@@ -24,6 +30,85 @@ const SPEED_VALID: u16 = 1 << 2;
 const HEADING_VALID: u16 = 1 << 3;
 const ALTITUDE_VALID: u16 = 1 << 6;
 const SOUND_VALID: u16 = 1 << 14;
+/// Milliseconds of a day.
+const DAY_MS: i64 = 86_400_000;
+
+/// Marker and length of messages, by which a walk finds each after the one before.
+pub(super) const FORMAT: MessageFormat = MessageFormat {
+    noun: "message",
+    marker: MARKER,
+    length: |bytes, at| Some(HEADER + MessageHeader::at(bytes, at)?.size),
+};
+
+/// A message's header.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MessageHeader {
+    /// Version of the protocol.
+    pub(super) version: u8,
+    /// Type of the message.
+    pub(super) kind: u16,
+    /// Subsystem that it is of.
+    pub(super) subsystem: u8,
+    /// Channel of the subsystem.
+    pub(super) channel: u8,
+    /// Bytes that follow.
+    size: usize,
+}
+
+impl MessageHeader {
+    /// The header at an offset; `None` where there can be none.
+    pub(super) fn at(bytes: &[u8], at: usize) -> Option<Self> {
+        let header = Fields(bytes.get(at..at.checked_add(HEADER)?)?);
+        let size = usize::try_from(header.i32(12)).ok()?;
+        let is_header = header.0.starts_with(&MARKER) && size < LONGEST;
+        is_header.then(|| Self {
+            version: header.u8(2),
+            kind: header.u16(4),
+            subsystem: header.u8(7),
+            channel: header.u8(8),
+            size,
+        })
+    }
+}
+
+/// A position as a trace has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Coordinates {
+    /// Longitude, or easting.
+    x: i32,
+    /// Latitude, or northing.
+    y: i32,
+    /// 1: millimetres, 2: ten thousandths of minutes of arc, 3: decimetres, 4: centimetres.
+    units: u16,
+}
+
+/// Turns the positions of a file into degrees; they may be in metres of a projection that the file
+/// does not name.
+#[derive(Debug, Default)]
+pub(super) struct PositionConverter {
+    /// First projected position, where positions are in metres.
+    pub(super) origin_m: Option<[f64; 2]>,
+}
+
+impl PositionConverter {
+    /// Degrees; metres lie around longitude 0, latitude 0. `None` for what is not set.
+    pub(super) fn position(&mut self, place: Coordinates) -> Option<LonLat> {
+        if place.x == 0 || place.y == 0 {
+            return None;
+        }
+        let [x, y] = [place.x, place.y].map(f64::from);
+        let per_metre = match place.units {
+            1 => 1000.0,
+            2 => return Some(LonLat::new(x / 600_000.0, y / 600_000.0)),
+            3 => 10.0,
+            4 => 100.0,
+            _ => return None,
+        };
+        let [x_m, y_m] = [x, y].map(|value| value / per_metre);
+        let [x0_m, y0_m] = *self.origin_m.get_or_insert([x_m, y_m]);
+        Some(ProjectedTrack::frame().to_lon_lat(x_m - x0_m, y_m - y0_m))
+    }
+}
 
 /// Content of a trace, in SI units. Missing values are NaN or `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,6 +297,28 @@ fn empty(header: MessageHeader) -> Trace {
     }
 }
 
+/// Unix milliseconds of a trace: of its Unix seconds, or where those are not set of its year, day
+/// of the year, hour, minute and second; with the milliseconds since midnight, which lie within 2 s
+/// of them unless they are of another clock.
+fn unix_ms(unix_s: i64, calendar: [i16; 5], today_ms: u32) -> i64 {
+    let [year, day, hour, minute, second] = calendar.map(i64::from);
+    let date = i32::try_from(year).ok().zip(u32::try_from(day).ok());
+    let date = date.and_then(|(year, day)| NaiveDate::from_yo_opt(year, day));
+    let from_calendar_s = || {
+        let days = i64::from(date?.to_epoch_days());
+        Some(((days * 24 + hour) * 60 + minute) * 60 + second)
+    };
+    let seconds_ms = 1000 * if unix_s > 0 { unix_s } else { from_calendar_s().unwrap_or(0) };
+    let today_ms = i64::from(today_ms);
+    let after_ms =
+        (today_ms - seconds_ms.rem_euclid(DAY_MS) + DAY_MS / 2).rem_euclid(DAY_MS) - DAY_MS / 2;
+    if today_ms <= DAY_MS && after_ms.abs() <= 2000 {
+        seconds_ms + after_ms
+    } else {
+        seconds_ms + today_ms % 1000
+    }
+}
+
 /// The middle of a pulse from its ends in tens of hertz, or the frequency that it is mixed with,
 /// Hz.
 fn frequency_khz(ends: [u32; 2], mixer_hz: f32) -> Option<f32> {
@@ -236,5 +343,20 @@ mod tests {
         for mixer_hz in [0.0, f32::NAN, f32::INFINITY, -1e9] {
             assert_eq!(frequency_khz([0, 0], mixer_hz), None);
         }
+    }
+
+    #[test]
+    fn times_have_milliseconds() {
+        // `date -u -d "2021-06-05 23:59:59" +%s`; day 156 of the year.
+        const S: i64 = 1_622_937_599;
+        let calendar = [2021, 156, 23, 59, 59];
+        assert_eq!(unix_ms(S, calendar, 86_399_250), S * 1000 + 250);
+        assert_eq!(unix_ms(0, calendar, 86_399_250), S * 1000 + 250);
+        // The milliseconds are of the next day, of another zone, or not set.
+        assert_eq!(unix_ms(S, calendar, 40), S * 1000 + 1040);
+        assert_eq!(unix_ms(S, calendar, 7_199_250), S * 1000 + 250);
+        assert_eq!(unix_ms(S, calendar, 0), S * 1000 + 1000);
+        assert_eq!(unix_ms(0, [0; 5], 7_250), 250);
+        assert_eq!(unix_ms(0, [i16::MAX; 5], u32::MAX), 295);
     }
 }

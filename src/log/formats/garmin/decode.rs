@@ -1,20 +1,75 @@
-//! Decodes records to pings, depths and fixes in SI units.
+//! Decodes records to pings, depths and fixes in SI units, with the samples of the pings: sides of
+//! the side-scan, and channels that look down.
 
 use super::channels::{self, SeenChannel, UNNUMBERED};
-use super::depth::DepthEncoding;
 use super::header::FileHeader;
-use super::pictures;
 use super::record::{Ping, RecordBody, RecordHeader};
+use super::walk::next_record;
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_range, is_sound};
 use crate::formats::report::WarningKind;
+use crate::formats::xtf::shift_to_fit;
 use crate::support::geo::LonLat;
-use crate::survey::{Fix, Survey};
+use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan, Survey};
+use std::sync::Arc;
 
 /// A log has no more channels; a channel beyond them is damage.
 const MOST_CHANNELS: usize = 64;
 /// Garmin's units of a position in a circle.
 const UNITS_A_CIRCLE: f64 = 4_294_967_296.0;
+/// Records at the beginning of a file that tell how depths are stored.
+const RECORDS_LOOKED_AT: usize = 512;
+/// Bytes at the beginning of a file that tell it.
+const HEAD: usize = 1 << 22;
+/// Share of the ranges that may be damaged without speaking for unsigned integers.
+const DAMAGED_SHARE: f64 = 0.125;
+
+/// Encoding of a depth: millimetres as a signed integer, or as an unsigned one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum DepthEncoding {
+    /// Twice the value where it is not negative, else one less than twice its amount ("zig-zag"):
+    /// what the format's descriptions state.
+    #[default]
+    Signed,
+    /// The value itself. PINGVerter reports such files.
+    Unsigned,
+}
+
+impl DepthEncoding {
+    /// Determines the encoding from the ranges of the first records: no range is negative.
+    fn of_head(bytes: &[u8], first_record: usize) -> Self {
+        let head = &bytes[..bytes.len().min(first_record.saturating_add(HEAD))];
+        let (mut at, mut ranges, mut odd) = (first_record, 0_usize, 0_usize);
+        for _ in 0..RECORDS_LOOKED_AT {
+            let found = next_record(head, at, head.len());
+            let header = found.and_then(|found| RecordHeader::read(head, found));
+            let Some(header) = header else { break };
+            let body = RecordBody::read(head, &header);
+            if let Some(far) = body.and_then(|body| body.range[1]) {
+                ranges += 1;
+                odd += far as usize & 1;
+            }
+            at = header.body;
+        }
+        if odd as f64 > DAMAGED_SHARE * ranges as f64 {
+            DepthEncoding::Unsigned
+        } else {
+            DepthEncoding::Signed
+        }
+    }
+
+    /// Metres of a stored depth.
+    fn metres(self, stored: u32) -> f32 {
+        let millimetres = match self {
+            DepthEncoding::Signed => {
+                let amount = i64::from(stored >> 1);
+                if stored & 1 == 0 { amount } else { -amount - 1 }
+            }
+            DepthEncoding::Unsigned => i64::from(stored),
+        };
+        (millimetres as f64 / 1000.0) as f32
+    }
+}
 
 /// Collects pings, a little behind the walk so that a damaged time is seen. What a channel is, only
 /// all of its pings tell.
@@ -110,7 +165,7 @@ impl<'a> Reader<'a> {
         }
         for (time_s, ping) in &self.pings {
             let (time_s, kind) = (*time_s, kinds[&ping.channel]);
-            let range_m = pictures::range_m(ping, self.depths);
+            let range_m = range_m(ping, self.depths);
             let counted = Counted {
                 record: (0, ping.end),
                 time_s,
@@ -124,9 +179,9 @@ impl<'a> Reader<'a> {
             if let Some(fix) = fix(ping, time_s) {
                 log.add_fix(fix);
             }
-            pictures::keep(log, kind, ping, (time_s, range_m));
+            keep(log, kind, ping, (time_s, range_m));
         }
-        pictures::choose_levels(self.bytes, log, known);
+        choose_levels(self.bytes, log, known);
     }
 }
 
@@ -150,4 +205,102 @@ fn fix(ping: &Ping, time_s: f64) -> Option<Fix> {
         compass_rad: f32::NAN,
         speed_mps: f32::NAN,
     })
+}
+
+/// Near and far limit of a ping's samples, metres, where it states limits that can be.
+fn range_m(ping: &Ping, depths: DepthEncoding) -> Option<(f32, f32)> {
+    let [near, far] = ping.body.range.map(|stored| stored.map(|stored| depths.metres(stored)));
+    let (near_m, far_m) = (near.unwrap_or(0.0), far?);
+    is_range(near_m, far_m).then_some((near_m, far_m))
+}
+
+/// Keeps the samples of a ping that can be a picture; says so where they cannot.
+fn keep(
+    log: &mut Collected,
+    kind: ChannelKind,
+    ping: &Ping,
+    (time_s, range_m): (f64, Option<(f32, f32)>),
+) {
+    if matches!(kind, ChannelKind::Other(_)) || ping.body.stated_samples == 0 {
+        return;
+    }
+    let (near_m, far_m) = range_m.unwrap_or((0.0, 0.0));
+    let span = ping.body.samples.map(|samples| SideSpan {
+        file: 0,
+        encoding: if samples.is_wide { Encoding::U16 { shift: 0 } } else { Encoding::U8 },
+        // Peers show the first sample of both sides at the transducer.
+        order: SampleOrder::NearToFar,
+        offset: samples.offset as u64,
+        count: samples.count,
+        near_m,
+        far_m,
+    });
+    let Some(span) = span else {
+        let text = format!(
+            "a ping says that it has {} samples, which do not lie in its record; it has no picture",
+            ping.body.stated_samples
+        );
+        log.report.at(WarningKind::Frame, 0, ping.offset, text);
+        return;
+    };
+    if !is_sound(&span) {
+        let text = format!(
+            "a ping has {} samples over no range that can be, which is no picture; it was dropped",
+            span.count
+        );
+        log.report.at(WarningKind::Value, 0, ping.offset, text);
+        return;
+    }
+    match kind {
+        ChannelKind::Port => log.port.push(HalfPing { time_s, span }),
+        ChannelKind::Starboard => log.starboard.push(HalfPing { time_s, span }),
+        _ => log.add_echogram(kind, time_s, span),
+    }
+}
+
+/// Chooses which eight bits of 16-bit samples are shown: the same on both sides, and the same in
+/// all pings of a channel that looks down. Of the tail of a log they are those of the log.
+fn choose_levels(bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
+    let sides = log.port.iter_mut().chain(&mut log.starboard);
+    show_alike(bytes, sides.map(|half| &mut half.span), None);
+    for echogram in &mut log.echograms {
+        let kind = echogram.kind;
+        let mut before = known.into_iter().flat_map(|known| &known.echograms);
+        let before = before.find(|one| one.kind == kind);
+        let mut before = before.into_iter().flat_map(|one| one.pings.iter().rev());
+        let chosen = before.find_map(|ping| shift(&ping.span));
+        let pings = Arc::make_mut(&mut echogram.pings);
+        show_alike(bytes, pings.iter_mut().map(|ping| &mut ping.span), chosen);
+    }
+}
+
+fn shift(span: &SideSpan) -> Option<u8> {
+    match span.encoding {
+        Encoding::U16 { shift } => Some(shift),
+        _ => None,
+    }
+}
+
+fn show_alike<'a>(bytes: &[u8], spans: impl Iterator<Item = &'a mut SideSpan>, chosen: Option<u8>) {
+    let wide: Vec<&mut SideSpan> = spans.filter(|span| shift(span).is_some()).collect();
+    let fitting = chosen.unwrap_or_else(|| {
+        let wide: Vec<&SideSpan> = wide.iter().map(|span| &**span).collect();
+        shift_to_fit(bytes, &wide)
+    });
+    for span in wide {
+        span.encoding = Encoding::U16 { shift: fitting };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_of_both_kinds_become_metres() {
+        let signed = |stored| DepthEncoding::Signed.metres(stored);
+        assert_eq!([0, 1, 2, 16_000].map(signed), [0.0, -0.001, 0.001, 8.0]);
+        assert_eq!(signed(u32::MAX), -2_147_483.8);
+        assert_eq!(DepthEncoding::Unsigned.metres(16_001), 16.001);
+    }
 }

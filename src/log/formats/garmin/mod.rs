@@ -18,11 +18,11 @@
 //!   checksum, the body, and a trailer of twelve bytes (0xF98EACBC, the record's length, a
 //!   checksum). The first and the last records of a channel have no body.
 //! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the
-//!   last sample, all three in millimetres ([`depth`]), 7 the count of samples, 8 whether there is
-//!   shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's temperature, 12
-//!   the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4 down-scan), 13 the
-//!   element, whose field 5 has the tilt to port (negative) or to starboard. The samples follow,
-//!   nearest first on both sides, two bytes each.
+//!   last sample, all three in millimetres ([`decode::DepthEncoding`]), 7 the count of samples, 8
+//!   whether there is shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's
+//!   temperature, 12 the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4
+//!   down-scan), 13 the element, whose field 5 has the tilt to port (negative) or to starboard. The
+//!   samples follow, nearest first on both sides, two bytes each.
 //!
 //! Stated by one source only: that one byte of shade a sample follows the samples (sidescantools),
 //! that depths may be unsigned (PINGVerter), and that old units record one byte a sample (notes of
@@ -33,18 +33,14 @@
 
 mod channels;
 mod decode;
-mod depth;
 mod header;
-mod pictures;
 mod record;
 #[cfg(test)]
 mod tests;
 mod varstruct;
 mod walk;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
-use super::reading::Reading;
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;

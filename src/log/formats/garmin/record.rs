@@ -64,7 +64,8 @@ pub(super) struct StoredSamples {
     pub(super) is_wide: bool,
 }
 
-/// The ping in the body of a record. Depths are as they are stored ([`super::depth`]).
+/// The ping in the body of a record. Depths are as they are stored
+/// ([`super::decode::DepthEncoding`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RecordBody {
     /// Channel, where the body states it.

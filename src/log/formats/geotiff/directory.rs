@@ -1,7 +1,6 @@
 //! Directories of a TIFF: tags in order, their values behind them.
 
-use super::metadata::gdal_metadata;
-use super::statistics::Statistics;
+use super::metadata::{Statistics, gdal_metadata};
 use super::{CellFormat, NODATA, RASTER_TILE, RasterSpec};
 
 /// The values of a tag.

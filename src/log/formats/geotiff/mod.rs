@@ -9,13 +9,13 @@
 //! and statistics as GDAL writes them.
 //!
 //! ```text
-//! draw --pack--> tiles in a scratch file --overview--> coarser tiles there --writer--> directories, then all tiles in order
+//! draw --pack--> tiles in a scratch file --halve--> coarser tiles there --writer--> directories, then all tiles in order
 //! ```
 //!
-//! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures.
-//! `cells` reads a raster of any program back, as points or cell by cell, `tiles` one of our own
-//! tile by tile; `geotransform` is where its cells lie, also for the pixels of a base map.
-//! `directory_walk` and `jpeg_blocks` look up what a file claims before a decoder allocates by it.
+//! `directory` lays out the tags, `metadata` what GDAL adds to a band. `cells` reads a raster of
+//! any program back, as points or cell by cell, `tiles` one of our own tile by tile; `geotransform`
+//! is where its cells lie, also for the pixels of a base map. `directory_walk` and `jpeg_blocks`
+//! look up what a file claims before a decoder allocates by it.
 
 mod cells;
 mod directory;
@@ -23,10 +23,7 @@ mod directory_walk;
 mod geotransform;
 mod jpeg_blocks;
 mod metadata;
-mod overview;
 mod pack;
-mod scratch;
-mod statistics;
 mod tiles;
 mod writer;
 
@@ -40,7 +37,6 @@ pub use tiles::RasterTiles;
 
 use crate::support::geo::Crs;
 use crate::support::progress::Progress;
-use scratch::Scratch;
 use std::fs::File;
 use std::io;
 use writer::RasterWriter;
@@ -143,7 +139,7 @@ pub fn write(
 ) -> io::Result<()> {
     // Each overview has a quarter of the tiles of the level before it.
     progress.start((tiles.len() + tiles.len() / 3).max(1) as u64);
-    let mut raster = RasterWriter::new(spec, Scratch::new(scratch));
+    let mut raster = RasterWriter::new(spec, scratch);
     raster.base(tiles, draw, progress)?;
     while raster.overview(progress)? {}
     raster.write(file, progress)

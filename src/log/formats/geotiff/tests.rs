@@ -227,7 +227,7 @@ fn halves_are_means_of_what_is_known() {
     set(0, 1, 2.0);
     set(3, 2, 7.0);
     let mut coarser = CellFormat::Metres.empty_tile();
-    overview::halve_into(CellFormat::Metres, &finer, [1, 0], &mut coarser);
+    pack::halve_into(CellFormat::Metres, &finer, [1, 0], &mut coarser);
     let at = |row: usize, column: usize| {
         let at = 4 * (row * RASTER_TILE + column);
         f32::from_le_bytes(coarser[at..at + 4].try_into().unwrap())

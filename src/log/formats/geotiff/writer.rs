@@ -1,18 +1,72 @@
 //! Makes all levels of a raster and writes them in the order of a Cloud-Optimized GeoTIFF.
 
 use super::directory::{self, Page};
-use super::pack::{pack, unpack};
-use super::scratch::{Scratch, ScratchBlock, ScratchTile};
-use super::statistics::Statistics;
-use super::{RASTER_TILE, RasterSpec, overview};
+use super::metadata::Statistics;
+use super::pack::{Packed, halve_into, pack, unpack};
+use super::{RASTER_TILE, RasterSpec};
 use crate::support::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 
 /// Tiles that are drawn and held at a time.
 const BATCH: usize = 32;
+
+/// Place of some bytes in the scratch file.
+#[derive(Clone, Copy, Debug)]
+struct ScratchBlock {
+    at: u64,
+    /// Their number.
+    length: u32,
+}
+
+/// A tile in the scratch file, and its mask where it has one.
+#[derive(Clone, Copy, Debug)]
+struct ScratchTile {
+    image: ScratchBlock,
+    mask: Option<ScratchBlock>,
+}
+
+/// Packed tiles in the order in which they were made, in a file that keeps them until the lengths
+/// of all of them are known.
+struct Scratch {
+    file: File,
+    end: u64,
+}
+
+impl Scratch {
+    /// Creates a store of tiles in an empty file.
+    fn new(file: File) -> Self {
+        Self { file, end: 0 }
+    }
+
+    /// Adds a tile.
+    fn keep(&mut self, packed: &Packed) -> io::Result<ScratchTile> {
+        let image = self.append(&packed.image)?;
+        let mask = match &packed.mask {
+            Some(mask) => Some(self.append(mask)?),
+            None => None,
+        };
+        Ok(ScratchTile { image, mask })
+    }
+
+    fn append(&mut self, bytes: &[u8]) -> io::Result<ScratchBlock> {
+        let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
+        self.file.seek(SeekFrom::Start(self.end))?;
+        self.file.write_all(bytes)?;
+        let block = ScratchBlock { at: self.end, length };
+        self.end += u64::from(length);
+        Ok(block)
+    }
+
+    /// Replaces `out` with the bytes of a block.
+    fn read(&mut self, block: ScratchBlock, out: &mut Vec<u8>) -> io::Result<()> {
+        out.resize(block.length as usize, 0);
+        self.file.seek(SeekFrom::Start(block.at))?;
+        self.file.read_exact(out)
+    }
+}
 
 /// One resolution of the raster.
 struct RasterLevel {
@@ -39,8 +93,9 @@ pub(super) struct RasterWriter<'a> {
 }
 
 impl<'a> RasterWriter<'a> {
-    /// Creates a writer without any tile yet.
-    pub(super) fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
+    /// Creates a writer without any tile yet; `scratch` is an empty file.
+    pub(super) fn new(spec: &'a RasterSpec, scratch: File) -> Self {
+        let scratch = Scratch::new(scratch);
         Self { spec, scratch, levels: Vec::new(), statistics: Statistics::default() }
     }
 
@@ -105,7 +160,7 @@ impl<'a> RasterWriter<'a> {
             let packed = parts.into_par_iter().map(|parts| {
                 let mut tile = cells.empty_tile();
                 for (quarter, bytes) in parts {
-                    overview::halve_into(cells, &unpack(cells, &bytes)?, quarter, &mut tile);
+                    halve_into(cells, &unpack(cells, &bytes)?, quarter, &mut tile);
                 }
                 pack(cells, tile)
             });

@@ -8,9 +8,7 @@ pub mod ping;
 mod recording;
 mod son;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
-use super::reading::Reading;
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{RangeSource, Source, Survey};

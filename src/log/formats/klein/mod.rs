@@ -23,10 +23,8 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::messages::MessageWalk;
-use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;

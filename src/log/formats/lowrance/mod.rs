@@ -7,16 +7,12 @@ mod decode;
 pub mod frame;
 mod from_log;
 mod sides;
-pub mod sl2;
-pub mod sl3;
 mod slg;
 mod swath;
 mod walk;
 pub mod write;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
-use super::reading::Reading;
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;

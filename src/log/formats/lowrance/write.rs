@@ -1,8 +1,8 @@
-//! Writes SL2: an 8-byte file header, then frames: the reader's own [`Header`] and the echo bytes,
-//! all little-endian.
+//! Writes SL2: an 8-byte file header, then frames: the reader's own [`Sl2Header`] and the echo
+//! bytes, all little-endian.
 
 use super::decode::FREQUENCIES_KHZ;
-use super::sl2::Header;
+use super::frame::Sl2Header;
 use crate::support::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
 use bytemuck::Zeroable as _;
 use std::io::{self, Write};
@@ -102,8 +102,8 @@ impl<W: Write> Sl2Writer<W> {
         self.out.write_all(&frame.bytes)
     }
 
-    fn header(&mut self, frame: &Sl2Frame) -> io::Result<Header> {
-        let size = frame.bytes.len() + size_of::<Header>();
+    fn header(&mut self, frame: &Sl2Frame) -> io::Result<Sl2Header> {
+        let size = frame.bytes.len() + size_of::<Sl2Header>();
         let size = u16::try_from(size).map_err(|_| {
             let count = frame.bytes.len();
             io::Error::other(format!(
@@ -114,7 +114,7 @@ impl<W: Write> Sl2Writer<W> {
             *last = self.offset;
         }
         let fix = &frame.fix;
-        let header = Header {
+        let header = Sl2Header {
             own_offset: self.offset,
             last_offsets: self.last,
             frame_size: size,
@@ -136,7 +136,7 @@ impl<W: Write> Sl2Writer<W> {
             heading_rad: fix.compass_rad.unwrap_or(0.0) as f32,
             flags: self.flags(frame),
             time_ms: frame.milliseconds,
-            ..Header::zeroed()
+            ..Sl2Header::zeroed()
         };
         self.offset = self.offset.checked_add(u32::from(size)).ok_or_else(|| {
             io::Error::other("SL2 holds 4 GiB at most; write the log in parts, or as XTF")

@@ -34,9 +34,7 @@ mod tests;
 
 pub(super) use sentence::{Sentence, sentence};
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
-use super::reading::Reading;
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;

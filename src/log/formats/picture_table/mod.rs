@@ -34,9 +34,7 @@ mod pixels;
 mod tests;
 
 use super::collected::{Collected, Counted};
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
-use super::reading::Reading;
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::sounding_table::{self, Layout, Reader, Recognised, TablePing};
 use super::xtf::shift_to_fit;
 use super::{OpenError, Opened, assemble};

@@ -1,12 +1,13 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
 use super::text_file::{ColumnRequest, KNOWN_NAMES};
-use super::{
-    PointFault, PointFile, PointFileError, geojson_file, read_columns, split_columns, suffix,
-};
+use super::{PointFault, PointFile, PointFileError, read_columns, split_columns, suffix};
 use crate::formats::geotiff;
 use crate::support::geo::UtmZone;
+use crate::support::regular_file;
+use serde_json::Value;
 use std::ffi::OsStr;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Geographic columns come first: the metres of two surveys may count from different origins.
@@ -16,6 +17,18 @@ const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
     ["longitude", "latitude", "elevation"],
     ["longitude", "latitude", "z"],
 ];
+/// Properties that are taken for a height when the user names none and a point has no third
+/// coordinate; true for depths.
+const KNOWN: [(&str, bool); 6] = [
+    ("z_m", false),
+    ("z", false),
+    ("elevation", false),
+    ("elevation_m", false),
+    ("depth_m", true),
+    ("depth", true),
+];
+/// Longer than any table of soundings that is written as GeoJSON.
+const LONGEST: u64 = 1 << 30;
 
 /// Meaning of the first two coordinates of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,7 +193,7 @@ fn of_geojson(
     names: Option<&[String; 3]>,
     downwards: bool,
 ) -> Result<Elevations, PointFault> {
-    let found = geojson_file::read(path, names.map(|[_, _, height]| height.as_str()))?;
+    let found = read_geojson(path, names.map(|[_, _, height]| height.as_str()))?;
     Ok(Elevations {
         path: path.to_owned(),
         points: turned(found.points, downwards),
@@ -188,6 +201,47 @@ fn of_geojson(
         blank: found.left_out,
         note: None,
     })
+}
+
+/// Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate
+/// or a property.
+struct GeoJsonPoints {
+    /// Longitude and latitude, degrees, and elevation, up.
+    points: Vec<[f64; 3]>,
+    /// Features that are no point, or have no height.
+    left_out: usize,
+}
+
+/// Reads the points; `height` names the property that the height is taken from. Where it is none,
+/// depths are turned.
+fn read_geojson(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, PointFault> {
+    let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => PointFault::LongGeoJson,
+        _ => error.into(),
+    })?;
+    let root: Value = serde_json::from_slice(&text)?;
+    let features = root["features"].as_array().ok_or(PointFault::NoFeatures)?;
+    let points: Vec<[f64; 3]> =
+        features.iter().filter_map(|feature| point(feature, height)).collect();
+    Ok(GeoJsonPoints { left_out: features.len() - points.len(), points })
+}
+
+fn point(feature: &Value, height: Option<&str>) -> Option<[f64; 3]> {
+    let geometry = &feature["geometry"];
+    let at = geometry["coordinates"].as_array().filter(|_| geometry["type"] == "Point")?;
+    let coordinate = |axis: usize| at.get(axis)?.as_f64();
+    let property = |name: &str| feature["properties"][name].as_f64();
+    let known = || {
+        KNOWN.iter().find_map(|(name, downwards)| {
+            let value = property(name)?;
+            Some(if *downwards { -value } else { value })
+        })
+    };
+    let z = match height {
+        Some(name) => property(name),
+        None => coordinate(2).or_else(known),
+    };
+    Some([coordinate(0)?, coordinate(1)?, z?])
 }
 
 #[cfg(test)]

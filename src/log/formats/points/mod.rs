@@ -6,16 +6,14 @@
 //! A filtered file keeps all that the input said about a point when it is written in the input's
 //! own format; between formats only the coordinates go over.
 
-pub(super) mod columns;
 mod copc;
 mod elevations;
 mod error;
-mod geojson_file;
 mod las_claims;
 mod las_file;
 mod las_writer;
 mod ply_file;
-mod text_file;
+pub(super) mod text_file;
 
 pub use copc::write_copc;
 pub use elevations::{Elevations, PointPlane, read_elevations};

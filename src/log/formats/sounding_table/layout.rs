@@ -1,6 +1,6 @@
 //! Recognises the columns of a table.
 
-use crate::formats::points::columns::{fields, is_header, number, separator_of};
+use crate::formats::points::text_file::{fields, is_header, number, separator_of};
 use crate::formats::track_file::{HEADING, LAT, LON, TIME};
 use crate::support::calendar::DateOrder;
 use crate::support::geo::METRES_PER_FOOT;

@@ -3,8 +3,8 @@
 //! In: the bytes of a table. Out: a collected log.
 //!
 //! A row is a depth, with the place and time where they are known. Commas, semicolons or tabs stand
-//! between the columns (`points::columns`), and the first line names them (`layout`): longitude and
-//! latitude, or easting and northing in metres; depth, in the unit that its name bears; perhaps
+//! between the columns (`points::text_file`), and the first line names them (`layout`): longitude
+//! and latitude, or easting and northing in metres; depth, in the unit that its name bears; perhaps
 //! time, heading and course. Names and separators are those of ReefMaster's export
 //! (`Latitude,Longitude,Depth`), of tables that SonarWiz and others write, and of the project's own
 //! tracks.
@@ -28,10 +28,8 @@ mod layout;
 #[cfg(test)]
 mod tests;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
-use super::points::columns::is_comment;
-use super::reading::Reading;
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
+use super::points::text_file::is_comment;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;

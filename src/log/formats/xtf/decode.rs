@@ -1,18 +1,16 @@
 //! Decodes pings to sides, altitudes and fixes in SI units.
 
 use super::channels::{self, XtfChannel};
-use super::date;
 use super::from_log::Provenance;
-use super::packets::Packets;
 use super::positions::Positions;
-use super::raw::{FileHeader, PingChannel, PingHeader, record};
+use super::raw::{self, FileHeader, PingChannel, PingHeader, record};
 use super::sides::{Recorded, SideChannels};
-use super::walk;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::WarningKind;
 use crate::survey::{ChannelKind, Survey};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Packet type of a side-scan ping.
@@ -24,6 +22,42 @@ const WEIGHTED: [u16; 4] = [24, 35, 38, 48];
 const SOUND_MPS: f32 = 1500.0;
 /// Speeds of sound that water has, metres a second.
 const SOUNDS_MPS: Range<f32> = 1300.0..1700.0;
+
+/// Packets that are no side-scan pings, by the number of their type.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Packets {
+    counts: BTreeMap<u8, usize>,
+}
+
+impl Packets {
+    /// Counts one.
+    fn count(&mut self, kind: u8) {
+        *self.counts.entry(kind).or_default() += 1;
+    }
+
+    /// Returns the number of all packets.
+    pub(super) fn total(&self) -> usize {
+        self.counts.values().sum()
+    }
+
+    /// `120 bathymetry (type 2) and 30 attitude (type 3) packets`, most first.
+    pub(super) fn summary(&self) -> String {
+        let mut counts: Vec<(u8, usize)> =
+            self.counts.iter().map(|(&kind, &count)| (kind, count)).collect();
+        counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+        let each = counts.iter().map(|&(kind, count)| match name(kind) {
+            Some(name) => format!("{count} {name} (type {kind})"),
+            None => format!("{count} of type {kind}"),
+        });
+        let mut each: Vec<String> = each.collect();
+        let last = each.pop().unwrap_or_default();
+        if each.is_empty() {
+            format!("{last} packets")
+        } else {
+            format!("{} and {last} packets", each.join(", "))
+        }
+    }
+}
 
 /// Decodes pings.
 pub(super) struct Reader<'a> {
@@ -63,7 +97,7 @@ impl<'a> Reader<'a> {
 
     /// Takes the next packet of the file, which begins at an offset.
     pub(super) fn take(&mut self, log: &mut Collected, offset: usize) {
-        let Some(packet) = walk::header(self.bytes, offset) else {
+        let Some(packet) = raw::header(self.bytes, offset) else {
             return;
         };
         let ping =
@@ -76,7 +110,7 @@ impl<'a> Reader<'a> {
             }
             return;
         };
-        let time_s = date::unix_ms(&ping) as f64 / 1000.0;
+        let time_s = raw::unix_ms(&ping) as f64 / 1000.0;
         if let Some(verdict) = self.clock.push(time_s, (offset, ping)) {
             self.settle(log, verdict);
         }
@@ -113,7 +147,7 @@ impl<'a> Reader<'a> {
         }
         self.sides.finish(self.bytes, log, known);
         self.positions.finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
-        log.start_unix_s = self.zero_ms.and_then(date::unix_s);
+        log.start_unix_s = self.zero_ms.and_then(raw::unix_s);
         log.range_source = self.provenance.range_source;
         log.report.set_back(self.clock.set_back_s());
         if self.channels.iter().any(|channel| channel.ground_range) {
@@ -264,5 +298,40 @@ fn inferred_width(ping: &PingHeader, samples: u32) -> usize {
         0 | 1 => 1,
         2 | 3 => 2,
         _ => 4,
+    }
+}
+
+/// Returns the name of a type in Triton's list of packet types; vendors' own are numbers only.
+fn name(kind: u8) -> Option<&'static str> {
+    match kind {
+        0 => Some("damaged side-scan"),
+        1 => Some("note"),
+        2 | 9 | 10 | 14 | 17 | 18 | 22 | 25 | 26 | 28 | 60 | 61 | 65 => Some("bathymetry"),
+        3 => Some("attitude"),
+        6 => Some("serial"),
+        20 => Some("GPS"),
+        23 | 84 => Some("gyro"),
+        42 | 107 => Some("navigation"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packets_are_listed_by_kind_the_most_frequent_first() {
+        let mut packets = Packets::default();
+        packets.count(3);
+        assert_eq!(packets.summary(), "1 attitude (type 3) packets");
+        for kind in [2, 2, 2, 199, 199] {
+            packets.count(kind);
+        }
+        assert_eq!(packets.total(), 6);
+        assert_eq!(
+            packets.summary(),
+            "3 bathymetry (type 2), 2 of type 199 and 1 attitude (type 3) packets"
+        );
     }
 }

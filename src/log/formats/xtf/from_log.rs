@@ -8,9 +8,8 @@
 use super::HEADER_BLOCK;
 use super::Xtf;
 use super::channels;
-use super::place::DEGREES;
-use super::raw::{ChannelInfo, FileHeader, PacketHeader, PingChannel, PingHeader};
-use super::walk::MAGIC;
+use super::navigation::DEGREES;
+use super::raw::{ChannelInfo, FileHeader, MAGIC, PacketHeader, PingChannel, PingHeader};
 use crate::formats::log_writer::{LogToWrite, LogWriter};
 use crate::support::calendar::moment;
 use crate::support::geo::MPS_PER_KNOT;

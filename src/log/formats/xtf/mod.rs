@@ -25,32 +25,25 @@
 //! the time of packet 107 as if its ten thousandths of a second were millionths.
 
 mod channels;
-mod date;
 mod decode;
 mod from_log;
 mod levels;
 mod multibeam;
 mod navigation;
-mod packets;
-mod place;
 mod positions;
 pub mod raw;
 mod sides;
 #[cfg(test)]
 mod tests;
-mod walk;
 
-use super::file_source::FileSource;
-use super::log_format::{LogFormat, ReadRecording};
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::messages::MessageWalk;
-use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 pub(super) use levels::shift_to_fit;
 pub(super) use multibeam::read_multibeam;
-use raw::{FileHeader, record};
-use walk::PACKETS;
+use raw::{FileHeader, PACKETS, record};
 
 /// The file header is a multiple of this long: 1024 bytes for up to six channels.
 const HEADER_BLOCK: usize = 1024;
@@ -86,7 +79,7 @@ fn sniff(bytes: &[u8]) -> Option<XtfStart> {
         (256 + 128 * channels).next_multiple_of(HEADER_BLOCK)
     });
     let searched = header_len..header_len + SEARCHED_FOR_PACKETS;
-    let first_packet = if header.is_some() && walk::header(bytes, header_len).is_some() {
+    let first_packet = if header.is_some() && raw::header(bytes, header_len).is_some() {
         Some(header_len)
     } else {
         PACKETS.next(bytes, searched.start, searched.end)

@@ -5,12 +5,12 @@
 //! datagrams 0x13, 0x14, 0x17 and 0x18 are read, as MB-System (`mbf_xtfr8101.h`, `mbr_xtfr8101.c`)
 //! describes them. Beams of other sonars are not read.
 
+use super::navigation::recorded;
 use super::positions::first_set;
-use super::raw::{AttitudePacket, PingHeader, record};
-use super::walk::PACKETS;
-use super::{date, place, sniff};
+use super::raw::{self, AttitudePacket, PACKETS, PingHeader, record};
+use super::sniff;
 use crate::formats::OpenError;
-use crate::formats::file_source::FileSource;
+use crate::formats::log_format::FileSource;
 use crate::formats::messages::MessageWalk;
 use crate::formats::points::{Elevations, PointPlane};
 use crate::formats::report::WarningReport;
@@ -57,8 +57,8 @@ impl Swath {
     /// The position of the sonar, or else of the ship.
     fn recorded(&self) -> Option<[f64; 2]> {
         let header = &self.header;
-        let sensor = place::recorded([header.sensor_x, header.sensor_y]);
-        sensor.or_else(|| place::recorded([header.ship_x, header.ship_y]))
+        let sensor = recorded([header.sensor_x, header.sensor_y]);
+        sensor.or_else(|| recorded([header.ship_x, header.ship_y]))
     }
 
     /// Returns true if the position can be in degrees; one that is missing can.
@@ -205,7 +205,7 @@ fn swath(packet: &[u8]) -> Option<Swath> {
         is_good.then_some([(from_middle * beam_deg).to_radians(), range_m])
     };
     Some(Swath {
-        time_s: date::unix_ms(&header) as f64 / 1000.0,
+        time_s: raw::unix_ms(&header) as f64 / 1000.0,
         header,
         beams: (0..count).filter_map(beam).collect(),
     })
@@ -214,7 +214,7 @@ fn swath(packet: &[u8]) -> Option<Swath> {
 /// Time and roll to starboard, radians, of a packet of attitude.
 fn roll(packet: &[u8]) -> Option<(f64, f64)> {
     let sent: AttitudePacket = record(packet, 0)?;
-    let time_s = date::seconds(sent.time) as f64 + f64::from(sent.milliseconds) / 1e3;
+    let time_s = raw::seconds(sent.time) as f64 + f64::from(sent.milliseconds) / 1e3;
     let roll_deg = f64::from(sent.roll_deg);
     (roll_deg.abs() < 90.0).then_some((time_s, roll_deg.to_radians()))
 }

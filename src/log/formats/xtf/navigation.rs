@@ -1,13 +1,12 @@
-//! Positions and headings that come in packets of their own, and what they are used for: to stand
-//! in where pings have none, or an old one.
+//! Positions of a file, in degrees or in metres of an unknown projection; and positions and
+//! headings that come in packets of their own, which stand in where pings have none, or an old one.
 
-use super::date;
-use super::place;
 use super::raw::{
     AttitudePacket, GyroPacket, NavigationPacket, PacketHeader, PacketTime, RawNavigationPacket,
-    record,
+    record, seconds,
 };
-use crate::survey::{Fix, nearest_in_time};
+use crate::support::geo::{LonLat, distance_m};
+use crate::survey::{Fix, ProjectedTrack, nearest_in_time};
 use bytemuck::Pod;
 
 /// Types of packets.
@@ -16,7 +15,6 @@ const GYRO: u8 = 23;
 const NAVIGATION: u8 = 42;
 const SOURCE_GYRO: u8 = 84;
 const RAW_NAVIGATION: u8 = 107;
-
 /// A packet this long before the first or after the last ping is of another clock, seconds.
 const BESIDE_S: f64 = 60.0;
 /// A position that repeats for longer is an old one, and one of a packet further from all others of
@@ -24,6 +22,55 @@ const BESIDE_S: f64 = 60.0;
 const STALE_S: f64 = 5.0;
 /// A heading further from its position in time says nothing of it, seconds.
 pub(super) const HEADING_WITHIN_S: f64 = 1.0;
+/// Navigation units of the file header that are degrees.
+pub(super) const DEGREES: u16 = 3;
+
+/// Turns the positions of a file into degrees, those in metres of an unknown projection too.
+#[derive(Debug)]
+pub(super) struct PositionConverter {
+    units: Option<u16>,
+    /// First projected position, where positions are in metres.
+    origin: Option<[f64; 2]>,
+}
+
+impl PositionConverter {
+    /// `units` as the file header has them; `None` when the header is damaged. `origin` is that of
+    /// a log whose tail is read.
+    pub(super) fn new(units: Option<u16>, origin: Option<[f64; 2]>) -> Self {
+        Self { units, origin }
+    }
+
+    /// Easting and northing of the place that stands at longitude 0, latitude 0, where positions
+    /// were metres of a system that is not named.
+    pub(super) fn origin_m(&self) -> Option<[f64; 2]> {
+        self.origin
+    }
+
+    /// Returns true if a position is in degrees: some programs write degrees and state metres.
+    fn is_degrees(&self, [x, y]: [f64; 2]) -> bool {
+        let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
+        self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees)
+    }
+
+    /// Distance between two recorded positions, metres.
+    pub(super) fn apart_m(&self, one: [f64; 2], other: [f64; 2]) -> f64 {
+        let [[x, y], [other_x, other_y]] = [one, other];
+        if self.is_degrees(one) && self.is_degrees(other) {
+            distance_m(LonLat::new(x, y), LonLat::new(other_x, other_y))
+        } else {
+            (x - other_x).hypot(y - other_y)
+        }
+    }
+
+    /// The place of a recorded position.
+    pub(super) fn place(&mut self, [x, y]: [f64; 2]) -> LonLat {
+        if self.is_degrees([x, y]) {
+            return LonLat::new(x, y);
+        }
+        let [x0, y0] = *self.origin.get_or_insert([x, y]);
+        ProjectedTrack::frame().to_lon_lat(x - x0, y - y0)
+    }
+}
 
 /// A position of a packet.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +102,7 @@ impl SentNavigation {
         packet: &PacketHeader,
         set_back_s: f64,
     ) -> bool {
-        let at = |time: PacketTime, part_s: f64| date::seconds(time) as f64 + part_s + set_back_s;
+        let at = |time: PacketTime, part_s: f64| seconds(time) as f64 + part_s + set_back_s;
         match packet.kind {
             NAVIGATION => {
                 if let Some(sent) = body::<NavigationPacket>(bytes, offset, packet) {
@@ -88,8 +135,8 @@ impl SentNavigation {
         true
     }
 
-    fn add_position(&mut self, time_s: f64, recorded: [f64; 2], compass_rad: f32) {
-        if let Some(recorded) = place::recorded(recorded) {
+    fn add_position(&mut self, time_s: f64, sent: [f64; 2], compass_rad: f32) {
+        if let Some(recorded) = recorded(sent) {
             self.positions.push(SentPosition { time_s, recorded, compass_rad });
         }
     }
@@ -184,4 +231,9 @@ impl SentNavigation {
 fn body<T: Pod>(bytes: &[u8], offset: usize, packet: &PacketHeader) -> Option<T> {
     let is_whole = packet.size as usize >= size_of::<T>();
     is_whole.then(|| record(bytes, offset)).flatten()
+}
+
+/// A position, if it was recorded: 0 stands for none.
+pub(super) fn recorded([x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    (x.is_finite() && y.is_finite() && x != 0.0 && y != 0.0).then_some([x, y])
 }

@@ -2,8 +2,9 @@
 //! layback of a towed sonar and the offsets of antenna and transducer.
 
 use super::from_log::Provenance;
-use super::navigation::{HEADING_WITHIN_S, SentNavigation, SentPosition};
-use super::place::{self, PositionConverter};
+use super::navigation::{
+    HEADING_WITHIN_S, PositionConverter, SentNavigation, SentPosition, recorded,
+};
 use super::raw::{FileHeader, PacketHeader, PingHeader};
 use crate::formats::collected::Collected;
 use crate::support::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
@@ -119,8 +120,8 @@ impl Positions {
         self.span_s = Some([from_s.min(time_s), to_s.max(time_s)]);
         let [pitch_deg, roll_deg] = [ping.sensor_pitch_deg, ping.sensor_roll_deg];
         self.has_attitude |= pitch_deg != 0.0 || roll_deg != 0.0;
-        let sensor = place::recorded([ping.sensor_x, ping.sensor_y]);
-        let ship = place::recorded([ping.ship_x, ping.ship_y]);
+        let sensor = recorded([ping.sensor_x, ping.sensor_y]);
+        let ship = recorded([ping.ship_x, ping.ship_y]);
         let layback_m = Some(ping.layback_m).filter(|layback_m| LAYBACKS_M.contains(layback_m));
         let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
         let heading_deg = heading_deg.filter(|_| !self.has_track_headings);

@@ -1,6 +1,8 @@
-//! The coordinate reference systems that files are written in.
+//! Coordinate reference systems that files are written in, and the plane in metres that maps are
+//! drawn in, whatever the unit of the system.
 
-use super::wgs84::{metres_per_degree, transformed, wgs84};
+use super::ellipsoid::metres_per_degree;
+use super::projections::{transformed, wgs84};
 use super::{LonLat, UtmZone, web_mercator, web_mercator_inverse};
 use proj4rs::Proj;
 use serde::{Deserialize, Serialize};
@@ -22,11 +24,12 @@ const SHIFTED_DATUMS: [&str; 5] = [
 ];
 /// Systems of NAD83 in the Aleutians and Hawaii, where it lies 0.8 m from WGS84.
 const SHIFTED_SYSTEMS: [u16; 7] = [3373, 26_940, 26_961, 26_962, 26_963, 26_964, 26_965];
-
 /// Factor by which a projection may stretch an area and still be meant for a place.
 const MODEST: std::ops::Range<f64> = 0.8..1.25;
 /// Step over which that is measured, degrees: some 10 m.
 const STEP_DEG: f64 = 1e-4;
+/// A system that stretches the ground by less than this has metres that are metres enough.
+const LEAST_STRETCH: f64 = 0.02;
 
 /// Reason why a system cannot be used, in one sentence that begins with the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -339,8 +342,53 @@ impl fmt::Debug for Crs {
     }
 }
 
+/// A coordinate reference system as a plane in metres. One in degrees, or a Mercator that stretches
+/// the ground, is scaled to metres on the ground at the survey's origin, so that cells and gaps
+/// mean the same in every system; a grid of square cells is then one of oblong cells in degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapPlane {
+    /// The system.
+    pub crs: Crs,
+    /// Units of the system in a metre of the plane, east and north.
+    pub units: [f64; 2],
+}
+
+impl MapPlane {
+    /// The plane of a system around an origin.
+    pub fn new(crs: Crs, origin: LonLat) -> Self {
+        let stretch = area_scale(&crs, origin).sqrt();
+        let units = match crs.is_degrees() {
+            true => metres_per_degree(origin).map(f64::recip),
+            false if (stretch - 1.0).abs() > LEAST_STRETCH => [stretch; 2],
+            false => [1.0, 1.0],
+        };
+        Self { crs, units }
+    }
+
+    /// Metres east and north in the plane.
+    pub fn place(&self, position: LonLat) -> [f64; 2] {
+        let place = self.crs.place(position);
+        [0, 1].map(|axis| place[axis] / self.units[axis])
+    }
+
+    /// Inverse of [`MapPlane::place`].
+    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+        self.crs.to_lon_lat(self.in_crs(place))
+    }
+
+    /// A place in the units of the system.
+    pub fn in_crs(&self, place: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| place[axis] * self.units[axis])
+    }
+
+    /// Square metres of the plane in a square metre on the ground at a place.
+    pub fn area_scale_at(&self, place: [f64; 2]) -> f64 {
+        area_scale(&self.crs, self.to_lon_lat(place)) / (self.units[0] * self.units[1])
+    }
+}
+
 /// Square units of a system in a square metre on the ground at a position.
-pub(super) fn area_scale(crs: &Crs, at: LonLat) -> f64 {
+fn area_scale(crs: &Crs, at: LonLat) -> f64 {
     let moved = |east_deg: f64, north_deg: f64| {
         crs.place(LonLat::new(at.lon_deg + east_deg, at.lat_deg + north_deg))
     };
@@ -400,4 +448,30 @@ fn without_shift(wkt: &str) -> String {
 fn quoted_after<'a>(text: &'a str, word: &str) -> &'a str {
     let behind = text.split_once(word).map_or("", |(_, behind)| behind);
     behind.split('"').nth(1).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::geo::CrsChoice;
+
+    #[test]
+    fn area_scales_are_those_of_proj() {
+        // pyproj 3.7.2: Proj(...).get_factors(-111.48, 36.86).areal_scale. That of web Mercator is
+        // its area over that of Geod.polygon_area_perimeter: PROJ's factors leave the ellipsoid
+        // out.
+        let at = LonLat::new(-111.48, 36.86);
+        for (choice, scale) in [
+            (CrsChoice::Utm, 0.999_245_248),
+            (CrsChoice::WebMercator, 1.0),
+            (CrsChoice::Wgs84, 1.0),
+            (CrsChoice::Epsg(6350), 1.0),
+        ] {
+            let plane = MapPlane::new(choice.at(at).unwrap(), at);
+            let found = plane.area_scale_at(plane.place(at));
+            assert!((found - scale).abs() < 1e-6, "{choice:?}: {found}");
+        }
+        let web = CrsChoice::WebMercator.at(at).unwrap();
+        assert!((area_scale(&web, at) - 1.565_056).abs() < 1e-5);
+    }
 }

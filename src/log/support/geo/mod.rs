@@ -3,32 +3,23 @@
 //! In: positions in degrees or metres. Out: the same in another system, lengths, areas and
 //! directions.
 //!
-//! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that
-//! recorders and the paper use, `utm` the metres that survey programs expect in a file,
-//! `coordinates` how a person reads a position, `geodesic` the lengths and areas of what is drawn.
-//! `crs` has these and the other systems that files are written in, `wgs84` what all projections
-//! start from, `map_plane` makes any of them a plane in metres.
+//! `ellipsoid` has the east-north plane of a survey, and the lengths and areas of what is drawn.
+//! `projections` are the spherical Mercators that recorders and the paper use, and UTM, the metres
+//! that survey programs expect in a file. `coordinates` is how a person reads a position. `crs` has
+//! these and the other systems that files are written in, and makes any of them a plane in metres.
 
 mod coordinates;
 mod crs;
-mod geodesic;
-mod local_frame;
-mod map_plane;
-mod mercator;
-mod utm;
-mod wgs84;
+mod ellipsoid;
+mod projections;
 
 pub use coordinates::CoordinateFormat;
-pub use crs::{Crs, CrsChoice, CrsError, SourceCrs};
-pub use geodesic::{area_m2, compass_deg, course_rad, distance_m};
-pub use local_frame::LocalFrame;
-pub use map_plane::MapPlane;
-pub use mercator::{
-    humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse, web_mercator,
-    web_mercator_inverse,
+pub use crs::{Crs, CrsChoice, CrsError, MapPlane, SourceCrs};
+pub use ellipsoid::{LocalFrame, area_m2, compass_deg, course_rad, distance_m, metres_per_degree};
+pub use projections::{
+    UtmZone, humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse,
+    web_mercator, web_mercator_inverse,
 };
-pub use utm::UtmZone;
-pub use wgs84::metres_per_degree;
 
 use super::outline;
 

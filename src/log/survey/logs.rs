@@ -1,13 +1,52 @@
-//! Finds logs that do not belong to the survey of the other logs: they lie too far away, or are too
-//! short to show anything.
+//! Logs among others: identifies the recording on which a sidecar file was made, names the logs of
+//! one survey so that no two have the same name, and finds those that do not belong to the survey
+//! of the others because they lie too far away, or are too short to show anything.
 
 use super::Survey;
 use crate::support::geo::{LonLat, distance_m};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Logs farther apart than this are of different waters, metres.
 const FAR_M: f64 = 50_000.0;
 /// A log of fewer pings, soundings and pings of a swath was switched on and off again.
 const FEWEST: usize = 20;
+
+/// Identifies one log in its sidecar files: decisions about boxes, bottom edits. It depends on the
+/// log's own bytes only, whatever is applied to the log. A log that was renamed or moved is still
+/// the same.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// File name of the log, without its folder.
+    pub file: String,
+    /// Bytes of all its files.
+    pub byte_count: u64,
+    /// Side-scan pings.
+    pub pings: usize,
+    /// True if port and starboard are exchanged against the recording: sides that are named with it
+    /// are those.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub swapped_sides: bool,
+}
+
+impl Identity {
+    /// Returns the identity of an open survey.
+    pub fn of(survey: &Survey) -> Self {
+        let file = survey.source.files.first();
+        let name = file.and_then(|file| file.file_name());
+        Self {
+            file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            byte_count: survey.source.byte_count,
+            pings: survey.side_scan.len(),
+            swapped_sides: survey.swapped_sides,
+        }
+    }
+
+    /// Returns true if both are the same recording.
+    pub fn is_same_log(&self, other: &Self) -> bool {
+        self.byte_count == other.byte_count && self.pings == other.pings
+    }
+}
 
 /// Reason why a log does not belong to the survey of the other logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +73,50 @@ impl std::fmt::Display for Apart {
             Apart::Short { pings } => write!(f, "too short: {pings} pings"),
         }
     }
+}
+
+/// A name for each log: the stem of its file; where others have that too, the file name; where
+/// others have that too, with its folder; where others have even that, with a number. Recorders
+/// begin each card with `Rec00001`.
+pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String> {
+    let logs: Vec<&Survey> = logs.collect();
+    let mut names: Vec<String> = logs.iter().map(|log| log.name()).collect();
+    for longer in [file_name, with_folder] {
+        let shared = shared(&names);
+        for ((name, log), shared) in names.iter_mut().zip(&logs).zip(shared) {
+            if let Some(longer) = log.source.files.first().and_then(|file| longer(file))
+                && shared
+            {
+                *name = longer;
+            }
+        }
+    }
+    let same: Vec<usize> = (0..names.len())
+        .map(|log| names[..log].iter().filter(|name| **name == names[log]).count())
+        .collect();
+    for (name, before) in names.iter_mut().zip(same) {
+        if before > 0 {
+            *name = format!("{name} ({})", before + 1);
+        }
+    }
+    names
+}
+
+/// Returns for each name true if it occurs more than once.
+fn shared(names: &[String]) -> Vec<bool> {
+    let count = |name: &String| names.iter().filter(|other| *other == name).count();
+    names.iter().map(|name| count(name) > 1).collect()
+}
+
+/// `Rec00001.DAT`.
+fn file_name(file: &Path) -> Option<String> {
+    Some(file.file_name()?.to_string_lossy().into_owned())
+}
+
+/// `Rec00001.DAT (card 2)`.
+fn with_folder(file: &Path) -> Option<String> {
+    let folder = file.parent()?.file_name()?;
+    Some(format!("{} ({})", file_name(file)?, folder.to_string_lossy()))
 }
 
 /// Returns for each log the reason why it does not belong to the survey; `None` where it does. The
@@ -97,6 +180,30 @@ fn groups(mut placed: Vec<(usize, LonLat)>) -> Vec<Vec<(usize, LonLat)>> {
 mod tests {
     use super::*;
     use crate::survey::{Fix, SidePing};
+
+    fn names(files: &[&str]) -> Vec<String> {
+        let log = |file: &&str| {
+            let mut log = Survey::default();
+            log.source.files = vec![file.into()];
+            log
+        };
+        let logs: Vec<Survey> = files.iter().map(log).collect();
+        distinct_names(logs.iter())
+    }
+
+    #[test]
+    fn a_name_is_as_long_as_it_must_be() {
+        assert_eq!(names(&["a/pond.sl2", "a/lake.sl2"]), ["pond", "lake"]);
+        assert_eq!(
+            names(&["a/pond.sl2", "a/pond.sl3", "a/lake.sl2"]),
+            ["pond.sl2", "pond.sl3", "lake"]
+        );
+        assert_eq!(
+            names(&["a/pond.sl2", "b/pond.sl2", "b/pond.sl3"]),
+            ["pond.sl2 (a)", "pond.sl2 (b)", "pond.sl3"]
+        );
+        assert_eq!(names(&["1/a/pond.sl2", "2/a/pond.sl2"]), ["pond.sl2 (a)", "pond.sl2 (a) (2)"]);
+    }
 
     fn log(pings: usize, lon_deg: f64) -> Survey {
         let ping = SidePing::with_depth(0.0, f32::NAN);

@@ -1,0 +1,238 @@
+//! Channels of a log beside the side-scan that is shown: pairs of side-scan channels, and channels
+//! that look down.
+//!
+//! A sonar of several frequencies records one pair for each, of which one is shown. A channel that
+//! looks down is kept ping by ping, and a log can be shown with one.
+
+use super::{ChannelKind, SidePing, SideScanState, SideSpan, Survey, give_depths, nearest_in_time};
+use std::sync::Arc;
+
+/// A ping of another channel farther off in time than this is none of the same moment, seconds.
+const LONGEST_APART_S: f64 = 1.0;
+
+/// A pair of side-scan channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SidePair {
+    /// The recorder's name for it.
+    pub name: String,
+    /// Frequency where it is stated, kHz.
+    pub frequency_khz: Option<f32>,
+    /// Its pings, in time order, with depths as those of [`Survey::side_scan`].
+    pub side_scan: Arc<Vec<SidePing>>,
+}
+
+impl SidePair {
+    /// `400 kHz, PORT HF`.
+    pub fn summary(&self) -> String {
+        match self.frequency_khz {
+            Some(khz) => format!("{khz} kHz, {}", self.name),
+            None => self.name.clone(),
+        }
+    }
+}
+
+impl Survey {
+    /// The last side of a ping of each pair, that of the pair that is shown first.
+    pub(crate) fn last_spans(&self) -> impl Iterator<Item = SideSpan> {
+        let others = self.pairs.iter().skip(1).map(|pair| &pair.side_scan);
+        let last = |pings: &Arc<Vec<SidePing>>| {
+            let mut pings = pings.iter().rev();
+            pings.find_map(|ping| ping.port.or(ping.starboard))
+        };
+        std::iter::once(&self.side_scan).chain(others).filter_map(last)
+    }
+
+    /// Describes the pairs in a sentence: which one is shown, and how to show others; `None` where
+    /// there is one at most.
+    pub(crate) fn pairs_summary(&self) -> Option<String> {
+        let [shown, others @ ..] = &self.pairs[..] else {
+            return None;
+        };
+        let has_choice = self.pairs.iter().any(|pair| pair.frequency_khz.is_some());
+        let others: Vec<String> = others.iter().map(SidePair::summary).collect();
+        let others = if has_choice {
+            format!("set source.frequency_khz to show {}", others.join(" or "))
+        } else {
+            format!("no frequencies are stated to choose {} by", others.join(" or "))
+        };
+        Some(format!(
+            "the log holds {} pairs of side-scan channels: {} is shown; {others}",
+            self.pairs.len(),
+            shown.summary(),
+        ))
+    }
+
+    /// The same log, showing the pair of channels whose frequency is nearest to one in kHz;
+    /// unchanged where no pair states one.
+    #[must_use]
+    pub fn with_frequency(mut self, frequency_khz: f64) -> Self {
+        let off_khz = |pair: &SidePair| {
+            let khz = pair.frequency_khz.map_or(f64::INFINITY, f64::from);
+            (khz - frequency_khz).abs()
+        };
+        let pairs = self.pairs.iter().enumerate();
+        let pairs = pairs.filter(|(_, pair)| pair.frequency_khz.is_some());
+        let nearest = pairs.min_by(|(_, a), (_, b)| off_khz(a).total_cmp(&off_khz(b)));
+        let chosen = nearest.map(|(index, _)| index);
+        let Some(chosen) = chosen.filter(|chosen| *chosen > 0) else {
+            return self;
+        };
+        let before = self.pairs_summary().unwrap_or_default();
+        self.pairs[..=chosen].rotate_right(1);
+        let after = self.pairs_summary().unwrap_or_default();
+        for warning in self.warnings.iter_mut().filter(|warning| warning.text == before) {
+            warning.text.clone_from(&after);
+        }
+        self.side_scan = self.pairs[0].side_scan.clone();
+        if !self.side_scan.is_empty() {
+            self.side_scan_state = SideScanState::Usable;
+        }
+        self
+    }
+
+    /// Returns true if a pair began that the log did not hold.
+    pub(super) fn has_new_pair(&self, tail: &Survey) -> bool {
+        let is_known = |new: &SidePair| self.pairs.iter().any(|pair| pair.name == new.name);
+        !tail.pairs.iter().all(is_known)
+    }
+
+    /// The pairs of the log with what `tail` added to them from a time on. `longer` has the pings
+    /// of the pair that is shown, and all soundings.
+    pub(super) fn extended_pairs(
+        &self,
+        tail: &Survey,
+        from_s: f64,
+        longer: &Survey,
+    ) -> Vec<SidePair> {
+        let extended = |(index, pair): (usize, &SidePair)| {
+            if index == 0 {
+                return SidePair { side_scan: longer.side_scan.clone(), ..pair.clone() };
+            }
+            let older = |pings: &[SidePing]| pings.partition_point(|ping| ping.time_s < from_s);
+            let mut pings = pair.side_scan[..older(&pair.side_scan)].to_vec();
+            let same = tail.pairs.iter().find(|one| one.name == pair.name);
+            let added = same.map_or(&[][..], |one| &one.side_scan[..]);
+            pings.extend_from_slice(&added[older(added)..]);
+            give_depths(&mut pings, &longer.soundings);
+            SidePair { side_scan: Arc::new(pings), ..pair.clone() }
+        };
+        self.pairs.iter().enumerate().map(extended).collect()
+    }
+}
+
+/// One ping of a channel that looks down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EchogramPing {
+    /// Seconds after the log's time zero; may be negative.
+    pub time_s: f64,
+    /// Its samples, from the transducer down.
+    pub span: SideSpan,
+}
+
+/// A channel that looks down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Echogram {
+    /// Primary, secondary or down-scan.
+    pub kind: ChannelKind,
+    /// Its pings in time order; shared by all copies of a survey.
+    pub pings: Arc<Vec<EchogramPing>>,
+}
+
+impl Survey {
+    /// Returns true if the log has a channel that looks down.
+    pub fn has_echogram(&self, kind: ChannelKind) -> bool {
+        self.echograms.iter().any(|echogram| echogram.kind == kind)
+    }
+
+    /// The same log with the echoes of a channel that looks down in the place of those to
+    /// starboard, and none to port: ping by ping the nearest in time, so that its pings are those
+    /// of the side-scan. In a log without side-scan they are the channel's own. `None` where there
+    /// is no such channel.
+    pub fn looking_down(&self, kind: ChannelKind) -> Option<Self> {
+        let echogram = self.echograms.iter().find(|one| one.kind == kind)?;
+        let recorded = &echogram.pings;
+        let side_scan = if self.side_scan.is_empty() {
+            recorded.iter().map(|ping| self.below(ping)).collect()
+        } else {
+            let beside = |ping: &SidePing| {
+                let nearest = nearest_in_time(recorded, ping.time_s, |other| other.time_s);
+                let nearest = nearest
+                    .map(|index| recorded[index])
+                    .filter(|other| (other.time_s - ping.time_s).abs() <= LONGEST_APART_S);
+                SidePing { port: None, starboard: nearest.map(|other| other.span), ..*ping }
+            };
+            self.side_scan.iter().map(beside).collect()
+        };
+        Some(Self {
+            side_scan: Arc::new(side_scan),
+            side_scan_state: SideScanState::Usable,
+            ..self.clone()
+        })
+    }
+
+    /// A ping of its own, with the depth that was recorded then.
+    fn below(&self, ping: &EchogramPing) -> SidePing {
+        let soundings = &self.soundings;
+        let nearest = nearest_in_time(soundings, ping.time_s, |other| other.time_s);
+        let nearest = nearest.map(|index| soundings[index]);
+        let nearest = nearest.filter(|one| (one.time_s - ping.time_s).abs() <= LONGEST_APART_S);
+        SidePing {
+            time_s: ping.time_s,
+            depth_m: nearest.map_or(f32::NAN, |one| one.depth_m),
+            depth_fault: nearest.and_then(|one| one.fault),
+            port: None,
+            starboard: Some(ping.span),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::{Side, Sounding};
+
+    fn span(offset: u64) -> SideSpan {
+        SideSpan { offset, ..SideSpan::of_bytes(10, [0.0, 5.0]) }
+    }
+
+    fn log(side_scan: usize) -> Survey {
+        let ping = |index: usize| SidePing {
+            port: Some(span(1000)),
+            ..SidePing::with_depth(index as f64, 3.0)
+        };
+        let below = |index: u32| EchogramPing {
+            time_s: 0.1 + 0.5 * f64::from(index),
+            span: span(u64::from(index)),
+        };
+        Survey {
+            side_scan: Arc::new((0..side_scan).map(ping).collect()),
+            soundings: Arc::new(vec![Sounding::new(0.0, 4.0)]),
+            echograms: vec![Echogram {
+                kind: ChannelKind::DownScan,
+                pings: Arc::new((0..8).map(below).collect()),
+            }],
+            ..Survey::default()
+        }
+    }
+
+    #[test]
+    fn each_ping_has_the_echo_of_its_moment() {
+        let log = log(9);
+        assert!(log.looking_down(ChannelKind::Primary).is_none());
+        let down = log.looking_down(ChannelKind::DownScan).expect("a channel");
+        assert_eq!(down.side_scan.len(), 9);
+        let offset = |ping| down.span(ping, Side::Starboard).map(|span| span.offset);
+        // At 2 s those of 2.1 s; at 4 s the last, of 3.6 s; at 5 s none is near.
+        assert_eq!([0, 2, 4, 5].map(offset), [Some(0), Some(4), Some(7), None]);
+        assert!(down.span(2, Side::Port).is_none());
+        assert_eq!(down.side_scan[2].depth_m, 3.0);
+    }
+
+    #[test]
+    fn without_side_scan_the_pings_are_the_channels_own() {
+        let down = log(0).looking_down(ChannelKind::DownScan).expect("a channel");
+        assert_eq!(down.side_scan.len(), 8);
+        assert_eq!(down.side_scan[1].depth_m, 4.0);
+        assert!(down.side_scan[7].depth_m.is_nan());
+    }
+}
