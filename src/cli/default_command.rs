@@ -4,7 +4,7 @@ use super::detect;
 use super::folders::Folders;
 use super::process::How;
 use super::survey_logs::OpenedLog;
-use super::{Failure, output, quiet_driver, snapshot, window};
+use super::{Failure, output, snapshot};
 use crate::app::LogOrigin;
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::Progress;
@@ -23,8 +23,8 @@ pub(super) fn run(
     demo: bool,
     truth: Option<PathBuf>,
 ) -> Result<(), Failure> {
-    if window::display_available() {
-        return window::run(surveys, demo, truth);
+    if display_available() {
+        return open_window(surveys, demo, truth);
     }
     if truth.is_some() {
         return Err(
@@ -36,7 +36,7 @@ pub(super) fn run(
             "no display to open Bathyscope on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`".into(),
         );
     }
-    quiet_driver::restart_if_noisy();
+    output::restart_if_noisy();
     output::results(format_args!(
         "no display: processing into {OUTPUT} instead of opening Bathyscope"
     ))?;
@@ -48,6 +48,42 @@ pub(super) fn run(
     output::results(
         "for the desktop program, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)",
     )
+}
+
+/// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
+#[cfg(feature = "gui")]
+fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
+    Ok(crate::ui::open_window(paths, demo, truth)?)
+}
+
+/// Says that there is no window.
+#[cfg(not(feature = "gui"))]
+fn open_window(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
+    Err(snapshot::NO_WINDOW.into())
+}
+
+/// Says why there is no window to who has started the program from a desktop, and sees nothing else
+/// of it.
+#[cfg(feature = "gui")]
+pub(super) fn say_in_a_box(sentence: &str) {
+    use crate::app::system_words::in_plain_words;
+    use bathyscope_log::support::printable::one_line;
+    rfd::MessageDialog::new()
+        .set_title("Bathyscope")
+        .set_level(rfd::MessageLevel::Error)
+        .set_description(one_line(&in_plain_words(sentence)))
+        .show();
+}
+
+/// There is no box either.
+#[cfg(not(feature = "gui"))]
+pub(super) fn say_in_a_box(_: &str) {}
+
+/// Returns true if a window can be opened here. Elsewhere than on Linux and the BSDs there is
+/// always a display.
+pub(super) fn display_available() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_os = "macos"))) || set("WAYLAND_DISPLAY") || set("DISPLAY")
 }
 
 fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Failure> {

@@ -4,15 +4,17 @@
 use super::folders::Folders;
 use super::settings::{LogOpener, SettingsArgs};
 use super::status_line::StatusLine;
-use super::{Failure, detection_summary, many, output};
+use super::survey_logs::logs_of;
+use super::{Failure, output};
 use bathyscope_log::support::catch_panic::catch_panic;
 use bathyscope_log::support::picture_file::{PictureFault, bounded_decoder};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::model::shipped;
 use bathyscope_objects::{DetectorSettings, Model, ModelError, Picture};
-use bathyscope_products::outputs::{self, Replaced, RunFolder};
+use bathyscope_products::outputs::{self, Proposed, Replaced, RunFolder};
 use bathyscope_products::pipeline::ProcessedLog;
 use image::{ColorType, DynamicImage, ImageDecoder as _};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -65,7 +67,7 @@ pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     let model = load(detector.model.as_deref())?;
     output::notify(format_args!("model: {}", model.description()));
     let logs = LogOpener::new(settings)?;
-    let inputs = many::logs(&args.inputs);
+    let inputs = logs_of(&args.inputs);
     let [input] = inputs.as_slice() else {
         return each(&inputs, &model, &logs, &args.output);
     };
@@ -138,7 +140,7 @@ fn search_survey(
     status.step("detecting");
     let (found, replaced) = outputs::write_detected(&log, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
-    Ok((detection_summary::proposed(&found, model.names()), replaced))
+    Ok((proposed_in_words(&found, model.names()), replaced))
 }
 
 /// Searches a picture and reports what was found.
@@ -158,7 +160,7 @@ fn search_picture(
         outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
             .map_err(|error| format!("{error}: {}", input.display()))?;
     let names = found.iter().map(|one| model.names()[one.class].as_str());
-    Ok((detection_summary::boxes(names), replaced))
+    Ok((boxes_in_words(names), replaced))
 }
 
 /// The pixels of a file; the error is a sentence without the path.
@@ -187,4 +189,63 @@ fn decode_picture(path: &Path) -> Result<Picture, Failure> {
     } else {
         Picture::grey(width, height, decoded.into_luma8().into_raw())
     })
+}
+
+/// `7 boxes (4 rock, 3 tyre)`, of the classes' names.
+fn boxes_in_words<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for name in names {
+        *counts.entry(name).or_default() += 1;
+    }
+    let each: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
+    match counts.values().sum() {
+        0 => "no objects".to_owned(),
+        1 => format!("1 box ({})", each.join("")),
+        count => format!("{count} boxes ({})", each.join(", ")),
+    }
+}
+
+/// `7 boxes (4 rock, 3 tyre) on 5 objects`: an object that several lines saw has as many boxes.
+pub(super) fn proposed_in_words(found: &Proposed, names: &[String]) -> String {
+    let name = |class: usize| names.get(class).map_or("object", String::as_str);
+    let boxes = boxes_in_words(found.boxes.iter().map(|one| name(one.class)));
+    let objects = match found.objects {
+        0 => String::new(),
+        1 => " on 1 object".to_owned(),
+        count => format!(" on {count} objects"),
+    };
+    let unplaced = match found.unplaced {
+        0 => String::new(),
+        count => format!(", {count} of them without a place in the world"),
+    };
+    boxes + &objects + &unplaced
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::Side;
+    use bathyscope_objects::{Detection, Mark};
+
+    fn summary_of(classes: &[usize], objects: usize, unplaced: usize) -> String {
+        let one = |&class: &usize| Detection {
+            class,
+            score: 0.5,
+            mark: Mark { side: Side::Port, pings: 0..4, near_m: 3.0, far_m: 4.0 },
+        };
+        let boxes = classes.iter().map(one).collect();
+        let found = Proposed { boxes, objects, unplaced };
+        proposed_in_words(&found, &["rock".to_owned(), "tyre".to_owned()])
+    }
+
+    #[test]
+    fn boxes_are_distinguished_from_objects() {
+        assert_eq!(summary_of(&[], 0, 0), "no objects");
+        assert_eq!(summary_of(&[1], 1, 0), "1 box (1 tyre) on 1 object");
+        assert_eq!(summary_of(&[0, 1, 0], 2, 0), "3 boxes (2 rock, 1 tyre) on 2 objects");
+        assert_eq!(
+            summary_of(&[0, 0], 0, 2),
+            "2 boxes (2 rock), 2 of them without a place in the world"
+        );
+    }
 }

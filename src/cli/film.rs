@@ -2,7 +2,7 @@
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
-use super::{Failure, output, quiet_driver};
+use super::{Failure, output};
 use crate::app::{Command, Orientation, View};
 use crate::ui::offscreen::Studio;
 use crate::ui::{Alone, Shell};
@@ -39,7 +39,7 @@ pub(super) struct FilmArgs {
 
 /// Draws the film and writes it; says on stderr how long it runs.
 pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
-    quiet_driver::restart_if_noisy();
+    output::restart_if_noisy();
     check_film(&args.output)?;
     if !(args.speed > 0.0 && args.speed.is_finite()) {
         return Err(format!("a film's speed lies above 0; got {}", args.speed).into());

@@ -1,8 +1,62 @@
-//! A folder of its own for each of several surveys.
+//! The folders that commands write into: one of its own for each of several surveys, and the one of
+//! `bathyscope process` when none is named. This lies in the current folder and is named after the
+//! log. What lies there stays as it is, unless it is an earlier run of the same logs.
 
+use super::survey_logs::OpenedLog;
+use crate::app::is_project;
+use bathyscope_log::survey::Survey;
 use bathyscope_products::file_name::file_name;
+use bathyscope_products::outputs;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+
+/// The folder of a run before its manifest is there.
+const SIDE: &str = ".bathyscope-run";
+/// Ending of the folder's name where a folder of the plain name holds something else, such as the
+/// recording itself.
+const PRODUCTS: &str = "-products";
+/// Name of a survey whose logs have no common name.
+const SURVEY: &str = "survey";
+/// Letters that a common name has at least.
+const LEAST: usize = 3;
+
+/// Chooses folders for surveys, each another one.
+pub(super) struct DefaultFolders {
+    parent: PathBuf,
+    /// Lower case: on some file systems `REC` and `Rec` are one folder.
+    taken: HashSet<String>,
+}
+
+impl DefaultFolders {
+    /// Folders in `parent`.
+    pub(super) fn in_folder(parent: &Path) -> Self {
+        Self { parent: parent.to_owned(), taken: HashSet::new() }
+    }
+
+    /// The folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on, the
+    /// first that is missing, empty or of an earlier run of these logs.
+    pub(super) fn next(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
+        let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
+        let name = match name.trim_matches(['.', ' ']) {
+            "" => SURVEY.to_owned(),
+            name => file_name(name),
+        };
+        let mut count = 0;
+        loop {
+            let folder = match count {
+                0 => name.clone(),
+                1 => format!("{name}{PRODUCTS}"),
+                count => format!("{name}{PRODUCTS}-{count}"),
+            };
+            let path = self.parent.join(&folder);
+            if !self.taken.contains(&folder.to_lowercase()) && is_free(&path, &surveys) {
+                self.taken.insert(folder.to_lowercase());
+                return path;
+            }
+            count += 1;
+        }
+    }
+}
 
 /// Names folders after surveys; two recorders both begin with `Rec00001`, and neither may replace
 /// the other's products.
@@ -32,9 +86,132 @@ impl Folders {
     }
 }
 
+/// Returns true if a run may write into a folder that nobody has named.
+fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
+    if folder.symlink_metadata().is_err() {
+        return true;
+    }
+    let Ok(mut entries) = folder.read_dir() else {
+        return false;
+    };
+    entries.all(|entry| entry.is_ok_and(|entry| entry.file_name() == SIDE))
+        || outputs::is_run_of(folder, surveys)
+}
+
+/// Returns the name of a survey: that of the project, of the log, of the folder of the logs, or the
+/// common part of the logs' names.
+pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
+    let text =
+        |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
+    if let [path] = arguments {
+        if is_project(path) {
+            return text(path.file_stem()).unwrap_or_default();
+        }
+        if logs.len() > 1 {
+            // `.` has a name, too.
+            let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
+            return text(whole.file_name()).unwrap_or_default();
+        }
+    }
+    let names: Vec<String> = logs.iter().map(|log| log.survey.name()).collect();
+    common(&names)
+}
+
+/// Returns the common beginning of names, without a number that was cut in two and what joins it:
+/// `Rec` of `Rec00001` and `Rec00002`.
+fn common(names: &[String]) -> String {
+    let Some((first, others)) = names.split_first() else {
+        return SURVEY.to_owned();
+    };
+    if others.is_empty() {
+        return first.clone();
+    }
+    let alike = |other: &String| {
+        let pairs = first.char_indices().zip(other.chars());
+        let same = pairs.take_while(|((_, one), other)| one == other);
+        same.last().map_or(0, |((at, one), _)| at + one.len_utf8())
+    };
+    let length = others.iter().map(alike).min().unwrap_or(0);
+    let goes_on = |name: &String| {
+        let rest = name.get(length..).unwrap_or_default();
+        rest.starts_with(|letter: char| letter.is_ascii_digit())
+    };
+    let mut part = &first[..length];
+    if names.iter().any(goes_on) {
+        part = part.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    }
+    let part = part.trim_end_matches(['-', '_', '.', ' ']);
+    match part.chars().count() {
+        LEAST.. => part.to_owned(),
+        _ => SURVEY.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bathyscope_log::survey::Bytes;
+    use bathyscope_products::outputs::MANIFEST;
+    use bathyscope_products::pipeline::Settings;
+    use std::fs;
+    use std::sync::Arc;
+
+    #[test]
+    fn logs_are_called_what_their_names_have_in_common() {
+        let called = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            common(&names)
+        };
+        assert_eq!(called(&["pond"]), "pond");
+        assert_eq!(called(&["Rec00001", "Rec00002"]), "Rec");
+        assert_eq!(called(&["lake-2024-1", "lake-2024-2"]), "lake-2024");
+        assert_eq!(called(&["lake-9", "lake-10"]), "lake");
+        assert_eq!(called(&["bay-east", "bay-west", "bay"]), "bay");
+        assert_eq!(called(&["Séé-1", "Séè-1"]), SURVEY);
+        assert_eq!(called(&["pond", "river"]), SURVEY);
+        assert_eq!(called(&[]), SURVEY);
+    }
+
+    fn log(path: &Path) -> OpenedLog {
+        let mut survey = Survey::default();
+        survey.source.files = vec![path.to_owned()];
+        survey.bytes = vec![Bytes::Held(Arc::new(b"12345".to_vec()))];
+        OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None }
+    }
+
+    #[test]
+    fn what_is_not_of_a_run_of_the_same_log_is_left_alone() {
+        let temporary = tempfile::tempdir().unwrap();
+        let root = temporary.path();
+        let pond = [log(&root.join("pond.sl2"))];
+        let next = |name: &str| {
+            let folder = DefaultFolders::in_folder(root).next(name, &pond);
+            folder.file_name().unwrap().to_str().unwrap().to_owned()
+        };
+        assert_eq!(next("pond"), "pond");
+        fs::create_dir(root.join("pond")).unwrap();
+        assert_eq!(next("pond"), "pond", "an empty one");
+        fs::write(root.join("pond/notes.txt"), "mine").unwrap();
+        assert_eq!(next("pond"), "pond-products");
+        let manifest = |file: &str| {
+            format!(
+                r#"{{"program":"bathyscope 1","inputs":[{{"file":"elsewhere/{file}","bytes":5}}]}}"#
+            )
+        };
+        fs::write(root.join("pond").join(MANIFEST), manifest("pond.sl2")).unwrap();
+        assert_eq!(next("pond"), "pond", "an earlier run of it");
+        fs::write(root.join("pond").join(MANIFEST), manifest("pond.sl3")).unwrap();
+        assert_eq!(next("pond"), "pond-products", "a run of another log");
+        fs::write(root.join("pond-products"), "a file").unwrap();
+        assert_eq!(next("pond"), "pond-products-2");
+        // A log may be named to lead out of the folder.
+        assert_eq!(next(".."), SURVEY);
+        assert_eq!(next("a/../b"), "a-..-b");
+
+        let mut folders = DefaultFolders::in_folder(root);
+        let both = ["bay", "BAY"].map(|name| folders.next(name, &pond));
+        assert_eq!(both, ["bay", "BAY-products"].map(|name| root.join(name)));
+    }
 
     #[test]
     fn no_two_surveys_share_a_folder() {

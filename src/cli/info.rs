@@ -1,8 +1,8 @@
-//! `bathyscope info`: what is in a log.
+//! `bathyscope info`: what is in a log, and the formats of logs that can be read.
 
-use super::{Failure, formats_list, output};
+use super::{Failure, output};
 use bathyscope_bottom::calibration::header_scale;
-use bathyscope_log::formats;
+use bathyscope_log::formats::{self, FORMATS, FileRole, FormatEntry};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Channel, SideScanState, Survey, Warning};
@@ -26,7 +26,7 @@ pub(super) struct InfoArgs {
 /// Prints the summary of a log, a line for each log of a folder, or the formats.
 pub(super) fn run(args: InfoArgs) -> Result<(), Failure> {
     let Some(survey) = &args.survey else {
-        return formats_list::print(args.json);
+        return print_formats(args.json);
     };
     let logs = formats::logs_in(survey);
     if logs.len() > 1 {
@@ -41,6 +41,17 @@ pub(super) fn run(args: InfoArgs) -> Result<(), Failure> {
         output::json(&to_json(&survey))
     } else {
         output::results(to_text(&survey).trim_end())
+    }
+}
+
+/// Prints the formats, as text or as JSON for scripts.
+fn print_formats(as_json: bool) -> Result<(), Failure> {
+    let formats = FORMATS.iter();
+    if as_json {
+        output::json(&formats.map(format_to_json).collect::<Value>())
+    } else {
+        let texts: Vec<String> = formats.map(format_to_text).collect();
+        output::results(texts.join("\n").trim_end())
     }
 }
 
@@ -274,4 +285,38 @@ fn to_json(survey: &Survey) -> Value {
 /// Unix seconds as `2012-05-05 17:01:02 UTC`.
 fn utc(unix_s: f64) -> String {
     format!("{} {} UTC", calendar::date(unix_s), calendar::time_of_day(unix_s))
+}
+
+/// The name, and below it a line for each thing that is known, all in one column.
+fn format_to_text(format: &FormatEntry) -> String {
+    let lines = [
+        ("recorders", format.recorders.to_owned()),
+        ("open", format.opened_as(str::to_owned)),
+        ("recognised by", format.magic.to_owned()),
+        ("carries", format.carried()),
+        ("tried on", format.tried().to_owned()),
+        ("notes", format.notes.replace('`', "")),
+    ];
+    let written = format.written_as();
+    let written = written.map(|ending| ("written as", format!(".{ending}")));
+    let lines = lines.into_iter().chain(written);
+    let lines = lines.map(|(name, value)| format!("  {name:<14} {value}\n"));
+    format!("{}\n{}", format.name, lines.collect::<String>())
+}
+
+fn format_to_json(format: &FormatEntry) -> Value {
+    let ending =
+        |(ending, role): &(&str, FileRole)| json!({ "ending": ending, "role": role.name() });
+    let endings: Vec<Value> = format.endings.iter().map(ending).collect();
+    let carries: Vec<&str> = format.carries.iter().map(|one| one.name()).collect();
+    json!({
+        "name": format.name,
+        "recorders": format.recorders,
+        "endings": endings,
+        "recognised_by": format.magic,
+        "carries": carries,
+        "tried_on": format.tried_on,
+        "written_as": format.written_as(),
+        "notes": format.notes,
+    })
 }

@@ -9,31 +9,22 @@
 mod archive;
 mod compare;
 mod convert;
-mod dataset;
 mod default_command;
-mod default_folder;
 mod desktop;
 mod detect;
-mod detection_summary;
 mod evaluate;
-mod failure;
 #[cfg(feature = "gui")]
 mod film;
 mod filter;
 mod folders;
-mod formats_list;
 mod info;
 mod manual;
-mod many;
 mod output;
-mod parallel;
 mod plan;
 mod process;
-mod quiet_driver;
 mod review;
 mod settings;
 mod simulate;
-mod simulated_files;
 #[cfg(feature = "gui")]
 mod snapshot;
 #[cfg(not(feature = "gui"))]
@@ -45,9 +36,8 @@ mod status_line;
 mod survey_logs;
 #[cfg(feature = "gui")]
 mod waterfall_options;
-mod window;
 
-pub use dataset::known_objects;
+pub use simulate::known_objects;
 
 pub use crate::app::crash_report::write_crash_report;
 pub use bathyscope_log::support::catch_panic::is_to_be_printed;
@@ -57,7 +47,7 @@ use bathyscope_log::support::catch_panic::panic_as_error;
 use bathyscope_products::pipeline::settings::slips;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
-use failure::Failure;
+use std::fmt::Display;
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -141,6 +131,20 @@ enum Command {
     Desktop(desktop::DesktopArgs),
 }
 
+/// Failure that ends a command. Errors and sentences are converted to it by `?`. It does not
+/// implement `Display`: a failure is never made of another.
+#[derive(Debug)]
+struct Failure {
+    /// Message that is printed.
+    sentence: String,
+}
+
+impl<E: Display> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self { sentence: error.to_string() }
+    }
+}
+
 /// All that can be typed.
 fn program() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
@@ -173,7 +177,7 @@ pub fn main() -> ExitCode {
         program().error(ErrorKind::InvalidSubcommand, sentence).exit();
     }
     let cli = Cli::parse();
-    let opens_window = cli.command.is_none() && window::display_available();
+    let opens_window = cli.command.is_none() && default_command::display_available();
     let outcome = if opens_window {
         // It looks after its own work, and goes on when some of that fails.
         run(cli)
@@ -189,7 +193,7 @@ pub fn main() -> ExitCode {
         Err(Failure { sentence }) => {
             output::notify(format_args!("bathyscope: {sentence}"));
             if opens_window && !is_printed_to_a_person() {
-                window::say_in_a_box(&sentence);
+                default_command::say_in_a_box(&sentence);
             }
             ExitCode::FAILURE
         }

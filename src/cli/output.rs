@@ -1,6 +1,6 @@
 //! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is
 //! full. Whatever a file holds, what reaches a terminal from here is text that it shows and no
-//! command to it.
+//! command to it. A graphics driver's remarks are kept off stderr.
 
 use super::Failure;
 use crate::app::system_words::in_plain_words;
@@ -8,6 +8,12 @@ use bathyscope_log::support::printable;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
+
+/// Mesa's environment variable that leaves out its layer for choosing among adapters. Without a
+/// display there is nothing that it could ask, and it complains about a missing `XDG_RUNTIME_DIR`
+/// at every look.
+#[cfg(target_os = "linux")]
+const NO_CHOICE: &str = "NODEVICE_SELECT";
 
 /// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen
 /// enough: no error.
@@ -38,4 +44,27 @@ pub(super) fn notify(text: impl Display) {
     let text = text.to_string();
     let line = printable::one_line(&in_plain_words(&text));
     writeln!(io::stderr(), "{line}").ok();
+}
+
+/// Starts the program anew in the same process, with the same arguments and `NO_CHOICE` set, where
+/// the driver would complain. Returns where it would not, or where starting anew fails: then it
+/// complains, and all else works.
+pub(super) fn restart_if_noisy() {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::process::CommandExt as _;
+        let is_set = |name: &str| std::env::var_os(name).is_some();
+        if is_set("XDG_RUNTIME_DIR") || is_set(NO_CHOICE) {
+            return;
+        }
+        let mut arguments = std::env::args_os();
+        let name = arguments.next().unwrap_or_default();
+        // Whatever has become of the file that it was started from meanwhile.
+        let error = std::process::Command::new("/proc/self/exe")
+            .arg0(name)
+            .args(arguments)
+            .env(NO_CHOICE, "1")
+            .exec();
+        drop(error);
+    }
 }

@@ -1,17 +1,16 @@
 //! `bathyscope process`: the whole pipeline without a window.
 
-mod requested;
 mod survey;
 mod tiles;
 
-use super::default_folder::{DefaultFolders, name_of};
-use super::folders::Folders;
+use super::folders::{DefaultFolders, Folders, name_of};
 use super::settings::SettingsArgs;
 use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open, take_reviews};
 use super::{Failure, detect, output};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_products::outputs::Product;
-use requested::Requested;
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 pub(crate) use survey::{How, all_processed};
@@ -69,6 +68,42 @@ pub(super) struct ProcessArgs {
     products: Vec<Requested>,
     #[command(flatten)]
     settings: SettingsArgs,
+}
+
+/// A group of files of a run, or the rows of an archive, which are no files of a run: many logs
+/// share their folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Requested {
+    /// Files of a run.
+    Files(Product),
+    /// Rows of an archive.
+    Tiles,
+}
+
+/// All groups of files, and the tiles.
+const REQUESTED: [Requested; Product::ALL.len() + 1] = {
+    let mut all = [Requested::Tiles; Product::ALL.len() + 1];
+    let mut index = 0;
+    while index < Product::ALL.len() {
+        all[index] = Requested::Files(Product::ALL[index]);
+        index += 1;
+    }
+    all
+};
+
+impl ValueEnum for Requested {
+    fn value_variants<'a>() -> &'a [Self] {
+        &REQUESTED
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::Files(product) => product.to_possible_value(),
+            Self::Tiles => Some(PossibleValue::new("tiles").help(
+                "alone, into an archive: points and pings of each log by tile, points/*/*.parquet; pings/*/*.parquet",
+            )),
+        }
+    }
 }
 
 /// Processes every log. Of several, one that cannot be used does not keep the others from being

@@ -1,13 +1,19 @@
 //! `bathyscope simulate`: a survey of known truth, as a log and tables; or many, as pictures with
 //! labels.
 
-use super::dataset::{self, DatasetArgs};
-use super::simulated_files::{with_ending, write};
+mod dataset;
+
+pub use dataset::known_objects;
+
 use super::status_line::StatusLine;
 use super::{Failure, LONGEST_TEXT, output};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::regular_file;
-use bathyscope_simulation::{Scene, simulate};
+use bathyscope_products::export::{ExportError, write_atomically};
+use bathyscope_simulation::{Scene, Simulated, simulate};
+use dataset::DatasetArgs;
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`, `bathyscope simulate --dataset DIR
@@ -82,4 +88,36 @@ fn read_scene(path: &Path) -> Result<Scene, Failure> {
         .map_err(|error| format!("cannot read the scene: {error}: {}", path.display()))?;
     let scene = Scene::from_toml(&text);
     Ok(scene.map_err(|error| format!("cannot use the scene: {error}: {}", path.display()))?)
+}
+
+/// Writes the three files of a simulated survey, the log and its tables of truth; returns their
+/// names.
+fn write(survey: &Simulated, prefix: &Path) -> Result<String, ExportError> {
+    let log = written(prefix, "sl2", |out| survey.write_sl2(out))?;
+    let truth = written(prefix, "truth.csv", |out| survey.write_truth_csv(out))?;
+    let objects = written(prefix, "objects.csv", |out| survey.write_objects_csv(out))?;
+    Ok(format!("{log}, {truth}, {objects}"))
+}
+
+/// Writes `PREFIX.ending` aside and renames it when it is whole.
+fn written(
+    prefix: &Path,
+    ending: &str,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<String, ExportError> {
+    let path = with_ending(prefix, ending);
+    write_atomically(&path, |file| {
+        let mut out = BufWriter::new(file);
+        fill(&mut out)?;
+        out.flush()
+    })?;
+    Ok(path.display().to_string())
+}
+
+/// `PREFIX.ending`, whatever dots the prefix holds.
+fn with_ending(prefix: &Path, ending: &str) -> PathBuf {
+    let mut name = prefix.as_os_str().to_owned();
+    name.push(".");
+    name.push(ending);
+    PathBuf::from(name)
 }

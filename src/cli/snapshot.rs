@@ -2,7 +2,7 @@
 
 use super::settings::SettingsArgs;
 use super::waterfall_options::{GeometryArgs, open, parse_size, take_over, wait, within};
-use super::{Failure, output, quiet_driver};
+use super::{Failure, output};
 use crate::app::{
     Action, App, CloudColour, Command, FileToOpen, Jobs, LogOrigin, LogPlace, MapLayer,
     ThemeChoice, View, ViewOptions,
@@ -144,7 +144,7 @@ enum Coordinates {
 
 /// Draws the picture and writes it; says on stderr which adapter drew it.
 pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
-    quiet_driver::restart_if_noisy();
+    output::restart_if_noisy();
     let settings = args.settings.resolve()?;
     check_picture(&args.output)?;
     if !args.scale.is_finite() || !(0.5..=8.0).contains(&args.scale) {

@@ -2,7 +2,7 @@
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
-use super::{Failure, output, quiet_driver};
+use super::{Failure, output};
 use crate::app::View;
 use crate::ui::offscreen::{Studio, write_picture};
 use crate::ui::{Alone, Shell};
@@ -34,7 +34,7 @@ pub(super) struct SonogramArgs {
 
 /// Draws the pages and writes them; says on stderr which adapter drew them.
 pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
-    quiet_driver::restart_if_noisy();
+    output::restart_if_noisy();
     let log = args.shown.open()?;
     let [width, height] = args.size;
     let page =

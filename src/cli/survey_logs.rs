@@ -2,7 +2,7 @@
 //! opened in one frame.
 
 use super::settings::{LogOpener, SettingsArgs};
-use super::{Failure, many, output};
+use super::{Failure, output};
 use crate::app::is_project;
 use bathyscope_log::formats;
 use bathyscope_log::support::geo::LocalFrame;
@@ -48,6 +48,19 @@ pub(super) fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     all
 }
 
+/// The paths, with each folder of several logs replaced by these. A recording of several files is a
+/// folder, too, and stays.
+pub(super) fn logs_of(paths: &[PathBuf]) -> Vec<PathBuf> {
+    let each = paths.iter().flat_map(|path| {
+        let logs = formats::logs_in(path);
+        match logs.len() {
+            0 | 1 => vec![path.clone()],
+            _ => logs,
+        }
+    });
+    each.collect()
+}
+
 /// The logs that some paths name, all with the same settings, or the visible logs of a project with
 /// the settings that they have there; `track` is the file of another receiver's track.
 ///
@@ -89,7 +102,7 @@ pub(super) fn inputs(
                     path.display()
                 ));
             }
-            let paths = many::logs(paths).into_iter();
+            let paths = logs_of(paths).into_iter();
             let input = |path| LogInput { path, logs: logs.clone(), review: None, frame: None };
             Ok(paths.map(input).collect())
         }
@@ -258,7 +271,7 @@ pub(super) fn open_reference(
             };
             let logs = Arc::new(LogOpener::new(as_read)?);
             let input = |path| LogInput { path, logs: logs.clone(), review: None, frame: None };
-            many::logs(&[path.to_owned()]).into_iter().map(input).collect()
+            logs_of(&[path.to_owned()]).into_iter().map(input).collect()
         }
         false => {
             let opened = Reference::open(argument, &first.survey, &first.settings, progress);
@@ -278,5 +291,5 @@ pub(super) fn open_reference(
 /// Returns true if an argument names several logs: a folder of them, or a project.
 pub(super) fn is_group(argument: &OsStr) -> bool {
     let path = Path::new(argument);
-    is_project(path) || many::logs(&[path.to_owned()]).len() > 1
+    is_project(path) || logs_of(&[path.to_owned()]).len() > 1
 }

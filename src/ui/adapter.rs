@@ -2,9 +2,11 @@
 //! fail to open one, as DirectX 12 does over some software drivers, where Vulkan on the same
 //! computer works.
 
-use crate::ui::block_on::block_on;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
+use std::future::Future;
+use std::pin::pin;
 use std::sync::Arc;
+use std::task::{Context, Poll, Wake, Waker};
 use wgpu::{Adapter, DeviceType, PowerPreference, Surface};
 
 /// Returns the graphics setup for the window and for pictures drawn without it.
@@ -63,6 +65,26 @@ fn first_that_opens<T>(
         [] => "no driver was found".to_owned(),
         faults => faults.join("; "),
     })
+}
+
+/// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else
+/// is async here.
+pub(super) fn block_on<F: Future>(future: F) -> F::Output {
+    struct Unpark(std::thread::Thread);
+    impl Wake for Unpark {
+        fn wake(self: Arc<Self>) {
+            self.0.unpark();
+        }
+    }
+    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
+    let mut context = Context::from_waker(&waker);
+    let mut future = pin!(future);
+    loop {
+        match future.as_mut().poll(&mut context) {
+            Poll::Ready(value) => return value,
+            Poll::Pending => std::thread::park(),
+        }
+    }
 }
 
 #[cfg(test)]

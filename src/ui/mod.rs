@@ -2,25 +2,20 @@
 //! but how it looks.
 
 mod adapter;
-mod block_on;
+mod controls;
 mod dialogs;
-mod drives;
 mod drop_down;
-mod exclusion_text;
 mod flat;
-mod flat_spot_words;
 mod incremental;
-mod into_texture;
 mod list_keys;
-mod number_field;
 pub mod offscreen;
 mod panels;
 mod place;
 mod raster;
 pub mod render;
 mod shell;
+mod stretch_text;
 pub(crate) mod theme;
-mod toggle;
 pub mod views;
 mod window;
 

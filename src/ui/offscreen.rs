@@ -1,15 +1,16 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on
 //! lavapipe.
 
-use super::adapter;
+use super::Shell;
+use super::adapter::{self, block_on};
 use super::render::extent;
-use super::{Shell, into_texture};
-use crate::ui::block_on::block_on;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_products::export::{ExportError, write_atomically};
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, wgpu,
 };
+use egui::epaint::ClippedShape;
+use egui::{ClippedPrimitive, TexturesDelta};
 use image::RgbaImage;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
@@ -250,10 +251,10 @@ impl Reel {
             size_in_pixels: self.size,
             pixels_per_point: output.pixels_per_point,
         };
-        into_texture::upload(&self.gpu, &mut output.textures_delta);
+        upload_textures(&self.gpu, &mut output.textures_delta);
         let view = self.target.create_view(&Default::default());
         let load = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
-        into_texture::draw(&self.gpu, &self.ctx, output.shapes, &screen, &view, load);
+        draw_shapes(&self.gpu, &self.ctx, output.shapes, &screen, &view, load);
         for id in output.textures_delta.free.drain() {
             self.gpu.renderer.write().free_texture(&id);
         }
@@ -311,6 +312,45 @@ fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
     let polled =
         device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(FRAME_LIMIT) });
     polled.map(|_| ())
+}
+
+/// Makes new and changed textures of egui ready to be drawn with, and takes them out of `textures`.
+pub(super) fn upload_textures(gpu: &RenderState, textures: &mut TexturesDelta) {
+    let mut renderer = gpu.renderer.write();
+    for (id, images) in textures.set.drain() {
+        for image in images {
+            renderer.update_texture(&gpu.device, &gpu.queue, id, &image);
+        }
+    }
+}
+
+/// Draws shapes, in their order, over what `load` leaves of a texture of the size of `screen`.
+pub(super) fn draw_shapes(
+    gpu: &RenderState,
+    ctx: &egui::Context,
+    shapes: Vec<ClippedShape>,
+    screen: &ScreenDescriptor,
+    target: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) {
+    let primitives: Vec<ClippedPrimitive> = ctx.tessellate(shapes, screen.pixels_per_point);
+    let RenderState { device, queue, .. } = gpu;
+    let mut renderer = gpu.renderer.write();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let own = renderer.update_buffers(device, queue, &mut encoder, &primitives, screen);
+    let attachment = wgpu::RenderPassColorAttachment {
+        view: target,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        depth_slice: None,
+    };
+    let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("egui into a texture"),
+        color_attachments: &[Some(attachment)],
+        ..Default::default()
+    });
+    renderer.render(&mut pass.forget_lifetime(), &primitives, screen);
+    queue.submit(own.into_iter().chain([encoder.finish()]));
 }
 
 #[cfg(test)]

@@ -3,28 +3,23 @@
 //! In: arguments of these commands. Out: files of the archive, and lines of text.
 
 mod adjust;
-mod build;
 mod coverage;
-mod tile;
 mod tiles;
 
 pub(crate) use adjust::AdjustArgs;
 pub(crate) use adjust::run as run_adjust;
-pub(crate) use build::ArchiveArgs;
-pub(crate) use build::run as run_archive;
 pub(crate) use coverage::CoverageArgs;
 pub(crate) use coverage::run as run_coverage;
-pub(crate) use tile::TileArgs;
-pub(crate) use tile::run as run_tile;
-pub(crate) use tiles::TilesArgs;
-pub(crate) use tiles::run as run_tiles;
+pub(crate) use tiles::{ArchiveArgs, TileArgs, TilesArgs, run_archive, run_tile, run_tiles};
 
-use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::archive::{Archive, LogRecord, Offsets, TileId, TileRecord, write_tile};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 /// Tiles of which each worker has one in memory.
 const MOST_AT_ONCE: usize = 4;
@@ -79,4 +74,47 @@ fn of_tile(tile: TileId, record: &TileRecord) -> String {
         cells => format!("mosaic of {}", text::plural(cells, "cell", "cells")),
     };
     format!("{tile}: {depths}, {mosaic}")
+}
+
+/// Does some work on each of many things, on as many threads as there are processors and at most
+/// `most`; results are in the order of the things. The threads are not those of rayon, where one
+/// that waits for a part of its own work would begin the next thing meanwhile, so that there is
+/// never more than one in the memory of each.
+pub(super) fn each_in_parallel<T: Sync, R: Send>(
+    things: &[T],
+    most: usize,
+    work: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::with_capacity(things.len()));
+    let worker = || {
+        while let Some((index, thing)) = {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            things.get(index).map(|thing| (index, thing))
+        } {
+            let result = work(thing);
+            done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+        }
+    };
+    let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    thread::scope(|scope| {
+        for _ in 0..processors.min(most).min(things.len()) {
+            scope.spawn(worker);
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_unstable_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_in_the_order_of_the_things() {
+        let things: Vec<usize> = (0..500).collect();
+        assert_eq!(each_in_parallel(&things, 4, |thing| thing * 2)[77], 154);
+        assert!(each_in_parallel(&[] as &[u8], 4, |_| ()).is_empty());
+    }
 }

@@ -1,8 +1,17 @@
-//! `bathyscope tiles`: what exists of an archive.
+//! `bathyscope tiles`, `tile` and `archive`: what exists of an archive, the map of some tiles, and
+//! everything that is out of date.
 
+use super::adjust::{adjusted, summary, tell};
+use super::{make_maps, tell_of_missing};
+use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_bottom::presentation::text;
-use bathyscope_products::archive::{Archive, Offsets, TileState, contents, tile_state};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_products::archive::{
+    Archive, MapTilesState, Offsets, TileId, TileState, contents, remove_left_over, tile_state,
+    write_index, write_map_tiles,
+};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -30,7 +39,7 @@ struct Printed {
 }
 
 /// Prints a line for each tile.
-pub(crate) fn run(args: &TilesArgs) -> Result<(), Failure> {
+pub(crate) fn run_tiles(args: &TilesArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs()?;
     let offsets = Offsets::read(&archive)?;
@@ -72,4 +81,66 @@ pub(crate) fn run(args: &TilesArgs) -> Result<(), Failure> {
         printed.len()
     ));
     output::results(lines.join("\n"))
+}
+
+/// `bathyscope tile DIR TILE...`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct TileArgs {
+    /// Folder of the archive
+    archive: PathBuf,
+    /// The tiles, as `bathyscope tiles` names them
+    #[arg(required = true)]
+    tiles: Vec<TileId>,
+}
+
+/// Makes the maps of the tiles, whether they are stale or not.
+pub(crate) fn run_tile(args: &TileArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
+    let logs = archive.logs_of_maps(&args.tiles)?;
+    let offsets = Offsets::read(&archive)?;
+    tell_of_missing(&offsets, &logs);
+    let mut tiles = args.tiles.clone();
+    tiles.sort_unstable();
+    tiles.dedup();
+    make_maps(&archive, &tiles, &logs, &offsets)
+}
+
+/// `bathyscope archive DIR`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ArchiveArgs {
+    /// Folder of the archive
+    archive: PathBuf,
+}
+
+/// Finds the offsets, makes the maps that are stale or missing, and the index of all.
+pub(crate) fn run_archive(args: &ArchiveArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
+    let logs = archive.logs()?;
+    let adjusted = adjusted(&archive, Wanted::default())?;
+    tell(&adjusted);
+    output::results(summary(&adjusted))?;
+    let all: Vec<TileId> = contents(&archive)?.into_keys().collect();
+    let is_due = |tile: &TileId| {
+        tile_state(&archive, *tile, &logs, &adjusted.offsets) != TileState::UpToDate
+    };
+    let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
+    make_maps(&archive, &due, &logs, &adjusted.offsets)?;
+    for tile in remove_left_over(&archive, &all)? {
+        output::results(format_args!("removed {tile}: no log has rows in it any more"))?;
+    }
+    write_index(&archive, &logs, &all)?;
+    let progress = Progress::new();
+    let status = StatusLine::at("map tiles", &progress);
+    let joined = write_map_tiles(&archive, &all, &progress)?;
+    drop(status);
+    if joined == MapTilesState::Made {
+        output::results(
+            "joined the maps in map_tiles/index.html, depth.mbtiles, depth.pmtiles, depth_values.pmtiles",
+        )?;
+    }
+    output::results(format_args!(
+        "{} of {} made, the others are up to date; the index is index/depth_*.vrt, index/mosaic_*.vrt and index/collection.json",
+        due.len(),
+        text::plural(all.len(), "map", "maps")
+    ))
 }

@@ -1,8 +1,9 @@
 //! The logs of one survey, one or several: processed and written.
 
+use crate::cli::detect::proposed_in_words;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
-use crate::cli::{Failure, detection_summary, output};
+use crate::cli::{Failure, output};
 use bathyscope_bottom::bathymetry::compare::Matching;
 use bathyscope_bottom::bathymetry::height_offsets::Datum;
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
@@ -93,7 +94,7 @@ impl How<'_> {
             output::results(sentence)?;
         }
         if let (Some(found), Some(model)) = (&written.found, self.model) {
-            let objects = detection_summary::proposed(found, model.names());
+            let objects = proposed_in_words(found, model.names());
             output::results(format_args!("proposed by the detector: {objects}"))?;
         }
         output::results(written.summary(folder))

@@ -1,7 +1,7 @@
 //! `bathyscope process --products tiles`: the rows of logs into an archive.
 
 use super::ProcessArgs;
-use crate::cli::parallel::each_in_parallel;
+use crate::cli::archive::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{LogInput, all_or};
 use crate::cli::{Failure, output};

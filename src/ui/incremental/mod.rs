@@ -9,7 +9,7 @@
 mod changes;
 
 use super::flat::{self, FlatPicture};
-use super::into_texture;
+use super::offscreen::{draw_shapes, upload_textures};
 use super::render::extent;
 use changes::{changed, covered};
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor};
@@ -48,7 +48,7 @@ impl IncrementalPainter {
     /// Draws what differs from the last frame into the kept picture.
     fn draw(&mut self, ctx: &egui::Context, ground: FrameTarget, output: &mut FullOutput) {
         let textures: HashSet<TextureId> = replaced(output);
-        into_texture::upload(&self.gpu, &mut output.textures_delta);
+        upload_textures(&self.gpu, &mut output.textures_delta);
         // Glyphs that shapes show already may have moved within it.
         let is_font_new = textures.contains(&TextureId::default());
         let kept = self.kept.take();
@@ -63,7 +63,7 @@ impl IncrementalPainter {
             };
             let view = kept.texture.create_view(&Default::default());
             let load = wgpu::LoadOp::Load;
-            into_texture::draw(&self.gpu, ctx, shapes, &screen, &view, load);
+            draw_shapes(&self.gpu, ctx, shapes, &screen, &view, load);
         }
         kept.shapes = now;
         let window = ground.rect();

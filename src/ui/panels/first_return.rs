@@ -5,7 +5,7 @@ mod above_bottom;
 use super::parts;
 use super::section::{Section, section};
 use crate::app::{Action, Tool};
-use crate::ui::{ViewContext, place, text, theme, toggle};
+use crate::ui::{ViewContext, controls, place, text, theme};
 use bathyscope_bottom::cloud::PointClass;
 use bathyscope_log::survey::Side;
 use bathyscope_products::pipeline::Stage;
@@ -78,7 +78,7 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let holds = app.log.reviewing.tool == Tool::Bottom;
         let mut both = app.view.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
-        let pen = toggle::underline(ui, holds, pen);
+        let pen = controls::underline(ui, holds, pen);
         context.named_button(pen, Action::DrawBottom);
         let sides = ui.checkbox(&mut both, "Both sides");
         context.named_button(sides, Action::BottomBothSides);

@@ -1,13 +1,13 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their
 //! heights stand to each other.
 
+use super::corrections;
 use super::parts::{self, fact, name_of, press, remark, warning};
-use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, OpenLog};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
-use crate::ui::{ViewContext, exclusion_text, text, theme, toggle};
+use crate::ui::{ViewContext, controls, stretch_text, text, theme};
 use bathyscope_bottom::presentation::units::Units;
 use egui::{Button, Color32, RichText, Sense, Ui};
 
@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         add(ui, context);
         if app.log_count() > 1 {
             heights(ui, context);
-            positions::ui(ui, context);
+            corrections::shifts(ui, context);
         }
     });
 }
@@ -90,7 +90,7 @@ fn row(
                 let title = RichText::new(&name);
                 let is_it = id == app.log.id;
                 let label = Button::selectable(is_it, title).truncate();
-                let label = toggle::underline(ui, is_it, label);
+                let label = controls::underline(ui, is_it, label);
                 let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
                 let shown = label.on_hover_ui(|ui| describe(ui, log, app.view.options.units));
                 keys.row(ui, place, &shown);
@@ -123,7 +123,7 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     let depths = log.depth_span_m.map(|span_m| units.span(span_m.map(f64::from), 1));
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
     if let Some(found) = log.exclusions().filter(|found| !found.exclusions.is_empty()) {
-        let extent = exclusion_text::extent(&found.extent(None), units);
+        let extent = stretch_text::extent(&found.extent(None), units);
         fact(ui, "Excluded", "", extent);
     }
     for file in &survey.source.files {

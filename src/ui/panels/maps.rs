@@ -1,4 +1,5 @@
-//! Settings of depth map, isobaths and mosaic, on the map and in the files.
+//! Settings of depth map, isobaths and mosaic, on the map and in the files, and the files
+//! themselves.
 
 use super::parts::{self, fact};
 use super::section::{Section, section};
@@ -6,6 +7,7 @@ use crate::app::{Action, MapLayer};
 use crate::ui::ViewContext;
 use bathyscope_bottom::bathymetry::{FromLevels, LevelsRefused, Surface};
 use bathyscope_bottom::presentation::units::Units;
+use bathyscope_products::outputs::files_in_words;
 use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
@@ -92,4 +94,28 @@ fn withheld_errors(surface: &Surface, units: Units) -> Option<String> {
 fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Mosaic, Action::MosaicLayer);
     parts::settings_of(ui, context, MOSAIC);
+}
+
+/// Draws the section of step 6: what other programs open.
+pub(super) fn products(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    section(ui, context, Section::new("Products").step(6), |ui, context| {
+        let action = Action::Export;
+        let ready = context.app.log.products.is_some();
+        let button = egui::Button::new(action.label()).min_size(egui::vec2(140.0, 22.0));
+        let button = ui.add_enabled(ready, button);
+        let button = button.on_disabled_hover_text("There are no results yet.");
+        context.button(button, action);
+        if ready && context.app.stale().is_some() {
+            let text =
+                "The last results are written; settings were changed since. Update results first.";
+            parts::warning(ui, context, text);
+        }
+        if let Some((folder, files)) = context.app.out_of_date() {
+            let folder = folder.display();
+            let files = files_in_words(files.into_iter());
+            let text = format!("Out of date in {folder}: {files}");
+            parts::warning(ui, context, &text);
+        }
+        parts::settings_of(ui, context, "Products");
+    });
 }

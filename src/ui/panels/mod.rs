@@ -3,8 +3,8 @@
 pub(super) mod axes;
 mod calibration;
 pub(super) mod cloud;
+mod corrections;
 pub(super) mod exclusions;
-pub(super) mod external_track;
 pub(super) mod find_setting;
 pub(super) mod first_return;
 pub(super) mod logs;
@@ -13,11 +13,8 @@ pub(super) mod mounting;
 mod nothing_open;
 pub(super) mod notices;
 pub(super) mod objects;
-pub(super) mod outliers;
 pub(in crate::ui) mod parts;
 pub(super) mod plan;
-mod positions;
-pub(super) mod products;
 pub(super) mod residuals;
 pub(super) mod review;
 mod section;
@@ -26,7 +23,6 @@ pub(super) mod shadow;
 pub(super) mod status;
 pub(super) mod survey;
 pub(super) mod timeline;
-pub(super) mod water;
 
 /// Height of the line of words at the bottom of the window, points.
 pub(super) const STATUS_HEIGHT: f32 = 24.0;
@@ -47,13 +43,13 @@ pub(super) fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     first_return::ui(ui, context);
     calibration::ui(ui, context);
     cloud::ui(ui, context);
-    outliers::ui(ui, context);
+    cloud::outliers(ui, context);
     objects::ui(ui, context);
     maps::ui(ui, context);
     plan::ui(ui, context);
-    products::ui(ui, context);
-    water::ui(ui, context);
-    external_track::ui(ui, context);
+    maps::products(ui, context);
+    corrections::depths(ui, context);
+    corrections::positions(ui, context);
     mounting::ui(ui, context);
     exclusions::ui(ui, context);
     residuals::ui(ui, context);

@@ -2,9 +2,9 @@
 
 use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
+use crate::ui::controls::{self, number_field, number_slider};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
-use crate::ui::number_field::{self, number_field, number_slider};
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{
     Control, Number, SettingChoice, SettingKind, SettingRow, ShownNumber,
@@ -275,7 +275,7 @@ fn number(
         if is_word && none_word.is_some() {
             Some(0.0)
         } else {
-            number_field::parse(text.trim_end_matches(shown.suffix.trim()))
+            controls::parse_number(text.trim_end_matches(shown.suffix.trim()))
         }
     };
     let response = row(ui, setting.label, &hint, |ui| {

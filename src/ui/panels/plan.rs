@@ -4,7 +4,7 @@ use super::parts::{remark, row};
 use super::section::{Section, section};
 use crate::app::{Action, Command, PlanRequest};
 use crate::ui::ViewContext;
-use crate::ui::number_field::number_field;
+use crate::ui::controls::number_field;
 use egui::Ui;
 
 /// Draws the section.

@@ -4,7 +4,7 @@ use super::nothing_open;
 use super::parts::{fact, remark, warning};
 use super::section::{Section, section};
 use crate::app::Command;
-use crate::ui::{ViewContext, text, toggle};
+use crate::ui::{ViewContext, controls, text};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::printable::one_line;
@@ -170,7 +170,7 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 "The formulas of the paper (Pulido et al.), to reproduce its figures.",
             ),
         ] {
-            let chip = toggle::chip(ui, in_force == Some(preset), label);
+            let chip = controls::chip(ui, in_force == Some(preset), label);
             let chip = chip.accessible_name(format!("Preset {label}"));
             if chip.on_hover_text(hint).clicked() {
                 context.push(Command::UsePreset(preset));

@@ -2,8 +2,8 @@
 //! shows it.
 
 use super::camera::corners;
-use super::part::ScenePart;
 use super::pipeline::PipelineParts;
+use super::pipeline::ScenePart;
 use super::target::{OffscreenPipeline, RenderTarget, Uniform};
 use super::{CameraProjection, Uploader};
 use bytemuck::{Pod, Zeroable};

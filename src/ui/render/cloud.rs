@@ -1,8 +1,8 @@
 //! Draws points in a pass of a [`RenderTarget`].
 
 use super::Uploader;
-use super::part::ScenePart;
 use super::pipeline::PipelineParts;
+use super::pipeline::ScenePart;
 use super::target::{OffscreenPipeline, RenderTarget, Uniform};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};

@@ -2,8 +2,8 @@
 //!
 //! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall`
 //! draws tiles and `flat` areas of one colour and whole pictures into a pass of the window;
-//! `pipeline` has what all of them are made of, `upload` fills buffers, `camera` orbits, `lod`
-//! thins long lines.
+//! `pipeline` has what all of them are made of and fills buffers, `camera` orbits, `lod` thins long
+//! lines.
 
 mod bottom;
 mod camera;
@@ -11,10 +11,8 @@ mod cloud;
 mod flat;
 mod lod;
 mod map;
-mod part;
 mod pipeline;
 mod target;
-mod upload;
 pub mod waterfall;
 
 pub use bottom::{
@@ -32,6 +30,5 @@ pub(crate) use lod::Specks;
 pub use lod::Vertex;
 pub(crate) use map::LineRenderer;
 pub(crate) use map::{LineDraw, LineUniform, TrackBuffers};
-pub use part::{Cut, ScenePart};
+pub use pipeline::{Cut, ScenePart, Uploader};
 pub use target::{RenderTarget, extent};
-pub use upload::Uploader;

@@ -1,5 +1,5 @@
-//! Building blocks of all pipelines: buffers, bind groups and their layouts, and the pipeline
-//! itself.
+//! Building blocks of all renderers: buffers, bind groups and their layouts, and the pipeline
+//! itself; the part of a scene that is drawn; and the uploader, which fills buffers.
 
 /// Properties that differ between the pipelines.
 pub(super) struct PipelineParts<'a> {
@@ -124,8 +124,115 @@ pub(super) fn bind_group(
     })
 }
 
+use bytemuck::Pod;
+use glam::{Vec2, Vec3, Vec4};
+
+/// Bytes on their way at once. The graphics library holds a copy of what it is given until the GPU
+/// has it.
+const PIECE: usize = 1 << 20;
+
+/// Part of a scene in a box, and on one side of a vertical plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScenePart {
+    /// Corners of the box outside of which nothing is drawn, metres.
+    pub corners: [Vec3; 2],
+    /// The plane beyond which nothing is drawn.
+    pub cut: Option<Cut>,
+}
+
+/// An upright plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Unit vector square to it, towards what is left out: east and north.
+    pub outward: Vec2,
+    /// Distance of the plane along that vector, metres.
+    pub at_m: f32,
+}
+
+impl Default for ScenePart {
+    /// Everything.
+    fn default() -> Self {
+        Self::WHOLE
+    }
+}
+
+impl ScenePart {
+    /// Everything.
+    pub const WHOLE: Self = Self { corners: [Vec3::MIN, Vec3::MAX], cut: None };
+
+    /// Returns true if a place is drawn.
+    pub fn holds(&self, place: Vec3) -> bool {
+        let [low, high] = self.corners;
+        let is_beyond = |cut: Cut| cut.outward.dot(place.truncate()) > cut.at_m;
+        (place.cmpge(low) & place.cmple(high)).all() && !self.cut.is_some_and(is_beyond)
+    }
+
+    /// Returns the part as the shaders read it: the corners, and the plane as its unit vector and
+    /// its distance along that vector.
+    pub(super) fn uniform(&self) -> [Vec4; 3] {
+        let [low, high] = self.corners.map(|corner| corner.extend(0.0));
+        let cut = self
+            .cut
+            .map_or(Vec4::ZERO.with_z(f32::MAX), |cut| cut.outward.extend(cut.at_m).extend(0.0));
+        [low, high, cut]
+    }
+}
+
+/// A device and the queue that fills its buffers, a piece at a time, so that nothing needs all
+/// vertices in memory at once. Can be used from a worker.
+#[derive(Clone)]
+pub struct Uploader {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+}
+
+impl Uploader {
+    /// Uploads to this device.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        Self { device: device.clone(), queue: queue.clone() }
+    }
+
+    /// A buffer with the first `count` of the vertices, or of numbers of vertices. Those that are
+    /// missing are zeros.
+    pub(super) fn buffer<T: Pod>(
+        &self,
+        label: &str,
+        usage: wgpu::BufferUsages,
+        count: usize,
+        vertices: impl Iterator<Item = T>,
+    ) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: (count * size_of::<T>()) as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut vertices = vertices.take(count);
+        let mut piece = Vec::with_capacity(count.min(PIECE / size_of::<T>()));
+        let mut offset = 0;
+        loop {
+            piece.clear();
+            piece.extend(vertices.by_ref().take(piece.capacity()));
+            if piece.is_empty() {
+                return buffer;
+            }
+            let bytes = bytemuck::cast_slice(&piece);
+            self.queue.write_buffer(&buffer, offset, bytes);
+            // Sends the piece on its way; without it all of them would wait for the next frame.
+            self.queue.submit([]);
+            offset += bytes.len() as u64;
+        }
+    }
+
+    /// The size of the largest buffer that the device can hold, bytes.
+    pub(super) fn most_bytes(&self) -> u64 {
+        self.device.limits().max_buffer_size
+    }
+}
+
 #[cfg(test)]
 pub(super) mod tests {
+    use super::*;
     use wgpu::naga::{self, TypeInner};
 
     /// Size in bytes and byte offsets of the members of a struct of a shader.
@@ -152,4 +259,17 @@ pub(super) mod tests {
         }};
     }
     pub(crate) use assert_laid_out;
+
+    #[test]
+    fn a_part_ends_at_its_box_and_at_its_plane() {
+        let part = ScenePart {
+            corners: [Vec3::splat(-2.0), Vec3::splat(2.0)],
+            cut: Some(Cut { outward: Vec2::Y, at_m: 1.0 }),
+        };
+        let holds = |east, north, up| part.holds(Vec3::new(east, north, up));
+        assert!(holds(2.0, 1.0, -2.0));
+        assert!(!holds(0.0, 1.1, 0.0), "beyond the plane");
+        assert!(!holds(2.1, 0.0, 0.0), "beside the box");
+        assert!(ScenePart::WHOLE.holds(Vec3::splat(1e9)));
+    }
 }

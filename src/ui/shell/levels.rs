@@ -3,7 +3,7 @@
 
 use crate::app::Action;
 use crate::ui::panels::{find_setting, parts};
-use crate::ui::{ViewContext, theme, toggle};
+use crate::ui::{ViewContext, controls, theme};
 use bathyscope_bottom::picture::LevelHistogram;
 use bathyscope_products::pipeline::settings::{SettingKind, SettingRow, rows};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
@@ -49,7 +49,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRo
     parts::row(ui, setting.label, setting.hint, |ui| {
         let names = ui.horizontal(|ui| {
             for name in choice.names {
-                let item = toggle::chip(ui, name.value == current, name.label);
+                let item = controls::chip(ui, name.value == current, name.label);
                 if name.value == current {
                     find_setting::answer(ui, context, setting.key, &item);
                 }

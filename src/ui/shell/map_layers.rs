@@ -2,7 +2,7 @@
 //! order.
 
 use crate::app::{LayerShown, LayerStack};
-use crate::ui::number_field::number_slider;
+use crate::ui::controls::number_slider;
 use egui::{Button, Checkbox, RichText, Ui};
 
 /// Width of a layer's name and of its opacity, points.

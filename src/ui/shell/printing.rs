@@ -4,9 +4,9 @@
 use super::{Shell, Views};
 use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
 use crate::ui::ViewContext;
+use crate::ui::controls::number_field;
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::drop_down::DropDown;
-use crate::ui::number_field::number_field;
 use crate::ui::theme;
 use egui::{Id, Label, Modal, Panel, RichText, Ui};
 

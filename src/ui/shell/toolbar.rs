@@ -7,7 +7,7 @@ use crate::app::{
 };
 use crate::ui::drop_down::DropDown;
 use crate::ui::panels::find_setting;
-use crate::ui::{ViewContext, toggle};
+use crate::ui::{ViewContext, controls};
 use bathyscope_products::pipeline::BottomColour;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Popup, Ui};
@@ -56,7 +56,7 @@ fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &st
 }
 
 fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: &str) {
-    toggle::switch(ui, on, label).on_hover_text(hint);
+    controls::switch(ui, on, label).on_hover_text(hint);
 }
 
 fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {

@@ -1,7 +1,7 @@
 //! Drags with a tool in hand, the same in all views.
 
 use crate::app::{App, Command, ExclusionEdit, LogId};
-use crate::ui::{exclusion_text, theme};
+use crate::ui::{stretch_text, theme};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::survey::{LogPart, Side};
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
@@ -30,9 +30,9 @@ impl Does {
     pub(super) fn words(self, app: &App, log: LogId, pings: [usize; 2]) -> Option<String> {
         let units = app.view.options.units;
         let extent = app.extent_of(log, LogPart::Pings(pings))?;
-        let covered = exclusion_text::extent(&extent, units);
+        let covered = stretch_text::extent(&extent, units);
         Some(match self {
-            Self::Exclusion(edit) => exclusion_text::of_drag(edit, &extent, units),
+            Self::Exclusion(edit) => stretch_text::of_drag(edit, &extent, units),
             Self::Propose => format!("propose {covered}"),
             Self::Accept(side, true) => format!("accept as bottom, {}: {covered}", side.name()),
             Self::Accept(side, false) => format!("no longer accepted, {}: {covered}", side.name()),

@@ -11,7 +11,6 @@ mod legend;
 mod map;
 pub(super) mod measured;
 mod objects;
-mod picture;
 mod profile;
 mod tool_banner;
 pub(super) mod waterfall;

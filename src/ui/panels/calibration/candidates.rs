@@ -4,7 +4,7 @@
 use crate::app::{Command, LogPlace, Tool};
 use crate::ui::list_keys::ListKeys;
 use crate::ui::panels::parts;
-use crate::ui::{ViewContext, flat_spot_words, text, theme};
+use crate::ui::{ViewContext, stretch_text, text, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::Products;
@@ -67,18 +67,18 @@ fn candidate(
     let units = context.units();
     let objections = spot.objections(survey, spots.first());
     let range = spot.range();
-    let factor = flat_spot_words::factor(spot);
+    let factor = stretch_text::factor(spot);
     let cells = [
         rank.to_string(),
         range.start.to_string(),
         units.measure(spot.length_m, 0),
-        flat_spot_words::relief(spot, units),
+        stretch_text::relief(spot, units),
         factor.unwrap_or_else(|| "none".to_owned()),
-        flat_spot_words::spread(spot).unwrap_or_default(),
+        stretch_text::spread(spot).unwrap_or_default(),
     ];
     let is_proposed = context.app.log.proposed_stretch() == Some(range);
     let worse = objections.first().map(|why| units.sentence(why));
-    let brief = || flat_spot_words::brief(spot, units);
+    let brief = || stretch_text::brief(spot, units);
     let words = worse.as_ref().map_or_else(brief, |why| format!("worse: {why}"));
     let (PingRange { start, end }, depth) = (range, units.measure(spot.depth_m, 2));
     let name = format!("Flat stretch {rank}, pings {start}..{end}, {depth} deep, {words}");

@@ -11,7 +11,7 @@ use super::find_setting;
 use super::parts::{self, fact, setting};
 use super::section::{Section, section, unfold_section};
 use crate::app::{Action, Tool};
-use crate::ui::{ViewContext, flat_spot_words, text, toggle};
+use crate::ui::{ViewContext, controls, stretch_text, text};
 use bathyscope_bottom::calibration::{Calibration, PingRange, Scale, ScaleMode};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::RangeSource;
@@ -124,7 +124,7 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, source: RangeSource, units: Un
 fn ranges(calibration: &Calibration, source: RangeSource, units: Units) -> String {
     let ranges = if source == RangeSource::Estimated { "estimated" } else { "recorded" };
     let factor = calibration.flat_spot.as_ref();
-    let factor = factor.and_then(flat_spot_words::factor);
+    let factor = factor.and_then(stretch_text::factor);
     match (calibration.mode, factor, calibration.offset_note) {
         (ScaleMode::FlatSpot, Some(factor), _) => format!("{ranges} range {factor}"),
         (_, _, Some(note)) => format!("as {ranges}; offset: {}", units.sentence(note)),
@@ -151,7 +151,7 @@ fn tools(ui: &mut Ui, context: &mut ViewContext<'_>, mode: ScaleMode) {
     let holds = context.app.log.reviewing.tool == Tool::Calibrate;
     ui.horizontal_wrapped(|ui| {
         let button = Button::new("Calibrate on a stretch").selected(holds);
-        let response = toggle::underline(ui, holds, button);
+        let response = controls::underline(ui, holds, button);
         // The scale is chosen by what this begins.
         find_setting::answer(ui, context, rows::SCALE.key, &response);
         context.keyed_button(response, action);

@@ -4,7 +4,7 @@
 use super::{pings, plot};
 use crate::app::Action;
 use crate::ui::panels::parts::{self, fact};
-use crate::ui::{ViewContext, flat_spot_words, theme};
+use crate::ui::{ViewContext, stretch_text, theme};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::{Products, ScaleEffect, ScaleTrial};
 use egui::{Align, Frame, RichText, Ui};
@@ -36,14 +36,13 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
     let spot = &trial.spot;
     let length = units.measure(spot.length_m, 1);
     let depth = units.measure(spot.depth_m, 2);
-    let relief = flat_spot_words::relief(spot, units);
+    let relief = stretch_text::relief(spot, units);
     let place = format!("{length} long, {depth} deep, relief {relief}");
     parts::remark(ui, place);
     for text in &trial.objections {
         parts::warning(ui, context, &units.sentence(text));
     }
-    let (Some(factor), Some(spread)) =
-        (flat_spot_words::factor(spot), flat_spot_words::spread(spot))
+    let (Some(factor), Some(spread)) = (stretch_text::factor(spot), stretch_text::spread(spot))
     else {
         return;
     };

@@ -3,7 +3,7 @@
 
 use super::super::parts::remark;
 use crate::app::{AboveBottom, AboveStretch, Action, Command, LogPlace, Tool};
-use crate::ui::{ViewContext, text, toggle};
+use crate::ui::{ViewContext, controls, text};
 use bathyscope_log::survey::Side;
 use egui::{Align, Button, Layout, ScrollArea, Ui};
 
@@ -133,6 +133,6 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::AcceptBottom;
     let holds = context.app.log.reviewing.tool == Tool::Accept;
     let button = Button::new(action.label()).selected(holds);
-    let button = toggle::underline(ui, holds, button);
+    let button = controls::underline(ui, holds, button);
     context.button(button, action);
 }

@@ -3,14 +3,17 @@
 //!
 //! In: the state. Out: tables and histograms, and commands.
 
-mod figures;
 mod plots;
 mod reference;
 
-use super::parts;
+use super::parts::fact;
 use super::section::{Section, section};
+use super::{cloud, parts};
 use crate::app::{Action, App, Command, MapLayer};
-use crate::ui::ViewContext;
+use crate::ui::{ViewContext, text};
+use bathyscope_bottom::bathymetry::compare::Comparison;
+use bathyscope_bottom::cloud::Residuals;
+use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::Stage;
 use egui::{Rect, Ui, vec2};
 use plots::{HEIGHT, OVERS};
@@ -32,10 +35,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
             .and_then(|figures| figures.residuals.as_ref());
         let units = context.units();
-        figures::ui(ui, &agreement.comparison, same_ping, units);
+        statistics(ui, &agreement.comparison, same_ping, units);
         // Soundings of the same recorder prove no order.
         if agreement.reference.is_some() {
-            figures::orders(ui, &agreement.comparison);
+            orders(ui, &agreement.comparison);
         }
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
@@ -63,6 +66,52 @@ fn lack(app: &App) -> &str {
         _ if app.is_comparing_with_reference() => "Residuals are being compared.",
         Some(problem) => problem,
         None => "No side-scan point lies over the soundings.",
+    }
+}
+
+/// Draws the statistics of the differences, in rows; `same_ping` are those against the sounding of
+/// each point's own ping, where that is the reference.
+fn statistics(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>, units: Units) {
+    if let Some(residuals) = same_ping {
+        let value = cloud::same_ping(residuals, units);
+        fact(ui, cloud::SAME_PING, cloud::SAME_PING_HINT, value);
+    }
+    let matched = comparison.measured - comparison.unmatched;
+    let hint = "Points that have a reference, of all that could have one.";
+    let [matched, measured] = [matched, comparison.measured].map(text::count);
+    fact(ui, "Compared", hint, format!("{matched} of {measured}"));
+    if let Some(found) = &comparison.residuals {
+        let pairs = [
+            (
+                "Mean, median",
+                "Of the differences at the same place: above 0 is shallower than the reference.",
+                [found.mean_m, found.median_m].map(|value_m| units.signed_difference(value_m)),
+            ),
+            (
+                "SD, RMS",
+                "Standard deviation about the mean, and root mean square about 0.",
+                [found.sd_m, found.rms_m].map(|value_m| units.difference(value_m)),
+            ),
+            (
+                "MAE, 95 %",
+                "Mean absolute difference, and 95th percentile of the absolute difference.",
+                [found.mae_m, found.p95_m].map(|value_m| units.difference(value_m)),
+            ),
+        ];
+        for (name, hint, [first, second]) in pairs {
+            fact(ui, name, hint, format!("{first}, {second}"));
+        }
+    }
+}
+
+/// Draws the shares within the orders of IHO S-44.
+fn orders(ui: &mut Ui, comparison: &Comparison) {
+    for within in &comparison.orders {
+        let name = format!("S-44 {}", within.order.order);
+        let verdict = if within.share >= 0.95 { "" } else { ", 95 % required" };
+        let share = format!("{:.1} % within{verdict}", 100.0 * within.share);
+        let hint = "Share of the points within what this order of IHO S-44 allows at their depth.";
+        fact(ui, &name, hint, share);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::{Action, Command, ReferenceBy};
 use crate::ui::ViewContext;
-use crate::ui::number_field::number_slider;
+use crate::ui::controls::number_slider;
 use crate::ui::panels::parts::{self, fact};
 use egui::{Button, Ui};
 

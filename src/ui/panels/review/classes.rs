@@ -1,7 +1,7 @@
 //! The classes: one to choose for the selected box, and the list to edit.
 
 use crate::app::Command;
-use crate::ui::{ViewContext, toggle};
+use crate::ui::{ViewContext, controls};
 use bathyscope_objects::review::{Edit, Reviewed};
 use egui::{Button, CollapsingHeader, TextEdit, Ui};
 
@@ -124,7 +124,7 @@ fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
                 (name.to_owned(), String::new())
             };
             let chip =
-                toggle::chip(ui, name == now, label).accessible_name(format!("Class {name}"));
+                controls::chip(ui, name == now, label).accessible_name(format!("Class {name}"));
             let chip = if hint.is_empty() { chip } else { chip.on_hover_text(hint) };
             if chip.clicked() {
                 chosen = Some(name.to_owned());

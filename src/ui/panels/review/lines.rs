@@ -2,7 +2,7 @@
 
 use super::super::parts::name_cell;
 use crate::app::{App, Command, LogBox};
-use crate::ui::{ViewContext, toggle};
+use crate::ui::{ViewContext, controls};
 use bathyscope_objects::review::{Certainty, Edit, Reviewed};
 use egui::{TextEdit, Ui};
 
@@ -120,7 +120,7 @@ fn certainty(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Revie
         name_cell(ui, "Certainty", hint);
         for word in Certainty::ALL {
             let chosen = one.certainty == Some(word);
-            let button = toggle::chip(ui, chosen, word.name());
+            let button = controls::chip(ui, chosen, word.name());
             let button = button.accessible_name(format!("Certainty {}", word.name()));
             if button.clicked() {
                 let rated = (!chosen).then_some(word);

@@ -1,7 +1,6 @@
 //! Draws the time line and handles the pointer in it.
 
-use super::columns::{ColumnExtremes, resampled, span};
-use super::strips::Strips;
+use super::strips::{ColumnExtremes, Strips, resampled, span};
 use crate::app::{Command, LogPlace};
 use crate::ui::raster::{PaintedArea, RasterTexture};
 use crate::ui::{ViewContext, text, theme};

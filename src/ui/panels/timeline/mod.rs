@@ -2,13 +2,12 @@
 //!
 //! In: the state. Out: curves over time, and commands.
 
-mod columns;
 mod drawing;
 mod strips;
 
 use crate::app::Command;
 use crate::ui::raster::RasterTexture;
-use crate::ui::{ViewContext, exclusion_text, place, theme};
+use crate::ui::{ViewContext, place, stretch_text, theme};
 use bathyscope_bottom::cloud::{Correction, PingDepth};
 use bathyscope_log::survey::{Navigation, Survey};
 use bathyscope_products::pipeline::Products;
@@ -88,7 +87,7 @@ impl TimeLine {
             let strips = self.strips.result().and_then(Option::as_ref);
             let depth = strips.and_then(|strips| strips.deepest(context.units()));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
-            let excluded = exclusion_text::and_stretches(context.app);
+            let excluded = stretch_text::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });

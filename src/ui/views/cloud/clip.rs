@@ -5,7 +5,7 @@ use super::axes::BoxAxes;
 use super::scene::SceneBox;
 use crate::app::{ClipBox, ViewOptions};
 use crate::ui::ViewContext;
-use crate::ui::number_field::number_field;
+use crate::ui::controls::number_field;
 use crate::ui::views::legend;
 use crate::ui::{place, theme};
 use bathyscope_bottom::presentation::units::Units;

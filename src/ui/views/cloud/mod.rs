@@ -6,7 +6,6 @@ mod axes;
 mod bottom;
 mod clip;
 mod controls;
-mod light;
 mod objects;
 mod picture;
 mod pointer;

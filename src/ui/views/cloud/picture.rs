@@ -2,8 +2,8 @@
 
 use super::bottom::BottomScene;
 use super::scene::CloudScene;
+use crate::ui::flat::ViewTexture;
 use crate::ui::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, RenderTarget};
-use crate::ui::views::picture::ViewTexture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use std::sync::Arc;

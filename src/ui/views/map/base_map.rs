@@ -1,8 +1,7 @@
 //! The analyst's own picture, painted in tiles under the other layers.
 
-use super::tiles::{MapTileKey, SIDE, TilePainter};
+use super::tiles::{MapTileKey, SIDE, TilePainter, Warp};
 use super::transform::{GroundBounds, NOWHERE, joined};
-use super::warp::Warp;
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Navigation, Survey};

@@ -1,10 +1,10 @@
 //! Long lines on the map, drawn by the GPU and only when something about them changed.
 
 use super::transform::MapTransform;
+use crate::ui::flat::ViewTexture;
 use crate::ui::render::{
     LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
 };
-use crate::ui::views::picture::ViewTexture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Painter, Rect};
 use std::sync::Arc;

@@ -3,25 +3,21 @@
 //! In: the state. Out: a map with its layers, and commands.
 
 mod base_map;
-mod depth_tiles;
 mod dots;
 mod exclusions;
 mod flat_spots;
 mod graticule;
+mod grid_tiles;
 mod isobaths;
 mod layers;
 mod lines;
 mod measure;
-mod mosaic_tiles;
-mod mounting;
 mod notes;
 mod objects;
 mod overlay;
-mod ping_boxes;
 mod plan;
 mod pointer;
 mod points;
-mod recorded_track;
 mod residuals;
 mod scene;
 mod stack;
@@ -29,9 +25,8 @@ mod stretch_tool;
 mod swipe;
 mod tiles;
 mod toolbar;
-mod track_picture;
+mod track;
 mod transform;
-mod warp;
 
 use super::tool_banner::Banner;
 use super::{empty, legend};
@@ -224,7 +219,7 @@ impl MapView {
             toolbar::show(ui, context, rect, &mut self.request);
             self.banner(ui, context.app, rect);
         }
-        let name = name(context.app, &products, &track) + &mounting::name(context.app);
+        let name = name(context.app, &products, &track) + &track::mounting_name(context.app);
         name + &boxes(context) + &layers(context)
     }
 
@@ -332,7 +327,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers
         }
     }
     exclusions::paint(&painter, scene, context.app);
-    recorded_track::paint(&painter, scene, context.app);
+    track::paint_recorded(&painter, scene, context.app);
     if scene.options.map.graticule {
         graticule::paint(&painter, scene);
     }
@@ -340,7 +335,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers
     let covered = overlay::furniture(&painter, scene);
     flat_spots::name_calibrated(&painter, scene, &covered);
     overlay::marks(&painter, scene, context.app);
-    mounting::paint(&painter, scene, context.app);
+    track::paint_mounting(&painter, scene, context.app);
     let now_s = ui.input(|input| input.time);
     if let Some(text) = layers.under_way(now_s) {
         overlay::under_way(&painter, scene, &text);

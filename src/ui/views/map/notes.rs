@@ -1,7 +1,7 @@
 //! Notes that complete the colour scale: a few short lines for each layer that is drawn.
 
 use super::scene::MapScene;
-use super::{mosaic_tiles, points};
+use super::{grid_tiles, points};
 use crate::app::MapLayer;
 use crate::ui::views::legend;
 use bathyscope_bottom::presentation::text::count;
@@ -47,7 +47,7 @@ fn notes(scene: &MapScene<'_>) -> Vec<String> {
         notes.push(isobaths.note.clone());
     }
     if shows(MapLayer::Mosaic) {
-        notes.push(mosaic_tiles::note(&scene.products.settings.mosaic).to_owned());
+        notes.push(grid_tiles::mosaic_note(&scene.products.settings.mosaic).to_owned());
     }
     if shows(MapLayer::Points) {
         notes.push(points::note(scene.options, scene.has_swath));

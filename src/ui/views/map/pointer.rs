@@ -5,7 +5,7 @@ use super::transform::MapTransform;
 use super::{flat_spots, objects};
 use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::ui::views::legend;
-use crate::ui::{OwnHover, ViewContext, exclusion_text, place, text, theme};
+use crate::ui::{OwnHover, ViewContext, place, stretch_text, text, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use bathyscope_products::pipeline::DepthMap;
@@ -151,7 +151,7 @@ impl MapPointer {
                 ui.close();
             }
             if let Some(stretch) = context.app.excluded_at(log, ping)
-                && exclusion_text::include_again(ui, &stretch)
+                && stretch_text::include_again(ui, &stretch)
             {
                 let (part, edit) = (stretch.part(), ExclusionEdit::Include);
                 context.push(Command::Exclude { log, part, edit });
@@ -282,7 +282,7 @@ fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usiz
     if let Some(near) = near {
         text += "   ";
         text += &named_ping(app, near);
-        if let Some(why) = exclusion_text::at(app, near.0, near.1) {
+        if let Some(why) = stretch_text::excluded_at(app, near.0, near.1) {
             text += &format!(", {why}");
         }
     }

@@ -2,17 +2,16 @@
 //! order of the stack.
 
 use super::base_map::BaseMapKey;
-use super::depth_tiles::{DepthTiles, ShadeTiles};
+use super::grid_tiles::{DepthTiles, MosaicTiles, ShadeTiles};
 use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
-use super::mosaic_tiles::MosaicTiles;
 use super::points::{self, PointKey};
 use super::residuals::ResidualLayer;
 use super::scene::MapScene;
 use super::tiles::{TileLayer, TilePainter};
 use super::transform::{GroundBounds, joined};
-use super::{objects, track_picture};
+use super::{objects, track};
 use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
 use crate::ui::ViewContext;
 use bathyscope_bottom::mosaic::{Colours, MosaicSettings};
@@ -261,7 +260,7 @@ impl Layers {
         match layer {
             MapLayer::Isobaths => self.show_isobaths(painter, context, scene),
             MapLayer::Track => {
-                track_picture::show(&mut self.track, painter, context.render_state, scene);
+                track::show(&mut self.track, painter, context.render_state, scene);
             }
             MapLayer::Boxes => objects::paint(painter, scene, context.app),
             MapLayer::BaseMap

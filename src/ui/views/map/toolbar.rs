@@ -2,7 +2,7 @@
 
 use crate::app::{Action, Command, Tool};
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, ViewRequest, theme, toggle};
+use crate::ui::{ViewContext, ViewRequest, controls, theme};
 use bathyscope_products::project::MeasurementKind;
 use egui::{Rect, Ui, vec2};
 
@@ -33,7 +33,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<View
     }
     let action = Action::Calibrate;
     let holds = context.app.log.reviewing.tool == Tool::Calibrate;
-    let tool = toggle::chip(ui, holds, "Calibrate").accessible_name(action.label());
+    let tool = controls::chip(ui, holds, "Calibrate").accessible_name(action.label());
     context.keyed_button(tool, action);
 }
 
@@ -55,7 +55,7 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let is_it = tool == Some(kind);
             let button = egui::Button::selectable(is_it, action.label());
             let button = button.shortcut_text(action.keys().unwrap_or_default());
-            let button = toggle::underline(ui, is_it, button);
+            let button = controls::underline(ui, is_it, button);
             if button.on_hover_text(action.hint()).clicked() {
                 context.push(Command::Do(action));
                 ui.close();

@@ -1,11 +1,12 @@
 //! The widths of the columns, and the texts of their cells.
 
+use super::show;
 use crate::app::{App, Object, ObjectColumn, ObjectState};
-use crate::ui::place;
+use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::objects::{ColumnValues, LOGS_COLUMN};
 use bathyscope_objects::review::State;
-use egui::{Rect, pos2, vec2};
+use egui::{Button, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 /// Width of the picture of a row, points.
 pub(super) const PICTURE_WIDTH: f32 = 72.0;
@@ -85,7 +86,7 @@ pub(super) fn is_number(column: &ObjectColumn) -> bool {
 }
 
 /// Its heading with the unit: `length, m`.
-pub(super) fn heading(column: &ObjectColumn, units: Units) -> String {
+fn heading(column: &ObjectColumn, units: Units) -> String {
     match column.values {
         ColumnValues::Length(_) | ColumnValues::Measured(_) => {
             format!("{}, {}", column.heading, units.symbol())
@@ -123,4 +124,32 @@ pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> St
         ColumnValues::Position(value) => place::written(app, value(&of)),
         ColumnValues::Text(_) | ColumnValues::Count(_) | ColumnValues::State(_) => column.text(&of),
     }
+}
+
+/// Draws the headings: a click sorts by the column, another one the other way around.
+pub(super) fn header(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
+    let mut table = context.options().objects.clone();
+    let units = context.units();
+    let size = vec2(columns.width(), ui.spacing().interact_size.y);
+    let (row, _) = ui.allocate_exact_size(size, Sense::hover());
+    let (_, cells) = columns.cells(row);
+    for (column, cell) in cells {
+        let is_sorted = table.is_sorted_by(column);
+        // Plain letters: an arrow has no glyph in every font.
+        let (mark, order) = match (is_sorted, table.falling) {
+            (false, _) => ("", ""),
+            (true, false) => (" +", ", rising"),
+            (true, true) => (" -", ", falling"),
+        };
+        let text = format!("{}{mark}", heading(column, units));
+        let text = RichText::new(text).size(theme::SMALL);
+        let button = Button::selectable(is_sorted, text).min_size(cell.size()).truncate();
+        let button = ui.put(Rect::from_min_size(cell.min, cell.size()), button);
+        let name = format!("Sort objects by {}{order}", column.heading);
+        button.widget_info(|| WidgetInfo::selected(Role::Button, true, is_sorted, &name));
+        if button.on_hover_text(column.meaning).clicked() {
+            table.sort_by(column);
+        }
+    }
+    show(context, table);
 }

@@ -3,29 +3,29 @@
 //!
 //! In: the state. Out: rows with pictures, and commands.
 //!
-//! `columns` says what stands in a row and how wide, `header` sorts, `filter` looks for rows, `row`
-//! draws one, `thumbnails` makes the pictures of the rows in sight.
+//! `columns` says what stands in a row and how wide, and sorts; `row` draws one, and makes the
+//! pictures of the rows in sight.
 
 mod columns;
-mod filter;
-mod header;
 mod row;
-mod thumbnails;
 
 use super::empty;
-use crate::app::{Action, Command, LogBox, Object, View};
+use crate::app::{Action, Command, LogBox, Object, ObjectState, ObjectTable, View};
+use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::{self, keep_arrows};
-use crate::ui::{ViewContext, theme};
+use crate::ui::{ViewContext, text, theme};
 use columns::ColumnWidths;
 use egui::{
     Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
-    Ui, WidgetInfo, pos2, vec2,
+    TextEdit, Ui, WidgetInfo, pos2, vec2,
 };
+use row::Thumbnails;
 use std::ops::Range;
-use thumbnails::Thumbnails;
 
 /// Height of a row, points: a picture in which an object is recognised.
 const ROW_HEIGHT: f32 = 44.0;
+/// Width of the field of the filter, points.
+const FIELD_WIDTH: f32 = 220.0;
 
 /// The table of objects: where it is scrolled to, and the pictures of its rows.
 #[derive(Default)]
@@ -69,14 +69,14 @@ impl ObjectsView {
     }
 
     fn table(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        filter::ui(ui, context);
+        filter(ui, context);
         let columns = ColumnWidths::fit(ui.available_width(), context.app);
         ScrollArea::horizontal().id_salt("wide table of objects").auto_shrink([false, false]).show(
             ui,
             |ui| {
                 ui.set_min_width(columns.width());
                 ui.spacing_mut().item_spacing.y = 0.0;
-                header::ui(ui, context, &columns);
+                columns::header(ui, context, &columns);
                 self.rows(ui, context, &columns);
             },
         );
@@ -173,6 +173,46 @@ impl ObjectsView {
         let id = context.app.selected_log_box();
         id.filter(|_| selected.is_some()).map_or_else(Vec::new, enlarged)
     }
+}
+
+/// Draws the text and the state that rows are looked for by.
+fn filter(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let mut table = context.options().objects.clone();
+    ui.horizontal_wrapped(|ui| {
+        let field =
+            TextEdit::singleline(&mut table.text).hint_text("Filter").desired_width(FIELD_WIDTH);
+        ui.add(field)
+            .accessible_name("Filter of the objects")
+            .on_hover_text("Number, or part of the name, the class or the remarks.");
+        let shown = table.state.map_or("all states", ObjectState::name);
+        DropDown::new("state of objects", shown)
+            .show(ui, |choices| {
+                choices.value(&mut table.state, None, "all states");
+                for state in ObjectState::ALL {
+                    choices.value(&mut table.state, Some(state), state.name());
+                }
+            })
+            .accessible_name("State of the objects");
+        let listed = context.app.listed_objects().len();
+        let all = context.app.objects().len();
+        let objects = text::plural(all, "object", "objects");
+        let count = if listed == all {
+            objects
+        } else {
+            format!("{} of {objects}, by the filter", text::count(listed))
+        };
+        ui.label(RichText::new(count).strong());
+        let keys = "Up and Down select a row, Enter or a double-click shows it enlarged.";
+        ui.label(RichText::new(keys).weak());
+    });
+    show(context, table);
+}
+
+/// Has the table shown with another order or filter.
+fn show(context: &mut ViewContext<'_>, table: ObjectTable) {
+    let mut options = context.options().clone();
+    options.objects = table;
+    context.show(options);
 }
 
 /// Enlarges an object in all views, and brings the waterfall to the front.

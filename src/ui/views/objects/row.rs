@@ -1,15 +1,20 @@
-//! One row: picture, texts, and what a click on it asks for.
+//! One row: picture, texts, and what a click on it asks for; and the pictures of the rows in sight.
 
+use super::super::chip::{BoxChip, ChipKey};
 use super::columns::{ColumnWidths, ROOM, cell_text, colour_of, is_number};
 use super::enlarged;
-use super::thumbnails::Thumbnails;
-use crate::app::{App, Command, Object, ObjectColumn};
+use crate::app::{App, Command, LogBox, Object, ObjectColumn};
 use crate::ui::{text, theme};
 use bathyscope_objects::objects::{ColumnValues, LOGS_COLUMN};
+use bathyscope_products::pipeline::Background;
 use egui::{
     Align2, Color32, Id, Rect, Response, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, pos2, vec2,
 };
+use std::collections::HashMap;
+
+/// Pictures that are kept; beyond, those out of sight are made again when they come back.
+const MOST: usize = 600;
 
 /// A row to draw.
 pub(super) struct ObjectTableRow<'a> {
@@ -130,5 +135,66 @@ fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
         let square = Rect::from_center_size(pos2(left + 4.5, cell.center().y), vec2(9.0, 9.0));
         let [r, g, b] = log.colour;
         painter.rect_filled(square, 2.0, Color32::from_rgb(r, g, b));
+    }
+}
+
+/// A box to draw, and what its picture is made of.
+type WantedThumbnail = (LogBox, ChipKey);
+
+/// The pictures of rows: made in the background for the rows in sight, and kept while they are of
+/// use.
+#[derive(Default)]
+pub(super) struct Thumbnails {
+    known: HashMap<LogBox, (ChipKey, BoxChip)>,
+    making: Background<Vec<WantedThumbnail>, Vec<(WantedThumbnail, BoxChip)>>,
+}
+
+impl Thumbnails {
+    /// Returns true if pictures are being made.
+    pub(super) fn is_running(&self) -> bool {
+        self.making.is_running()
+    }
+
+    /// The picture of a box, as it was made last.
+    fn of(&self, id: LogBox) -> Option<&BoxChip> {
+        self.known.get(&id).map(|(_, chip)| chip)
+    }
+
+    /// Has the pictures made that the objects in sight lack.
+    pub(super) fn ask<'a>(
+        &mut self,
+        app: &App,
+        ctx: &egui::Context,
+        in_sight: impl Iterator<Item = &'a Object>,
+    ) {
+        let wanted = |object: &Object| -> Option<WantedThumbnail> {
+            let id = app.best_box(object)?;
+            let mark = &app.log_box(id)?.mark;
+            let key = ChipKey::of(app.open_log(id.log)?, mark, &app.view.options.waterfall)?;
+            Some((id, key))
+        };
+        let wanted: Vec<WantedThumbnail> = in_sight.filter_map(wanted).collect();
+        if self.known.len() > MOST {
+            let is_wanted = |id: &LogBox| wanted.iter().any(|(other, _)| other == id);
+            self.known.retain(|id, _| is_wanted(id));
+        }
+        let is_missing =
+            |(id, key): &WantedThumbnail| self.known.get(id).is_none_or(|(of, _)| of != key);
+        let missing: Vec<WantedThumbnail> = wanted.into_iter().filter(is_missing).collect();
+        if missing.is_empty() {
+            return;
+        }
+        let (of, ctx) = (missing.clone(), ctx.clone());
+        self.making.ask(missing, app.jobs(), move |progress| {
+            let mut made = Vec::with_capacity(of.len());
+            for wanted in of {
+                progress.check().ok()?;
+                made.extend(BoxChip::new(&wanted.1, &ctx).map(|chip| (wanted, chip)));
+            }
+            Some(made)
+        });
+        for ((id, key), chip) in self.making.result().into_iter().flatten() {
+            self.known.insert(*id, (key.clone(), chip.clone()));
+        }
     }
 }

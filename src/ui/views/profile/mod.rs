@@ -6,18 +6,17 @@
 mod curve;
 mod marks;
 mod plot;
-mod scale;
 
 use crate::app::{Command, LogPlace};
 use crate::ui::raster::RasterTexture;
-use crate::ui::{ViewContext, exclusion_text, flat, place, theme};
+use crate::ui::{ViewContext, flat, place, stretch_text, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Side, SidePing, Survey};
+use curve::ScaleJob;
 use egui::{Rect, Response, Sense, vec2};
 use plot::ProfilePlot;
-use scale::ScaleJob;
 
 /// Least height that is still readable, points.
 const LEAST_HEIGHT: f32 = 140.0;
@@ -196,7 +195,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         picks: Side::BOTH.map(found),
         threshold: context.app.log.settings.first_return.threshold,
         dead_zone_m: context.app.log.settings.first_return.dead_zone_m,
-        excluded: exclusion_text::at(context.app, context.app.log.id, ping),
+        excluded: stretch_text::excluded_at(context.app, context.app.log.id, ping),
     })
 }
 

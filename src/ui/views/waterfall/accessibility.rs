@@ -1,8 +1,8 @@
 //! Describes the view for screen readers and tests, also while it has nothing to show.
 
-use super::marks;
+use super::overlay;
 use crate::ui::views::empty;
-use crate::ui::{ViewContext, exclusion_text};
+use crate::ui::{ViewContext, stretch_text};
 use bathyscope_bottom::first_return::BottomLine;
 use bathyscope_log::survey::Survey;
 use egui::{Rect, Response, Role, Ui, WidgetInfo};
@@ -28,9 +28,9 @@ pub(super) fn without_picture(
             "reading the survey".to_owned()
         }
         Some(survey) => {
-            let text = marks::warning(&survey, context.units())
+            let text = overlay::warning(&survey, context.units())
                 .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned());
-            marks::banner(&ui.painter_at(rect), rect, &text);
+            overlay::banner(&ui.painter_at(rect), rect, &text);
             text
         }
     };
@@ -65,8 +65,8 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
     };
     let units = context.units();
     let warning =
-        marks::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
-    let excluded = exclusion_text::and_stretches(context.app);
+        overlay::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
+    let excluded = stretch_text::and_stretches(context.app);
     let products = context.app.log.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())

@@ -1,18 +1,25 @@
-//! Data of the picture of one survey: the worker that makes it, the tiles that have arrived, and
-//! those that still have to go to the GPU.
+//! Data of the picture of one survey: the worker that makes it, the tiles that have arrived, those
+//! that still have to go to the GPU, and the tiles in view, which are handed to the renderer inside
+//! egui's pass.
 
 use super::lens::Lens;
 use super::tiles::ResidentTiles;
 use crate::app::{App, Jobs};
-use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
+use crate::ui::render::waterfall::{
+    DrawnTile, EchoStyle, GainBuffer, Quad, TILE_ROWS, TileRow, TileRows, TileTexture,
+    WaterfallPicture,
+};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_bottom::picture::LogPicture;
 use bathyscope_bottom::waterfall::{
     Levels, Made, PickLines, RangeAxis, RangeLine, Tiler, WaterfallTile,
 };
 use bathyscope_log::survey::Survey;
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
+use egui::{Painter, Rect};
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Tiles copied to the GPU in a frame: half a megabyte each, so that a frame stays a frame.
 const UPLOADS: usize = 4;
@@ -166,5 +173,49 @@ impl WaterfallDrawing {
             Some(None) => true,
             Some(Some(_)) => !self.wants_tiles && picks_made && self.depth.is_some(),
         }
+    }
+}
+
+/// One frame's picture. Holds its renderer itself: two waterfalls never share a buffer.
+pub(super) struct PictureCallback {
+    pub picture: Arc<WaterfallPicture>,
+    pub look: EchoStyle,
+    pub gain: GainBuffer,
+    pub tiles: Vec<(Quad, DrawnTile)>,
+}
+
+impl PictureCallback {
+    /// Adds it to what is painted; `has_uploads` says that tiles wait for the next frame.
+    pub(super) fn add_to(self, painter: &Painter, rect: Rect, has_uploads: bool) {
+        if has_uploads {
+            // Not "at once": a harness that waits for stillness may stop here and look again later.
+            let soon = Duration::from_millis(1);
+            painter.ctx().request_repaint_after(soon);
+        }
+        painter.add(Callback::new_paint_callback(rect, self));
+    }
+}
+
+impl CallbackTrait for PictureCallback {
+    fn prepare(
+        &self,
+        _device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        _encoder: &mut wgpu::CommandEncoder,
+        _resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let quads = self.tiles.iter().map(|(quad, _)| quad);
+        self.picture.prepare(queue, self.look, quads);
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        _resources: &CallbackResources,
+    ) {
+        self.picture.paint(pass, &self.gain, self.tiles.iter().map(|(_, tile)| tile));
     }
 }

@@ -2,13 +2,13 @@
 //! that was recorded and found.
 
 use super::camera::{Camera, PictureExtent, Size};
+use super::drawing::PictureCallback;
 use super::drawing::WaterfallDrawing;
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
 use super::lines::{self, WaterfallPen};
-use super::picture::PictureCallback;
 use super::scales::{self, RangeLines};
-use super::{Gpu, gestures, marks, tone};
+use super::{Gpu, camera_moves, overlay, tone};
 use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::Reduction;
@@ -183,7 +183,7 @@ fn aim(
     let size = Size::of(rect.size(), arrangement.orientation);
     let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
     camera.share_along(along, &extent, size);
-    gestures::apply(camera, ui, response, &arrangement, &extent, true, true);
+    camera_moves::apply(camera, ui, response, &arrangement, &extent, true, true);
     camera.settle_across(&extent, size);
     along.take_along(camera);
     Lens::arranged(*camera, rect, &arrangement)
@@ -271,8 +271,8 @@ impl EchogramOverlay<'_> {
         painter.line_segment(edge, Stroke::new(1.0, ink));
         let mut labels = WaterfallLabels::new(painter);
         let log = app.log.survey.as_ref();
-        if let Some(text) = log.and_then(|log| marks::warning(log, options.units)) {
-            labels.keep_clear(marks::banner(painter, lens.rect, &text));
+        if let Some(text) = log.and_then(|log| overlay::warning(log, options.units)) {
+            labels.keep_clear(overlay::banner(painter, lens.rect, &text));
         }
         let corner = lens.rect.shrink(6.0).right_bottom();
         labels.write(corner, Align2::RIGHT_BOTTOM, self.name, INK);

@@ -4,7 +4,7 @@
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{App, Tool};
-use crate::ui::{flat_spot_words, place, theme};
+use crate::ui::{place, stretch_text, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange, ScaleMode};
 use bathyscope_log::survey::Side;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
@@ -56,7 +56,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     let units = app.view.options.units;
     let ranked = products.flat_spots.iter().enumerate();
     let ranked = ranked.filter(|_| shows_ranked(app)).filter_map(|(rank, spot)| {
-        let name = format!("{}: {}", rank + 1, flat_spot_words::brief(spot, units));
+        let name = format!("{}: {}", rank + 1, stretch_text::brief(spot, units));
         stretch(lens, &spot.pings, Kind::Ranked, name)
     });
     proposed.into_iter().chain(used).chain(ranked).collect()

@@ -1,18 +1,72 @@
 //! Measuring in the waterfall: corners on the ground under the picture, and the height of what
 //! casts a shadow.
 
-use super::cross::Cross;
 use super::labels;
 use super::lens::{Lens, LensPlace};
-use crate::app::{Action, App, Command, Measure};
+use crate::app::{Action, App, Command, Measure, View};
 use crate::ui::views::{drag, measured};
 use crate::ui::{ViewContext, theme};
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
-use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
+use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
 
 /// Half of the stroke that ends a shadow, points.
 const TICK: f32 = 7.0;
+
+/// The cross that the arrow keys move over the waterfall with a tool in hand: its place; `None`
+/// before a key has moved it, and after the pointer has moved.
+#[derive(Default)]
+pub(super) struct Cross {
+    place: Option<LensPlace>,
+}
+
+impl Cross {
+    /// Moves it by the keys of this frame; whether they moved it.
+    pub(super) fn follow(
+        &mut self,
+        ui: &mut Ui,
+        response: &Response,
+        lens: &Lens,
+        context: &ViewContext<'_>,
+    ) -> bool {
+        let hover = response.hover_pos();
+        if hover.is_some() && ui.input(|input| input.pointer.delta() != Vec2::ZERO) {
+            self.place = None;
+        }
+        let moved = match context.target {
+            View::Waterfall => measured::arrows(ui),
+            View::Map | View::Cloud | View::Objects => [0.0; 2],
+        };
+        if moved == [0.0; 2] {
+            return false;
+        }
+        let from = self.place.or(hover.map(|at| lens.place_at(at)));
+        let from = from.map_or(lens.rect.center(), |place| lens.screen_at(place));
+        // Up on the screen is less of its y.
+        let to = from + vec2(moved[0] as f32, -moved[1] as f32);
+        self.place = Some(lens.place_at(to));
+        true
+    }
+
+    /// Place of the cross, or else of the pointer.
+    fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<LensPlace> {
+        let under = response.hover_pos().map(|at| lens.place_at(at));
+        self.place.or(under)
+    }
+
+    /// Place of the cross.
+    pub(super) fn place(&self) -> Option<LensPlace> {
+        self.place
+    }
+
+    /// Draws it.
+    pub(super) fn draw(&self, painter: &Painter, lens: &Lens) {
+        let Some(place) = self.place else {
+            return;
+        };
+        measured::cross(painter, lens.screen_at(place));
+    }
+}
 
 /// State of measuring that the view keeps between frames.
 #[derive(Default)]

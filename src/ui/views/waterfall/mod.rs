@@ -7,20 +7,16 @@ mod accessibility;
 mod bottom;
 mod boxes;
 mod camera;
-mod cross;
+mod camera_moves;
 mod drawing;
 mod echogram;
 mod exclusions;
 mod flat_spots;
-mod following;
-mod gestures;
 mod labels;
 mod lens;
 mod lines;
-mod marks;
 mod measure;
 mod overlay;
-mod picture;
 mod pointer;
 mod scales;
 mod side_scan;
@@ -37,11 +33,10 @@ use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::colours;
 use bathyscope_bottom::waterfall::RangeAxis;
 use camera::{Camera, PictureExtent, Size};
-use drawing::WaterfallDrawing;
+use drawing::{PictureCallback, WaterfallDrawing};
 use eframe::egui_wgpu::RenderState;
 use egui::{Sense, emath::GuiRounding as _};
 use lens::{Arrangement, Lens, LensPlace};
-use picture::PictureCallback;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -63,10 +58,10 @@ pub struct WaterfallView {
     stretch: stretch_tool::StretchTool,
     measure: measure::MeasureTool,
     /// Cross that the arrow keys move to mark a target.
-    cross: cross::Cross,
+    cross: measure::Cross,
     echogram: echogram::EchogramPart,
     settled: bool,
-    end: following::NewestPing,
+    end: camera_moves::NewestPing,
 }
 
 /// Requests between frames, while the size of the view is not known.
@@ -218,7 +213,9 @@ impl WaterfallView {
         for request in self.requests.drain(..) {
             match request {
                 Request::Pings(pings) => camera.show_pings(&pings, size),
-                Request::View(request) => gestures::carry_out(&mut camera, request, extent, size),
+                Request::View(request) => {
+                    camera_moves::carry_out(&mut camera, request, extent, size)
+                }
             }
         }
         if let Some(reveal) = context.app.view.reveal
@@ -247,7 +244,7 @@ impl WaterfallView {
         }
         self.end.keep(&mut camera, extent, size, context.app);
         let fits = context.app.map.measuring.tool.is_none();
-        gestures::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
+        camera_moves::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
         camera.settle(extent, size);
         self.end.note(&camera, extent, size);
         self.camera = Some(camera);

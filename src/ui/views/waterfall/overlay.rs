@@ -2,14 +2,15 @@
 
 use super::drawing::WaterfallDrawing;
 use super::labels::WaterfallLabels;
-use super::lens::Lens;
+use super::lens::{Lens, LensPlace};
 use super::scales::RangeLines;
-use super::{bottom, boxes, exclusions, flat_spots, lines, marks, scales};
+use super::{bottom, boxes, exclusions, flat_spots, lines, scales};
 use crate::app::{App, LogPlace};
 use crate::ui::{place, theme};
 use bathyscope_bottom::picture::PictureGeometry;
-use bathyscope_log::survey::{Side, Survey};
-use egui::Painter;
+use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::survey::{Side, SideScanState, Survey};
+use egui::{Align2, Color32, Painter, Rect, Stroke, vec2};
 
 /// Width of the first return, points.
 const FIRST_RETURN_WIDTH: f32 = 1.5;
@@ -62,7 +63,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
         [(shown.app.view.selection, theme::SELECTION_COLOUR), (shown.hover, theme::HOVER_COLOUR)];
     for (mark, colour) in marked {
         if let Some(mark) = mark {
-            marks::cross_hair(painter, lens, shown.survey, &mark, colour);
+            cross_hair(painter, lens, shown.survey, &mark, colour);
         }
     }
     for missed in shown.missed {
@@ -72,7 +73,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
         shown_box.draw(painter, lens, &shown.app.log.reviewing);
     }
     if shown.app.view.options.waterfall.boxes {
-        boxes::shape::draw(painter, lens, shown.app);
+        boxes::draw_shape(painter, lens, shown.app);
     }
     let mut labels = WaterfallLabels::new(painter);
     let mut below = lens.rect;
@@ -80,8 +81,8 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
         labels.keep_clear(banner);
         below.min.y = banner.bottom();
     }
-    if let Some(text) = warning(shown) {
-        labels.keep_clear(marks::banner(painter, below, &text));
+    if let Some(text) = shown_warning(shown) {
+        labels.keep_clear(banner(painter, below, &text));
     }
     // What is across comes before the ranges themselves.
     scales::geometry(&mut labels, lens, shown.stretch);
@@ -109,10 +110,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
 }
 
 /// Reason why there is no picture of the bottom, if there is one.
-fn warning(shown: &ShownOverlay<'_>) -> Option<String> {
+fn shown_warning(shown: &ShownOverlay<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
-    marks::warning(shown.survey, shown.app.view.options.units)
-        .or_else(|| (!shown.has_gpu).then(no_gpu))
+    warning(shown.survey, shown.app.view.options.units).or_else(|| (!shown.has_gpu).then(no_gpu))
 }
 
 fn draw_lines(
@@ -137,4 +137,48 @@ fn draw_lines(
         lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
     }
     bottom::drawn(painter, lens, shown.app);
+}
+
+/// A thin line at the ping and, where the mark has a sample, one at its range.
+fn cross_hair(painter: &Painter, lens: &Lens, survey: &Survey, mark: &LogPlace, colour: Color32) {
+    let ping = mark.ping as f64 + 0.5;
+    painter.line_segment(lens.line_at_ping(ping), Stroke::new(1.0, colour));
+    let Some((side, sample)) = mark.side.zip(mark.sample) else {
+        return;
+    };
+    let recorded = survey.side_scan.get(mark.ping);
+    if let Some(span) = recorded.and_then(|recorded| recorded.side(side)) {
+        let place = LensPlace::of(ping, side, span.range_m(f64::from(sample)));
+        let faint = colour.gamma_multiply(0.6);
+        let along = lens.line_at_range(place.across_m);
+        painter.line(along, Stroke::new(1.0, faint));
+        let at = lens.screen_at(place);
+        painter.circle_stroke(at, 5.0, Stroke::new(1.5, colour));
+    }
+}
+
+/// A sentence on the picture that changes its meaning; returns what it covers.
+pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
+    let (font, colour) = (egui::FontId::proportional(14.0), theme::OUTLIER_COLOUR);
+    let width = (rect.width() - 40.0).max(60.0);
+    let galley = painter.layout(text.to_owned(), font, colour, width);
+    let area = Align2::CENTER_TOP.anchor_size(rect.center_top() + vec2(0.0, 14.0), galley.size());
+    let ground = area.expand(8.0);
+    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(200));
+    painter.galley(area.min, galley, Color32::PLACEHOLDER);
+    ground
+}
+
+/// Reason why the picture does not show the bottom; `None` if it does.
+pub(super) fn warning(survey: &Survey, units: Units) -> Option<String> {
+    match survey.side_scan_state {
+        SideScanState::Usable => None,
+        SideScanState::Absent => {
+            Some("no side-scan: this log holds no side-scan frames".to_owned())
+        }
+        SideScanState::Noise { range_m } => Some(format!(
+            "no side-scan: range stuck at ±{}, noise; was a transducer connected?",
+            units.measure(f64::from(range_m), 1)
+        )),
+    }
 }

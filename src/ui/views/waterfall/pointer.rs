@@ -3,7 +3,7 @@
 use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
 use crate::app::{AboveStretch, App, Command, ExclusionEdit, LogPlace, Tool};
-use crate::ui::{ViewContext, exclusion_text, place, text, theme};
+use crate::ui::{ViewContext, place, stretch_text, text, theme};
 use bathyscope_log::survey::{Side, Survey};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
@@ -102,7 +102,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
         }
         accept(ui, context, mark);
         if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping)
-            && exclusion_text::include_again(ui, &stretch)
+            && stretch_text::include_again(ui, &stretch)
         {
             include_again(context, mark.ping);
         }
@@ -272,7 +272,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<Stri
     }
     lines += &format!("\ndepth {}", place::depth(app, mark.ping));
     lines += &doubts(app, mark.ping, side);
-    if let Some(why) = exclusion_text::at(app, app.log.id, mark.ping) {
+    if let Some(why) = stretch_text::excluded_at(app, app.log.id, mark.ping) {
         lines += &format!("\n{why}");
     }
     if let Some(at) = place::lon_lat(app, mark) {

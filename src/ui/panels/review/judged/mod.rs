@@ -5,13 +5,15 @@
 
 mod curve;
 mod matrix;
-mod mistakes;
 
-use super::super::parts::{remark, warning};
+use super::super::parts::{list_rows, remark, row, warning};
 use super::super::section::{Section, section};
-use crate::app::Action;
-use crate::ui::{ViewContext, text};
-use egui::Ui;
+use crate::app::{Action, Command, MistakeSort};
+use crate::ui::drop_down::DropDown;
+use crate::ui::{ViewContext, text, theme};
+use bathyscope_objects::metrics::Cause;
+use bathyscope_objects::truth::{Mistake, TruthComparison};
+use egui::{Button, RichText, Ui};
 
 /// Draws the curve with the figures at the slider; nothing while there is no truth.
 pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -50,13 +52,99 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             text += &format!(", {unsearched} more lie in unsearched parts");
         }
         remark(ui, text + ".");
-        mistakes::ui(ui, context, comparison);
+        list_of_mistakes(ui, context, comparison);
         matrix::ui(ui, context, comparison, standing);
         ui.horizontal(|ui| {
             super::button(ui, context, (Action::OpenTruth, "Open known objects…"));
             super::button(ui, context, (Action::ForgetTruth, "Close"));
         });
     });
+}
+
+/// Draws the list of false alarms and misses, how it is sorted, and the buttons that walk along it.
+fn list_of_mistakes(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthComparison) {
+    let reviewing = &context.app.log.reviewing;
+    let mistakes = reviewing.judging.mistakes();
+    if mistakes.is_empty() {
+        return remark(ui, "No mistake from this score on.");
+    }
+    let mut sort = reviewing.judging.sort();
+    let before = sort;
+    row(ui, "Sort by", "The order of the list.", |ui| {
+        DropDown::new("sort mistakes", sort.name()).width(ui.available_width() - 2.0).pick(
+            ui,
+            &mut sort,
+            MistakeSort::ALL,
+            MistakeSort::name,
+        )
+    });
+    if sort != before {
+        context.push(Command::SortMistakes(sort));
+    }
+    ui.horizontal(|ui| {
+        super::button(ui, context, (Action::PreviousMistake, "Previous"));
+        super::button(ui, context, (Action::NextMistake, "Next"));
+    });
+    list(ui, context, comparison, mistakes);
+}
+
+/// Draws the rows: a click, or Enter on a row, shows the place in all views.
+fn list(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    comparison: &TruthComparison,
+    mistakes: &[Mistake],
+) {
+    let here = context.app.log.reviewing.mistake_at();
+    list_rows(ui, "mistakes", mistakes.len(), here, |ui, index| {
+        let mistake = mistakes.get(index)?;
+        let said = said(context, comparison, mistake);
+        let colour = colour(context, mistake);
+        let shown = RichText::new(&said).color(colour);
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let button = Button::selectable(here == Some(index), shown).min_size(size);
+        let row = ui.add(button);
+        if row.clicked() {
+            context.push(Command::ShowMistake(*mistake));
+        }
+        Some(row)
+    });
+}
+
+/// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
+fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
+    let size = context.units().measure(mistake.size_m(), 1);
+    match mistake {
+        Mistake::FalseAlarm { id, score, cause, .. } => {
+            let review = &context.app.log.reviewing.review;
+            let class = review.get(*id).map_or("", |one| review.class_name(one.class));
+            let cause = match cause {
+                Cause::Background => "nothing there",
+                Cause::Duplicate => "found twice",
+                Cause::OtherClass => "another class",
+                Cause::Loose => "overlaps too little",
+            };
+            format!("{class} {score:.2}, {cause}, {size}")
+        }
+        Mistake::Miss { object, .. } => {
+            let truth = comparison.truth();
+            let known = truth.objects.get(*object);
+            let class = known.map_or("", |known| truth.class_name(known.class));
+            format!("missed {class}, {size}")
+        }
+    }
+}
+
+fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
+    let look = context.theme();
+    match mistake {
+        Mistake::FalseAlarm { id, .. } => {
+            let one = context.app.log.reviewing.review.get(*id);
+            let state = one.map_or(bathyscope_objects::review::State::Proposed, |one| one.state);
+            theme::box_colour_on_panel(look, state)
+        }
+        Mistake::Miss { .. } => theme::missed_colour_on_panel(look),
+    }
 }
 
 /// `0.93`, or a dash where there is nothing to divide by.

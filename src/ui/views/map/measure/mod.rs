@@ -2,20 +2,19 @@
 //!
 //! In: the state, and what the pointer does. Out: lines and a plot, and commands.
 //!
-//! `figure` paints what is drawn, `profile` is the plot below the map with its `frame`.
+//! `profile` is the plot below the map with its `frame`.
 
-mod figure;
 mod frame;
 mod profile;
 
 use super::scene::MapScene;
 use crate::app::{Action, App, Command, Measure, View};
-use crate::ui::ViewContext;
-use crate::ui::views::measured;
+use crate::ui::views::{legend, measured};
+use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_products::project::{Measurement, MeasurementKind};
-use egui::{Pos2, Rect, Response, Ui};
+use egui::{Align2, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 pub(crate) use profile::split;
 
@@ -54,15 +53,15 @@ impl MeasureTool {
         self.tell_next(ui, context, next);
         let painter = ui.painter_at(scene.rect);
         if let Some(cross) = self.cross {
-            figure::cross(&painter, scene, cross);
+            paint_cross(&painter, scene, cross);
         }
         if let Some(shown) = &shown {
-            figure::paint(&painter, scene, context.app, shown);
+            paint_figure(&painter, scene, context.app, shown);
             self.follow_on_map(ui, context.app, scene, response);
         }
         let hovered = self.hovered_m.and_then(|at_m| profile::nearest(stations(context.app), at_m));
         if let Some(station) = hovered {
-            figure::station(&painter, scene, station);
+            paint_station(&painter, scene, station);
         }
         if let Some(shown) = shown.filter(|shown| shown.picks.is_empty()) {
             measured::strip(ui, context, scene.rect, &shown);
@@ -183,4 +182,44 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
 fn stations(app: &App) -> &[TransectStation] {
     let profile = app.map.measuring.profile();
     profile.map_or(&[], |line| &line.stations)
+}
+
+/// Draws line, corners, and the numbers beside the last one.
+fn paint_figure(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Measurement) {
+    let navigation = &scene.products.navigation;
+    let place = |at: &LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
+    let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
+    let colour = theme::MEASURE_COLOUR;
+    let casing = theme::canvas_colour(scene.options);
+    let mut line = corners.clone();
+    if figure.kind == MeasurementKind::Area && corners.len() > 2 {
+        line.push(corners[0]);
+    }
+    let around = Stroke::new(4.0, casing.gamma_multiply(0.7));
+    painter.add(Shape::line(line.clone(), around));
+    painter.add(Shape::line(line, Stroke::new(2.0, colour)));
+    for at in &corners {
+        painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
+    }
+    if let (Some(at), Some(words)) = (corners.last(), measured::beside(app, figure)) {
+        let (shift, anchor) = if at.x < scene.rect.center().x {
+            (vec2(10.0, -10.0), Align2::LEFT_BOTTOM)
+        } else {
+            (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM)
+        };
+        legend::words(painter, scene.options, *at + shift, anchor, &words);
+    }
+}
+
+/// Draws the cross that the arrow keys move.
+fn paint_cross(painter: &Painter, scene: &MapScene<'_>, place: [f64; 2]) {
+    measured::cross(painter, scene.at(place));
+}
+
+/// Draws the place that the pointer is at in the plot.
+fn paint_station(painter: &Painter, scene: &MapScene<'_>, station: &TransectStation) {
+    let at = scene.at(station.place);
+    let around = Stroke::new(4.0, theme::canvas_colour(scene.options));
+    painter.circle_stroke(at, 6.0, around);
+    painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::HOVER_COLOUR));
 }

@@ -1,27 +1,32 @@
-//! Boxes over the picture: their outlines, and the pointer on them.
+//! Boxes over the picture, the objects that no box has found, and the shape of the selected object:
+//! their outlines, and the pointer on them.
 //!
 //! In: the boxes of a review, and what the pointer does. Out: outlines and labels, and commands.
 
 mod grab;
 mod hit;
-mod missed;
 pub(crate) mod outline;
-pub(super) mod shape;
 
 pub(super) use grab::{BoxGrab, under};
-pub(super) use missed::Missed;
 
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{App, BoxEdge, Reviewing, Tool, border_m};
-use crate::ui::text;
+use crate::ui::{text, theme};
 use bathyscope_objects::review::{Review, Reviewed};
+use bathyscope_objects::targets::ShapeOnPing;
+use bathyscope_objects::truth::Mistake;
 use bathyscope_objects::{Mark, ObjectExtent};
-use egui::{Align2, Painter, Pos2, Rect, vec2};
+use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use outline::Style;
 
 /// Shorter side on the screen from which a box carries its class and score, points.
 const LABELLED: f32 = 24.0;
+/// Width of the lines of an object's shape and of the dark rim under them, points; dashes of its
+/// shadow.
+const SHAPE_WIDTH: f32 = 1.5;
+const SHAPE_RIM: f32 = 3.0;
+const SHAPE_DASH: f32 = 4.0;
 
 /// A box in view.
 pub(super) struct ShownBox<'a> {
@@ -125,6 +130,97 @@ impl ShownBox<'_> {
             labels.write(at, Align2::LEFT_BOTTOM, &caption, style.colour);
         }
     }
+}
+
+/// An object of the truth in view that no box has found.
+pub(super) struct Missed<'a> {
+    class: &'a str,
+    rect: Rect,
+    is_selected: bool,
+}
+
+impl<'a> Missed<'a> {
+    /// Those that a lens sees; none before anything was proposed, which would only give the truth
+    /// away.
+    pub(super) fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
+        let judging = &app.log.reviewing.judging;
+        let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
+        let Some(comparison) = judging.comparison().filter(|_| shown) else {
+            return Vec::new();
+        };
+        let truth = comparison.truth();
+        let missed = judging.mistakes().iter().filter_map(|mistake| {
+            let Mistake::Miss { object, .. } = mistake else {
+                return None;
+            };
+            let known = truth.objects.get(*object)?;
+            Some(Missed {
+                class: truth.class_name(known.class),
+                rect: on_screen(lens, &known.whole),
+                is_selected: judging.missed() == Some(*object),
+            })
+        });
+        missed.filter(|missed| missed.rect.intersects(lens.rect)).collect()
+    }
+
+    /// Draws its outline.
+    pub(super) fn draw(&self, painter: &Painter) {
+        let style = outline::Style::missed();
+        outline::draw(painter, self.rect, style, self.is_selected);
+    }
+
+    /// Writes `missed rock` below it, where the words of boxes are not.
+    pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
+        let at = self.rect.left_bottom() + vec2(0.0, 2.0);
+        let words = format!("missed {}", self.class);
+        labels.write(at, Align2::LEFT_TOP, &words, theme::MISSED_COLOUR);
+    }
+}
+
+/// Draws the shape of the selected object in each of its boxes of this log: a line around its echo,
+/// a dashed one around its shadow.
+pub(super) fn draw_shape(painter: &Painter, lens: &Lens, app: &App) {
+    let fitted = app.selected_object_shape();
+    let (Some(Ok(fitted)), Some(object)) = (fitted, app.selected_object()) else {
+        return;
+    };
+    let boxes = object.boxes.iter().zip(&fitted.on_pings);
+    for (id, on_pings) in boxes.filter(|(id, _)| id.log == app.log.id) {
+        let Some(one) = app.log_box(*id) else {
+            continue;
+        };
+        let echo = around(lens, &one.mark, on_pings, |one| one.echo_m);
+        let shadow = around(lens, &one.mark, on_pings, |one| [one.echo_m[1], one.shadow_end_m]);
+        let rim = Stroke::new(SHAPE_RIM, outline::RIM);
+        let stroke = Stroke::new(SHAPE_WIDTH, theme::INFERRED_COLOUR);
+        if echo.len() < 3 || !painter.clip_rect().intersects(egui::Rect::from_points(&shadow)) {
+            continue;
+        }
+        painter.add(Shape::closed_line(echo.clone(), rim));
+        painter.extend(Shape::dashed_line(&closed(shadow), stroke, SHAPE_DASH, SHAPE_DASH));
+        painter.add(Shape::closed_line(echo, stroke));
+    }
+}
+
+/// The way around what lies between two slant ranges in each ping.
+fn around(
+    lens: &Lens,
+    mark: &Mark,
+    on_pings: &[ShapeOnPing],
+    between_m: impl Fn(&ShapeOnPing) -> [f64; 2],
+) -> Vec<Pos2> {
+    let at = |one: &ShapeOnPing, edge: usize| {
+        let range_m = between_m(one)[edge];
+        lens.screen_at(LensPlace::of(one.ping as f64 + 0.5, mark.side, range_m))
+    };
+    let there = on_pings.iter().map(|one| at(one, 0));
+    let back = on_pings.iter().rev().map(|one| at(one, 1));
+    there.chain(back).collect()
+}
+
+fn closed(mut line: Vec<Pos2>) -> Vec<Pos2> {
+    line.extend(line.first().copied());
+    line
 }
 
 /// `rock 0.87`, or `Anna (wreck) 0.87` of one that has a name; what was decided goes without saying

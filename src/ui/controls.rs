@@ -1,7 +1,17 @@
-//! Buttons that are on or off. Their state is a shape as well as a colour: the knob of a switch
-//! lies right or left, and the one of several that is chosen is underlined.
+//! Controls beside those of egui: buttons that are on or off, and fields that numbers are typed
+//! into.
+//!
+//! The state of a button is a shape as well as a colour: the knob of a switch lies right or left,
+//! and the one of several that is chosen is underlined. A field or a slider changes its number on
+//! Enter, when it is left, and while it is dragged, never while digits are typed: a field that
+//! moves under the fingers would leave the digits that follow to the keys of the views.
 
-use egui::{Button, Response, Role, Stroke, StrokeKind, Ui, WidgetInfo, WidgetText, pos2, vec2};
+use egui::emath::Numeric;
+use egui::{
+    Button, DragValue, Response, Role, Slider, Stroke, StrokeKind, Ui, WidgetInfo, WidgetText,
+    pos2, vec2,
+};
+use std::ops::RangeInclusive;
 
 /// Width and height of the slot that the knob of a switch moves in, points.
 const SLOT: egui::Vec2 = vec2(18.0, 10.0);
@@ -55,6 +65,29 @@ pub(super) fn underline(ui: &mut Ui, chosen: bool, button: Button<'_>) -> Respon
     response
 }
 
+/// Returns a field for a number.
+pub(super) fn number_field<N: Numeric>(value: &mut N) -> DragValue<'_> {
+    DragValue::new(value).update_while_editing(false).custom_parser(parse_number)
+}
+
+/// Returns a slider for a number, with a field.
+pub(super) fn number_slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
+    Slider::new(value, range).update_while_editing(false).custom_parser(parse_number)
+}
+
+/// Returns the number of a text; half of the world writes a decimal comma, and figures are copied
+/// with the minus sign of print.
+pub(super) fn parse_number(text: &str) -> Option<f64> {
+    let sign = |letter: char| match letter {
+        '\u{2212}' => '-',
+        ',' => '.',
+        other => other,
+    };
+    let is_kept = |letter: &char| !letter.is_whitespace();
+    let number: f64 = text.chars().filter(is_kept).map(sign).collect::<String>().parse().ok()?;
+    number.is_finite().then_some(number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,5 +111,12 @@ mod tests {
         panel.run();
         assert!(*panel.state());
         assert_eq!(state(&panel), Some(egui::accesskit::Toggled::True));
+    }
+
+    #[test]
+    fn numbers_are_read_with_comma_and_point() {
+        assert_eq!(parse_number("0,45"), Some(0.45));
+        assert_eq!(parse_number(" \u{2212}1 200.5 "), Some(-1200.5));
+        assert_eq!([parse_number(""), parse_number("deep"), parse_number("nan")], [None; 3]);
     }
 }

@@ -1,8 +1,9 @@
 //! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and
 //! COCO tools.
 
-use super::status_line::StatusLine;
-use super::{Failure, output, simulated_files};
+use super::write;
+use crate::cli::status_line::StatusLine;
+use crate::cli::{Failure, output};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{HeadingSettings, Projection, Survey, navigate};
@@ -194,7 +195,7 @@ impl Maker<'_> {
         let quiet = Progress::new();
         let simulated = bathyscope_simulation::simulate(&training.scene, seed, &quiet)?;
         if let Some(folder) = &self.surveys {
-            simulated_files::write(&simulated, &folder.join(format!("{index:04}")))?;
+            write(&simulated, &folder.join(format!("{index:04}")))?;
         }
         let chips = chips(&training, &simulated, requested)?;
         let mut all = Vec::with_capacity(chips.len());
