@@ -1,16 +1,15 @@
 //! Writing the rows of a log into an archive.
 
 use super::echo_rows::EchoesByTile;
-use super::error::ArchiveError;
-use super::folders::{ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, names_in, remove};
 use super::log_mosaic::LogMosaic;
 use super::log_record::{LogRecord, TileRows};
-use super::log_rows::{LogRows, track};
+use super::log_rows::{self, LogRows, RowsByTile, TileRow, track};
 use super::ping_rows::{self, PingsByTile};
-use super::point_rows;
 use super::record::Archive;
-use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
+use super::{
+    ArchiveError, ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, names_in, point_rows, remove,
+};
 use crate::export::{make_folder, write_atomically, write_json};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
 use bathyscope_bottom::bathymetry::SwathDepth;
@@ -106,7 +105,7 @@ fn write_rows(
         let at = rows.position(point.east_m, point.north_m);
         (at.is_on_earth() && point.z_m.is_finite()).then_some((index, at))
     });
-    let points = spread::by_tile(placed, archive.record.halo_m);
+    let points = log_rows::by_tile(placed, archive.record.halo_m);
     let pings = ping_rows::by_tile(&rows);
     let zones = pings.rows.keys().map(|tile| tile.zone).collect();
     let echoes = match rows.products.settings.surface.swath {

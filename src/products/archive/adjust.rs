@@ -2,14 +2,13 @@
 //! within tiles; on request also in position and latency; and, by `level_factors`, in brightness of
 //! their echoes.
 
-use super::error::ArchiveError;
+use super::ArchiveError;
 use super::level_factors::level_factors;
 use super::log_overlaps::log_overlaps;
 use super::log_record::LogRecord;
-use super::offsets::{OffsetRow, Offsets};
+use super::offsets::{OffsetRow, Offsets, solve};
 use super::positions::shifts;
 use super::record::Archive;
-use super::solve::solve;
 use bathyscope_bottom::bathymetry::height_offsets::{HeightOffsets, PairDifference};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::Progress;

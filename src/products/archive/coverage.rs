@@ -2,8 +2,6 @@
 //! pings of the tiles concerned.
 
 use super::area::Area;
-use super::error::ArchiveError;
-use super::folders::PINGS;
 use super::footprint::{CoveredSamples, Footprint};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
@@ -11,6 +9,7 @@ use super::ping_rows::{self, PingRow};
 use super::positions::moved;
 use super::record::{Archive, MOST_MOVED_M};
 use super::tile::TileId;
+use super::{ArchiveError, PINGS};
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use bathyscope_bottom::bathymetry::position_offsets::Shift;
 use bathyscope_log::support::geo::{LonLat, UtmZone};

@@ -2,12 +2,11 @@
 //! in archives whose depths come from echo levels. They have all that the correction reads of the
 //! log, so that a tile needs no log.
 
-use super::error::ArchiveError;
+use super::ArchiveError;
 use super::log_record::LogRecord;
-use super::log_rows::LogRows;
+use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::offsets::Offsets;
 use super::positions::moved;
-use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
 use crate::pipeline::{depth_points, log_echoes};
 use bathyscope_bottom::swath::{
@@ -112,7 +111,7 @@ impl<'a> EchoesByTile<'a> {
         let numbers = rows.iter().map(|row| Some(row.index as i32));
         let weed = rows.iter().map(|row| self.log.is_weed[row.index]);
         let mut columns = vec![
-            spread::geometry(rows),
+            log_rows::geometry(rows),
             of_rows("x", &|row| row.place[0]),
             of_rows("y", &|row| row.place[1]),
             part("starboard_x", &starboard, 0),

@@ -3,12 +3,11 @@
 //! of the records of tiles and logs alone, so that the same maps have the same index. A tile that
 //! no recorder knew the time of is in the VRT only.
 
-use super::error::ArchiveError;
-use super::folders::{names_in, remove};
 use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::{TILE_M, TileId, ring, tile_bounds_deg};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
+use super::{ArchiveError, names_in, remove};
 use crate::export::{make_folder, qgis_classes, qgis_style, write_bytes, write_json};
 use bathyscope_bottom::bathymetry::CellSource;
 use bathyscope_bottom::presentation::colours::{depth_colour, uncertainty_colour};

@@ -1,14 +1,12 @@
 //! Brightness of the echoes of each log relative to the others, from places that several parts of
 //! the mosaic show.
 
-use super::error::ArchiveError;
-use super::folders::MOSAIC;
 use super::log_mosaic::{in_words, open_part};
 use super::log_record::LogRecord;
-use super::offsets::{LevelFactor, Offsets};
+use super::offsets::{LevelFactor, Offsets, solve};
 use super::record::Archive;
-use super::solve::solve;
 use super::tile::TileId;
+use super::{ArchiveError, MOSAIC};
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::bathymetry::height_offsets::LogOverlap;
 use bathyscope_bottom::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor};

@@ -3,10 +3,9 @@
 //! `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join
 //! without being drawn anew.
 
-use super::error::ArchiveError;
-use super::folders::{MOSAIC, WEIGHTS};
 use super::record::Archive;
 use super::tile::TileId;
+use super::{ArchiveError, MOSAIC, WEIGHTS};
 use crate::export::{geotiff, make_folder};
 use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
 use bathyscope_bottom::bathymetry::Grid;

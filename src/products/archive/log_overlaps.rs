@@ -1,11 +1,9 @@
 //! Finds where the tracks of the logs of an archive cross or overlap, tile by tile.
 
-use super::error::ArchiveError;
-use super::folders::{PINGS, POINTS};
 use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::TileId;
-use super::{ping_rows, point_rows};
+use super::{ArchiveError, PINGS, POINTS, ping_rows, point_rows};
 use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
 use bathyscope_bottom::bathymetry::height_offsets::{
     FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,

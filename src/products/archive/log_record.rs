@@ -1,8 +1,7 @@
 //! Record of one log of an archive: `logs/SHA256.json`, written when all of its rows are in place.
 
-use super::error::ArchiveError;
-use super::folders::LONGEST_RECORD;
 use super::tile::TileId;
+use super::{ArchiveError, LONGEST_RECORD};
 use crate::pipeline::{
     Fingerprint, LogFiles, SettingValues, Settings, deserialize_values, in_hexadecimal,
     setting_values,

@@ -2,9 +2,8 @@
 //! part was drawn from is in the hash of its name, so that a file is used exactly where the same
 //! would be drawn again.
 
-use super::error::ArchiveError;
-use super::folders::{names_in, remove};
 use super::tile::TileId;
+use super::{ArchiveError, names_in, remove};
 use crate::export::{make_folder, write_atomically};
 use crate::map_tiles::{KnownTile, MapPart, Pixels, TileStyle, WebTile};
 use crate::pipeline::{Fingerprint, in_hexadecimal};

@@ -2,15 +2,13 @@
 //! `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last, `map_tiles.json`, which says
 //! what they were made from. Parts of the map over tiles that are as they were are not drawn again.
 
-use super::error::ArchiveError;
-use super::folders::{LONGEST_RECORD, fingerprint, remove};
 use super::map_parts::{DrawnWith, MapParts, remove_parts};
-use super::reach::beside;
 use super::record::Archive;
-use super::tile::{TileId, zone_bounds_deg};
+use super::tile::{TileId, beside, zone_bounds_deg};
 use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
 use super::tile_map::{isobath_settings, without_error};
+use super::{ArchiveError, LONGEST_RECORD, fingerprint, remove};
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::export::{make_folder, write_json};
 use crate::map_tiles::{

@@ -10,31 +10,26 @@
 //!
 //! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no
 //! other, and those of its neighbours where depths are that come from echo levels. `tile` names the
-//! squares, `record` holds what all logs of an archive share, `log_record` what is known of one,
-//! `folders` the names of its folders and files, `add` writes a log's rows (`log_rows`):
-//! `point_rows`, `ping_rows` and `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of
-//! the mosaic. `footprint` is the ground that a ping insonified, from which `coverage` says which
-//! logs cover a place. `adjust` finds the heights of logs against each other from their `overlaps`
-//! (`solve`), how their `positions` are corrected and, by `level_factors`, the levels of their
-//! echoes; `offsets` is the table of all three. `tile_map` makes the map of a tile, its lines cut
-//! at its edges, of `tile_points`, with `levels_map` where they come from echo levels, which has a
-//! greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes both;
-//! `map_tiles` joins all maps to one of the web, which it reads back by `tile_content` and whose
-//! parts are kept by `map_parts`; `list` says what there is. Files are written aside, then renamed,
-//! and a log's record last, so that what a killed program leaves is no part of the archive.
+//! squares, `record` holds what all logs of an archive share and lists its rows, `log_record` what
+//! is known of one log. `add` writes a log's rows (`log_rows`): `point_rows`, `ping_rows` and
+//! `echo_rows`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping
+//! insonified, from which `coverage` says which logs cover a place. `adjust` finds the heights of
+//! logs against each other from `log_overlaps`, how their `positions` are corrected and, by
+//! `level_factors`, the levels of their echoes; `offsets` is the table of all three. `tile_map`
+//! makes the map of a tile, its lines cut at its edges, `tile_mosaic` joins the parts of its
+//! mosaic, and `tile_files` writes both; `map_tiles` joins all maps to one of the web, which it
+//! reads back by `tile_content` and whose parts are kept by `map_parts`. Files are written aside,
+//! then renamed, and a log's record last, so that what a killed program leaves is no part of the
+//! archive.
 
 mod add;
 mod adjust;
 mod area;
 mod coverage;
 mod echo_rows;
-mod error;
-mod folders;
 mod footprint;
 mod index;
 mod level_factors;
-mod levels_map;
-mod list;
 mod log_mosaic;
 mod log_overlaps;
 mod log_record;
@@ -45,30 +40,121 @@ mod offsets;
 mod ping_rows;
 mod point_rows;
 mod positions;
-mod reach;
 pub mod readers;
 mod record;
-mod solve;
-mod spread;
 mod tile;
 mod tile_content;
 mod tile_files;
 mod tile_map;
 mod tile_mosaic;
-mod tile_points;
 
 pub use add::{Added, add};
 pub use adjust::{Adjusted, adjust};
 pub use coverage::{CoverageQuery, PingCoverage, coverage_at};
-pub use error::ArchiveError;
 pub use index::write_index;
-pub use list::contents;
 pub use log_record::LogRecord;
 pub use map_tiles::{MapTilesState, write_map_tiles};
 pub use offsets::{OffsetRow, Offsets};
-pub use record::Archive;
-pub use tile::TILE_M;
-pub use tile::TileId;
+pub use record::{Archive, contents};
+pub use tile::{TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
-pub use tile_map::tile_map;
-pub use tile_map::tile_surface;
+pub use tile_map::{tile_map, tile_surface};
+
+use crate::export::{ExportError, NoFolder, RasterError};
+use crate::pipeline::Fingerprint;
+use bathyscope_log::formats::parquet_table::ParquetError;
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::mapped_file::FileFault;
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// The subfolder of the rows.
+const POINTS: &str = "points";
+/// The subfolder of the rows.
+const PINGS: &str = "pings";
+/// The subfolder of the rows.
+const ECHOES: &str = "echoes";
+/// The subfolder of the levels.
+const MOSAIC: &str = "mosaic";
+/// The subfolder of what the levels count.
+const WEIGHTS: &str = "mosaic_weights";
+/// The folder of the records.
+const LOGS: &str = "logs";
+/// The folders of what logs give to tiles, with the endings of their files.
+const KINDS: [(&str, &str); 5] = [
+    (POINTS, "parquet"),
+    (PINGS, "parquet"),
+    (ECHOES, "parquet"),
+    (MOSAIC, "tif"),
+    (WEIGHTS, "tif"),
+];
+/// Longer than any record.
+const LONGEST_RECORD: u64 = 1 << 26;
+
+/// Error of an operation on an archive.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchiveError {
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] ExportError),
+    /// A folder could not be made.
+    #[error(transparent)]
+    Folder(#[from] FileError<NoFolder>),
+    /// A log did not stay what it was.
+    #[error(transparent)]
+    Log(#[from] FileError<FileFault>),
+    /// Rows could not be read.
+    #[error(transparent)]
+    Rows(#[from] ParquetError),
+    /// A raster could not be written.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    /// Anything else, in a sentence that says what, where and what to do.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<String> for ArchiveError {
+    fn from(sentence: String) -> Self {
+        Self::Refused(sentence)
+    }
+}
+
+/// The names in a folder; none where there is no folder.
+fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
+    let entries = fs::read_dir(folder).map_err(fail)?;
+    let names = entries.map(|entry| {
+        let name = entry.map_err(fail)?.file_name();
+        Ok(name.to_string_lossy().into_owned())
+    });
+    names.collect()
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<(), ArchiveError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(format!("cannot remove the file: {error}: {}", path.display()).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Computes the fingerprint of a file in a folder.
+fn fingerprint(
+    folder: &Path,
+    name: &str,
+    progress: &Progress,
+) -> Result<Fingerprint, ArchiveError> {
+    let fail = |error| format!("cannot read the file: {error}: {}", folder.join(name).display());
+    Ok(Fingerprint::of(folder, name, progress).map_err(fail)?)
+}

@@ -2,10 +2,9 @@
 //! `pings/tile=.../SHA256.parquet`. They answer which ping, side and sample saw a place, without
 //! the log.
 
-use super::error::ArchiveError;
+use super::ArchiveError;
 use super::footprint::{Footprint, SideRange};
-use super::log_rows::LogRows;
-use super::spread::{self, RowsByTile, TileRow};
+use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::tile::TileId;
 use bathyscope_bottom::mosaic::joined_way_m;
 use bathyscope_log::formats::parquet_table::{
@@ -182,7 +181,7 @@ pub(super) fn columns(
     let numbers = rows.iter().map(|row| i32::try_from(row.index).ok());
     let excluded = (rows.iter()).map(|row| log.products.exclusions.ping(row.index).is_some());
     let mut columns = vec![
-        spread::geometry(rows),
+        log_rows::geometry(rows),
         of("x", |ping| ping.place[0]),
         of("y", |ping| ping.place[1]),
         of("starboard_x", |ping| ping.starboard[0]),

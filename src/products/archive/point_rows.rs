@@ -1,8 +1,7 @@
 //! The points of a log, a row each: `points/tile=.../SHA256.parquet`.
 
-use super::error::ArchiveError;
-use super::log_rows::LogRows;
-use super::spread::{self, TileRow};
+use super::ArchiveError;
+use super::log_rows::{self, LogRows, TileRow};
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass};
 use bathyscope_log::formats::parquet_table::{
@@ -30,7 +29,7 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
         .collect();
     let along = |axis: usize| velocities.iter().map(move |velocity| velocity[axis]);
     let mut columns = vec![
-        spread::geometry(rows),
+        log_rows::geometry(rows),
         Column::doubles("x", rows.iter().map(|row| row.place[0])),
         Column::doubles("y", rows.iter().map(|row| row.place[1])),
         Column::doubles("depth_m", each().map(|point| -point.z_m)),

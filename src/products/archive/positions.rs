@@ -1,7 +1,7 @@
 //! Corrections of position and latency of the logs of an archive, from crossings of tracks within
 //! tiles.
 
-use super::error::ArchiveError;
+use super::ArchiveError;
 use super::log_overlaps::OverlapSearch;
 use super::log_record::LogRecord;
 use super::offsets::{Offsets, as_written};

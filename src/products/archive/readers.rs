@@ -1,10 +1,9 @@
 //! Readers of the files of an archive, for the fuzzer (`tests/fuzz`).
 
-use super::error::ArchiveError;
 use super::log_record::LogRecord;
 use super::record::ArchiveRecord;
 use super::tile_files::TileRecord;
-use super::{echo_rows, offsets, ping_rows, point_rows};
+use super::{ArchiveError, echo_rows, offsets, ping_rows, point_rows};
 use crate::pipeline::{LogFiles, Settings};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;

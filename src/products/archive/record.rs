@@ -1,21 +1,21 @@
-//! Settings that all logs of an archive share: `lake.json`.
+//! Settings that all logs of an archive share: `lake.json`; and the archive by its records: its
+//! logs, and their rows tile by tile.
 
-use super::error::ArchiveError;
-use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in};
 use super::log_record::{AREA, LogRecord};
-use super::reach;
-use super::tile::{TILE_M, TileId};
+use super::tile::{TILE_M, TileId, tiles_read};
+use super::{ArchiveError, KINDS, LOGS, LONGEST_RECORD, names_in};
 use crate::export::{make_folder, write_bytes, write_json};
 use crate::pipeline::{
     Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
     with_values,
 };
-use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
+use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, SwathDepth, local_reach_m};
+use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_STEP_M};
 use bathyscope_log::formats::read_area;
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::WaterArea;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -43,6 +43,10 @@ const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "repor
 /// Another setting that no row and no map depends on: mosaics of tiles are levels, which map
 /// programs colour.
 const COLOURS: &str = "mosaic.colours";
+const _: () = assert!(TILE_M % PART_STEP_M == 0.0);
+/// Largest cells of an archive with depths from levels, metres: larger ones would not show what
+/// these tell.
+const MOST_CELL_M: f64 = 2.0;
 
 /// Layout and settings that all logs of an archive share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,7 +98,7 @@ impl ArchiveRecord {
                 settings.surface.max_gap_m
             )));
         }
-        reach::check(settings, cell_m, halo_m)?;
+        check_reach(settings, cell_m, halo_m)?;
         let mut values = setting_values(settings);
         values.retain(|key, _| is_shared(key));
         let area = settings.isobaths.area.as_deref();
@@ -153,6 +157,28 @@ impl ArchiveRecord {
             .or(areas)
             .or_else(|| (self != other).then(|| "its tiles are laid out in another way".to_owned()))
     }
+}
+
+/// Refuses settings whose maps depend on more than a tile and its neighbours.
+///
+/// # Errors
+/// A sentence.
+fn check_reach(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(), ArchiveError> {
+    if settings.surface.swath != SwathDepth::Always {
+        return Ok(());
+    }
+    if cell_m > MOST_CELL_M {
+        return Err(ArchiveError::Refused(format!(
+            "surface.cell_m is {cell_m}, but depths from echo levels need cells of {MOST_CELL_M} m at most; choose smaller ones, or surface.swath = off"
+        )));
+    }
+    if PART_DEPTHS_M + halo_m > TILE_M {
+        return Err(ArchiveError::Refused(format!(
+            "surface.max_gap_m is {}, which is too far for depths from echo levels; choose at most 190, or surface.swath = off",
+            settings.surface.max_gap_m
+        )));
+    }
+    Ok(())
 }
 
 fn is_shared(key: &str) -> bool {
@@ -336,7 +362,7 @@ impl Archive {
     /// A sentence where one cannot be used.
     pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
         let swath = self.record.settings()?.surface.swath;
-        let read = tiles.iter().flat_map(|tile| reach::tiles_read(swath, *tile));
+        let read = tiles.iter().flat_map(|tile| tiles_read(swath, *tile));
         self.logs_in(read)
     }
 
@@ -390,4 +416,35 @@ fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
             folder.display()
         ))),
     }
+}
+
+/// The rows of a tile, of all logs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TileRowCounts {
+    /// Logs with rows of points or pings.
+    pub logs: usize,
+    /// Rows of points, those of the halo among them.
+    pub points: usize,
+    /// Points in the tile itself.
+    pub core_points: usize,
+    /// Rows of pings.
+    pub pings: usize,
+}
+
+/// All tiles that have rows, in order.
+///
+/// # Errors
+/// When a record cannot be used.
+pub fn contents(archive: &Archive) -> Result<BTreeMap<TileId, TileRowCounts>, ArchiveError> {
+    let mut tiles: BTreeMap<TileId, TileRowCounts> = BTreeMap::new();
+    for log in archive.logs()? {
+        for rows in &log.tiles {
+            let content = tiles.entry(rows.tile).or_default();
+            content.logs += 1;
+            content.points += rows.points;
+            content.core_points += rows.core_points;
+            content.pings += rows.pings;
+        }
+    }
+    Ok(tiles)
 }

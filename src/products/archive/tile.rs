@@ -1,6 +1,6 @@
 //! The squares that an archive is cut into.
 
-use bathyscope_bottom::bathymetry::Grid;
+use bathyscope_bottom::bathymetry::{Grid, SwathDepth};
 use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
 use bathyscope_log::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use std::fmt;
@@ -150,6 +150,20 @@ pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
 pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) -> [f64; 4] {
     let all = boxes.flat_map(|(zone, bounds_m)| ring(zone, bounds_m));
     bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
+}
+
+/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where
+/// depths come from echo levels.
+pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
+    match swath {
+        SwathDepth::Off | SwathDepth::Auto => vec![tile],
+        SwathDepth::Always => TileId::touched(tile.zone, beside(tile.bounds_m(), 1.0)).collect(),
+    }
+}
+
+/// A box made larger on all sides.
+pub(super) fn beside([west_m, south_m, east_m, north_m]: [f64; 4], by_m: f64) -> [f64; 4] {
+    [west_m - by_m, south_m - by_m, east_m + by_m, north_m + by_m]
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The map of a tile as it lies in its files, read again; a few of them are kept, since neighbours
 //! ask for the same.
 
-use super::folders::LONGEST_RECORD;
+use super::LONGEST_RECORD;
 use super::record::Archive;
 use super::tile::TileId;
 use super::tile_files::{DEPTH, ISOBATHS, folder_of};

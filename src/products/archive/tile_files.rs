@@ -1,17 +1,15 @@
 //! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`,
 //! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which says what they were made from.
 
-use super::error::ArchiveError;
-use super::folders::{
-    ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove,
-};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::reach::tiles_read;
 use super::record::{Archive, ArchiveRecord};
-use super::tile::TileId;
+use super::tile::{TileId, tiles_read};
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};
+use super::{
+    ArchiveError, ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove,
+};
 use crate::export::{
     DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };

@@ -1,17 +1,24 @@
-//! The depth map of a tile, from the rows of all logs in it.
+//! The depth map of a tile, from the rows of all logs in it, each log at its height and its
+//! corrected positions.
+//!
+//! Depths from echo levels depend on what lies around the tile, in its eight neighbours.
 
-use super::error::ArchiveError;
-use super::levels_map::surface_from_levels;
+use super::echo_rows::StoredEchoes;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
+use super::point_rows::{self, PointRow};
+use super::positions::moved;
 use super::record::Archive;
-use super::tile::{TileId, tile_bounds_deg};
-use super::tile_points::depth_points;
+use super::tile::{TileId, beside, tile_bounds_deg, tiles_read};
+use super::{ArchiveError, ECHOES, POINTS};
 use crate::pipeline::clip_area;
 use bathyscope_bottom::bathymetry::isobaths::{
     DepthExtent, Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
 };
-use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
+use bathyscope_bottom::bathymetry::{
+    DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface,
+};
+use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_PINGS_M, correct_part};
 use bathyscope_log::support::geo::UtmZone;
 use bathyscope_log::support::progress::Progress;
 
@@ -143,4 +150,116 @@ fn lines(
             .then(one[1].total_cmp(&other[1]))
     });
     Ok(lines)
+}
+
+/// The points that count in a tile and its halo, the logs in the order of their hashes, with their
+/// offsets and their positions corrected.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+fn depth_points(
+    archive: &Archive,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Vec<DepthPoint>, ArchiveError> {
+    let mut points = Vec::new();
+    for log in logs {
+        progress.check()?;
+        points.extend(moved_points(archive, tile, log, offsets, |_| true)?);
+    }
+    Ok(points)
+}
+
+/// The rows of points of a log in a tile that lie where they are asked for, with its offset and its
+/// positions corrected.
+///
+/// # Errors
+/// When rows cannot be read.
+fn moved_points(
+    archive: &Archive,
+    tile: TileId,
+    log: &LogRecord,
+    offsets: &Offsets,
+    lies_there: impl Fn([f64; 2]) -> bool,
+) -> Result<Vec<DepthPoint>, ArchiveError> {
+    if log.rows_in(tile).is_none_or(|rows| rows.points == 0) {
+        return Ok(Vec::new());
+    }
+    let (offset_m, shift) = (offsets.of(&log.log), offsets.shift_of(&log.log));
+    let path = archive.rows_path(POINTS, tile, &log.log);
+    let rows = point_rows::read(&path)?.into_iter();
+    let of_row = |row: PointRow| {
+        let place = [row.depth.east_m, row.depth.north_m];
+        let [east_m, north_m] = moved(place, shift, row.velocity_mps);
+        lies_there(place).then_some(DepthPoint {
+            east_m,
+            north_m,
+            // What is added to an elevation is taken off the depth.
+            depth_m: row.depth.depth_m - offset_m,
+            ..row.depth
+        })
+    };
+    Ok(rows.filter_map(of_row).collect())
+}
+
+/// The surface of a tile on a grid a few cells larger than it, with depths from echo levels.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+fn surface_from_levels(
+    archive: &Archive,
+    tile: TileId,
+    grid: Grid,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Surface, ArchiveError> {
+    let settings = archive.settings()?.surface;
+    let tiles = tiles_read(SwathDepth::Always, tile);
+    let points_m = beside(tile.bounds_m(), PART_DEPTHS_M + archive.record.halo_m);
+    let mut points: Vec<DepthPoint> = Vec::new();
+    for log in logs {
+        for one in &tiles {
+            progress.check()?;
+            let rows = moved_points(archive, *one, log, offsets, |place| {
+                one.holds(place, 0.0) && is_within(points_m, place)
+            })?;
+            points.extend(rows);
+        }
+    }
+    let around = tile.grid(PART_DEPTHS_M, grid.cell_m);
+    let mut made = local_surface(&points, around, settings.max_gap_m, progress)?;
+    let stored = echoes_around(archive, &tiles, tile, logs, offsets, progress)?;
+    let (laid_out, learnt): (Vec<_>, Vec<_>) =
+        stored.iter().filter_map(StoredEchoes::laid_out).unzip();
+    correct_part(&mut made, tile.bounds_m(), &laid_out, &learnt, &points, progress)?;
+    Ok(made.part(grid))
+}
+
+fn echoes_around(
+    archive: &Archive,
+    tiles: &[TileId],
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Vec<StoredEchoes>, ArchiveError> {
+    let within_m = beside(tile.bounds_m(), PART_PINGS_M);
+    let mut stored = Vec::new();
+    for log in logs {
+        progress.check()?;
+        let files = tiles.iter().filter(|tile| {
+            let rows = log.rows_in(**tile);
+            rows.is_some_and(|rows| !rows.sha256_of(ECHOES).is_empty())
+        });
+        let paths: Vec<_> = files.map(|tile| archive.rows_path(ECHOES, *tile, &log.log)).collect();
+        stored.push(StoredEchoes::read(&paths, log, offsets, within_m)?);
+    }
+    Ok(stored)
+}
+
+fn is_within([west_m, south_m, east_m, north_m]: [f64; 4], [x, y]: [f64; 2]) -> bool {
+    (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y)
 }

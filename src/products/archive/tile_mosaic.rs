@@ -1,12 +1,11 @@
 //! The mosaic of a tile, from the parts of all logs in it.
 
-use super::error::ArchiveError;
-use super::folders::{MOSAIC, WEIGHTS};
 use super::log_mosaic::{in_words, levels_spec, open_part};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::Archive;
 use super::tile::TileId;
+use super::{ArchiveError, MOSAIC, WEIGHTS};
 use crate::export::geotiff;
 use bathyscope_bottom::mosaic::{MosaicPart, join_parts};
 use bathyscope_log::formats::geotiff::{CellsError, RasterTiles};

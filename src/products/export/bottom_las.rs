@@ -1,8 +1,7 @@
 //! `bottom.copc.laz`: the cells of the depth map as points, for programs that know point clouds and
 //! no rasters.
 
-use super::extra_bytes::{Dimension, DimensionType};
-use super::las::{LasPacking, LasSpec, write_las};
+use super::las::{Dimension, DimensionType, LasPacking, LasSpec, write_las};
 use super::{ExportError, Summary};
 use bathyscope_bottom::cloud::PointClass;
 use bathyscope_log::support::geo::{Crs, LonLat};

@@ -1,7 +1,8 @@
-//! Rasters as GeoTIFF files.
+//! Rasters as GeoTIFF files: any raster, and the cells of a grid.
 
 use super::atomic_write::{ExportError, scratch_near, write_atomically};
-use bathyscope_log::formats::geotiff::{self, RasterSpec};
+use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
+use bathyscope_log::formats::geotiff::{self, Band, CellFormat, NODATA, RASTER_TILE, RasterSpec};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::io;
 use std::path::Path;
@@ -37,10 +38,98 @@ pub fn geotiff(
     Ok(written?)
 }
 
+/// Writes the cells of a grid; `stored` gives the number of a cell, of `None` that of one of which
+/// nothing is known. Tiles without a cell that `is_known` are left out.
+///
+/// # Errors
+/// When the file cannot be written, or the work was cancelled; neither leaves a file.
+fn grid_raster<const BYTES: usize>(
+    path: &Path,
+    spec: &RasterSpec,
+    grid: &Grid,
+    is_known: impl Fn(usize) -> bool,
+    stored: impl Fn(Option<usize>) -> [u8; BYTES] + Sync,
+    progress: &Progress,
+) -> Result<(), RasterError> {
+    let draw = |tile| Ok(draw(grid, tile, &stored));
+    geotiff(path, spec, &tiles(grid, is_known), draw, progress)
+}
+
+/// Writes metres, NaN where nothing is known.
+///
+/// # Errors
+/// As [`grid_raster`].
+pub fn metres_raster(
+    path: &Path,
+    spec: &RasterSpec,
+    grid: &Grid,
+    values_m: &[f32],
+    progress: &Progress,
+) -> Result<(), RasterError> {
+    let stored = |cell: Option<usize>| {
+        let value_m = cell.map_or(f32::NAN, |cell| values_m[cell]);
+        let stored = if value_m.is_nan() { NODATA } else { value_m };
+        stored.to_le_bytes()
+    };
+    grid_raster(path, spec, grid, |cell| !values_m[cell].is_nan(), stored, progress)
+}
+
+/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is added
+/// to the description of the numbers.
+///
+/// # Errors
+/// As [`grid_raster`].
+pub(crate) fn source_raster(
+    path: &Path,
+    spec: RasterSpec,
+    surface: &Surface,
+    about: &str,
+    progress: &Progress,
+) -> Result<(), RasterError> {
+    let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
+    let spec = RasterSpec {
+        cells: CellFormat::Class,
+        band: Some(Band { name: "source of the depth", unit: "", positive_down: false }),
+        description: format!("The source of the depth in a cell: {}; {about}", names.join(", ")),
+        ..spec
+    };
+    let is_known = |cell: usize| !surface.depth_m[cell].is_nan();
+    let stored = |cell: Option<usize>| [cell.map_or(0, |cell| surface.source[cell] as u8)];
+    grid_raster(path, &spec, &surface.grid, is_known, stored, progress)
+}
+
+/// Row and column of the tiles that hold something.
+fn tiles(grid: &Grid, is_known: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
+    let across = grid.columns.div_ceil(RASTER_TILE);
+    let mut holds = vec![false; across * grid.rows.div_ceil(RASTER_TILE)];
+    for cell in 0..grid.len() {
+        let (row, column) = (cell / grid.columns, cell % grid.columns);
+        let tile = row / RASTER_TILE * across + column / RASTER_TILE;
+        holds[tile] = holds[tile] || is_known(cell);
+    }
+    let filled = (0..holds.len()).filter(|tile| holds[*tile]);
+    filled.map(|tile| [tile / across, tile % across]).collect()
+}
+
+/// The bytes of a tile; `stored` is asked for the number of a cell, `None` beyond the grid.
+fn draw<const BYTES: usize>(
+    grid: &Grid,
+    [row, column]: [usize; 2],
+    stored: impl Fn(Option<usize>) -> [u8; BYTES],
+) -> Vec<u8> {
+    let mut tile = Vec::with_capacity(BYTES * RASTER_TILE * RASTER_TILE);
+    for row in row * RASTER_TILE..(row + 1) * RASTER_TILE {
+        for column in column * RASTER_TILE..(column + 1) * RASTER_TILE {
+            let inside = row < grid.rows && column < grid.columns;
+            tile.extend(stored(inside.then_some(row * grid.columns + column)));
+        }
+    }
+    tile
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bathyscope_log::formats::geotiff::{CellFormat, RASTER_TILE};
     use bathyscope_log::support::geo::Crs;
 
     #[test]

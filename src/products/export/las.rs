@@ -1,6 +1,8 @@
 //! Points in a map's coordinates as COPC or LAS 1.4, whatever they are of.
+//!
+//! The dimensions of points beyond the fields of the standard are described by the Extra Bytes
+//! record of LAS 1.4 R15 (section 2.7.1 "Extra Bytes").
 
-use super::extra_bytes::{self, Dimension};
 use super::{ExportError, Summary, write_atomically};
 use bathyscope_bottom::cloud::PointClass;
 use bathyscope_log::formats::points::{LasWriter, transforms, write_copc};
@@ -16,6 +18,10 @@ const RESOLUTION_M: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
+/// Bytes of one description of a dimension.
+const DESCRIPTION: usize = 192;
+/// Bytes that the standard has for the name, and for the description.
+const LONGEST: usize = 32;
 
 /// Compression of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +31,46 @@ pub(crate) enum LasPacking {
     Copc,
     /// LAS, for programs that cannot unpack.
     Plain,
+}
+
+/// A dimension.
+#[derive(Clone, Copy)]
+pub(super) struct Dimension {
+    name: &'static str,
+    kind: DimensionType,
+    no_data: Option<f64>,
+    what: &'static str,
+}
+
+impl Dimension {
+    /// A dimension of a name, a type, a value for "no data" and a description of what it is.
+    pub(super) const fn new(
+        name: &'static str,
+        kind: DimensionType,
+        no_data: Option<f64>,
+        what: &'static str,
+    ) -> Self {
+        assert!(name.len() <= LONGEST && what.len() <= LONGEST);
+        Self { name, kind, no_data, what }
+    }
+}
+
+/// Type of a dimension, by the standard's number.
+#[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum DimensionType {
+    U8 = 1,
+    U32 = 5,
+    F32 = 9,
+}
+
+impl DimensionType {
+    fn bytes(self) -> u16 {
+        match self {
+            Self::U8 => 1,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
 }
 
 /// Layout of a file of points.
@@ -84,8 +130,8 @@ fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Head
         builder.gps_time_type = GpsTimeType::Standard;
     }
     builder.point_format = Format::new(FORMAT)?;
-    builder.point_format.extra_bytes = extra_bytes::length(spec.dimensions);
-    builder.vlrs.push(extra_bytes::record(spec.dimensions));
+    builder.point_format.extra_bytes = extra_bytes_length(spec.dimensions);
+    builder.vlrs.push(extra_bytes_record(spec.dimensions));
     builder.vlrs.push(class_names());
     builder.transforms = transforms;
     let mut header: Header = builder.into_header()?;
@@ -110,4 +156,35 @@ fn class_names() -> Vlr {
         description: "Classification".to_owned(),
         data,
     }
+}
+
+/// Bytes that dimensions add to a point.
+fn extra_bytes_length(dimensions: &[Dimension]) -> u16 {
+    dimensions.iter().map(|one| one.kind.bytes()).sum()
+}
+
+/// The record that names the dimensions.
+fn extra_bytes_record(dimensions: &[Dimension]) -> Vlr {
+    Vlr {
+        user_id: "LASF_Spec".to_owned(),
+        record_id: 4,
+        description: "Extra Bytes".to_owned(),
+        data: dimensions.iter().flat_map(described).collect(),
+    }
+}
+
+/// Two reserved bytes, type, options, name, four unused; "no data", least, most, scale and offset,
+/// 24 bytes each; description.
+fn described(dimension: &Dimension) -> Vec<u8> {
+    let mut bytes = vec![0; DESCRIPTION];
+    bytes[2] = dimension.kind as u8;
+    bytes[4..4 + dimension.name.len()].copy_from_slice(dimension.name.as_bytes());
+    if let Some(no_data) = dimension.no_data {
+        // The first option says that this field means something; floating types store it in eight
+        // bytes.
+        bytes[3] = 1;
+        bytes[40..48].copy_from_slice(&no_data.to_le_bytes());
+    }
+    bytes[160..160 + dimension.what.len()].copy_from_slice(dimension.what.as_bytes());
+    bytes
 }

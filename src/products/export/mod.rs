@@ -3,52 +3,37 @@
 //!
 //! In: results. Out: one file for each.
 //!
-//! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes`
-//! names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the
-//! cells of a grid, `qgis_style` its colours, `vector` lines and areas, `rings` keeps polygons
-//! valid, `summary` counts what a file holds; `fixed` writes numbers; `log_copy` copies a log;
-//! `dataset` is the folder that detectors are trained on, `tile_sets` maps as tiles, `points` what
-//! `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and
-//! point files are laid out is known to `formats`, which also reads them.
+//! One file a kind of product, `atomic_write` for the renaming, [`Summary`] for what a file holds;
+//! `points` writes tables and clouds as text, `las` any points as LAS; `geotiff` puts any raster
+//! and the cells of a grid into a file, `qgis_style` its colours, `vector` lines and areas, `rings`
+//! keeps polygons valid; `fixed` writes numbers; `log_copy` copies a log; `dataset` is the folder
+//! that detectors are trained on, `tile_sets` maps as tiles, `plan` lines to sail for plotters and
+//! autopilots. How rasters and point files are laid out is known to `formats`, which also reads
+//! them.
 
-mod antimeridian;
 mod atomic_write;
 pub mod avi;
 mod bottom_las;
 mod chip_folder;
 mod chips;
-mod cloud_csv;
 mod cloud_las;
-mod cloud_ply;
-mod cloud_xyz;
 mod dataset;
-mod depth_xyz;
-mod differences_csv;
-mod extra_bytes;
 mod figure;
-mod first_returns;
 mod fixed;
-mod footprint;
 mod geojson;
 mod geopackage;
 mod geotiff;
 mod glb;
-mod gps_time;
-mod grid_raster;
 mod isobaths;
 mod las;
 mod log_copy;
-mod log_points;
 mod objects;
-mod picture_boxes;
 mod plan;
 mod points;
-mod profile_csv;
 mod qgis_style;
 mod qgis_vector;
 mod rings;
 mod sqlite;
-mod summary;
 mod survey_layers;
 pub(crate) mod tile_sets;
 mod track;
@@ -64,47 +49,94 @@ pub use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
 pub(crate) use chips::picture_chips;
 pub use chips::{ChipError, ChipLog, chip, chips};
-pub(crate) use cloud_csv::cloud_csv;
 pub(crate) use cloud_las::cloud_las;
-pub(crate) use cloud_ply::cloud_ply;
-pub(crate) use cloud_xyz::cloud_xyz;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
-pub(crate) use depth_xyz::depth_xyz;
-pub(crate) use differences_csv::differences_csv;
-pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
-pub(crate) use first_returns::first_returns_csv;
-pub(crate) use footprint::footprint_geojson;
+pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv, write_profile_csv};
 pub(crate) use geopackage::geopackage;
-pub use geotiff::{RasterError, geotiff};
+pub(crate) use geotiff::source_raster;
+pub use geotiff::{RasterError, geotiff, metres_raster};
 pub use glb::{TexturedMesh, glb};
-pub use grid_raster::metres_raster;
-pub(crate) use grid_raster::source_raster;
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
 pub(crate) use las::LasPacking;
 pub use log_copy::{CopyError, LogPartChoice, TimeBound, check_copy, copy_log};
-pub(crate) use log_points::LogPoints;
 pub(crate) use objects::{
     ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,
-    objects_gpkg, objects_gpx, objects_kml, shapes_ply,
+    objects_gpkg, objects_gpx, objects_kml, picture_boxes_csv, shapes_ply,
 };
-pub(crate) use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
 pub use points::kept_points;
-pub use profile_csv::{profile_csv, write_profile_csv};
+pub(crate) use points::{
+    LogPoints, cloud_csv, cloud_ply, cloud_xyz, depth_xyz, differences_csv, first_returns_csv,
+};
 pub(crate) use qgis_style::qgis_classes;
 pub use qgis_style::qgis_style;
-pub use summary::Summary;
-use summary::write_summed;
 pub(crate) use survey_layers::{
     MapGeometry, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
 };
 pub use track::{TrackPiece, TrackPoint, track};
-pub(crate) use track::{track_geojson, track_gpx};
+pub(crate) use track::{footprint_geojson, track_geojson, track_gpx};
 pub(crate) use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
 
 use bathyscope_bottom::cloud::PointSource;
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+/// Number of points, lines or cells of a file, and the box around them in the file's own
+/// coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Number of points, lines or cells.
+    pub count: usize,
+    /// Least and most of x (east, longitude) and y (north, latitude); `None` where nothing has a
+    /// place.
+    pub extent: Option<[[f64; 2]; 2]>,
+    /// Least and most value; `None` where there are none.
+    pub values: Option<[f64; 2]>,
+}
+
+impl Summary {
+    /// Counts a thing with a value, which may be NaN, as may its place.
+    pub fn add(&mut self, place: [f64; 2], value: f64) {
+        self.count += 1;
+        self.reach(place);
+        self.value(value);
+    }
+
+    /// Widens the box.
+    pub fn reach(&mut self, [x, y]: [f64; 2]) {
+        if x.is_finite() && y.is_finite() {
+            let [xs, ys] = self.extent.unwrap_or([[x, x], [y, y]]);
+            self.extent = Some([widened(xs, x), widened(ys, y)]);
+        }
+    }
+
+    /// Widens the range of values.
+    pub fn value(&mut self, value: f64) {
+        if value.is_finite() {
+            self.values = Some(widened(self.values.unwrap_or([value, value]), value));
+        }
+    }
+}
+
+/// Writes a file, and sums up on the way what it holds.
+fn write_summed(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>, &mut Summary) -> io::Result<()>,
+) -> Result<Summary, ExportError> {
+    write_atomically(path, |file| {
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+        write(&mut out, &mut summary)?;
+        out.flush()?;
+        Ok(summary)
+    })
+}
+
+fn widened([least, most]: [f64; 2], value: f64) -> [f64; 2] {
+    [least.min(value), most.max(value)]
+}
 
 /// Rounded to the millimetre.
 fn millimetres(metres: f64) -> f64 {

@@ -1,8 +1,312 @@
-//! Point files with some of their points.
+//! Pings and points as tables and plain files: `first_returns.csv`, `cloud.csv`, the differences of
+//! points from a reference, `cloud.ply`, `cloud.xyz`, `depth.xyz`, and point files with some of
+//! their points.
+//!
+//! Points are those of one log, or of all logs of a survey. `*.xyz` is plain text for whatever
+//! reads columns.
 
-use super::{ExportError, write_atomically};
+use super::fixed::Fixed;
+use super::{ExportError, Summary, colour, write_atomically, write_summed};
+use bathyscope_bottom::bathymetry::compare::Match;
+use bathyscope_bottom::calibration::Calibration;
+use bathyscope_bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
+use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::formats::points::{PointFile, PointFormat};
+use bathyscope_log::support::geo::compass_deg;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{
+    ExclusionReason, Exclusions, Navigation, Side, SoundingFault, Survey,
+};
+use std::borrow::Cow;
+use std::io::{self, Write};
 use std::path::Path;
+
+/// Columns of `first_returns.csv`.
+const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
+     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,excluded";
+/// Cells written between two looks at whether the work was cancelled.
+const CHUNK: usize = 4096;
+
+/// The points of a log and what they come from.
+#[derive(Clone, Copy)]
+pub(crate) struct LogPoints<'a> {
+    /// Name of the log, in a table of several logs.
+    pub name: &'a str,
+    /// The recording.
+    pub survey: &'a Survey,
+    /// Places of its pings.
+    pub navigation: &'a Navigation,
+    /// Its first returns.
+    pub returns: &'a FirstReturns,
+    /// Its scales.
+    pub calibration: &'a Calibration,
+    /// Corrections of its depths.
+    pub correction: &'a Correction,
+    /// Excluded pings and soundings.
+    pub exclusions: &'a Exclusions,
+    /// Its points.
+    pub cloud: &'a PointCloud,
+    /// The class of each point.
+    pub classes: &'a [PointClass],
+}
+
+impl<'a> LogPoints<'a> {
+    /// Returns the reduction of its samples and recorded depths to metres.
+    pub(crate) fn reduction(&self) -> Reduction<'a> {
+        Reduction::new(self.calibration, self.correction)
+    }
+
+    /// All points in the cloud's order, each with its class.
+    pub(crate) fn points(
+        &self,
+    ) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
+        self.cloud.points.iter().zip(self.classes.iter().copied())
+    }
+}
+
+/// The column of the log's name and what stands in it, each with its comma: only a table of several
+/// logs has one.
+struct LogColumn {
+    /// `log,`, or nothing.
+    header: &'static str,
+    is_shown: bool,
+}
+
+impl LogColumn {
+    fn of(logs: &[LogPoints<'_>]) -> Self {
+        let is_shown = logs.len() > 1;
+        Self { header: if is_shown { "log," } else { "" }, is_shown }
+    }
+
+    /// The field of a log, quoted where its name holds what ends a field.
+    fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
+        match (self.is_shown, log.name.contains([',', '"', '\n', '\r'])) {
+            (false, _) => Cow::Borrowed(""),
+            (true, false) => Cow::Owned(format!("{},", log.name)),
+            (true, true) => Cow::Owned(format!("\"{}\",", log.name.replace('"', "\"\""))),
+        }
+    }
+}
+
+/// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample`
+/// counts u8 samples outward from the middle, `*_range_m` is after calibration, `excluded` why a
+/// ping counts for nothing. Of several logs the column `log` stands before the others.
+pub(crate) fn first_returns_csv(
+    path: &Path,
+    logs: &[LogPoints<'_>],
+) -> Result<Summary, ExportError> {
+    let column = LogColumn::of(logs);
+    write_summed(path, |out, summary| {
+        writeln!(out, "{}{HEADER}", column.header)?;
+        for log in logs {
+            let name = column.field(log);
+            for ping in 0..log.survey.side_scan.len().min(log.navigation.pings.len()) {
+                write!(out, "{name}")?;
+                write_ping(log, ping, out, summary)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+fn write_ping(
+    log: &LogPoints<'_>,
+    index: usize,
+    out: &mut impl Write,
+    summary: &mut Summary,
+) -> io::Result<()> {
+    let LogPoints { survey, navigation, .. } = log;
+    let (ping, place) = (&survey.side_scan[index], &navigation.pings[index]);
+    let at = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
+    summary.add([at.lon_deg, at.lat_deg], f64::from(ping.depth_m));
+    write!(out, "{index},{:.3}", ping.time_s)?;
+    number(out, at.lon_deg, 9)?;
+    number(out, at.lat_deg, 9)?;
+    number(out, place.east_m, 3)?;
+    number(out, place.north_m, 3)?;
+    number(out, compass_deg(place.heading_rad, 2), 2)?;
+    number(out, f64::from(ping.depth_m), 3)?;
+    for side in [Side::Port, Side::Starboard] {
+        let pick = (log.returns.side(side).get(index)).filter(|pick| pick.is_some());
+        let [sample, range_m, confidence] = pick.map_or([f64::NAN; 3], |pick| {
+            let range_m = log.calibration.pick_range_m(survey, index, side, pick.sample);
+            [f64::from(pick.sample), range_m, f64::from(pick.confidence)]
+        });
+        number(out, sample, 2)?;
+        number(out, range_m, 4)?;
+        number(out, confidence, 3)?;
+    }
+    let reason = log.exclusions.ping(index).map_or("", ExclusionReason::name);
+    writeln!(out, ",{reason}")
+}
+
+/// A comma and the number, or a comma alone where there is none.
+fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
+    if value.is_finite() { write!(out, ",{}", Fixed(value, decimals)) } else { write!(out, ",") }
+}
+
+/// Writes every point with its class, log by log in the cloud's order; of several logs with the
+/// column `log` before the others. `kept` is 1 where the class is that of the bottom. The level of
+/// the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance
+/// straight below, that of a swath point the distance straight to it. The fault is that of a
+/// sounding that does not count.
+pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
+    let column = LogColumn::of(logs);
+    write_summed(path, |out, summary| {
+        let header = column.header;
+        writeln!(
+            out,
+            "{header}source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault"
+        )?;
+        for log in logs {
+            let (name, reduction) = (column.field(log), log.reduction());
+            for (point, class) in log.points() {
+                let (east_m, north_m) = (point.east_m, point.north_m);
+                let at = log.navigation.to_lon_lat(&log.survey.track, east_m, north_m);
+                summary.add([at.lon_deg, at.lat_deg], point.z_m);
+                let range_m = reduction.point_range_m(log.survey, point);
+                let level = if point.source.is_side_scan() {
+                    point.level.to_string()
+                } else {
+                    String::new()
+                };
+                writeln!(
+                    out,
+                    "{name}{},{},{},{},{},{},{},{},{},{level},{},{}",
+                    point.source.name(),
+                    point.ping,
+                    Fixed(at.lon_deg, 9),
+                    Fixed(at.lat_deg, 9),
+                    Fixed(east_m, 4),
+                    Fixed(north_m, 4),
+                    Fixed(point.z_m, 4),
+                    u8::from(class.is_kept()),
+                    class.code(),
+                    Fixed(range_m, 3),
+                    point.fault.map_or("", SoundingFault::name)
+                )?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes the points that differences are of, log by log: their `measured` is the index in the
+/// log's cloud.
+pub(crate) fn differences_csv(
+    path: &Path,
+    logs: &[LogPoints<'_>],
+    differences: &[&[Match]],
+) -> Result<Summary, ExportError> {
+    let column = LogColumn::of(logs);
+    write_summed(path, |out, summary| {
+        writeln!(
+            out,
+            "{}source,ping,lon,lat,east_m,north_m,z_m,reference_z_m,difference_m",
+            column.header
+        )?;
+        for (log, differences) in logs.iter().zip(differences) {
+            let name = column.field(log);
+            for one in *differences {
+                let Some(point) = log.cloud.points.get(one.measured) else {
+                    continue;
+                };
+                let track = &log.survey.track;
+                let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);
+                summary.add([at.lon_deg, at.lat_deg], one.difference_m);
+                writeln!(
+                    out,
+                    "{name}{},{},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.4}",
+                    point.source.name(),
+                    point.ping,
+                    at.lon_deg,
+                    at.lat_deg,
+                    point.east_m,
+                    point.north_m,
+                    point.z_m,
+                    one.reference_z_m,
+                    one.difference_m
+                )?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes all points as binary little-endian PLY: x east, y north, z up, metres from the survey's
+/// origin in the plane of the cloud, as doubles; red, green, blue, the level of the echo
+/// (`intensity`, 0 for soundings) and the class (`classification`) as bytes; the slant range in
+/// metres as a float.
+pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
+    write_summed(path, |out, summary| {
+        write!(
+            out,
+            "ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\
+             element vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+             property uchar red\nproperty uchar green\nproperty uchar blue\n\
+             property uchar intensity\nproperty uchar classification\nproperty float range_m\nend_header\n",
+            logs.iter().map(|log| log.points().count()).sum::<usize>()
+        )?;
+        for log in logs {
+            let reduction = log.reduction();
+            for (point, class) in log.points() {
+                summary.add([point.east_m, point.north_m], point.z_m);
+                for value in [point.east_m, point.north_m, point.z_m] {
+                    out.write_all(&value.to_le_bytes())?;
+                }
+                out.write_all(&colour(point.source))?;
+                out.write_all(&[point.level, class.code()])?;
+                let range_m = reduction.point_range_m(log.survey, point) as f32;
+                out.write_all(&range_m.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes the points of the class of the bottom as lines of x, y and z with spaces between,
+/// `decimals` of them for x and y; `place` gives where a point of a log lies. z is elevation in
+/// metres above the transducer, so negative.
+pub(crate) fn cloud_xyz(
+    path: &Path,
+    decimals: usize,
+    place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],
+    logs: &[LogPoints<'_>],
+) -> Result<Summary, ExportError> {
+    write_summed(path, |out, summary| {
+        for log in logs {
+            for (_, point) in log.cloud.kept(log.classes) {
+                let [x, y] = place(log, point);
+                summary.add([x, y], point.z_m);
+                let [x, y] = [x, y].map(|value| Fixed(value, decimals));
+                writeln!(out, "{x} {y} {}", Fixed(point.z_m, 3))?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes cells as lines of x, y and depth in metres, positive down, with spaces between;
+/// `decimals` of them for x and y. `cells` gives the middle of a cell in the file's coordinates and
+/// its depth.
+pub(crate) fn depth_xyz(
+    path: &Path,
+    decimals: usize,
+    cells: impl Iterator<Item = ([f64; 2], f32)>,
+    progress: &Progress,
+) -> Result<Summary, ExportError> {
+    write_summed(path, |out, summary| {
+        for (index, ([x, y], depth_m)) in cells.enumerate() {
+            if index % CHUNK == 0 {
+                progress.check().map_err(io::Error::other)?;
+            }
+            summary.add([x, y], f64::from(depth_m));
+            let [x, y] = [x, y].map(|value| Fixed(value, decimals));
+            writeln!(out, "{x} {y} {}", Fixed(depth_m.into(), 3))?;
+        }
+        Ok(())
+    })
+}
 
 /// Writes the points whose flag is set.
 ///
@@ -15,4 +319,25 @@ pub fn kept_points(
     kept: &[bool],
 ) -> Result<(), ExportError> {
     write_atomically(path, |file| points.write_kept(file, format, kept))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_a_cell_and_the_summary_counts_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("depth.xyz");
+        let cells = [([500_000.25, 3_000_000.5], 2.25), ([500_000.75, 3_000_000.0], 1.0)];
+        let summary = depth_xyz(&path, 3, cells.into_iter(), &Progress::new()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "500000.250 3000000.500 2.250\n500000.750 3000000.000 1.000\n");
+        assert_eq!((summary.count, summary.values), (2, Some([1.0, 2.25])));
+        let cancelled = Progress::new();
+        cancelled.cancel();
+        std::fs::remove_file(&path).unwrap();
+        assert!(depth_xyz(&path, 3, cells.into_iter(), &cancelled).is_err());
+        assert!(!path.exists(), "nothing half written");
+    }
 }

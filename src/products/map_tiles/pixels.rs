@@ -1,7 +1,18 @@
 //! Depth and light of a tile, pixel by pixel, and the pictures of it.
+//!
+//! Depths with their hill-shade are sampled at the places of the pixels in the plane of a map.
 
-use super::web_tile::TILE_PIXELS;
+use super::web_tile::{TILE_PIXELS, WebTile};
+use bathyscope_bottom::bathymetry::{Light, Surface};
 use bathyscope_bottom::presentation::colours::lit_depth_colour;
+use bathyscope_log::support::geo::LonLat;
+
+/// Pixels between two places of the lattice. A projection bends so little over them that a place
+/// between is off by a millionth of a pixel where a pixel is some decimetres long: by `16^2 / 8` of
+/// a pixel times its length over the earth's radius.
+const STEP: usize = 16;
+/// Places of the lattice along a side.
+const PLACES: usize = TILE_PIXELS / STEP + 1;
 
 /// Depth and light of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,9 +118,77 @@ impl Pixels {
     }
 }
 
+/// A surface, and how bright its cells are.
+#[derive(Clone, Copy)]
+pub(crate) struct LitSurface<'a> {
+    surface: &'a Surface,
+    /// Hill-shade of each cell from [`bathyscope_bottom::bathymetry::hill_shade`]: 0 where it is
+    /// unknown.
+    shade: &'a [u8],
+    level_ground: f32,
+}
+
+impl<'a> LitSurface<'a> {
+    /// Lit as `light` says, which the shade was made under.
+    pub(crate) fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
+        Self { surface, shade, level_ground: f32::from(light.level_ground()) }
+    }
+
+    /// Returns the depth and the light at a place, metres east and north: the depth is interpolated
+    /// between the centres of cells, or the depth of the cell where a neighbour has none. Ground
+    /// whose slope is unknown is as bright as level ground. `None` where the cell has no depth.
+    pub(crate) fn at(&self, place: [f64; 2]) -> Option<Pixel> {
+        let cell = self.surface.grid.index_at(place[0], place[1])?;
+        let of_cell = self.surface.depth_m.get(cell).copied();
+        let known = of_cell.filter(|depth_m| !depth_m.is_nan())?;
+        let depth_m = self.surface.depth_at(place).unwrap_or(known);
+        let light = match self.shade.get(cell) {
+            Some(&shade) if shade > 0 => f32::from(shade) / self.level_ground,
+            _ => 1.0,
+        };
+        Some(Pixel { depth_m, light })
+    }
+}
+
+/// The middles of a tile's pixels in a plane: projected on a lattice, and linear between its
+/// places. A projection at every pixel took four fifths of the time that a tile takes.
+pub(crate) struct PixelPlaces {
+    /// Row by row from the north-west, metres.
+    lattice: Vec<[f64; 2]>,
+}
+
+impl PixelPlaces {
+    /// Computes the places in the plane of a projection.
+    pub(crate) fn new(tile: WebTile, project: impl Fn(LonLat) -> [f64; 2]) -> Self {
+        let lattice = (0..PLACES * PLACES).map(|place| {
+            let pixel = [place % PLACES, place / PLACES].map(|number| (STEP * number) as f64);
+            project(tile.place(pixel))
+        });
+        Self { lattice: lattice.collect() }
+    }
+
+    /// The middle of a pixel, given as its column and row, metres east and north.
+    pub(crate) fn of(&self, pixel: [usize; 2]) -> [f64; 2] {
+        let [column, row] = pixel.map(|number| number / STEP);
+        let [right, down] = pixel.map(|number| ((number % STEP) as f64 + 0.5) / STEP as f64);
+        let first = row * PLACES + column;
+        let corners = [first, first + 1, first + PLACES, first + PLACES + 1];
+        let [a, b, c, d] = corners.map(|corner| self.lattice[corner]);
+        [0, 1].map(|axis| {
+            let upper = a[axis] + (b[axis] - a[axis]) * right;
+            let lower = c[axis] + (d[axis] - c[axis]) * right;
+            upper + (lower - upper) * down
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::map_tiles::web_pixel;
+    use bathyscope_bottom::bathymetry::{Grid, hill_shade};
+    use bathyscope_log::support::geo::UtmZone;
+    use bathyscope_log::support::progress::Progress;
 
     fn sloped([column, _]: [usize; 2]) -> Option<Pixel> {
         Some(Pixel { depth_m: 2.0 + 1e-2 * column as f32, light: 1.0 })
@@ -143,5 +222,57 @@ mod tests {
         let coarse = Pixels::of_children([Some(&holed), None, None, None]).unwrap();
         let known = [0, TILE_PIXELS, TILE_PIXELS + 1].map(|pixel| fine.depth_m[pixel]);
         assert!((coarse.depth_m[0] - known.iter().sum::<f32>() / 3.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_place_has_the_depth_and_the_light_of_the_map() {
+        let grid = Grid { west_m: 0.0, north_m: 5.0, cell_m: 1.0, columns: 5, rows: 5 };
+        let mut depth_m: Vec<f32> = (0..25).map(|cell| 2.0 + 0.1 * (cell % 5) as f32).collect();
+        depth_m[24] = f32::NAN;
+        let surface = Surface::of_depths(grid, depth_m);
+        let light = Light::suited(&surface);
+        let shade = hill_shade(&surface, &light, &Progress::new()).unwrap();
+        let lit = LitSurface::new(&surface, &shade, &light);
+        let between = lit.at([2.0, 2.5]).unwrap();
+        assert!((between.depth_m - 2.15).abs() < 1e-6);
+        // Deeper to the east: turned away from the light in the north-west.
+        assert!(between.light < 0.999, "{between:?}");
+        // Between a known cell and one without, on the known one's side.
+        assert_eq!(lit.at([3.9, 0.5]).map(|pixel| pixel.depth_m), Some(2.3));
+        assert_eq!(lit.at([3.9, 0.5]).map(|pixel| pixel.light), Some(1.0));
+        assert_eq!(lit.at([4.5, 0.5]), None);
+        assert_eq!(lit.at([5.5, 2.5]), None);
+    }
+
+    /// Returns the largest error of the place of a pixel, in pixels, in the tile of a zoom that
+    /// holds a place.
+    fn off(at: LonLat, zoom: u8) -> f64 {
+        let tile = WebTile::at_pixel(web_pixel(at, zoom), zoom);
+        let zone = UtmZone::of(at);
+        let places = PixelPlaces::new(tile, |at| zone.to_metres(at));
+        let middle =
+            |pixel: [usize; 2]| zone.to_metres(tile.place(pixel.map(|number| number as f64 + 0.5)));
+        let between = |[x0, y0]: [f64; 2], [x1, y1]: [f64; 2]| (x1 - x0).hypot(y1 - y0);
+        let pixel_m = between(middle([0, 0]), middle([1, 0]));
+        let pixels = (0..TILE_PIXELS * TILE_PIXELS).step_by(7);
+        let off_m = pixels.map(|pixel| {
+            let pixel = [pixel % TILE_PIXELS, pixel / TILE_PIXELS];
+            between(places.of(pixel), middle(pixel))
+        });
+        off_m.fold(0.0, f64::max) / pixel_m
+    }
+
+    #[test]
+    fn pixels_lie_where_the_projection_has_them() {
+        for at in [
+            LonLat::new(9.1, 47.6),
+            LonLat::new(-111.4, 36.9),
+            LonLat::new(25.0, 69.9),
+            LonLat::new(147.3, -42.9),
+        ] {
+            // Pixels of 0.2 m, and of 40 m.
+            assert!(off(at, 19) < 3e-6, "{at:?}: {}", off(at, 19));
+            assert!(off(at, 12) < 4e-4, "{at:?}: {}", off(at, 12));
+        }
     }
 }

@@ -1,9 +1,8 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures
 //! with labels, for training.
 
-use super::logs::{log_names, survey_name};
 use super::objects::{find_shapes, listed};
-use super::order::check_logs;
+use super::order::{check_logs, log_names, survey_name};
 use super::training_tiles::TrainingTiles;
 use crate::export::{self, DatasetPart, ObjectLog, make_folder};
 use crate::file_name::file_name;

@@ -2,7 +2,7 @@
 //! point.
 
 use super::content::{FileContent, FileResult};
-use super::logs::{log_names, log_points};
+use super::order::{log_names, log_points};
 use super::results::Results;
 use crate::export::{self, Summary};
 use crate::outputs::OutputError;

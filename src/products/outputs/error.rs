@@ -1,6 +1,6 @@
 //! Errors of writing files.
 
-use super::mosaic_grid::NoMosaic;
+use super::ground::NoMosaic;
 use crate::export::{ChipError, ExportError, NoFolder, RasterError};
 use crate::pipeline::{AgreementError, InputError};
 use bathyscope_bottom::bathymetry::isobaths::NoIsobaths;

@@ -1,10 +1,9 @@
 //! All lines, areas and objects of a survey in one file.
 
-use super::content::{FileContent, FileResult};
+use super::content::{FileContent, FileResult, Need};
 use super::depth::contours::DrawnContours;
-use super::need::Need;
+use super::object_files::targets;
 use super::results::Results;
-use super::targets::targets;
 use crate::export::{self, MapGeometry};
 use crate::outputs::OutputError;
 use bathyscope_bottom::presentation::colours::depth_colour;

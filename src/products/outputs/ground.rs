@@ -1,7 +1,16 @@
-//! The ground that the side-scan of a run covers.
+//! Ground of a run on the map: what its side-scan covers, the cells that its mosaic has, and the
+//! place of a raster.
 
+use crate::pipeline::Mosaic;
+use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
+use bathyscope_bottom::mosaic::{TILE_CELLS, joint_grid};
+use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
+
+/// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a
+/// huge, empty map.
+const MOST_TILES: usize = 1_000_000;
 
 /// The ground that the side-scan covers.
 pub(super) struct SideScanCoverage {
@@ -20,5 +29,53 @@ impl SideScanCoverage {
         };
         let on_map_m2: f64 = shapes.iter().map(|shape| shape.area_m2()).sum();
         Self { shapes, area_m2: on_map_m2 / map.area_scale_at(first) }
+    }
+}
+
+/// Reason why there is no mosaic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoMosaic {
+    /// There are no echoes that have a place.
+    #[error("no mosaic: no ping has side-scan, a place, a heading and an altitude")]
+    NoPings,
+    /// It would span more than any file.
+    #[error(
+        "no mosaic: it would have {columns} by {rows} cells; choose a larger mosaic.cell_m, or look for positions that are far off"
+    )]
+    TooManyCells {
+        /// Cells from west to east.
+        columns: usize,
+        /// Cells from north to south.
+        rows: usize,
+    },
+}
+
+/// The cells of the file with a mosaic, where there is one.
+///
+/// # Errors
+/// When it cannot be drawn.
+pub(super) fn mosaic_grid(mosaic: Option<&Mosaic>, cell_m: f64) -> Result<Grid, NoMosaic> {
+    let grid = mosaic.and_then(|mosaic| joint_grid(&mosaic.logs, cell_m));
+    let grid = grid.ok_or(NoMosaic::NoPings)?;
+    let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
+    if down.saturating_mul(across) > MOST_TILES {
+        return Err(NoMosaic::TooManyCells { columns: grid.columns, rows: grid.rows });
+    }
+    Ok(grid)
+}
+
+/// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it
+/// says.
+pub(super) fn raster_over(grid: &Grid, map: &MapPlane) -> RasterSpec {
+    RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west: map.in_crs([grid.west_m, 0.0])[0],
+        north: map.in_crs([0.0, grid.north_m])[1],
+        cell: map.in_crs([grid.cell_m; 2]),
+        crs: map.crs.clone(),
+        cells: CellFormat::Metres,
+        band: None,
+        description: String::new(),
     }
 }

@@ -1,9 +1,7 @@
 //! The files that are made of the results, several groups of them at once.
 
-use super::content::FileContent;
-use super::need::Missing;
-use super::order::When;
-use super::product::Product;
+use super::content::{FileContent, Missing};
+use super::order::{Product, When};
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, WriteFile};
 use super::results::Results;
 use crate::export::make_folder;

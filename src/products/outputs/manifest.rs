@@ -1,8 +1,7 @@
 //! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent
 //! and hash.
 
-use super::content::{Coordinates, FileContent};
-use super::need::Need;
+use super::content::{Coordinates, FileContent, Need};
 use super::registry::{Described, OutputFile, row_of};
 use crate::export::{Summary, write_json};
 use crate::outputs::OutputError;

@@ -1,10 +1,9 @@
 //! Writes the side-scan mosaic.
 
 use super::content::{FileContent, FileResult};
-use super::mosaic_grid::mosaic_grid;
+use super::ground::{mosaic_grid, raster_over};
 use super::results::Results;
 use crate::export::{Summary, geotiff};
-use crate::outputs::raster;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
 use bathyscope_log::formats::geotiff::{Band, CellFormat, RASTER_TILE, RasterSpec};
@@ -57,6 +56,6 @@ fn spec(grid: &Grid, map: &MapPlane, name: &str, colours: Colours) -> RasterSpec
         cells,
         band,
         description: format!("Side-scan mosaic of {name}"),
-        ..raster::over(grid, map)
+        ..raster_over(grid, map)
     }
 }

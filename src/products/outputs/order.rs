@@ -1,13 +1,92 @@
-//! Requests for the files of a run, and the conditions under which each file is written.
+//! Requests for the files of a run: the products that `bathyscope process --products` chooses from,
+//! the conditions under which each file is written, and the logs that they are of.
 
 use super::error::OutputError;
-use super::product::Product;
+use crate::export::LogPoints;
 use crate::pipeline::joint::RequestedCorrection;
 use crate::pipeline::{Derived, ProcessedLog, Reference};
 use bathyscope_bottom::bathymetry::compare::Matching;
+use bathyscope_log::survey::distinct_names;
 use bathyscope_objects::Model;
 use bathyscope_objects::objects::SurveyReview;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// A group of files that `bathyscope process --products` chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Product {
+    /// The points.
+    Cloud,
+    /// The way of the boat, and the ground that it covers.
+    Track,
+    /// The depth map as rasters.
+    Depth,
+    /// The depth map as text.
+    Xyz,
+    /// The depth map as a body and as points for 3D programs.
+    Bottom,
+    /// Lines of equal depth, the areas between them and what lies below each.
+    Isobaths,
+    /// The depth map as tiles for plotters and the web, and as a page.
+    MapTiles,
+    /// The side-scan mosaic.
+    Mosaic,
+    /// The differences between depths of different sources and passes.
+    Residuals,
+    /// The objects of the review.
+    Targets,
+    /// All lines, areas and objects in one file.
+    Geopackage,
+    /// The page that shows what was made.
+    Report,
+}
+
+impl Product {
+    /// All of them.
+    pub const ALL: [Product; 12] = [
+        Product::Cloud,
+        Product::Track,
+        Product::Depth,
+        Product::Xyz,
+        Product::Bottom,
+        Product::Isobaths,
+        Product::MapTiles,
+        Product::Mosaic,
+        Product::Residuals,
+        Product::Targets,
+        Product::Geopackage,
+        Product::Report,
+    ];
+
+    /// The name that `--products` knows.
+    pub fn name(self) -> &'static str {
+        self.words().0
+    }
+
+    /// Returns the name for people.
+    pub fn title(self) -> &'static str {
+        self.words().1
+    }
+
+    /// Name and title.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Product::Cloud => ("cloud", "Point cloud"),
+            Product::Track => ("track", "Track and coverage"),
+            Product::Depth => ("depth", "Depth map (GeoTIFF)"),
+            Product::Xyz => ("xyz", "Depth grid as text (XYZ)"),
+            Product::Bottom => ("bottom", "Bottom for 3D programs"),
+            Product::Isobaths => ("isobaths", "Isobaths, depth areas, volumes"),
+            Product::MapTiles => ("map-tiles", "Depth map for plotters and the web"),
+            Product::Mosaic => ("mosaic", "Side-scan mosaic (GeoTIFF)"),
+            Product::Residuals => ("residuals", "Residuals"),
+            Product::Targets => ("targets", "Objects that were accepted"),
+            Product::Geopackage => ("geopackage", "All lines and areas (GeoPackage)"),
+            Product::Report => ("report", "Report (HTML)"),
+        }
+    }
+}
 
 /// Condition under which a run writes a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,4 +149,37 @@ impl Order<'_> {
 pub(super) fn check_logs(logs: &[ProcessedLog]) -> Result<(), OutputError> {
     let mut surveys = logs.iter().map(|log| &log.survey);
     Ok(surveys.try_for_each(|survey| survey.check_files())?)
+}
+
+/// Returns the names of the logs: [`distinct_names`].
+pub fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
+    distinct_names(logs.iter().map(|log| &*log.survey))
+}
+
+/// Returns the name of a survey: the names of its logs, or the first and the last of more than
+/// three.
+pub(super) fn survey_name(names: &[String]) -> String {
+    match names {
+        [first, .., last] if names.len() > 3 => format!("{first} to {last} ({} logs)", names.len()),
+        names => names.join(", "),
+    }
+}
+
+/// Returns the points of each log, from which tables and clouds are written.
+pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> Vec<LogPoints<'a>> {
+    let points = |(name, log): (&'a String, &'a ProcessedLog)| {
+        let products = &log.products;
+        LogPoints {
+            name,
+            survey: &log.survey,
+            navigation: &products.navigation,
+            returns: &products.returns,
+            calibration: &products.calibration,
+            correction: &products.correction,
+            exclusions: &products.exclusions,
+            cloud: &products.cloud,
+            classes: &products.classes,
+        }
+    };
+    names.iter().zip(logs).map(points).collect()
 }

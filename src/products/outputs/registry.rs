@@ -4,12 +4,10 @@
 
 mod kinds;
 
-use super::content::FileResult;
-use super::need::Need;
-use super::order::When;
-use super::product::Product;
+use super::content::{FileResult, Need};
+use super::order::{Product, When};
 use super::results::Results;
-use super::{clouds, comparison, depth, detections, geopackage, mosaic, residuals, targets, track};
+use super::{clouds, comparison, depth, geopackage, mosaic, object_files, residuals, track};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
@@ -247,7 +245,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "East, north and depth in metres, positive down, of every cell of the depth map that has one",
             "depth_m",
             "cells of the depth map as plain text",
-            depth::cells::write,
+            depth::rasters::xyz,
         )
     },
     OutputFile {
@@ -270,7 +268,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
             "cells of the depth map as points, with the source of each depth",
-            depth::cells::points,
+            depth::rasters::points,
         )
     },
     contours(
@@ -386,10 +384,10 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "difference_m",
         comparison::csv,
     ),
-    target_file("objects/targets.csv", "boxes", targets::csv),
-    target_file("objects/targets.geojson", "objects", targets::geojson),
-    target_file("objects/targets.gpx", "objects", targets::gpx),
-    target_file("objects/targets.kml", "objects", targets::kml),
+    target_file("objects/targets.csv", "boxes", object_files::targets_csv),
+    target_file("objects/targets.geojson", "objects", object_files::targets_geojson),
+    target_file("objects/targets.gpx", "objects", object_files::targets_gpx),
+    target_file("objects/targets.kml", "objects", object_files::targets_kml),
     OutputFile {
         described: described(
             "Objects of the review, or of the detector where there is no review, with all that is known of each",
@@ -400,17 +398,25 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "objects/objects.csv",
             When::Listed,
             "objects, a row each: place, size, height and its source",
-            detections::all_objects,
+            object_files::all_objects,
         )
     },
-    boxes("objects/detections.csv", "boxes of the detector with place and size", detections::csv),
+    boxes(
+        "objects/detections.csv",
+        "boxes of the detector with place and size",
+        object_files::detections_csv,
+    ),
     OutputFile {
         described: described("Objects that the detector proposes, not reviewed", "objects", ""),
-        ..boxes("objects/detections.geojson", "objects for maps", detections::geojson)
+        ..boxes("objects/detections.geojson", "objects for maps", object_files::detections_geojson)
     },
     OutputFile {
         described: described("Objects that the detector proposes, not reviewed", "objects", ""),
-        ..boxes("objects/detections.gpx", "objects for maps and plotters", detections::gpx)
+        ..boxes(
+            "objects/detections.gpx",
+            "objects for maps and plotters",
+            object_files::detections_gpx,
+        )
     },
     OutputFile {
         described: described(
@@ -418,11 +424,11 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "objects",
             "z_m",
         ),
-        ..boxes("objects/shapes.ply", "shapes of objects for 3D programs", detections::shapes)
+        ..boxes("objects/shapes.ply", "shapes of objects for 3D programs", object_files::shapes)
     },
     OutputFile {
         described: None,
-        ..boxes("objects/chips", "folder: a picture of each object", detections::chips)
+        ..boxes("objects/chips", "folder: a picture of each object", object_files::chips)
     },
     OutputFile {
         needs: &[Need::Track],

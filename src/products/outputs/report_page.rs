@@ -1,20 +1,47 @@
-//! `report.html`: what was made, on one page.
+//! `report.html`: what was made, on one page, of a run while its files are written.
 
+use super::OutputError;
+use super::content::FileContent;
+use super::object_files::targets;
 use super::objects::target_boxes;
 use super::order::When;
+use super::registry::{FileWriter, OUTPUT_FILES, OutputFile};
 use super::results::Results;
-use super::run::OutputRun;
-use super::targets::targets;
+use super::run_folder::RunFolder;
 use crate::export::write_bytes;
 use crate::html_report::{self, FileLine, ReportData, ReportObjects};
-use crate::outputs::OutputError;
-use crate::pipeline::{Crosslines, ProcessedLog};
+use crate::pipeline::{Crosslines, Fingerprint, ProcessedLog, Report};
 use bathyscope_objects::Raster;
 use bathyscope_objects::objects::{Object, ObjectList};
 use bathyscope_objects::review::{PIXEL_M, Review, State};
 use bathyscope_objects::targets::{PassCount, PassLog};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// A run whose files are being written.
+pub(super) struct OutputRun<'a> {
+    pub results: Results<'a>,
+    pub report: Report,
+    /// Files that have been made of the results so far.
+    pub made: Vec<(&'static OutputFile, FileContent)>,
+    /// Fingerprints of the files that were made of the results.
+    pub hashed: Vec<Fingerprint>,
+    pub folder: &'a RunFolder,
+}
+
+impl OutputRun<'_> {
+    /// Returns the files that are in the folder at the end besides the page, as the page lists
+    /// them: folders last.
+    fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
+        let of_run = |row: &&OutputFile| {
+            row.when == When::Always && matches!(row.writer, FileWriter::Run(_))
+        };
+        let (folders, files): (Vec<_>, Vec<_>) =
+            (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));
+        let of_run = OUTPUT_FILES.iter().filter(of_run);
+        files.into_iter().chain(of_run).chain(folders)
+    }
+}
 
 /// Writes the page.
 pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {

@@ -1,15 +1,13 @@
 //! Results that the files of a run are made from: each is computed once, when the first file asks
 //! for it.
 
+use super::content::{Missing, Need};
 use super::depth::NO_SURFACE;
 use super::depth::map_tiles::MapTiles;
 use super::error::NoContours;
-use super::ground::SideScanCoverage;
-use super::logs::{log_names, log_points, survey_name};
-use super::mosaic_grid::mosaic_grid;
-use super::need::{Missing, Need};
+use super::ground::{SideScanCoverage, mosaic_grid};
 use super::objects::{Shapes, find_shapes, is_excluded};
-use super::order::{Order, When};
+use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::outputs::OutputError;
 use crate::pipeline::list_objects;

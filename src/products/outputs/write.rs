@@ -1,25 +1,26 @@
-//! All files of a run.
+//! All files of a run; and those of a search for objects by itself, into a folder that may hold the
+//! files of a run.
 
-use super::content::FileContent;
-use super::detections::Proposed;
+use super::content::{FileContent, Missing, Need};
 use super::groups::{first_missing, place, write_groups};
 use super::manifest::write_manifest;
-use super::need::{Missing, Need};
-use super::order::{Order, When, check_logs};
+use super::object_files::Proposed;
+use super::order::{Order, Product, When, check_logs};
 use super::overwrite::refuse_overwrite;
-use super::product::Product;
-use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, RunFile};
-use super::report_page;
+use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, RunFile, row_of, row_of_beside};
+use super::report_page::OutputRun;
 use super::results::Results;
-use super::run::OutputRun;
 use super::run_folder::{Replaced, RunFolder};
+use super::{OutputError, report_page};
+use crate::export;
 use crate::export::write_json;
-use crate::outputs::OutputError;
-use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
+use crate::pipeline::{Derived, ProcessedLog, Report};
 use bathyscope_bottom::bathymetry::Surface;
 use bathyscope_bottom::presentation::text::bytes;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
 use std::path::Path;
 
 /// Result of a run.
@@ -131,14 +132,14 @@ fn report(results: &Results<'_>) -> Result<Report, Cancelled> {
 }
 
 /// Files that were made of results, and why others were not.
-pub(super) struct MadeFiles {
-    pub files: Vec<(&'static OutputFile, FileContent)>,
-    pub warnings: Vec<String>,
+struct MadeFiles {
+    files: Vec<(&'static OutputFile, FileContent)>,
+    warnings: Vec<String>,
 }
 
 /// Writes the files that are made of the results alone, as far as they are asked for and possible;
 /// the search for objects comes first.
-pub(super) fn write_rows(
+fn write_rows(
     results: &Results<'_>,
     folder: &Path,
     asked: impl Fn(When) -> bool,
@@ -172,4 +173,66 @@ fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
     let more_inputs = if compared { run.results.reference_inputs()? } else { &[] };
     write_manifest(path, &run.report, &run.made, &files, more_inputs)
+}
+
+/// Searches a survey and writes what is found, in the place of what an earlier search wrote there;
+/// gives back what became of that, too.
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled; the folder is then as it
+/// was.
+pub fn write_detected(
+    log: &ProcessedLog,
+    model: &Model,
+    run: RunFolder,
+    progress: &Progress,
+) -> Result<(Proposed, Replaced), OutputError> {
+    let order = Order {
+        logs: std::slice::from_ref(log),
+        derived: &Derived::default(),
+        requested: &[],
+        reference: None,
+        search: Some(model),
+        review: &SurveyReview::default(),
+        corrections: &[],
+    };
+    let results = Results::new(&order, progress)?;
+    write_rows(&results, &run.path(), is_asked, &mut |_| ())?;
+    let found = Proposed::of(&results)?;
+    let found = found.ok_or("nothing searched for objects")?;
+    check_logs(order.logs)?;
+    Ok((found, run.commit_group(is_of_search)?))
+}
+
+/// Does the same for a picture of another program, by its name in the table.
+///
+/// # Errors
+/// As [`write_detected`].
+pub fn write_detected_in_picture(
+    name: &str,
+    picture: &Picture,
+    model: &Model,
+    settings: &DetectorSettings,
+    run: RunFolder,
+    progress: &Progress,
+) -> Result<(Vec<Scored>, Replaced), OutputError> {
+    let found = find_in_picture(picture, model, settings, progress)?;
+    let folder = run.path().join("objects");
+    // The chips come first, and make the folder.
+    export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
+        let table = folder.join("detections.csv");
+        export::picture_boxes_csv(&table, name, model.names(), &found)
+    })?;
+    Ok((found, run.commit_group(is_of_search)?))
+}
+
+/// Returns true if a file is of a search, in whatever version's layout.
+fn is_of_search(name: &str) -> bool {
+    let row = row_of(name).or_else(|| row_of_beside(name));
+    row.is_some_and(|row| is_asked(row.when))
+}
+
+/// Returns true for files that a search alone writes.
+fn is_asked(when: When) -> bool {
+    matches!(when, When::Searched | When::Listed)
 }

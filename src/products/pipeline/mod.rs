@@ -4,19 +4,18 @@
 //! together.
 //!
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several
-//! logs has for itself, `stage` the stages and which of them a change of settings makes stale,
-//! `run_stages` runs them, `products` is what they made, `engine` runs them on a worker for the
-//! window, `growing` over what was added to a log that is being written, `task` and `background`
-//! are how all work runs off its thread. `derived` makes what all logs give together, once and on
-//! demand. `depth` makes the depth map and what follows from it, `agreement` compares points with a
-//! reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
-//! up (`log_report` has what it says of each log), `scale_trial` what another scale would change,
-//! `fingerprint` tells versions of files apart, `source` puts right what a log does not say of
-//! itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a
-//! survey give together. Nothing is written here: see `outputs`.
+//! logs has for itself, `run_stages` has the stages, which of them a change of settings makes
+//! stale, and runs them, `products` is what they made, `engine` runs them on a worker for the
+//! window, `growing` over what was added to a log that is being written, `task` is how all work
+//! runs off its thread. `derived` makes what all logs give together, once and on demand, and says
+//! where echoes lie. `depth` makes the depth map and what follows from it, `agreement` compares
+//! points with a reference, `objects` says where objects lie, `report` sums a run up (`log_report`
+//! has what it says of each log), `scale_trial` what another scale would change, `fingerprint`
+//! tells versions of files apart, `source` puts right what a log does not say of itself,
+//! `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey
+//! give together. Nothing is written here: see `outputs`.
 
 mod agreement;
-mod background;
 mod clip_area;
 mod depth;
 mod derived;
@@ -24,14 +23,10 @@ mod engine;
 mod fingerprint;
 mod growing;
 pub mod joint;
-mod log_latency;
 mod log_report;
 mod log_settings;
-mod mosaic;
-mod object_positions;
 mod objects;
 mod passes;
-mod processed_log;
 mod products;
 mod relief;
 mod report;
@@ -39,52 +34,47 @@ mod run_stages;
 mod scale_trial;
 pub mod settings;
 mod source;
-mod stage;
 mod survey_coverage;
 mod task;
 
 pub use agreement::LogDifferences;
 pub use agreement::{Agreement, AgreementError, MissionLog, Reference, ResidualTables, positions};
-pub use background::{Background, Same};
 pub use clip_area::clip_area;
 pub(crate) use depth::CloudPlane;
 pub(crate) use depth::NamedComparison;
 pub(crate) use depth::comparisons;
 pub use depth::{
-    CommonUncertainty, Contours, Crosslines, GeometryChoice, choices, crosslines, depth_points,
+    CommonUncertainty, Crosslines, GeometryChoice, choices, crosslines, depth_points,
     joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
     Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,
     MosaicKey, PictureKey,
 };
-pub use derived::{DepthMap, Derived, Mosaic, MosaicPlane};
+pub use derived::{
+    Contours, DepthMap, Derived, Mosaic, MosaicPlane, mosaic_layout, mosaic_layout_by,
+};
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, InputError, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
-pub use log_latency::LogLatency;
 pub use log_report::CalibrationReport;
 pub use log_settings::{
     LogSettings, SettingValues, deserialize_values, is_of_one_log, setting_values, with_values,
 };
 pub(crate) use log_settings::{from_values, is_setting};
-pub use mosaic::{mosaic_layout, mosaic_layout_by};
-pub use object_positions::ObjectLocator;
-pub use objects::{list_objects, object_shape};
+pub use objects::{ObjectLocator, list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
-pub use processed_log::ProcessedLog;
-pub use products::Products;
 pub use products::colour_range_m;
+pub use products::{LogLatency, ProcessedLog, Products};
 pub use report::Report;
-pub use run_stages::run;
+pub use run_stages::{Stage, run};
 pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::SettingsError;
 pub use settings::{Preset, Settings};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
-pub use stage::Stage;
 pub use survey_coverage::survey_coverage;
-pub use task::{Jobs, Task, TaskOutcome};
+pub use task::{Background, Jobs, Same, Task, TaskOutcome};
 
 use bathyscope_log::support::geo::{CrsError, MapPlane};
 use bathyscope_log::survey::Survey;

@@ -1,7 +1,7 @@
-//! The results of the stages, each tagged with the settings that made it.
+//! The results of the stages, each tagged with the settings that made it, and a log with its
+//! results.
 
 use super::Settings;
-use super::log_latency::LogLatency;
 use bathyscope_bottom::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
 use bathyscope_bottom::cloud::{
     self, CloudPoint, CloudSettings, Clutter, Correction, PickTraits, PingDepth, PointClass,
@@ -10,7 +10,64 @@ use bathyscope_bottom::cloud::{
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Exclusions, Navigation, Relief, Survey};
+use bathyscope_objects::targets::PassLog;
+use serde::Serialize;
 use std::sync::Arc;
+
+/// Least difference, in seconds and in standard errors, by which crossings contradict the latency
+/// in force.
+const CONTRADICTED_S: f64 = 0.15;
+const CONTRADICTED_SIGMAS: f64 = 3.0;
+/// Least number of crossings that show the difference of depths well.
+const FEWEST_CROSSINGS: usize = 6;
+/// Depths of one recorder differ where its track crosses itself by this much, metres, and by this
+/// share of the depth, where boat and instruments are steady; standard deviation.
+const STEADY_M: f64 = 0.05;
+const STEADY_SHARE: f64 = 0.005;
+/// Standard deviation of normal errors over their mean absolute value.
+const SIGMA_PER_MAE: f64 = 1.2533;
+/// Share of a lag of soundings that crossings may show besides: an average is no delay.
+const LAG_LEFT: f64 = 0.15;
+
+/// Latency of the positions of a log, as its crossings show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LogLatency {
+    /// Value that `mounting.latency_s` should have, seconds.
+    pub latency_s: f64,
+    /// Its standard error, seconds.
+    pub standard_error_s: f64,
+    /// Latency in force, seconds.
+    pub in_force_s: f64,
+}
+
+impl LogLatency {
+    /// Returns true if the crossings contradict what is in force.
+    pub(crate) fn contradicts(&self) -> bool {
+        let off_s = (self.latency_s - self.in_force_s).abs();
+        off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
+    }
+
+    /// The sentence about what is in force, where the crossings contradict it.
+    fn warning(&self) -> String {
+        let more_s = self.latency_s - self.in_force_s;
+        let (when, cause) = if more_s > 0.0 {
+            ("later", "the receiver is late, or its antenna is behind the transducer")
+        } else {
+            ("earlier", "the antenna is ahead of the transducer")
+        };
+        format!(
+            "Where the track crosses itself over slopes, depths agree best with positions recorded {:.2} s {when} (standard error {:.2} s): {cause}. Depths beside slopes are wrong until it is corrected: set mounting.latency_s to {:.2} (Compare positions, then Apply positions; or process with --latency).",
+            more_s.abs(),
+            self.standard_error_s,
+            self.latency_s
+        )
+    }
+
+    /// `0.62 s, standard error 0.08 s`.
+    pub fn in_words(&self) -> String {
+        format!("{:.2} s, standard error {:.2} s", self.latency_s, self.standard_error_s)
+    }
+}
 
 /// Results of the pipeline for a survey and its settings. Cheap to clone: every part is shared.
 #[derive(Clone, Debug)]
@@ -62,17 +119,32 @@ pub struct Products {
     pub repeatability: Option<Residuals>,
 }
 
-/// Least number of crossings that show the difference of depths well.
-const FEWEST_CROSSINGS: usize = 6;
-/// Depths of one recorder differ where its track crosses itself by this much, metres, and by this
-/// share of the depth, where boat and instruments are steady; standard deviation.
-const STEADY_M: f64 = 0.05;
-const STEADY_SHARE: f64 = 0.005;
-/// Standard deviation of normal errors over their mean absolute value.
-const SIGMA_PER_MAE: f64 = 1.2533;
+/// A log of a survey and its results. Cheap to clone: every part is shared.
+#[derive(Clone, Debug)]
+pub struct ProcessedLog {
+    /// The recording. All logs of one survey lie in the frame of the first ([`Survey::in_frame`]).
+    pub survey: Arc<Survey>,
+    /// Results of the recording, by its own settings and calibration.
+    pub products: Products,
+}
 
-/// Share of a lag of soundings that crossings may show besides: an average is no delay.
-const LAG_LEFT: f64 = 0.15;
+impl ProcessedLog {
+    /// A log with its results. The survey is the judged one where they have one
+    /// ([`Products::judged`]).
+    pub fn new(survey: Arc<Survey>, products: Products) -> Self {
+        Self { survey: products.judged.clone().unwrap_or(survey), products }
+    }
+
+    /// Returns the survey and navigation by which the passes of the boat are counted.
+    pub fn pass_log(&self) -> PassLog<'_> {
+        (&self.survey, &self.products.navigation)
+    }
+
+    /// The kept points, in the order of the cloud.
+    pub fn kept_points(&self) -> impl Iterator<Item = &bathyscope_bottom::cloud::CloudPoint> {
+        self.products.kept_points()
+    }
+}
 
 impl Products {
     /// Returns the conversion of samples and recorded depths to metres by these results, for every

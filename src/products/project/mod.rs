@@ -4,12 +4,12 @@
 //! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of
 //! undo.
 //!
-//! `log` is one log, `log_list` their order, `history` what undo goes back to, and `past` keeps
-//! that on disk. `rows` turns a project into lines and back, `row` is one line, `text` the file of
-//! them, `migrate` takes in what older versions wrote, `paths` how files are named in it. `store`
-//! keeps the file: saved aside and renamed, every gesture in a `journal` beside it, guarded by a
-//! `lock`. `find` looks for logs that were moved, `inputs` hands them to work without a window,
-//! `sidecar` takes in the files that earlier versions kept beside a log. No log is ever written.
+//! `log` is one log, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns
+//! a project into lines and back, `row` is one line, `text` the file of them, which takes in what
+//! older versions wrote, `paths` how files are named in it. `store` keeps the file: saved aside and
+//! renamed, every gesture in a `journal` beside it, guarded by a `lock`. `find` looks for logs that
+//! were moved, `inputs` hands them to work without a window, `sidecar` takes in the files that
+//! earlier versions kept beside a log. No log is ever written.
 //!
 //! # The file
 //!
@@ -84,9 +84,7 @@ mod inputs;
 mod journal;
 mod lock;
 mod log;
-mod log_list;
 mod measurement;
-mod migrate;
 mod past;
 mod paths;
 mod row;
@@ -95,8 +93,7 @@ mod sidecar;
 mod store;
 mod text;
 
-pub use find::LogLocation;
-pub use find::find;
+pub use find::{LogLocation, find};
 pub use history::{History, HistoryStep};
 pub use inputs::{ProjectInput, inputs};
 pub use log::{LogFile, LogKey, ProjectLog};
@@ -104,9 +101,7 @@ pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use past::{PastStep, UNDONE};
 pub use row::Key;
 pub use sidecar::{BottomFileError, read_bottom};
-pub use store::read;
-pub use store::with_journal;
-pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError};
+pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
 
 use crate::pipeline::{Settings, SettingsError};
 use bathyscope_log::support::geo::LonLat;
@@ -133,7 +128,7 @@ pub enum ProjectError {
     /// A newer program wrote it.
     #[error(
         "this project has layout {version}, this program reads layouts up to {}; use a newer Bathyscope",
-        migrate::VERSION
+        text::VERSION
     )]
     Newer {
         /// The version that it says.
@@ -292,6 +287,50 @@ impl Project {
             (one.order.total_cmp(&other.order)).then_with(|| one.key.cmp(&other.key))
         };
         self.logs.sort_by(by_order);
+    }
+}
+
+impl Project {
+    /// Returns the project without a log, whose file stays. `None` when it is no log of the
+    /// project.
+    pub fn without_log(&self, key: &LogKey) -> Option<Self> {
+        self.log(key)?;
+        let mut after = self.clone();
+        after.logs.retain(|log| log.key != *key);
+        Some(after)
+    }
+
+    /// Returns the project with a log moved to place `to` of the list, counted from 0. `None` when
+    /// it is there already, or no log of the project.
+    ///
+    /// Its order becomes a number between those of its neighbours, so that the others stay as they
+    /// are; where there is no number between, all are numbered.
+    pub fn with_log_at(&self, key: &LogKey, to: usize) -> Option<Self> {
+        let from = self.logs.iter().position(|log| log.key == *key)?;
+        let mut after = self.clone();
+        let log = after.logs.remove(from);
+        let to = to.min(after.logs.len());
+        if from == to {
+            return None;
+        }
+        let before = to.checked_sub(1).map(|index| after.logs[index].order);
+        let next = after.logs.get(to).map(|log| log.order);
+        let order = match (before, next) {
+            (Some(before), Some(next)) => 0.5 * (before + next),
+            (Some(before), None) => before.floor() + 1.0,
+            (None, Some(next)) => next.ceil() - 1.0,
+            (None, None) => return None,
+        };
+        let fits =
+            before.is_none_or(|before| before < order) && next.is_none_or(|next| order < next);
+        let renumbered =
+            |log: &ProjectLog, order: f64| Arc::new(ProjectLog { order, ..log.clone() });
+        after.logs.insert(to, renumbered(&log, order));
+        if !fits {
+            let logs = after.logs.iter().enumerate();
+            after.logs = logs.map(|(index, log)| renumbered(log, index as f64 + 1.0)).collect();
+        }
+        Some(after)
     }
 }
 

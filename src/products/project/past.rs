@@ -7,8 +7,8 @@
 //! journal. A file of another version of the project counts for nothing.
 
 use super::journal::Entry;
-use super::migrate::{VERSION, migrate};
 use super::row::Rows;
+use super::text::{VERSION, migrate};
 use super::{Project, ProjectLog, rows};
 use crate::export;
 use bathyscope_log::support::regular_file;

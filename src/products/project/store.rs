@@ -8,9 +8,9 @@
 //!   program changed meanwhile is not written over.
 
 use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
-use super::migrate::{VERSION, migrate};
 use super::past::{Past, PastStep};
 use super::row::Rows;
+use super::text::{VERSION, migrate};
 use super::{Project, ProjectError, paths, rows, text};
 use crate::export::{self, is_same_file};
 use crate::pipeline::in_hexadecimal;

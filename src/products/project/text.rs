@@ -1,7 +1,7 @@
-//! The text of a project file: lines to and from the file, without their meaning.
+//! The text of a project file: lines to and from the file, without their meaning; and older
+//! projects: what each version changed, step by step.
 
 use super::ProjectError;
-use super::migrate::{VERSION, migrate};
 use super::row::{Key, Row, Rows, one_line, parse_value, split};
 use toml::Value;
 
@@ -12,9 +12,18 @@ const MOST_ROWS: usize = 2_000_000;
 /// Bytes of the longest line that is read.
 const LONGEST_LINE: usize = 4 << 20;
 /// The line that makes the file a project, with the number of its layout.
-pub(super) const MARK: &str = "bathyscope";
+const MARK: &str = "bathyscope";
 
 const HEAD: &str = "# A survey of Bathyscope: one line is one decision. `bathyscope manual` tells what the lines mean.\n";
+/// The version that is written.
+pub(super) const VERSION: u32 = 1;
+
+/// Makes rows of one version those of the next.
+type Step = fn(Rows) -> Rows;
+
+/// Steps from each version to the next, that from 1 to 2 first: one step less than there are
+/// versions. Each version has a file in the tests that opens for ever.
+const STEPS: [Step; VERSION as usize - 1] = [];
 
 /// The file's text.
 pub(super) fn write(rows: &Rows) -> String {
@@ -133,5 +142,53 @@ fn version(text: &str) -> Result<u32, ProjectError> {
             Ok(u32::try_from(version).unwrap_or(u32::MAX))
         }
         _ => Err(no_project(number)),
+    }
+}
+
+/// Rows of one version as those of a later one.
+pub(super) fn migrate(rows: Rows, from: u32, to: u32) -> Rows {
+    through(&STEPS, rows, from, to)
+}
+
+fn through(steps: &[Step], rows: Rows, from: u32, to: u32) -> Rows {
+    let steps = (from..to).filter_map(|version| steps.get(version as usize - 1));
+    steps.fold(rows, |rows, step| step(rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn renamed(rows: Rows, from: &str, to: &str) -> Rows {
+        let rename = |(key, row): (Key, Row)| {
+            let key = if key.to_string() == from {
+                Key::new(Key::parse(to).expect("a key"))
+            } else {
+                key
+            };
+            (key, row)
+        };
+        rows.into_iter().map(rename).collect()
+    }
+
+    #[test]
+    fn each_version_takes_the_steps_that_it_lacks_in_their_order() {
+        let steps: [Step; 2] = [
+            |rows| renamed(rows, "settings.a", "settings.b"),
+            |rows| renamed(rows, "settings.b", "settings.c"),
+        ];
+        for (from, to, name, expected) in [
+            (1, 3, "a", "c"),
+            (1, 2, "a", "b"),
+            (2, 3, "b", "c"),
+            (3, 3, "a", "a"),
+            (2, 3, "a", "a"),
+        ] {
+            let key = Key::new(["settings", name]);
+            let rows = Rows::from([(key, Row::new(&Value::Integer(7)))]);
+            let after = through(&steps, rows, from, to);
+            let keys: Vec<String> = after.keys().map(Key::to_string).collect();
+            assert_eq!(keys, [format!("settings.{expected}")], "{from} to {to}");
+        }
     }
 }

@@ -4,22 +4,13 @@
 //! In: boxes with their places and decisions, and the objects that they show. Out: tables and files
 //! for maps.
 
-mod box_table;
-mod describe;
-mod geojson;
-mod geopackage;
-mod gpx;
-mod kml;
-mod object_table;
+mod maps;
 mod shapes_ply;
+mod tables;
 
-pub(crate) use box_table::box_table;
-pub(crate) use geojson::objects_geojson;
-pub(crate) use geopackage::{object_layers, objects_gpkg};
-pub(crate) use gpx::objects_gpx;
-pub(crate) use kml::objects_kml;
-pub(crate) use object_table::object_table;
+pub(crate) use maps::{object_layers, objects_geojson, objects_gpkg, objects_gpx, objects_kml};
 pub(crate) use shapes_ply::shapes_ply;
+pub(crate) use tables::{box_table, object_table, picture_boxes_csv};
 
 use crate::export::Summary;
 use bathyscope_log::survey::Survey;
@@ -32,11 +23,6 @@ pub(crate) struct ObjectLog<'a> {
     pub name: &'a str,
     /// The recording.
     pub survey: &'a Survey,
-}
-
-/// Text that no spreadsheet takes for a formula.
-fn plain(text: &str) -> String {
-    if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text.to_owned() }
 }
 
 /// The places of objects, counted.

@@ -3,14 +3,12 @@
 //!
 //! In: the tiles of a map. Out: MBTiles, PMTiles and an HTML page.
 
-mod mbtiles;
+mod archives;
 mod page;
-mod pmtiles;
 mod store;
 
-pub(crate) use mbtiles::mbtiles;
+pub(crate) use archives::{mbtiles, pmtiles};
 pub(crate) use page::map_page;
-pub(crate) use pmtiles::pmtiles;
 pub(crate) use store::TileStore;
 
 use crate::map_tiles::MapScales;

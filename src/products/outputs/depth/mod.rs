@@ -5,7 +5,6 @@
 //! In: the depth map of a run, with its isobaths. Out: files of these.
 
 pub(super) mod body;
-pub(super) mod cells;
 pub(super) mod contours;
 pub(super) mod map_tiles;
 pub(super) mod rasters;

@@ -1,16 +1,19 @@
-//! The surface as rasters: metres as f32 on one grid, and their source, each with what was and was
-//! not corrected in its description, and beside each its colours for QGIS (`.qml`).
+//! The cells of the surface as rasters, as text and as points. Rasters are metres as f32 on one
+//! grid, and their source, each with what was and was not corrected in its description, and beside
+//! each its colours for QGIS (`.qml`).
 
 use super::applied;
-use crate::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
+use crate::export::{
+    self, BottomCell, Summary, metres_raster, qgis_classes, qgis_style, source_raster,
+};
 use crate::outputs::content::{FileContent, FileResult};
-use crate::outputs::raster;
+use crate::outputs::ground::raster_over;
 use crate::outputs::results::Results;
 use crate::pipeline::CloudPlane;
 use bathyscope_bottom::bathymetry::isobaths::shoalest_m;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Spread, Surface};
 use bathyscope_bottom::presentation::colours::{
-    depth_colour, distance_colour, share_colour, uncertainty_colour,
+    depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
 };
 use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
 use std::path::Path;
@@ -93,7 +96,7 @@ pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
 pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
-    let spec = raster::over(grid, &plane.map);
+    let spec = raster_over(grid, &plane.map);
     let about = format!("{}. {}", plane.survey.name(), applied(results.products, surface));
     source_raster(path, spec, surface, &about, results.progress)?;
     qgis_classes(&path.with_extension("qml"), &CellSource::classes())?;
@@ -104,6 +107,48 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let values: Vec<f32> = values.collect();
     let summary = summary(plane, grid, &values);
     Ok(FileContent::in_system(&plane.map.crs, summary))
+}
+
+/// Writes `depth.xyz`: the middles of the cells that have a depth.
+pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let (grid, map) = (&surface.grid, &results.plane.map);
+    let known = surface.depth_m.iter().enumerate();
+    let known = known.filter(|(_, depth_m)| !depth_m.is_nan());
+    let cells = known.map(|(index, &depth_m)| {
+        let centre = grid.centre(index / grid.columns, index % grid.columns);
+        (map.in_crs(centre), depth_m)
+    });
+    let decimals = if map.crs.is_degrees() { 9 } else { 3 };
+    let cells = export::depth_xyz(path, decimals, cells, results.progress)?;
+    Ok(FileContent::in_system(&map.crs, cells))
+}
+
+/// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that
+/// what was inferred is not taken for measured.
+pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
+    let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
+    let (surface, map) = (&depth_map.surface, &results.plane.map);
+    let grid = &surface.grid;
+    let cell = |(index, depth_m): (usize, &f32)| BottomCell {
+        place: map.in_crs(grid.centre(index / grid.columns, index % grid.columns)),
+        depth_m: *depth_m,
+        sigma_m: surface.spread_m[index],
+        distance_m: surface.distance_m[index],
+        source: surface.source[index] as u8,
+        is_measured: matches!(
+            surface.source[index],
+            CellSource::Sounding | CellSource::FirstReturn
+        ),
+        rgb: depth_colour(depth_share(*depth_m, depth_map.colour_range_m)),
+    };
+    let known = surface.depth_m.iter().enumerate();
+    let known = known.filter(|(_, depth_m)| !depth_m.is_nan());
+    let cells: Vec<BottomCell> = known.map(cell).collect();
+    results.progress.check()?;
+    let origin = results.survey.track.frame.origin();
+    let cells = export::bottom_las(path, &map.crs, origin, &cells)?;
+    Ok(FileContent::in_system(&map.crs, cells))
 }
 
 fn write(
@@ -129,7 +174,7 @@ fn write_values(
         cells: CellFormat::Metres,
         band: Some(layer.band),
         description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
-        ..raster::over(grid, &plane.map)
+        ..raster_over(grid, &plane.map)
     };
     metres_raster(path, &spec, grid, values, results.progress)?;
     let summary = summary(plane, grid, values);

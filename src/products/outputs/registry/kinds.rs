@@ -1,9 +1,8 @@
 //! Rows of files of a kind: the columns that they share.
 
 use super::{Described, FileWriter, OutputFile, RunFile, WriteFile};
-use crate::outputs::need::Need;
-use crate::outputs::order::When;
-use crate::outputs::product::Product;
+use crate::outputs::content::Need;
+use crate::outputs::order::{Product, When};
 
 type Text = &'static str;
 

@@ -4,22 +4,17 @@
 //! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
 
 mod choices;
-mod contours;
 mod crosslines;
 mod plane;
-mod points;
 mod residuals;
 mod surface;
-mod swath;
 mod uncertainty;
 
 pub use choices::{GeometryChoice, choices};
-pub use contours::Contours;
 pub use crosslines::{Crosslines, crosslines};
 pub(crate) use plane::CloudPlane;
-pub use points::depth_points;
+pub use plane::depth_points;
 pub(crate) use residuals::NamedComparison;
 pub(crate) use residuals::comparisons;
-pub use surface::{joint_depth_points, joint_depth_surface};
-pub use swath::log_echoes;
+pub use surface::{joint_depth_points, joint_depth_surface, log_echoes};
 pub use uncertainty::CommonUncertainty;

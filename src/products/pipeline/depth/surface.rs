@@ -1,12 +1,12 @@
 //! The surface of the depths of a survey.
 
 use super::plane::CloudPlane;
-use super::swath::log_echoes;
-use crate::pipeline::ProcessedLog;
+use crate::pipeline::{ProcessedLog, Products};
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SwathDepth, surface};
-use bathyscope_bottom::swath::{LogEchoes, correct};
+use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes, correct};
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::survey::{PingNav, Side, Survey};
 
 /// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*`
 /// settings of the first. Each log's points weigh what its own settings give them; where logs meet
@@ -75,4 +75,63 @@ fn echoes_of<'a>(log: &'a ProcessedLog, map: &MapPlane) -> LogEchoes<'a> {
     log_echoes(&log.survey, &log.products, |[east_m, north_m]| {
         map.place(navigation.to_lon_lat(track, east_m, north_m))
     })
+}
+
+/// Returns the echoes and places of the pings of a log, for depths from echo levels. `place` turns
+/// east and north in the plane of the survey into those of another plane, metres. Pings that count
+/// for nothing have no place. A log without usable side-scan gives no ping.
+pub fn log_echoes<'a>(
+    survey: &'a Survey,
+    products: &Products,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> LogEchoes<'a> {
+    let count = if survey.has_side_scan() { survey.side_scan.len() } else { 0 };
+    let of_ping = |ping: usize| {
+        let time_s = survey.side_scan.get(ping).map_or(f64::NAN, |ping| ping.time_s);
+        let navigation = products.navigation.pings.get(ping);
+        let counts = products.exclusions.ping(ping).is_none();
+        let (place_m, starboard) = navigation
+            .filter(|_| counts)
+            .and_then(|navigation| placed(navigation, &place))
+            .unwrap_or(([f64::NAN; 2], [f64::NAN; 2]));
+        PingPlace {
+            time_s,
+            place_m,
+            starboard,
+            transducer_m: -products.correction.z_m(time_s, 0.0),
+            sides: Side::BOTH.map(|side| side_echoes(survey, products, ping, side)),
+        }
+    };
+    LogEchoes { levels: survey, pings: (0..count).map(of_ping).collect() }
+}
+
+/// Returns the place of a ping in the plane that `place` leads to, and the direction of starboard
+/// there: north of two planes may differ.
+fn placed(
+    navigation: &PingNav,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> Option<([f64; 2], [f64; 2])> {
+    let starboard = navigation.starboard()?;
+    let from = navigation.place();
+    let here = place(from);
+    let beside = place([from[0] + starboard[0], from[1] + starboard[1]]);
+    let across = [beside[0] - here[0], beside[1] - here[1]];
+    let length_m = across[0].hypot(across[1]);
+    (length_m > 0.0).then(|| (here, across.map(|part| part / length_m)))
+}
+
+fn side_echoes(survey: &Survey, products: &Products, ping: usize, side: Side) -> SideEchoes {
+    let reduction = products.reduction();
+    let range_m = |sample: f64| {
+        let span = survey.span(ping, side);
+        span.map_or(f64::NAN, |span| reduction.range_m(span, sample))
+    };
+    let pick = products.returns.side(side).get(ping);
+    let near_m = range_m(0.0);
+    SideEchoes {
+        near_m,
+        step_m: range_m(1.0) - near_m,
+        first_return: pick.map_or(f64::NAN, |pick| f64::from(pick.sample)),
+        above_bottom: pick.is_some_and(|pick| pick.above_bottom),
+    }
 }

@@ -16,29 +16,26 @@
 
 mod bottom;
 mod depth_map;
-mod gain;
 mod isobaths;
-mod layout;
 mod mosaic;
 mod node;
-mod picture;
+mod side_scan;
 
 pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
 pub use depth_map::DepthMap;
 pub use depth_map::DepthMapKey;
-pub use isobaths::{IsobathKey, Isobaths};
+pub use isobaths::{Contours, IsobathKey, Isobaths};
 pub use mosaic::{FINEST, MosaicKey};
 pub use mosaic::{Mosaic, MosaicPlane};
-pub use picture::PictureKey;
+pub use side_scan::{PictureKey, mosaic_layout, mosaic_layout_by};
 
-use crate::pipeline::{ProcessedLog, mosaic_layout_by};
+use crate::pipeline::ProcessedLog;
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
 use bathyscope_bottom::mosaic::{GainTable, MosaicLayout};
 use bathyscope_bottom::picture::LogPicture;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use gain::GainKey;
-use layout::LayoutKey;
 use node::DerivedNode;
+use side_scan::{GainKey, LayoutKey, made_gain, made_picture};
 use std::sync::Arc;
 
 /// Gain tables of so many logs are kept; each is small.
@@ -164,7 +161,7 @@ impl Derived {
         log: &ProcessedLog,
         progress: &Progress,
     ) -> Result<Option<Arc<GainTable>>, Cancelled> {
-        let make = || Ok(gain::made(log, progress)?.map(Arc::new));
+        let make = || Ok(made_gain(log, progress)?.map(Arc::new));
         self.gain.get(GainKey::of(log), progress, make)
     }
 
@@ -180,7 +177,7 @@ impl Derived {
         let key = PictureKey::of(log);
         let make = || {
             let gain = if key.is_normalised() { self.gain(log, progress)? } else { None };
-            Ok(Arc::new(picture::made(log, gain, key.is_even(), progress)?))
+            Ok(Arc::new(made_picture(log, gain, key.is_even(), progress)?))
         };
         self.picture.get(key.clone(), progress, make)
     }
@@ -199,6 +196,6 @@ impl Derived {
     ) -> Result<Arc<LogPicture>, Cancelled> {
         let gain =
             if PictureKey::of(log).is_normalised() { self.gain(whole, progress)? } else { None };
-        Ok(Arc::new(picture::made(log, gain, false, progress)?))
+        Ok(Arc::new(made_picture(log, gain, false, progress)?))
     }
 }

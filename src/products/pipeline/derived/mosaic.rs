@@ -2,7 +2,7 @@
 //! the others.
 
 use super::Derived;
-use super::gain::SideScanKey;
+use super::side_scan::SideScanKey;
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout};
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{

@@ -6,17 +6,15 @@
 //! frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their
 //! results together. `crossline` compares logs with each other where their tracks meet,
 //! `contradicted` finds their height offsets and the soundings that others show to be false,
-//! `corrections` says what became of those that were asked for, `comparison` compares them with
-//! each other by their points, `report` sums them up and lists them (`logs_report`).
+//! `corrections` says what became of those that were asked for, `report` sums them up, compares
+//! them with each other by their points, and lists them (`logs_report`).
 
-mod comparison;
 mod contradicted;
 mod corrections;
 mod crossline;
 mod logs_report;
 mod report;
 
-pub(crate) use comparison::compare_logs;
 pub use contradicted::{ContradictedSoundings, HeightComparison, compare_heights};
 pub use corrections::RequestedCorrection;
 pub use crossline::{

@@ -1,15 +1,18 @@
-//! The boat's track for plotters and maps.
+//! The boat's track for plotters and maps, and the ground that its side-scan insonified.
 //!
-//! In: a survey with its navigation. Out: pieces of the track, as GeoJSON and GPX.
+//! In: a survey with its navigation. Out: pieces of the track, as GeoJSON and GPX 1.1 (as plotters
+//! and handheld receivers read it); the ground as GeoJSON.
 
-mod geojson;
-mod gpx;
-
-pub(crate) use geojson::track_geojson;
-pub(crate) use gpx::{track_gpx, write_track_gpx};
-
+use super::geojson::{areas, collection, feature_at, line_at};
+use super::{ExportError, Summary, write_summed};
+use bathyscope_bottom::bathymetry::isobaths::Polygon;
+use bathyscope_log::support::calendar::timestamp;
 use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::printable::xml;
 use bathyscope_log::survey::{Navigation, PingNav, Survey};
+use serde_json::json;
+use std::io::{self, Write};
+use std::path::Path;
 
 /// Points of a track are at least this far apart, metres: recorders place a ping no better.
 const LEAST_STEP_M: f64 = 0.5;
@@ -108,6 +111,88 @@ impl Pieces {
 
 fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Writes each piece as a line.
+pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
+    let feature = |piece: &TrackPiece, summary: &mut Summary| {
+        summary.count += 1;
+        let ends = [piece.points.first(), piece.points.last()];
+        let [from, to] = ends.map(|end| end.map(|point| (point.ping, point.time_s)));
+        let properties = json!({
+            "ping_from": from.map(|end| end.0),
+            "ping_to": to.map(|end| end.0),
+            "from_s": from.map(|end| end.1),
+            "to_s": to.map(|end| end.1),
+            "length_m": (piece.length_m * 1e3).round() / 1e3,
+        });
+        line_at(piece.points.iter().map(|point| point.position), properties, summary)
+    };
+    collection(path, pieces.iter(), feature)
+}
+
+/// Writes the pieces as segments of one track; with times where it is known when the log began
+/// (Unix seconds).
+pub(crate) fn track_gpx(
+    path: &Path,
+    name: &str,
+    start_unix_s: Option<f64>,
+    pieces: &[TrackPiece],
+) -> Result<Summary, ExportError> {
+    write_summed(path, |out, summary| {
+        for point in pieces.iter().flat_map(|piece| &piece.points) {
+            summary.add([point.position.lon_deg, point.position.lat_deg], f64::NAN);
+        }
+        write_track_gpx(out, name, start_unix_s, pieces)
+    })
+}
+
+/// Does the same as [`track_gpx`] for a file that is open.
+pub(crate) fn write_track_gpx(
+    out: &mut impl Write,
+    name: &str,
+    start_unix_s: Option<f64>,
+    pieces: &[TrackPiece],
+) -> io::Result<()> {
+    let name = xml(name);
+    write!(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" \
+         xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{name}</name>\n"
+    )?;
+    for piece in pieces {
+        writeln!(out, "<trkseg>")?;
+        for point in &piece.points {
+            let (lon, lat) = (point.position.lon_deg, point.position.lat_deg);
+            write!(out, "<trkpt lat=\"{lat:.8}\" lon=\"{lon:.8}\">")?;
+            if let Some(start_unix_s) = start_unix_s {
+                let time = timestamp(start_unix_s + point.time_s);
+                write!(out, "<time>{time}</time>")?;
+            }
+            writeln!(out, "</trkpt>")?;
+        }
+        writeln!(out, "</trkseg>")?;
+    }
+    writeln!(out, "</trk>\n</gpx>")
+}
+
+/// Writes the ground of one log as one feature of `area_m2`.
+pub(crate) fn footprint_geojson(
+    path: &Path,
+    name: &str,
+    shapes: &[Polygon],
+    area_m2: f64,
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    let feature = |_: (), summary: &mut Summary| {
+        let polygons = areas(shapes, &place);
+        summary.count += 1;
+        let corners = polygons.iter().flatten().flatten();
+        corners.for_each(|corner| summary.reach(*corner));
+        let properties = json!({ "log": name, "area_m2": (area_m2 * 10.0).round() / 10.0 });
+        feature_at("MultiPolygon", polygons, properties)
+    };
+    collection(path, std::iter::once(()), feature)
 }
 
 #[cfg(test)]

@@ -2,28 +2,40 @@
 //! point.
 //!
 //! In: the results of logs, and a reference. Out: a difference for each point that has a reference,
-//! with statistics.
+//! with statistics, of each source of points, too, and tables by what may cause it.
 //!
-//! `reference` opens the reference: a file of points or another mission. `tables` sorts the
-//! differences by what may cause them, `by_source` compares each source of points.
+//! `reference` opens the reference: a file of points or another mission.
 
-mod by_source;
-mod error;
 mod reference;
-mod tables;
 
-pub use error::AgreementError;
-pub(crate) use error::ReferenceFault;
-pub use reference::{MissionLog, Reference, positions};
-pub use tables::ResidualTables;
+pub use reference::{AgreementError, MissionLog, Reference, positions};
 
-use super::{ProcessedLog, Products};
-use bathyscope_bottom::bathymetry::compare::{self, Comparison, Match, Matching};
+use super::{NamedComparison, ProcessedLog, Products};
+use bathyscope_bottom::bathymetry::compare::{
+    self, Bin, Comparison, DifferenceHistogram, Match, Matching, binned, suited_width,
+};
 use bathyscope_bottom::cloud::{CloudPoint, PointCloud, PointSource};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use reference::{bounds, distance_m};
+use bathyscope_log::survey::PingNav;
+use reference::{ReferenceFault, bounds, distance_m};
+use serde::Serialize;
 use std::sync::Arc;
+
+/// Sources whose agreement is told, each with a name.
+const PARTS: [(&str, &[PointSource]); 6] = [
+    ("all points", &PointSource::ALL),
+    ("down-scan", &[PointSource::DownScan]),
+    ("side-scan", &[PointSource::Port, PointSource::Starboard]),
+    ("port", &[PointSource::Port]),
+    ("starboard", &[PointSource::Starboard]),
+    ("swath", &[PointSource::Swath]),
+];
+/// Headings that are taken together, degrees.
+const SECTOR_DEG: f64 = 45.0;
+/// Width of a bin where the values give none, as where all points lie at one distance from the
+/// track, metres.
+const ANY_WIDTH_M: f64 = 0.5;
 
 /// Points of one or several logs and how they differ from a reference, measured minus reference
 /// elevation: up is positive.
@@ -51,6 +63,19 @@ pub struct LogDifferences {
     /// Differences of the points that have a reference, in the cloud's order: `measured` of each is
     /// the index there. Empty where the reference is elsewhere.
     pub differences: Vec<Match>,
+}
+
+/// Differences of points from a reference, measured minus reference elevation, sorted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResidualTables {
+    /// Bins by the depth of the reference at the point, metres.
+    pub by_depth_m: Vec<Bin>,
+    /// Bins by the across-track distance, metres: port below 0, starboard above.
+    pub by_across_m: Vec<Bin>,
+    /// Bins by the heading, degrees clockwise from north.
+    pub by_heading_deg: Vec<Bin>,
+    /// Count of the differences by size.
+    pub histogram: Option<DifferenceHistogram>,
 }
 
 /// A point of one of the logs. As small as it can be: there are millions.
@@ -151,7 +176,7 @@ impl Agreement {
             reference: None,
             matching,
             comparison: Comparison::new(chosen.len(), &differences, level_m(logs)),
-            tables: tables::tables(&differences, measured),
+            tables: tables(&differences, measured),
             logs: by_log(logs, chosen, &differences),
         }))
     }
@@ -170,6 +195,34 @@ impl Agreement {
             Comparison::new(found.measured, &found.differences, level_m)
         })
         .collect()
+    }
+}
+
+impl Agreement {
+    /// The comparison of all points of the logs that it was made of, and of those of each source
+    /// that has some.
+    pub(crate) fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
+        let counted: Vec<Vec<usize>> = logs.iter().map(|log| counted(&log.products)).collect();
+        let reference = self.reference.as_ref();
+        let name = reference.map_or_else(|| "down-scan".to_owned(), |one| one.name());
+        let part = |(source, sources): (&'static str, &[PointSource])| {
+            let is_of = |point: &CloudPoint| sources.contains(&point.source);
+            let of_log = |(log, counted): (&ProcessedLog, &Vec<usize>)| {
+                let points = &log.products.cloud.points;
+                counted.iter().filter(|index| is_of(&points[**index])).count()
+            };
+            let measured = logs.iter().zip(&counted).map(of_log).sum();
+            let matches = self.differences();
+            let matches = matches.filter(|(cloud, one)| is_of(&cloud.points[one.measured]));
+            let matches: Vec<Match> = matches.map(|(_, one)| *one).collect();
+            (!matches.is_empty()).then(|| NamedComparison {
+                source,
+                reference: name.clone(),
+                matching: self.matching.in_words(),
+                comparison: Comparison::new(measured, &matches, level_m(logs)),
+            })
+        };
+        PARTS.into_iter().filter_map(part).collect()
     }
 }
 
@@ -241,4 +294,50 @@ fn kept(products: &Products, counts: impl Fn(&CloudPoint) -> bool) -> Vec<usize>
 fn counted(products: &Products) -> Vec<usize> {
     let settings = &products.settings.surface;
     kept(products, |point| settings.weight(point) > 0.0)
+}
+
+/// Sorts differences; `measured` tells the point of each, and the results that it is of.
+fn tables<'a>(
+    differences: &[Match],
+    measured: impl Fn(&Match) -> (&'a Products, &'a CloudPoint),
+) -> ResidualTables {
+    let by = |variable: &dyn Fn(&Match) -> f64, width: Option<f64>| {
+        let mut values: Vec<f64> = differences.iter().map(variable).collect();
+        values.retain(|value| value.is_finite());
+        let width = width.or_else(|| suited_width(&mut values));
+        let pairs = differences.iter().map(|one| (variable(one), one.difference_m));
+        binned(pairs, width.unwrap_or(ANY_WIDTH_M))
+    };
+    let all: Vec<f64> = differences.iter().map(|one| one.difference_m).collect();
+    let of_point = |of: fn(&Products, &CloudPoint) -> f64| {
+        let measured = &measured;
+        move |one: &Match| {
+            let (products, point) = measured(one);
+            of(products, point)
+        }
+    };
+    ResidualTables {
+        by_depth_m: by(&|one| -one.reference_z_m, None),
+        by_across_m: by(&of_point(across_m), None),
+        by_heading_deg: by(&of_point(heading_deg), Some(SECTOR_DEG)),
+        histogram: DifferenceHistogram::of(&all),
+    }
+}
+
+/// Returns the place and heading of the boat when a point was measured.
+fn boat<'a>(products: &'a Products, point: &CloudPoint) -> Option<&'a PingNav> {
+    point.record().place(&products.navigation)
+}
+
+/// Distance of a point from where the boat was, to starboard; NaN where that is not known.
+fn across_m(products: &Products, point: &CloudPoint) -> f64 {
+    let across = boat(products, point).and_then(|boat| {
+        let [east, north] = boat.starboard()?;
+        Some((point.east_m - boat.east_m) * east + (point.north_m - boat.north_m) * north)
+    });
+    across.unwrap_or(f64::NAN)
+}
+
+fn heading_deg(products: &Products, point: &CloudPoint) -> f64 {
+    boat(products, point).map_or(f64::NAN, |boat| boat.heading_rad.to_degrees().rem_euclid(360.0))
 }

@@ -1,9 +1,13 @@
-//! `detections.csv` and `targets.csv`: a row for each box.
+//! Tables of objects: `detections.csv` and `targets.csv` have a row for each box, `objects.csv` one
+//! for each object; the boxes that a detector found in a picture of another program have one, too.
 
-use super::{ObjectLog, plain};
+use super::ObjectLog;
 use crate::export::{ExportError, write_atomically};
 use bathyscope_log::survey::Survey;
-use bathyscope_objects::objects::ObjectBox;
+use bathyscope_objects::Scored;
+use bathyscope_objects::objects::{
+    ColumnValue, ListedObject, OBJECT_COLUMNS, ObjectBox, ObjectColumn,
+};
 use bathyscope_objects::review::Certainty;
 use bathyscope_objects::targets::{FittedShape, Target};
 use std::collections::BTreeMap;
@@ -42,6 +46,8 @@ const HEADER: [&str; 30] = [
     "shape_heading_deg",
     "shape_explained",
 ];
+const PICTURE_HEADER: [&str; 9] =
+    ["id", "file", "class", "score", "state", "x_from", "x_to", "y_from", "y_to"];
 
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of
 /// the middle ping. A field is empty where there is no value; a note that a spreadsheet would take
@@ -123,4 +129,51 @@ fn record(
         of_shape(|shape| shape.posed.shown_heading_rad().to_degrees(), 0),
         of_shape(|shape| shape.explained, 2),
     ]
+}
+
+/// Text that no spreadsheet takes for a formula.
+fn plain(text: &str) -> String {
+    if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text.to_owned() }
+}
+
+/// Writes objects as a table of all columns. A field is empty where there is no value; words that a
+/// spreadsheet would take for a formula begin with an apostrophe.
+pub(crate) fn object_table(path: &Path, objects: &[ListedObject<'_>]) -> Result<(), ExportError> {
+    write_atomically(path, |out| {
+        let mut table = csv::Writer::from_writer(BufWriter::new(out));
+        table.write_record(OBJECT_COLUMNS.iter().map(|column| column.name))?;
+        for object in objects {
+            let field = |column: &ObjectColumn| match column.value(object) {
+                Some(ColumnValue::Text(words)) => plain(&words),
+                _ => column.text(object),
+            };
+            table.write_record(OBJECT_COLUMNS.iter().map(field))?;
+        }
+        table.flush()?;
+        table.into_inner().map_err(|error| error.into_error())?.flush()
+    })
+}
+
+/// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class
+/// names.
+pub(crate) fn picture_boxes_csv(
+    path: &Path,
+    file: &str,
+    names: &[String],
+    boxes: &[Scored],
+) -> Result<(), ExportError> {
+    write_atomically(path, |out| {
+        let mut out = csv::Writer::from_writer(BufWriter::new(out));
+        out.write_record(PICTURE_HEADER)?;
+        for (index, found) in boxes.iter().enumerate() {
+            let edges = [found.rect.x0, found.rect.x1, found.rect.y0, found.rect.y1];
+            let class = names.get(found.class).map_or("", String::as_str);
+            let mut fields = vec![(index + 1).to_string(), file.to_owned(), class.to_owned()];
+            fields.extend([format!("{:.4}", found.score), "proposed".to_owned()]);
+            fields.extend(edges.map(|edge| format!("{edge:.2}")));
+            out.write_record(fields)?;
+        }
+        out.flush()?;
+        out.into_inner().map_err(|error| error.into_error())?.flush()
+    })
 }

@@ -1,11 +1,12 @@
-//! Files of a search for objects: `detections.*`, `objects.csv` and `chips`, with a run or into a
-//! folder that may hold the files of one.
+//! Files of objects: those of a search, `detections.*`, `objects.csv` and `chips`, with a run or
+//! into a folder that may hold the files of one; and `targets.*`, the objects that an analyst
+//! accepted or drew, in every run of a survey with a review.
 
+use super::OutputError;
 use super::content::{FileContent, FileResult};
-use super::objects::{Shapes, listed};
+use super::objects::{Shapes, listed, target_boxes};
 use super::results::Results;
 use crate::export::{self, ChipLog, Summary};
-use crate::outputs::OutputError;
 use bathyscope_objects::objects::{ListedObject, ObjectBox};
 use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
@@ -42,19 +43,19 @@ fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Output
 }
 
 /// Writes `detections.csv`: a row for each box.
-pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn detections_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_found()?;
     let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
     box_table(results, path, &boxes, shapes)
 }
 
 /// Writes `detections.geojson`: a point for each object.
-pub(super) fn geojson(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn detections_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(export::objects_geojson(path, &objects(results)?)?))
 }
 
 /// Writes `detections.gpx`: a waypoint for each object.
-pub(super) fn gpx(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn detections_gpx(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(export::objects_gpx(path, &objects(results)?)?))
 }
 
@@ -92,7 +93,7 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes boxes as a table.
-pub(super) fn box_table(
+fn box_table(
     results: &Results<'_>,
     path: &Path,
     boxes: &[&ObjectBox],
@@ -104,4 +105,35 @@ pub(super) fn box_table(
     }
     export::box_table(path, &results.object_logs(), boxes, shapes)?;
     Ok(FileContent::in_degrees(Summary { count: boxes.len(), ..summary }))
+}
+
+/// Writes `targets.csv`: a row for each box.
+pub(super) fn targets_csv(results: &Results<'_>, path: &Path) -> FileResult {
+    let (list, shapes) = results.shaped_objects()?;
+    box_table(results, path, &target_boxes(list), shapes)
+}
+
+/// Writes `targets.geojson`: a point for each object.
+pub(super) fn targets_geojson(results: &Results<'_>, path: &Path) -> FileResult {
+    Ok(FileContent::in_degrees(export::objects_geojson(path, &targets(results)?)?))
+}
+
+/// Writes `targets.gpx`: a waypoint for each object.
+pub(super) fn targets_gpx(results: &Results<'_>, path: &Path) -> FileResult {
+    Ok(FileContent::in_degrees(export::objects_gpx(path, &targets(results)?)?))
+}
+
+/// Writes `targets.kml`: a placemark for each object.
+pub(super) fn targets_kml(results: &Results<'_>, path: &Path) -> FileResult {
+    let places = export::objects_kml(path, &results.name(), &targets(results)?)?;
+    Ok(FileContent::in_degrees(places))
+}
+
+/// The targets; none where nobody looked.
+pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
+    if results.objects()?.is_none() {
+        return Ok(Vec::new());
+    }
+    let all = results.shaped_objects()?;
+    Ok(listed(all.0.targets(), all, results.order.logs, &results.names))
 }

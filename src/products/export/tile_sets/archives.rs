@@ -1,19 +1,29 @@
-//! PMTiles version 3: all tiles in one file that a page reads in parts
-//! (<https://github.com/protomaps/PMTiles/blob/main/spec/v3/spec.md>).
+//! Archives of tiles.
 //!
-//! The crate `pmtiles` reads and writes them too, with an asynchronous runtime behind it; what is
-//! written here is a header, a list of numbers, and the pictures one after the other.
+//! MBTiles 1.3: a database of SQLite with a row for each tile, rows of tiles counted from the south
+//! (<https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md>).
+//!
+//! PMTiles version 3: all tiles in one file that a page reads in parts
+//! (<https://github.com/protomaps/PMTiles/blob/main/spec/v3/spec.md>). The crate `pmtiles` reads
+//! and writes them too, with an asynchronous runtime behind it; what is written here is a header, a
+//! list of numbers, and the pictures one after the other.
 
 use super::store::Stored;
 use super::{TileSet, TileStore};
+use crate::export::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use crate::export::{ExportError, write_atomically};
-use crate::map_tiles::TileStyle;
+use crate::map_tiles::{TileStyle, WebTile};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::json;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
+/// `MPBX`.
+const KIND: DatabaseKind = DatabaseKind { application: 0x4d50_4258, version: 0 };
+const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KEY, value TEXT)";
+const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
+/// Bytes of the header of PMTiles.
 const HEADER: usize = 127;
 /// Header and first directory lie within so many bytes.
 const FIRST_READ: usize = 16_384;
@@ -23,6 +33,48 @@ const LEAF: usize = 4096;
 const GZIP: u8 = 2;
 const PLAIN: u8 = 1;
 const PNG: u8 = 2;
+
+/// Writes the pictures of one kind.
+pub(crate) fn mbtiles(
+    path: &Path,
+    store: &TileStore,
+    picture: TileStyle,
+    set: &TileSet,
+) -> Result<(), ExportError> {
+    database(path, KIND, |file| {
+        run(file, METADATA_SQL)?;
+        let metadata = mbtiles_metadata(set).into_iter();
+        let rows = metadata.map(|(name, value)| Ok(vec![text(name), Value::Text(value)]));
+        insert(file, "metadata", rows)?;
+        run(file, TILES_SQL)?;
+        let rows = store.tiles(picture).into_iter().map(|(_, stored)| {
+            let WebTile { zoom, x, y } = stored.tile;
+            let from_south = (1_i64 << zoom) - 1 - i64::from(y);
+            let mut row = [i64::from(zoom), i64::from(x), from_south].map(Value::Integer).to_vec();
+            row.push(Value::Blob(store.read(stored)?));
+            Ok(row)
+        });
+        insert(file, "tiles", rows)
+    })
+}
+
+fn mbtiles_metadata(set: &TileSet) -> Vec<(&'static str, String)> {
+    let [west, south, east, north] = set.scales.zooms.bounds_deg;
+    let [lon, lat] = set.middle_deg();
+    let zoom = set.scales.zooms.coarsest;
+    vec![
+        ("name", set.name.clone()),
+        ("format", "png".to_owned()),
+        ("bounds", format!("{west:.7},{south:.7},{east:.7},{north:.7}")),
+        ("center", format!("{lon:.7},{lat:.7},{zoom}")),
+        ("minzoom", zoom.to_string()),
+        ("maxzoom", set.scales.zooms.finest.to_string()),
+        ("attribution", TileSet::ATTRIBUTION.to_owned()),
+        ("description", set.description.clone()),
+        ("type", "overlay".to_owned()),
+        ("version", "1".to_owned()),
+    ]
+}
 
 /// Writes the pictures of one kind, in the order of the curve.
 pub(crate) fn pmtiles(
@@ -34,7 +86,7 @@ pub(crate) fn pmtiles(
     write_atomically(path, |file| {
         let tiles = store.tiles(picture);
         let [root, leaves] = directories(&tiles)?;
-        let metadata = gzip(&metadata(picture, set))?;
+        let metadata = gzip(&pmtiles_metadata(picture, set))?;
         let mut out = BufWriter::new(file);
         out.write_all(&header(set, &tiles, [&root, &metadata, &leaves]))?;
         for part in [root, metadata, leaves] {
@@ -123,7 +175,7 @@ fn gzip(bytes: &[u8]) -> io::Result<Vec<u8>> {
     packed.finish()
 }
 
-fn metadata(picture: TileStyle, set: &TileSet) -> Vec<u8> {
+fn pmtiles_metadata(picture: TileStyle, set: &TileSet) -> Vec<u8> {
     let mut metadata = json!({
         "name": set.name,
         "description": set.description,

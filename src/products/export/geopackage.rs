@@ -2,17 +2,16 @@
 //! and the style in which QGIS draws it.
 //!
 //! In: layers of features. Out: a GeoPackage.
-
-mod geometry;
-mod spatial_index;
-
-pub(crate) use geometry::{FeatureGeometry, Ring};
+//!
+//! A geometry is stored as a header with the box around it, and well-known binary (OGC 06-103r4)
+//! behind it, all of it with the lowest byte first. The R-tree of a layer (extension
+//! `gpkg_rtree_index`) lets a map program find what lies in its window without reading all
+//! features.
 
 use super::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use super::{ExportError, Summary};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::Crs;
-use geometry::united;
 use rusqlite::Connection;
 use std::borrow::Cow;
 use std::io;
@@ -31,6 +30,80 @@ const EXTENSIONS_SQL: &str = "CREATE TABLE gpkg_extensions (table_name TEXT, col
 /// The table that QGIS keeps styles in, with its names.
 const STYLES: &str = "layer_styles";
 const STYLES_SQL: &str = "CREATE TABLE layer_styles (id INTEGER PRIMARY KEY NOT NULL, f_table_catalog TEXT(256), f_table_schema TEXT(256), f_table_name TEXT(256), f_geometry_column TEXT(256), styleName TEXT(30), styleQML TEXT, styleSLD TEXT, useAsDefault BOOLEAN, description TEXT, owner TEXT(30), ui TEXT(30), update_time DATETIME DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')))";
+/// Kinds of geometry in well-known binary.
+const POINT: u32 = 1;
+const LINE: u32 = 2;
+const POLYGON: u32 = 3;
+const POLYGONS: u32 = 6;
+
+/// Corners of a ring, the last one that of the first.
+pub(crate) type Ring = Vec<[f64; 2]>;
+
+/// Geometry of a feature, in the system of its file: east or longitude first.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum FeatureGeometry {
+    /// A place.
+    Point([f64; 2]),
+    /// A line.
+    Line(Vec<[f64; 2]>),
+    /// An outline and its holes.
+    Polygon(Vec<Ring>),
+    /// Several of them.
+    Polygons(Vec<Vec<Ring>>),
+}
+
+impl FeatureGeometry {
+    fn places(&self) -> impl Iterator<Item = [f64; 2]> {
+        let (one, line, rings, polygons) = match self {
+            FeatureGeometry::Point(place) => (Some(*place), &[][..], &[][..], &[][..]),
+            FeatureGeometry::Line(line) => (None, &line[..], &[][..], &[][..]),
+            FeatureGeometry::Polygon(rings) => (None, &[][..], &rings[..], &[][..]),
+            FeatureGeometry::Polygons(polygons) => (None, &[][..], &[][..], &polygons[..]),
+        };
+        let rings = polygons.iter().flatten().chain(rings);
+        let corners = rings.flatten().copied();
+        one.into_iter().chain(line.iter().copied()).chain(corners)
+    }
+
+    /// Least x and y, most x and y; NaN of nothing.
+    fn bounds(&self) -> [f64; 4] {
+        self.places().fold([f64::NAN; 4], |bounds, [x, y]| united(bounds, [x, y, x, y]))
+    }
+
+    /// The bytes in a system by its number.
+    fn bytes(&self, system: i32) -> Vec<u8> {
+        let is_point = matches!(self, FeatureGeometry::Point(_));
+        // Lowest byte first; an envelope of two dimensions where it is no point.
+        let flags = if is_point { 0b001 } else { 0b011 };
+        let mut bytes = vec![b'G', b'P', 0, flags];
+        bytes.extend(system.to_le_bytes());
+        if !is_point {
+            let [west, south, east, north] = self.bounds();
+            for end in [west, east, south, north] {
+                bytes.extend(end.to_le_bytes());
+            }
+        }
+        match self {
+            FeatureGeometry::Point(place) => {
+                begin(&mut bytes, POINT);
+                put_places(&mut bytes, &[*place]);
+            }
+            FeatureGeometry::Line(line) => {
+                begin(&mut bytes, LINE);
+                put_line(&mut bytes, line);
+            }
+            FeatureGeometry::Polygon(rings) => put_polygon(&mut bytes, rings),
+            FeatureGeometry::Polygons(polygons) => {
+                begin(&mut bytes, POLYGONS);
+                put_count(&mut bytes, polygons.len());
+                for rings in polygons {
+                    put_polygon(&mut bytes, rings);
+                }
+            }
+        }
+        bytes
+    }
+}
 
 /// A layer: a table of features.
 pub(crate) struct Layer {
@@ -101,7 +174,7 @@ fn add_register(file: &Connection, layers: &[Layer], crs: &Crs, changed: &str) -
         Ok(named.into_iter().chain(numbers).collect())
     });
     insert(file, "gpkg_geometry_columns", columns)?;
-    let extensions = layers.iter().map(|layer| Ok(spatial_index::extension(layer)));
+    let extensions = layers.iter().map(|layer| Ok(index_extension(layer)));
     insert(file, "gpkg_extensions", extensions)
 }
 
@@ -118,7 +191,7 @@ fn add_layer(file: &Connection, layer: &Layer, crs: &Crs) -> io::Result<()> {
         Ok(first.chain(values.iter().cloned()).collect())
     });
     insert(file, layer.name, rows)?;
-    spatial_index::add(file, layer)
+    add_index(file, layer)
 }
 
 /// The systems that every GeoPackage names, and that of the layers.
@@ -177,6 +250,95 @@ fn style(layer: &Layer, changed: &str) -> Vec<Value> {
     first.chain(place).chain(rest).collect()
 }
 
+/// The box around two boxes; NaN counts for nothing.
+fn united(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
+}
+
+fn begin(bytes: &mut Vec<u8>, kind: u32) {
+    bytes.push(1);
+    bytes.extend(kind.to_le_bytes());
+}
+
+fn put_count(bytes: &mut Vec<u8>, count: usize) {
+    bytes.extend((count as u32).to_le_bytes());
+}
+
+fn put_polygon(bytes: &mut Vec<u8>, rings: &[Ring]) {
+    begin(bytes, POLYGON);
+    put_count(bytes, rings.len());
+    rings.iter().for_each(|ring| put_line(bytes, ring));
+}
+
+fn put_line(bytes: &mut Vec<u8>, line: &[[f64; 2]]) {
+    put_count(bytes, line.len());
+    put_places(bytes, line);
+}
+
+fn put_places(bytes: &mut Vec<u8>, places: &[[f64; 2]]) {
+    for number in places.iter().flatten() {
+        bytes.extend(number.to_le_bytes());
+    }
+}
+
+/// Adds the index over the features of a layer, and what keeps it up to date when a program changes
+/// features.
+///
+/// # Errors
+/// What SQLite says.
+fn add_index(file: &Connection, layer: &Layer) -> io::Result<()> {
+    let index = format!("rtree_{}_geom", layer.name);
+    let create = "USING rtree(id, minx, maxx, miny, maxy)";
+    run(file, &format!("CREATE VIRTUAL TABLE \"{index}\" {create}"))?;
+    let boxes = (1..).zip(&layer.features).filter_map(|(fid, (geometry, _))| {
+        let [west, south, east, north] = geometry.bounds();
+        let ends = [west, east, south, north];
+        // A feature without a place is in no window.
+        let is_placed = ends.iter().all(|end| end.is_finite());
+        let ends = ends.map(Value::Real).into_iter();
+        is_placed.then(|| Ok([Value::Integer(fid)].into_iter().chain(ends).collect()))
+    });
+    insert(file, &index, boxes)?;
+    for (event, what) in triggers(&index, layer.name) {
+        run(file, &format!("CREATE TRIGGER \"{index}_{event}\" {what}"))?;
+    }
+    Ok(())
+}
+
+/// Returns the triggers that keep the index up to date, by the names and conditions of the standard
+/// (OGC 12-128r17, annex F.3).
+fn triggers(index: &str, table: &str) -> [(&'static str, String); 6] {
+    let is_some = "(NEW.geom NOTNULL AND NOT ST_IsEmpty(NEW.geom))";
+    let is_none = "(NEW.geom ISNULL OR ST_IsEmpty(NEW.geom))";
+    let insert = format!(
+        "INSERT OR REPLACE INTO {index} VALUES (NEW.fid, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));"
+    );
+    let delete = format!("DELETE FROM {index} WHERE id = OLD.fid;");
+    let delete_both = format!("DELETE FROM {index} WHERE id IN (OLD.fid, NEW.fid);");
+    let of_geometry = format!("AFTER UPDATE OF geom ON {table} WHEN OLD.fid = NEW.fid AND");
+    let of_number = format!("AFTER UPDATE ON {table} WHEN OLD.fid != NEW.fid AND");
+    [
+        ("insert", format!("AFTER INSERT ON {table} WHEN {is_some} BEGIN {insert} END")),
+        ("update1", format!("{of_geometry} {is_some} BEGIN {insert} END")),
+        ("update2", format!("{of_geometry} {is_none} BEGIN {delete} END")),
+        ("update3", format!("{of_number} {is_some} BEGIN {delete} {insert} END")),
+        ("update4", format!("{of_number} {is_none} BEGIN {delete_both} END")),
+        ("delete", format!("AFTER DELETE ON {table} WHEN OLD.geom NOT NULL BEGIN {delete} END")),
+    ]
+}
+
+/// Returns the row of the index in the table of extensions.
+fn index_extension(layer: &Layer) -> Vec<Value> {
+    let texts = [
+        layer.name,
+        "geom",
+        "gpkg_rtree_index",
+        "http://www.geopackage.org/spec120/#extension_rtree",
+        "write-only",
+    ];
+    texts.map(text).into()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,5 +372,34 @@ mod tests {
         assert!(holds("SQLite format 3") && holds("CREATE TABLE spots (fid INTEGER PRIMARY KEY"));
         assert!(holds("CREATE VIRTUAL TABLE \"rtree_none_geom\"") && holds("<qgis>spots</qgis>"));
         assert!(holds("WGS 84 / UTM zone 17N") && holds("2017-07-14T02:40:00.000Z"));
+    }
+
+    #[test]
+    fn a_shape_is_well_known_binary_behind_a_header() {
+        let point = FeatureGeometry::Point([1.5, -2.0]).bytes(4326);
+        assert_eq!(point[..8], [b'G', b'P', 0, 1, 0xe6, 0x10, 0, 0]);
+        assert_eq!(point[8..13], [1, 1, 0, 0, 0]);
+        assert_eq!(point[13..21], 1.5_f64.to_le_bytes());
+        assert_eq!(point.len(), 29);
+        let ring = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 3.0], [0.0, 0.0]];
+        let polygon = FeatureGeometry::Polygon(vec![ring.clone()]).bytes(4326);
+        assert_eq!(polygon[3], 3);
+        // West, east, south, north.
+        assert_eq!(polygon[16..24], 2.0_f64.to_le_bytes());
+        assert_eq!(polygon[32..40], 3.0_f64.to_le_bytes());
+        assert_eq!(polygon[40..49], [1, 3, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(polygon.len(), 8 + 32 + 5 + 8 + 4 * 16);
+        let line = FeatureGeometry::Line(ring.clone()).bytes(4326);
+        assert_eq!(line[40..49], [1, 2, 0, 0, 0, 4, 0, 0, 0]);
+        let several = FeatureGeometry::Polygons(vec![vec![ring.clone()], vec![ring]]).bytes(4326);
+        assert_eq!(several[40..49], [1, 6, 0, 0, 0, 2, 0, 0, 0]);
+        assert_eq!(several[49..], [&polygon[40..], &polygon[40..]].concat());
+    }
+
+    #[test]
+    fn nothing_has_no_bounds() {
+        assert!(FeatureGeometry::Line(Vec::new()).bounds().iter().all(|end| end.is_nan()));
+        let line = FeatureGeometry::Line(vec![[3.0, 1.0], [-2.0, 5.0]]);
+        assert_eq!(line.bounds(), [-2.0, 1.0, 3.0, 5.0]);
     }
 }
