@@ -42,7 +42,7 @@ impl App {
     ///
     /// # Errors
     /// Names the first that does not.
-    pub fn check_logs(&self) -> Result<(), FileError<FileFault>> {
+    pub(crate) fn check_logs(&self) -> Result<(), FileError<FileFault>> {
         let mut surveys = self.logs().filter_map(|log| log.survey.as_ref());
         surveys.try_for_each(|survey| survey.check_files())
     }
