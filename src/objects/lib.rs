@@ -2,16 +2,15 @@
 //! the survey.
 //!
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom,
-//! in tiles; `mark` is a box in the survey's own terms (side, pings, slant range), `extent` how the
-//! size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
-//! levels of a tile to one scale. `dataset` makes labelled pictures to learn from. `nms` keeps the
-//! surest of boxes that overlap, `vote` moves it to their mean, `test_time_augmentation` combines
-//! the boxes of a picture and of its mirror image. `model` is a detector from an ONNX file,
-//! `decode` reads boxes from its numbers, `picture` is what it searches. `find` searches a survey
-//! tile by tile, `merge` makes one box of what several tiles saw. `review` holds what the analyst
-//! decides about the boxes. `metrics` measures predicted boxes against true ones, and `labels`
-//! reads both from files. `targets` places boxes in the world. `truth` is what is known to lie in a
-//! survey, and what the boxes make of it.
+//! in tiles; `mark` is a box in the survey's own terms (side, pings, slant range) and how the size
+//! of what lies in it is known; `picture` is what a detector searches, with boxes in its pixels and
+//! the levels of a tile brought to one scale. `dataset` makes labelled pictures to learn from.
+//! `nms` keeps the surest of boxes that overlap and moves it to their mean. `model` is a detector
+//! from an ONNX file, `decode` reads boxes from its numbers. `find` searches a survey tile by tile,
+//! `merge` makes one box of what several tiles saw. `review` holds what the analyst decides about
+//! the boxes. `metrics` measures predicted boxes against true ones, and `labels` reads both from
+//! files. `targets` places boxes in the world. `truth` is what is known to lie in a survey, and
+//! what the boxes make of it.
 //!
 //! # Search a log for objects
 //!
@@ -38,10 +37,8 @@
 mod class;
 pub mod dataset;
 pub mod decode;
-mod extent;
 mod find;
 pub mod labels;
-mod level;
 mod mark;
 mod merge;
 pub mod metrics;
@@ -50,27 +47,18 @@ mod nms;
 pub mod objects;
 mod picture;
 mod raster;
-mod rect;
 pub mod review;
 pub mod targets;
-mod test_time_augmentation;
 #[cfg(test)]
 mod testing;
 pub mod truth;
-mod vote;
 
 pub(crate) use class::class_index;
 pub use class::{NAMELESS_CLASS, ReviewSettings};
-pub use extent::{MeasuredShadow, ObjectExtent};
-pub use find::{DetectorSettings, find};
-pub use find::{SoFar, find_in_picture};
-pub use level::level;
-pub use mark::{Detection, Mark};
-pub use model::Model;
-pub use model::{DetectError, ModelError};
-pub(crate) use nms::suppress;
+pub use find::{DetectorSettings, SoFar, find, find_in_picture};
+pub use mark::{Detection, Mark, MeasuredShadow, ObjectExtent};
+pub use model::{DetectError, Model, ModelError};
 pub use nms::{Nms, OverlapMeasure};
-pub use picture::Picture;
+pub(crate) use nms::{suppress, vote};
+pub use picture::{Labelled, Picture, Rect, Scored, level};
 pub use raster::{Raster, RasterTile, TILE_PX};
-pub use rect::{Labelled, Rect, Scored};
-pub(crate) use vote::vote;

@@ -1,6 +1,7 @@
-//! Boxes in the survey's own terms.
+//! Boxes in the survey's own terms, and the extents of the objects in them.
 
 use bathyscope_log::survey::{Side, Survey};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// A box on one side of the survey. Slant ranges are by the recorder's scale, so that a box keeps
@@ -29,6 +30,10 @@ pub struct Detection {
     pub mark: Mark,
 }
 
+/// Half of the range that the mark of a point covers, metres: a box without size could not be drawn
+/// or clicked.
+const POINT_HALF_M: f64 = 0.05;
+
 impl Mark {
     /// A box by its side, its pings, and the slant ranges of its edges, metres.
     pub fn new(side: Side, pings: Range<usize>, [near_m, far_m]: [f64; 2]) -> Self {
@@ -45,5 +50,111 @@ impl Mark {
         let sample = |range_m: f64| span.sample_at(range_m).clamp(0.0, f64::from(span.count));
         // `as` saturates, and the clamp holds the value in range.
         sample(self.near_m).floor() as u32..sample(self.far_m).ceil() as u32
+    }
+}
+
+/// Source of the extent of the object in a box. Slant ranges are by the recorder's scale, as those
+/// of [`Mark`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ObjectExtent {
+    /// The box holds the echo and its shadow, and the program finds them in it.
+    #[default]
+    Found,
+    /// The analyst has set the edges: the echo lies from the box's near edge to the border, the
+    /// shadow from there to the far edge, and both in the box's pings. A border on the far edge
+    /// says that there is no shadow.
+    Drawn {
+        /// Slant range of the border between echo and shadow, metres.
+        border_m: f64,
+    },
+    /// A place without size: in the middle of the box.
+    Point,
+}
+
+/// A shadow that the analyst measured on one ping of a box, in place of the one that is found or
+/// drawn with the box: the height of the object is that of what casts it. The echo of a hull with a
+/// list reaches farther than its upper gunwale, behind which the shadow begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredShadow {
+    /// The ping; the side is that of the box.
+    pub ping: usize,
+    /// Slant range of the top, where the shadow begins, by the recorder's scale, metres.
+    pub top_m: f64,
+    /// Slant range of the shadow's end by the recorder's scale, metres.
+    pub end_m: f64,
+}
+
+impl MeasuredShadow {
+    /// Returns true if it can belong to a box: on one of its pings, and with a length.
+    pub fn fits(&self, mark: &Mark) -> bool {
+        mark.pings.contains(&self.ping)
+            && 0.0 < self.top_m
+            && self.top_m < self.end_m
+            && self.end_m.is_finite()
+    }
+}
+
+impl ObjectExtent {
+    /// The border between echo and shadow that the analyst has set, metres of slant range.
+    pub fn border_m(self) -> Option<f64> {
+        match self {
+            ObjectExtent::Drawn { border_m } => Some(border_m),
+            ObjectExtent::Found | ObjectExtent::Point => None,
+        }
+    }
+
+    /// The extent of the same object in a box that was moved or resized: a border moves with a box
+    /// that keeps its width in range, and stays where it is between edges that are moved one by
+    /// one.
+    pub fn moved(self, from: &Mark, to: &Mark) -> Self {
+        let ObjectExtent::Drawn { border_m } = self else {
+            return self;
+        };
+        let [before_m, after_m] = [from, to].map(|mark| mark.far_m - mark.near_m);
+        let by_m = if (after_m - before_m).abs() < 1e-9 { to.near_m - from.near_m } else { 0.0 };
+        ObjectExtent::Drawn { border_m: (border_m + by_m).clamp(to.near_m, to.far_m) }
+    }
+}
+
+impl Mark {
+    /// The mark of a point at a ping and a slant range by the recorder's scale.
+    pub fn point(side: bathyscope_log::survey::Side, ping: usize, range_m: f64) -> Self {
+        Self {
+            side,
+            pings: ping..ping + 1,
+            near_m: (range_m - POINT_HALF_M).max(0.0),
+            far_m: range_m + POINT_HALF_M,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::Side;
+
+    fn mark(near_m: f64, far_m: f64) -> Mark {
+        Mark::new(Side::Port, 3..9, [near_m, far_m])
+    }
+
+    #[test]
+    fn a_border_moves_with_its_box_and_stays_between_its_edges() {
+        let drawn = ObjectExtent::Drawn { border_m: 5.0 };
+        let moved = drawn.moved(&mark(4.0, 7.0), &mark(4.5, 7.5));
+        assert_eq!(moved.border_m(), Some(5.5));
+        let longer = drawn.moved(&mark(4.0, 7.0), &mark(4.0, 9.0));
+        assert_eq!(longer.border_m(), Some(5.0));
+        let shorter = drawn.moved(&mark(4.0, 7.0), &mark(4.0, 4.5));
+        assert_eq!(shorter.border_m(), Some(4.5));
+        let found = ObjectExtent::Found.moved(&mark(4.0, 7.0), &mark(4.5, 7.5));
+        assert_eq!(found, ObjectExtent::Found);
+    }
+
+    #[test]
+    fn a_point_lies_in_the_middle_of_its_mark() {
+        let point = Mark::point(Side::Port, 12, 6.0);
+        assert_eq!(point.pings, 12..13);
+        assert!((0.5 * (point.near_m + point.far_m) - 6.0).abs() < 1e-12);
+        assert_eq!(Mark::point(Side::Port, 0, 0.01).near_m, 0.0);
     }
 }

@@ -1,11 +1,9 @@
-//! The ground as a depth at every place.
+//! The ground as a depth at every place: swells, stones, and the shapes that water makes of sand:
+//! ripples in patches, pits scoured out of it, and mounds and hollows.
 
-use super::arithmetic::{cos, sin};
-use super::noise::{NoiseField, smooth};
-use super::random::{Random, RandomPurpose};
-use super::ripples::Ripples;
-use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, Terrace};
-use super::stones::Stones;
+use super::arithmetic::{cos, exp, sin};
+use super::random::{NoiseField, Random, RandomPurpose, mix, smooth};
+use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, RippleSettings, Terrace};
 use std::f64::consts::PI;
 
 /// Appearance of a kind of ground.
@@ -94,6 +92,20 @@ const TEXTURE_M: f64 = 0.4;
 /// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural
 /// logarithm (about 2 dB).
 const PATCHES: (f64, f64) = (7.0, 0.45);
+/// Size of the patches that the ripples lie in, and of the bends of their crests, metres.
+const PATCH_M: (f64, f64) = (6.0, 2.5);
+/// Bend of a crest, in wavelengths (standard deviation).
+const BEND: f64 = 0.25;
+/// Square of the distance, in radii, beyond which a mound is lower than the last digit of any
+/// depth: e to the power of -50 of its height.
+const FAR: f64 = 100.0;
+/// Side of a cell, metres.
+const CELL_M: f64 = 1.6;
+/// Smallest and largest radius of a stone, metres.
+const RADIUS_M: (f64, f64) = (0.08, 0.28);
+/// Height of a stone as a share of its radius. Stones of a river lie on their flat side, about 0.6
+/// of their length high, and half of that is in the ground.
+const HEIGHT_SHARE: f64 = 0.6;
 
 impl SceneBed {
     /// The ground of a scene; the seed places its swells and bumps.
@@ -197,6 +209,96 @@ impl SceneBed {
     }
 }
 
+/// Ripples over the ground.
+struct Ripples {
+    amplitude_m: f64,
+    /// Radians per metre east and north.
+    wave: [f64; 2],
+    patches: NoiseField,
+    bends: NoiseField,
+}
+
+impl Ripples {
+    /// Ripples whose patches and bends come from the seed.
+    fn new(settings: &RippleSettings, seed: u64) -> Self {
+        let number = 2.0 * PI / settings.wavelength_m;
+        let direction = settings.heading_deg.to_radians();
+        Self {
+            amplitude_m: 0.5 * settings.height_m,
+            wave: [number * sin(direction), number * cos(direction)],
+            patches: NoiseField::new(seed, RandomPurpose::Ripples, PATCH_M.0),
+            bends: NoiseField::new(seed.wrapping_add(1), RandomPurpose::Ripples, PATCH_M.1),
+        }
+    }
+
+    /// Height of the ripples at a place, metres; the mean is 0.
+    fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let share = smooth(0.8 + 0.8 * self.patches.at(east_m, north_m));
+        if share == 0.0 {
+            return 0.0;
+        }
+        let bend = 2.0 * PI * BEND * self.bends.at(east_m, north_m);
+        let phase = self.wave[0] * east_m + self.wave[1] * north_m + bend;
+        let crest = sin(phase);
+        // Narrow crests, wide troughs.
+        share * self.amplitude_m * (crest + 0.4 * crest * crest - 0.2)
+    }
+}
+
+impl Mound {
+    /// Returns the height that is added to the ground at a place, metres.
+    pub fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let (east, north) = (east_m - self.east_m, north_m - self.north_m);
+        let off = (east * east + north * north) / (self.radius_m * self.radius_m);
+        if off > FAR { 0.0 } else { self.height_m * exp(-0.5 * off) }
+    }
+}
+
+impl Pit {
+    /// Returns the depth of the pit at a place, below the ground around it, metres; negative on the
+    /// rim, where the scoured-out sand lies.
+    fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let (east, north) = (east_m - self.east_m, north_m - self.north_m);
+        let off = (east * east + north * north) / (self.radius_m * self.radius_m);
+        if off < 1.0 {
+            return self.depth_m * (1.0 - off) * (1.0 - off);
+        }
+        // The rim is highest midway of a ring half a radius wide.
+        let rim = (off - 1.0) * (2.25 - off);
+        if rim > 0.0 { -0.4 * self.depth_m * rim * rim } else { 0.0 }
+    }
+}
+
+/// Strewn stones.
+struct Stones {
+    key: u64,
+}
+
+impl Stones {
+    /// Stones whose places and sizes come from the seed.
+    fn new(seed: u64) -> Self {
+        Self { key: mix(seed ^ mix(RandomPurpose::Stones as u64)) }
+    }
+
+    /// Height of a stone's surface above the ground at a place, metres; 0 between stones.
+    fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let (column, row) = ((east_m / CELL_M).floor(), (north_m / CELL_M).floor());
+        let place = (column as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ (row as i64 as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+        let bits = mix(self.key ^ place);
+        // Three numbers between 0 and 1 from the same 64 bits; small stones are more common than
+        // large ones.
+        let share = |shift: u32| ((bits >> shift) & 0xf_ffff) as f64 / f64::from(1 << 20);
+        let size = share(40);
+        let radius = RADIUS_M.0 + (RADIUS_M.1 - RADIUS_M.0) * size * size;
+        let room = CELL_M - 2.0 * radius;
+        let east = east_m - column * CELL_M - radius - room * share(0);
+        let north = north_m - row * CELL_M - radius - room * share(20);
+        let off = (east * east + north * north) / (radius * radius);
+        HEIGHT_SHARE * radius * (1.0 - off).max(0.0).sqrt()
+    }
+}
+
 impl Terrace {
     /// 1 on the terrace, 0 away from it.
     fn share(&self, east_m: f64, north_m: f64) -> f64 {
@@ -279,5 +381,22 @@ mod tests {
             let depth = bed.depth_m(terrace.east_m + 0.49 * f64::from(step), terrace.north_m);
             assert!((depth - terrace.depth_m).abs() < 0.02, "{depth}");
         }
+    }
+
+    #[test]
+    fn stones_cover_a_small_share_of_the_ground_and_stay_low() {
+        let stones = Stones::new(5);
+        let (mut covered, mut highest) = (0, 0.0_f64);
+        let places = 400;
+        for i in 0..places {
+            for j in 0..places {
+                let height = stones.height_m(f64::from(i) * 0.05 - 9.0, f64::from(j) * 0.05 - 9.0);
+                covered += usize::from(height > 0.0);
+                highest = highest.max(height);
+            }
+        }
+        let share = covered as f64 / f64::from(places * places);
+        assert!((0.02..0.08).contains(&share), "{share}");
+        assert!((0.12..0.17).contains(&highest), "{highest}");
     }
 }

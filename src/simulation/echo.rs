@@ -8,11 +8,9 @@
 //! side receives only its own half of the ground, from the point under the boat outward.
 
 use super::arithmetic::{atan, from_db};
-use super::beam::Beam;
 use super::ground::Ground;
-use super::listener::Listener;
+use super::listener::{Beam, Listener, backscatter};
 use super::weed::WeedBed;
-use super::world::backscatter;
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
 pub(super) struct Echo {
@@ -240,8 +238,8 @@ mod tests {
     use super::*;
     use crate::Scene;
     use crate::bed::SceneBed;
+    use crate::listener::World;
     use crate::path::BoatPose;
-    use crate::world::World;
     use bathyscope_log::survey::Side;
 
     /// Level ground 3 m deep, seen to starboard with samples of 1 cm.

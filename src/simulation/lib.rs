@@ -33,43 +33,30 @@
 
 mod arithmetic;
 mod artefacts;
-mod beam;
 mod bed;
 mod check;
-mod clutter;
 mod echo;
 mod ground;
 mod hull;
 mod limbs;
 mod listener;
 mod log;
-mod noise;
-mod object_kind;
 mod objects;
 mod path;
-mod presets;
 mod random;
 mod recorder;
-mod ripples;
 mod scene;
 mod shape;
-mod shoal;
 mod simulate;
-mod sonar;
-mod stones;
 mod training_scene;
 mod truth;
 mod visibility;
 mod weed;
-mod world;
 
-pub use object_kind::ObjectKind;
-pub use scene::Scene;
 pub use scene::{
-    Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectSettings, RecorderSettings, Terrace,
-    TrackSettings,
+    Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectKind, ObjectSettings,
+    RecorderSettings, Scene, Terrace, TrackSettings,
 };
 pub use simulate::{Simulated, simulate};
 pub use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
-pub use truth::ObjectPass;
-pub use truth::PingTruth;
+pub use truth::{ObjectPass, PingTruth};

@@ -1,9 +1,14 @@
-//! One side of the sonar at one place.
+//! One side of the sonar at one place: its beam, and the ground that it looks at with all that lies
+//! and grows on it.
 
-use super::beam::Beam;
+use super::arithmetic::{exp, ln};
+use super::bed::SceneBed;
+use super::objects::PlacedObject;
 use super::path::BoatPose;
-use super::world::World;
+use super::scene::RecorderSettings;
+use super::weed::WeedBed;
 use bathyscope_log::survey::Side;
+use std::f64::consts::{FRAC_PI_2, LN_2};
 
 /// One receiving side at one place.
 pub(super) struct Listener<'a> {
@@ -21,6 +26,13 @@ pub(super) struct Listener<'a> {
     pub samples: usize,
 }
 
+/// First step, metres, and its growth per metre of distance.
+const STEP_M: (f64, f64) = (0.012, 0.002);
+/// Half-power width of a normal curve in standard deviations.
+const HALF_POWER: f64 = 2.354_82;
+/// Share of the echo of the ground that remains under weed (6 dB lost, both ways).
+const WEED_LOSS: f64 = 0.25;
+
 impl Listener<'_> {
     /// The place `across_m` to this side and `along_m` ahead of the boat.
     pub(super) fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
@@ -31,4 +43,121 @@ impl Listener<'_> {
             self.pose.north_m + along_m * north - across_m * east,
         ]
     }
+}
+
+/// The side beam in numbers that the rays need.
+///
+/// One way, its gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the
+/// vertical.
+pub(super) struct Beam {
+    /// Angle of the axis from the vertical, radians.
+    axis_rad: f64,
+    half_width_rad: f64,
+    /// Half-power width along the track, radians.
+    pub azimuth_rad: f64,
+    /// Distance along the track from the middle ray to an outer one, per metre of distance to the
+    /// ground.
+    spread: f64,
+    /// Distances from the track of the points at which the ground is sampled, metres, from 0
+    /// outward.
+    pub steps_m: Vec<f64>,
+}
+
+impl Beam {
+    /// Weights of the three rays along the track, with the nodes 0 and +-sqrt(3) standard
+    /// deviations (Gauss-Hermite).
+    pub(super) const RAY_WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
+
+    /// The beam of a recorder that listens up to `range_m`.
+    pub(super) fn new(recorder: &RecorderSettings, range_m: f64) -> Self {
+        let azimuth_rad = recorder.beam_azimuth_deg.to_radians();
+        let mut steps_m = vec![0.0];
+        let mut at = 0.0;
+        while at < range_m {
+            at += STEP_M.0 + STEP_M.1 * at;
+            steps_m.push(at);
+        }
+        Self {
+            axis_rad: FRAC_PI_2 - recorder.beam_axis_deg.to_radians(),
+            half_width_rad: 0.5 * recorder.beam_width_deg.to_radians(),
+            azimuth_rad,
+            spread: 3f64.sqrt() * azimuth_rad / HALF_POWER,
+            steps_m,
+        }
+    }
+
+    /// Two-way gain in a direction from the vertical.
+    pub(super) fn two_way_gain(&self, phi_rad: f64) -> f64 {
+        let off = (phi_rad - self.axis_rad) / self.half_width_rad;
+        exp(-2.0 * LN_2 * off * off)
+    }
+
+    /// Standard deviation of the two-way beam along the track at a slant range, metres.
+    pub(super) fn spread_at_m(&self, range_m: f64) -> f64 {
+        self.azimuth_rad / HALF_POWER * range_m
+    }
+
+    /// Distance along the track between the middle and an outer ray where they meet the ground,
+    /// metres.
+    pub(super) fn outer_ray_m(&self, across_m: f64, depth_m: f64) -> f64 {
+        self.spread * (across_m * across_m + depth_m * depth_m).sqrt()
+    }
+}
+
+/// Everything that echoes. Places are metres from the scene's centre.
+pub(super) struct World {
+    pub bed: SceneBed,
+    pub objects: Vec<PlacedObject>,
+    pub weed: Vec<WeedBed>,
+}
+
+impl World {
+    /// Depth of the visible ground (objects included, weed not) below the water surface, metres.
+    pub(super) fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let heights = self.objects.iter().map(|object| object.height_m(east_m, north_m));
+        self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
+    }
+
+    /// Returns the share of the ground's echo that weed over a place leaves.
+    pub(super) fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
+        let grown = |weed: &WeedBed| weed.height_m(east_m, north_m) > 0.0;
+        if self.weed.iter().any(grown) { WEED_LOSS } else { 1.0 }
+    }
+
+    /// Objects in a band across the boat's heading, `half_width_m` to both ends and `reach_m` to
+    /// both sides.
+    pub(super) fn objects_across(
+        &self,
+        pose: BoatPose,
+        half_width_m: f64,
+        reach_m: f64,
+    ) -> Vec<usize> {
+        let [east, north] = pose.forward();
+        let objects = self.objects.iter().enumerate();
+        let met = objects.filter(|(_, object)| {
+            let de = object.settings.east_m - pose.east_m;
+            let dn = object.settings.north_m - pose.north_m;
+            let (along, across) = (de * east + dn * north, de * north - dn * east);
+            along.abs() <= object.reach_m + half_width_m && across.abs() <= object.reach_m + reach_m
+        });
+        met.map(|(index, _)| index).collect()
+    }
+}
+
+/// Scattering per unit of area at an angle of incidence `th` given by the square of its cosine:
+/// Lambert's law with Mackenzie's -27 dB where `power` is 2, and near-normal facets that slope by 7
+/// degrees, `10^-2.7 cos^power th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
+pub(super) fn backscatter(cos_squared: f64, power: f64) -> f64 {
+    const LAMBERT: f64 = 1.995_262_3e-3;
+    const NORMAL: f64 = 6.309_573_4e-2;
+    /// 2 tan^2(7 degrees).
+    const FACETS: f64 = 2.0 * 0.122_784_56 * 0.122_784_56;
+    if cos_squared <= 0.0 {
+        return 0.0;
+    }
+    let tan_squared = (1.0 - cos_squared) / cos_squared;
+    // Beyond 35 degrees the facets are 70 dB down.
+    let normal = if tan_squared < 0.5 { NORMAL * exp(-tan_squared / FACETS) } else { 0.0 };
+    let facing = if power == 2.0 { cos_squared } else { exp(0.5 * power * ln(cos_squared)) };
+    LAMBERT * facing + normal
 }

@@ -1,8 +1,8 @@
 //! Writes the simulated log: fixes, recorded depths, and all channels' frames in the order of time.
 
+use super::arithmetic::exp;
 use super::random::{Random, RandomPurpose};
 use super::simulate::{ReceivedPing, SimulationRun, mercator};
-use super::sonar::echogram;
 use bathyscope_log::formats::lowrance::write::{
     COMPOSITE, DOWN_SCAN, PRIMARY, Sl2Frame, WrittenFix, frequency_code, usual_frequency_khz,
 };
@@ -85,6 +85,42 @@ impl SimulationRun<'_> {
         let measured_m = self.true_depth_m(measured) + artefacts.depth_noise_m * noise;
         (artefacts.depth_scale * measured_m + artefacts.depth_offset_m).max(0.0)
     }
+}
+
+/// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at
+/// `depth_m`.
+///
+/// The column is plausible, not physical: its depth is what matters.
+fn echogram(
+    kind: ChannelKind,
+    samples: usize,
+    range_m: f64,
+    depth_m: f64,
+    seed: u64,
+    ping: u64,
+) -> Vec<u8> {
+    // The traditional sonar has a wide cone and a long pulse, the down-scan with a thin fan and a
+    // short one.
+    let (stream, onset_m, tail_m, level) = match kind {
+        ChannelKind::DownScan => (2 * ping, 0.02, 0.35, 175.0),
+        _ => (2 * ping + 1, 0.06, 0.8, 215.0),
+    };
+    let mut random = Random::new(seed, RandomPurpose::Echogram, stream);
+    let bottom = |range: f64, depth: f64| {
+        let behind = range - depth;
+        let rise = 1.0 / (1.0 + exp(-behind / onset_m));
+        rise * exp(-behind.max(0.0) / tail_m)
+    };
+    (0..samples)
+        .map(|index| {
+            let range = (index as f64 + 0.5) * range_m / samples as f64;
+            let ringing = 255.0 * exp(-range / 0.12);
+            let echo = level * bottom(range, depth_m) + 0.35 * level * bottom(range, 2.0 * depth_m);
+            let fading = 0.75 + 0.25 * random.exponential().min(2.0);
+            let noise = 12.0 * random.exponential();
+            (ringing + echo * fading + noise).clamp(0.0, 255.0) as u8
+        })
+        .collect()
 }
 
 /// Range of the sonar channels: the next step of 5 m that shows the second bottom echo begin,

@@ -2,10 +2,9 @@
 //! geometry alone.
 
 use super::arithmetic::{cos, from_db, sin};
-use super::object_kind::ObjectKind;
 use super::path::Path;
 use super::random::{Random, RandomPurpose};
-use super::scene::{ObjectSettings, Scene};
+use super::scene::{ObjectKind, ObjectSettings, Scene};
 use super::shape::{SIDE_M, Shape};
 use std::f64::consts::PI;
 

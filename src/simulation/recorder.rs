@@ -3,15 +3,13 @@
 
 use super::arithmetic::{exp, from_db, ln, to_db};
 use super::artefacts::{Trouble, absorption, ring_down};
-use super::beam::Beam;
 use super::bed::SceneBed;
 use super::echo::Echo;
-use super::listener::Listener;
+use super::listener::{Beam, Listener, World};
 use super::path::BoatPose;
 use super::random::{Random, RandomPurpose};
 use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
 use super::visibility::Trace;
-use super::world::World;
 use bathyscope_log::survey::Side;
 use std::ops::Range;
 

@@ -2,10 +2,8 @@
 
 use super::hull::Hull;
 use super::limbs::Limbs;
-use super::noise::NoiseField;
-use super::object_kind::ObjectKind;
-use super::random::{Random, RandomPurpose};
-use super::scene::ObjectSettings;
+use super::random::{NoiseField, Random, RandomPurpose};
+use super::scene::{ObjectKind, ObjectSettings};
 
 /// The shape of one object, with what its seed has drawn.
 pub(super) enum Shape {

@@ -1,18 +1,17 @@
 //! Runs a scene.
 
-use super::artefacts::{ArtefactPlan, Trouble};
+use super::artefacts::{ArtefactPlan, Fishes, Trouble};
 use super::bed::SceneBed;
 use super::echo::{Echo, ObjectEcho};
+use super::listener::World;
 use super::objects;
 use super::path::{BoatPose, Path};
 use super::random::{Random, RandomPurpose};
 use super::recorder::{GRAIN, Receiver, speckle_stream};
 use super::scene::Scene;
-use super::shoal::Fishes;
 use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
 use super::weed::WeedBed;
-use super::world::World;
 use bathyscope_log::formats::lowrance::write::{Sl2Frame, Sl2Writer};
 use bathyscope_log::support::geo::{
     LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse,

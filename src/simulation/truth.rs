@@ -1,7 +1,7 @@
 //! Truth that the log hides: the real places of boat and objects, and the true ranges.
 
 use super::echo::ObjectEcho;
-use super::object_kind::ObjectKind;
+use super::scene::ObjectKind;
 use super::visibility::VisiblePart;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Side;

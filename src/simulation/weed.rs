@@ -1,8 +1,7 @@
 //! A bed of water weed on the track: a canopy whose echo comes before that of the ground.
 
-use super::noise::{NoiseField, smooth};
 use super::path::Path;
-use super::random::{Random, RandomPurpose};
+use super::random::{NoiseField, Random, RandomPurpose, smooth};
 
 /// A round bed of weed.
 pub(super) struct WeedBed {

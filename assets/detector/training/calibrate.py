@@ -5,7 +5,7 @@
 The chips (never trained on) are shown as they are and as other recorders would show them (`augment.py`), so that the map is of no
 one law. A box is right when it lies on an object of any class at an IoU of 0.3. Confidences are sorted into groups of equal size,
 their shares made rising (pool adjacent violators), and a few points kept; a share is never 0 or 1, as Laplace has it. `--into`
-writes them into a sidecar as `calibration`, which `src/objects/model/calibration.rs` reads.
+writes them into a sidecar as `calibration`, which `src/objects/model/sidecar.rs` reads.
 """
 
 import argparse

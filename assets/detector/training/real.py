@@ -50,7 +50,7 @@ def read_tiles(path: Path) -> Tiles:
 
 
 def levelled(pixels: np.ndarray) -> np.ndarray:
-    """The picture at the level of every chip, as `src/objects/level.rs` brings it: the 95th percentile of the pixels
+    """The picture at the level of every chip, as `src/objects/picture.rs` brings it: the 95th percentile of the pixels
     above 0 becomes 180, by a gain between 0.5 and 4."""
     below = np.bincount(pixels.ravel(), minlength=256)[1:].cumsum()
     if not below[-1]:

@@ -1,7 +1,7 @@
 //! A surface of which no cell depends on what lies far away, so that a map of many tiles is the
 //! same as one of all.
 
-use super::cell_source::{measured_cells, settle};
+use super::grid::{measured_cells, settle};
 use super::nodes::merge_repeated_with;
 use super::surface::{DepthField, Surface, SurfaceMethod};
 use super::tin::largest_radius_m;

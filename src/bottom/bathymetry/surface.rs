@@ -1,7 +1,7 @@
 //! The surface: depths on a grid over the soundings, with values only where a sounding is near.
 
-use super::cell_source::{self, CellSource, measured_cells};
 use super::from_levels::{FromLevels, SwathDepth};
+use super::grid::{CellSource, measured_cells, settle};
 use super::inverse_distance::inverse_distance;
 use super::left_out::{LeftOut, SurfaceCells, bend_and_state_error};
 use super::{
@@ -441,7 +441,7 @@ fn filled(
     };
     let mut made = field.fill(grid, progress)?;
     made.source = measured;
-    cell_source::settle(&mut made.source, &made.depth_m);
+    settle(&mut made.source, &made.depth_m);
     let known = made.depth_m.iter().any(|depth| !depth.is_nan());
     Ok(known.then_some((made, field.tin)))
 }

@@ -1,20 +1,117 @@
-//! Picks and soundings to points in the survey's plane.
+//! Makes points in the survey's plane of picks and soundings, with the properties that a point has
+//! from its first return, whatever the geometry and the calibration.
 
-use super::confirmed::confirmed;
-use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
-use super::pick_traits::{PickTrait, PickTraits};
-use super::specular::{Pair, beam_angles_rad, specular_point};
+use super::above_bottom::{AboveDepth, height_m, way_m};
+use super::clutter::{Clutter, clutter};
+use super::specular::{
+    BottomPoint, Pair, across_track, beam_angles_rad, fixed_bottom_point, specular_point,
+};
 use super::swath::swath_points;
 use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
     RecordIndex, Reduction,
 };
 use crate::calibration::Calibration;
-use crate::first_return::{FirstReturns, Pick};
+use crate::first_return::{FirstReturns, Pick, ground_confidence};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{Navigation, Side, Survey, nearest_in_time};
+use bathyscope_log::survey::{Navigation, Side, Sounding, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Properties of a first return, wherever it is placed.
+#[derive(Clone, Copy, Debug)]
+struct PickTrait {
+    /// True if it is something above the bottom.
+    above_bottom: bool,
+    /// The length of the stretch of such returns, metres; 0 of the bottom and of clutter.
+    above_bottom_m: f32,
+    /// True if it is clutter, which does not show the slope of the bottom.
+    is_clutter: bool,
+    /// Confidence that it is what `above_bottom` states.
+    confidence: f32,
+    /// Level of its echo, 0 to 255.
+    level: u8,
+}
+
+/// Properties of all first returns. Several clouds of the same returns share them: they cost as
+/// much as all else of a cloud.
+pub struct PickTraits {
+    /// Properties by side, port first, one a ping.
+    sides: [Vec<PickTrait>; 2],
+    clutter: Option<Clutter>,
+}
+
+/// Slant range from the edge of a first return within which its echo is strongest, metres.
+const ECHO_M: f64 = 0.2;
+/// More soundings than this in a row with a fault are a loss of the bottom, in which the
+/// depth may meet a first return by chance.
+const LONGEST: usize = 4;
+/// A first return is at the depth of a sounding within this, metres: a part of what a sounding
+/// stands out by.
+const WITHIN_M: f64 = 0.15;
+
+impl PickTraits {
+    /// Finds the properties of a survey's first returns.
+    pub fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
+        let (is_clutter, clutter) = clutter(survey, returns, &way_m(&navigation.pings));
+        let above = AboveDepth::new(survey, navigation, returns, &is_clutter);
+        let lengths_m = Side::BOTH.map(|side| above.stretches_m(side));
+        let usual_m = above.usual_departures_m();
+        let of_pick = |side: Side, ping: usize, pick: &Pick| {
+            let is_clutter = is_clutter[side as usize].get(ping) == Some(&true);
+            let high_m = height_m(survey, returns, ping, side);
+            // Where the recorded depth was found to be false, so may be what lies above it.
+            let is_usual = high_m <= usual_m[ping];
+            let above_bottom = is_clutter || pick.above_bottom && !is_usual;
+            PickTrait {
+                above_bottom,
+                is_clutter,
+                // Without a depth to believe it is not known how high it is.
+                above_bottom_m: if above_bottom && !is_clutter && high_m.is_finite() {
+                    lengths_m[side as usize][ping]
+                } else {
+                    0.0
+                },
+                // What does not stand out is ground.
+                confidence: if above_bottom {
+                    pick.confidence
+                } else {
+                    ground_confidence(pick.confidence, pick.above_bottom)
+                },
+                level: if pick.is_some() { echo_level(survey, ping, side, pick.sample) } else { 0 },
+            }
+        };
+        let of_side = |side: Side| {
+            let picks = returns.side(side).par_iter().enumerate();
+            picks.map(|(ping, pick)| of_pick(side, ping, pick)).collect()
+        };
+        Self { sides: Side::BOTH.map(of_side), clutter }
+    }
+
+    /// The clutter among the first returns; `None` without any.
+    pub fn clutter(&self) -> Option<Clutter> {
+        self.clutter
+    }
+
+    /// Returns the properties of a side, one a ping.
+    fn side(&self, side: Side) -> &[PickTrait] {
+        &self.sides[side as usize]
+    }
+}
+
+/// The greatest level, 0 to 255, within a pulse's length of a first return `sample` samples
+/// outward: the pick itself lies on the edge of the echo, where the level says little of the
+/// ground. 0 where that side was not recorded.
+fn echo_level(survey: &Survey, ping: usize, side: Side, sample: f32) -> u8 {
+    let level = || {
+        let (span, samples) = (survey.span(ping, side)?, survey.samples(ping, side)?);
+        let length = (ECHO_M / span.metres_per_sample()).clamp(1.0, f64::from(u16::MAX)) as usize;
+        let first = sample.max(0.0) as usize;
+        let last = samples.len().min(first.saturating_add(length));
+        (first..last).map(|sample| samples.get(sample)).max()
+    };
+    level().unwrap_or(0)
+}
 
 /// Builds the cloud: [`place`] for a single time.
 ///
@@ -205,4 +302,77 @@ fn side_points<'a>(
             )
         })
     })
+}
+
+/// Returns a flag for each sounding, true if it counts although it stands out from those around it:
+/// the recorder had the bottom right before and after it, and a first return of the nearest ping,
+/// or of the one before or behind that, lies at its depth. `ranges_m` are the ranges of port and
+/// starboard, NaN without a first return, on the scale of `altitude_m`.
+///
+/// A rock or a pile under the boat is passed in a few soundings, as a wrong depth is, but the
+/// side-scan sees it too.
+fn confirmed(
+    survey: &Survey,
+    ranges_m: &[Vec<f64>; 2],
+    altitude_m: impl Fn(f64) -> f64,
+) -> Vec<bool> {
+    let is_confirmed = |sounding: &Sounding| {
+        let depth_m = altitude_m(f64::from(sounding.depth_m));
+        let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |one| one.time_s);
+        let near = ping.map_or(0..0, |ping| ping.saturating_sub(1)..ping + 2);
+        let ranges = ranges_m.iter().flat_map(|side| side.get(near.clone()));
+        let mut ranges = ranges.flatten();
+        ranges.any(|range_m| (range_m - depth_m).abs() <= WITHIN_M)
+    };
+    let mut confirmed = vec![false; survey.soundings.len()];
+    let mut start = 0;
+    for run in survey.soundings.chunk_by(|a, b| a.is_good() == b.is_good()) {
+        let end = start + run.len();
+        let is_between = start > 0 && end < survey.soundings.len();
+        if !run[0].is_good() && is_between && run.len() <= LONGEST {
+            for (sounding, confirmed) in run.iter().zip(&mut confirmed[start..end]) {
+                *confirmed = is_confirmed(sounding);
+            }
+        }
+        start = end;
+    }
+    confirmed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bathyscope_log::survey::{SidePing, mark_faults};
+    use std::sync::Arc;
+
+    /// Soundings of 3 m but for a stretch of them, at every other of pings whose port sees `port_m`
+    /// there and whose starboard sees the bed.
+    fn confirmed_at(stretch: std::ops::Range<usize>, depth_m: f32, port_m: f64) -> Vec<usize> {
+        let mut soundings: Vec<Sounding> = (0..60)
+            .map(|index| {
+                let depth_m = if stretch.contains(&index) { depth_m } else { 3.0 };
+                Sounding::new(0.2 * index as f64, depth_m)
+            })
+            .collect();
+        mark_faults(&mut soundings, &[], true);
+        let ping = |ping: usize| SidePing::with_depth(0.1 * ping as f64, 3.0);
+        let survey =
+            Survey { soundings: Arc::new(soundings), ..Survey::of_pings((0..120).map(ping)) };
+        let port = (0..120).map(|ping| if stretch.contains(&(ping / 2)) { port_m } else { 3.0 });
+        let ranges_m = [port.collect(), vec![3.0; 120]];
+        let all = confirmed(&survey, &ranges_m, |depth_m| depth_m);
+        (0..60).filter(|index| all[*index]).collect()
+    }
+
+    #[test]
+    fn a_rock_that_one_side_sees_counts_and_a_glitch_that_none_sees_does_not() {
+        assert_eq!(confirmed_at(30..32, 2.4, 2.45), [30, 31]);
+        assert!(confirmed_at(30..32, 2.4, 3.0).is_empty());
+        assert!(confirmed_at(30..31, 9.0, 2.45).is_empty());
+    }
+
+    #[test]
+    fn a_depth_that_keeps_its_lock_needs_no_first_return() {
+        assert!(confirmed_at(30..45, 2.4, 2.45).is_empty());
+    }
 }

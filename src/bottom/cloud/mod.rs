@@ -4,51 +4,41 @@
 //! In: a survey with its navigation, first returns and calibration. Out: points with classes, and
 //! the depth under the boat at every ping.
 //!
-//! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular`
-//! for the one on a slope and `correction` for what depths count from, `confirmed` says which
-//! soundings with a fault count, `pick_traits` what a point has of its first return
-//! (`above_bottom` or `clutter`, and by `level` how strong its echo is), `swath` makes points of
-//! depths across the track, `record` says which record measured a point, `reduction` joins it to
-//! the calibration for every read-out; `class` says what each point is, `outliers` is the filter
-//! for any points; `residuals` measures agreement with recorded depths, `scales` says between which
-//! values points are coloured.
+//! `build` makes the points, held `by_source`, and says which soundings with a fault count and what
+//! a point has of its first return (`above_bottom` or `clutter`, and how strong its echo is), with
+//! `specular` for the foot on a slope and the published feet and `correction` for what depths count
+//! from, `swath` makes points of depths across the track, `record` says which record measured a
+//! point, `reduction` joins it to the calibration for every read-out; `class` says what each point
+//! is, `outliers` is the filter for any points; `residuals` measures agreement with recorded depths
+//! and between clouds, and says between which values points are coloured.
 
 mod above_bottom;
 mod build;
 mod by_source;
 mod class;
 mod clutter;
-mod confirmed;
 pub mod correction;
-mod depth_change;
-mod geometry;
-mod level;
 pub mod outliers;
-mod pick_traits;
 mod ping_depth;
 mod record;
 mod reduction;
 mod residuals;
-mod scales;
 mod specular;
 mod swath;
 
-use bathyscope_log::named;
-pub use build::{build, place};
+pub use build::{PickTraits, build, place};
 pub use by_source::BySource;
 pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use clutter::Clutter;
 pub use correction::{Correction, DepthReference, DepthSettings};
-pub use depth_change::DepthChange;
-pub use geometry::{across_track, fixed_bottom_point};
-pub use pick_traits::PickTraits;
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths};
 pub use record::{PointRecord, RecordIndex};
 pub use reduction::Reduction;
-pub use residuals::{Residuals, residuals, same_ping_differences};
-pub use scales::PointScales;
+pub use residuals::{DepthChange, PointScales, Residuals, residuals, same_ping_differences};
+pub use specular::{across_track, fixed_bottom_point};
 
 use crate::first_return::ground_confidence;
+use bathyscope_log::named;
 use bathyscope_log::survey::{Exclusions, SoundingFault};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

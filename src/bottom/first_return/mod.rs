@@ -4,12 +4,10 @@
 //!
 //! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the
 //! plain method, `tracker` the one that follows the bottom as a whole line, `confidence` says how
-//! sure a pick is, `above_bottom` which lie above the recorded depth, `false_soundings` which
-//! recorded depths both sides contradict, `manual_picks` holds what the analyst drew instead,
-//! `accepted` what was accepted as it was found, `bottom_line` which bottom the picture is laid out
-//! by.
+//! sure a pick is and whether it lies above the recorded depth, `false_soundings` which recorded
+//! depths both sides contradict, `manual_picks` holds what the analyst drew instead, `accepted`
+//! what was accepted as it was found, `bottom_line` which bottom the picture is laid out by.
 
-mod above_bottom;
 mod accepted;
 mod beyond_depth;
 mod bottom_line;

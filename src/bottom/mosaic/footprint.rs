@@ -1,8 +1,8 @@
 //! The outline of the insonified ground.
 
 use super::MosaicLayout;
+use super::canvas::Scan;
 use super::layout::{bounds_of, grid_over};
-use super::scan::Scan;
 use crate::bathymetry::isobaths::{Polygon, depth_areas};
 use crate::bathymetry::{Grid, Surface};
 use bathyscope_log::support::progress::{Cancelled, Progress};

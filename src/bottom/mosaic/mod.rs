@@ -29,8 +29,6 @@ mod layout;
 mod line;
 mod overlap;
 mod paint;
-mod part;
-mod scan;
 
 pub use altitude::altitudes_m;
 pub use footprint::footprint;
@@ -40,9 +38,7 @@ pub use joint::{
 };
 pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
 pub use overlap::Overlap;
-pub use paint::tile;
-pub use paint::{MosaicLog, joint_tile, joint_window, window};
-pub use part::{MosaicPart, join_parts, part};
+pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, tile, window};
 
 use crate::presentation::colours;
 use serde::{Deserialize, Serialize};

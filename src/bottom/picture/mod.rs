@@ -14,15 +14,12 @@
 //! Nothing here is computed per texel of a tile: a change of gain costs a few numbers, not new
 //! tiles.
 
-mod histogram;
 mod log_picture;
 mod scales;
 mod settings;
 mod stripes;
 
-pub use histogram::LevelHistogram;
-pub use log_picture::LogPicture;
+pub use log_picture::{LevelHistogram, LogPicture};
 pub use scales::{Extremes, PictureGeometry, PingScale, PingScales};
-pub use settings::LEAST_RANGE_M;
-pub use settings::{PictureSettings, Tone};
+pub use settings::{LEAST_RANGE_M, PictureSettings, Tone};
 pub use stripes::stripe_factors;

@@ -2,14 +2,14 @@
 //! that leaves in doubt.
 
 use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
-use super::leg::apart_m;
+use super::turns::apart_m;
 use super::water::{Water, thinned};
 use crate::nearest::Nearest;
 use rayon::prelude::*;
 
 /// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it
 /// helps.
-pub(super) const DOUBT_M: f64 = 5.0;
+const DOUBT_M: f64 = 5.0;
 /// Least difference that counts as a doubt, in standard deviations of a depth at a sounding.
 const DOUBT_SIGMAS: f64 = 2.0;
 /// Most doubts that are evaluated.

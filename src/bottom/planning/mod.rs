@@ -7,7 +7,7 @@
 //! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each
 //! cell of it lacks: depths (by the distance to the nearest sounding, `known::SigmaLaw`), a first
 //! or second look of the side-scan, a third pass where two disagree, another side of an object.
-//! `candidates` are straight lines over many headings, each with the stretch (`window`) that
+//! `candidates` are straight lines over many headings, each with the stretch that
 //! reduces the uncertainty most for its time; the best by far, counted with the turns to it, is
 //! taken, what it mends is taken off, and so on until the minutes are used or no line is worth its
 //! time. `route` orders the lines, with `turns` that the boat can make and that stay in the water.
@@ -16,16 +16,14 @@
 mod candidates;
 mod ground;
 mod known;
-mod leg;
 mod plan;
 mod route;
 mod turns;
 mod water;
-mod window;
 
 pub use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
-pub use leg::Leg;
 pub use plan::{Plan, PlanSettings, WaterState, WaypointKind};
+pub use turns::Leg;
 
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use candidates::{CandidateLine, Limits, candidates};

@@ -1,9 +1,8 @@
 //! A plan: its lines, the way through them, and what it will leave of the doubt.
 
 use super::ground::PlanningGrid;
-use super::leg::Leg;
 use super::route::link;
-use super::turns::turns;
+use super::turns::{Leg, turns};
 use super::{PlanError, SeenObject, SurveyCoverage};
 use crate::bathymetry::Grid;
 

@@ -1,7 +1,6 @@
 //! Finds the order in which lines are sailed, and the direction along each.
 
-use super::leg::{Leg, apart_m};
-use super::turns::{Turn, TurnPose, turns};
+use super::turns::{Leg, Turn, TurnPose, apart_m, turns};
 use super::water::Water;
 use std::collections::HashMap;
 

@@ -4,11 +4,64 @@
 //! two arcs with a straight piece between them, or three arcs. The equations are those of A. M.
 //! Shkel and V. Lumelsky (Classification of the Dubins set, 2001).
 
+use Piece::{Left, Right, Straight};
 use std::f64::consts::{PI, TAU};
 
 /// Angle between the corners that an arc is drawn with, radians: the chord leaves it by 1.5 % of
 /// the radius.
 const STEP_RAD: f64 = 20.0 * PI / 180.0;
+
+/// A straight line, from its start to its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Metres east and north.
+    pub from: [f64; 2],
+    /// Metres east and north.
+    pub to: [f64; 2],
+}
+
+impl Leg {
+    /// Metres.
+    pub fn length_m(&self) -> f64 {
+        apart_m(self.from, self.to)
+    }
+
+    /// Radians clockwise from north.
+    pub fn heading_rad(&self) -> f64 {
+        let [east, north] = self.way();
+        east.atan2(north)
+    }
+
+    /// The same line sailed the other way.
+    #[must_use]
+    pub fn turned(self) -> Self {
+        Self { from: self.to, to: self.from }
+    }
+
+    /// Place and course at its start.
+    pub(super) fn start(&self) -> TurnPose {
+        self.pose(self.from)
+    }
+
+    /// Place and course at its end.
+    pub(super) fn end(&self) -> TurnPose {
+        self.pose(self.to)
+    }
+
+    fn pose(&self, place: [f64; 2]) -> TurnPose {
+        let [east, north] = self.way();
+        TurnPose { place, course_rad: north.atan2(east) }
+    }
+
+    fn way(&self) -> [f64; 2] {
+        [self.to[0] - self.from[0], self.to[1] - self.from[1]]
+    }
+}
+
+/// Distance of two places, metres.
+pub(super) fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
 
 /// A place and the direction that the boat moves in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +79,6 @@ enum Piece {
     Straight(f64),
     Right(f64),
 }
-
-use Piece::{Left, Right, Straight};
 
 /// One way between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! The rounds: the curves learnt on a sample of tiles, and the depths of all tiles with them.
 
+use super::echoes::WeedPlaces;
 use super::layout::{LaidOutLog, PingChunk};
 use super::looks::SideChunk;
 use super::model::{FitPlace, Incidence, LawCurves};
 use super::nodes::{Blend, Nodes};
 use super::solve::{Prior, TileInput, TileSolution, learn};
 use super::tiling::{Resolution, Tiling};
-use super::weed::WeedPlaces;
 use crate::bathymetry::{Bends, DepthPoint, Node, merge_repeated};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;

@@ -1,9 +1,8 @@
 //! Determines properties of a whole log before any part of it is used: its law, the pings that can
 //! be used, in chunks, and their gain.
 
-use super::echoes::{LogEchoes, PingPlace};
+use super::echoes::{LogEchoes, PingPlace, is_weed};
 use super::law::{Law, law_of};
-use super::weed::is_weed;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::Side;

@@ -9,16 +9,15 @@
 //! and noise and the gain are found together, and hold to the depths that were measured. What is
 //! found is inferred, not measured.
 //!
-//! `echoes` is what is read of a log and `layout` what is found of all of it: its `law` turns
-//! levels into logarithms of power, `weed` says where echoes are none of the bed. `looks` are
+//! `echoes` is what is read of a log, and where these are none of the bed, and `layout` what is
+//! found of all of it: its `law` turns levels into logarithms of power. `looks` are
 //! averaged levels, `observations` those placed on the bed; `model` says what they should be.
 //! `tiling` parts a survey, or what a part of a larger map depends on, into tiles of `nodes`;
-//! `solve` solves one, in the order of `elimination`, `depths` runs the rounds, and `gate` decides
+//! `solve` solves one, `depths` runs the rounds, and `gate` decides
 //! by left-out soundings whether levels are used.
 
 mod depths;
 mod echoes;
-mod elimination;
 mod gate;
 mod law;
 mod layout;
@@ -28,7 +27,6 @@ mod nodes;
 mod observations;
 mod solve;
 mod tiling;
-mod weed;
 
 pub use echoes::{LogEchoes, PingPlace, SampleSource, SideEchoes};
 pub use layout::{LaidOutLog, PingChunk};

@@ -16,7 +16,6 @@ mod coarse;
 mod levels;
 mod line;
 mod resample;
-mod spacing;
 #[cfg(test)]
 mod testing;
 mod tile;

@@ -1,4 +1,3 @@
-use super::part::ObjectPart;
 use super::*;
 use crate::testing::survey;
 use crate::{Labelled, Mark, Raster, Rect, TILE_PX};
@@ -110,4 +109,19 @@ fn yolo_and_coco_tell_the_same_boxes() {
     assert_eq!(annotations[0]["segmentation"], outline);
     assert!(annotations[1..].iter().all(|one| one.get("segmentation").is_none()));
     assert_eq!(json["categories"][2]["name"], "tyre");
+}
+
+#[test]
+fn edges_count_from_one_and_ignored_boxes_are_difficult() {
+    let label = |x0, x1| Labelled { class: 0, rect: Rect::new([x0, 10.0], [x1, 30.0]) };
+    let boxes = PictureBoxes {
+        labels: vec![label(20.0, 50.0)],
+        outlines: Vec::new(),
+        ignored: vec![label(400.0, 416.0)],
+    };
+    let text = voc_xml("1.png", &["rock & co".to_owned()], &boxes);
+    assert!(text.contains("<name>rock &amp; co</name><truncated>0</truncated><difficult>0"));
+    assert!(text.contains("<xmin>21</xmin><ymin>11</ymin><xmax>50</xmax><ymax>30</ymax>"));
+    assert!(text.contains("<truncated>1</truncated><difficult>1"));
+    assert!(text.contains("<xmax>416</xmax>"));
 }

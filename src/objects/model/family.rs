@@ -2,8 +2,7 @@
 //! sidecar.
 
 use super::Unusable;
-use super::metadata::Metadata;
-use super::sidecar::{FamilyName, Sidecar};
+use super::sidecar::{FamilyName, Metadata, Sidecar};
 use super::tract::Output;
 use crate::Scored;
 use crate::decode::{self, Head, HeadLayout};

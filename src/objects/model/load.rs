@@ -1,20 +1,21 @@
-//! Loads a model from a file and runs it once.
+//! Loads a model from a file and runs it once, guarded. One model comes with the program.
 
 use super::family::{self, DetectorFamily, Shaped};
-use super::guard::guarded;
 use super::input::InputSpec;
-use super::metadata::Metadata;
 use super::screen::{self, Declared};
-use super::sidecar::{Augmentation, Colour, FamilyName, LevelEntry, Resize, Sidecar};
+use super::sidecar::{Augmentation, Colour, FamilyName, LevelEntry, Metadata, Resize, Sidecar};
 use super::tract::{self, Network, Output};
-use super::{Model, Unusable};
+use super::{Model, ModelError, Unusable};
 use crate::{NAMELESS_CLASS, Nms, class_index};
+use bathyscope_log::support::catch_panic::catch_panic;
 use bathyscope_log::support::printable::one_line;
 use bathyscope_log::support::regular_file;
 use std::borrow::Cow;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
 use std::time::Duration;
 use tract_onnx::pb::ModelProto;
 
@@ -26,6 +27,12 @@ const LARGEST_SIDECAR: u64 = 1 << 20;
 const LARGEST_INPUT: usize = 4096;
 /// Pixels across and down where nothing states it.
 const USUAL_INPUT: usize = 416;
+/// Deep networks are walked by recursion; address space alone is set aside for it.
+const STACK_BYTES: usize = 64 << 20;
+/// YOLOv4-tiny, its origin, data and figures in the model card beside it.
+const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
+/// Classes, input and thresholds of the model.
+const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
 
 /// Longest time for a network, after which it is given up.
 #[derive(Clone, Copy)]
@@ -43,6 +50,17 @@ impl Limits {
     /// Limits of a network that is known to end, on a computer however slow: an emulated one takes
     /// over 30 s a picture.
     pub(super) const NONE: Self = Self { compilation: Duration::MAX, first_picture: Duration::MAX };
+}
+
+/// The model that comes with the program: compiled into it, so that nothing is downloaded.
+///
+/// # Errors
+/// When the model cannot be used; the error names its file and says why.
+pub fn shipped() -> Result<Model, ModelError> {
+    from_bytes(ONNX.into(), Some(SIDECAR), None, Limits::NONE).map_err(|reason| ModelError {
+        reason,
+        path: PathBuf::from("the model that comes with the program"),
+    })
 }
 
 /// Loads the file and its sidecar.
@@ -342,9 +360,36 @@ fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec
     )
 }
 
+/// Runs `work` on a thread of its own and waits `limit` for it. `what` names the work in the
+/// message. A thread that is late is left to itself: what it may cost is bounded before it starts,
+/// and its result is dropped.
+///
+/// The work is on a file that may be made to harm: it may fail, stop half way or never end, and
+/// only that work ends.
+///
+/// # Errors
+/// Why the model cannot be used.
+fn guarded<T: Send + 'static>(
+    what: &'static str,
+    limit: Duration,
+    work: impl FnOnce() -> Result<T, Unusable> + Send + 'static,
+) -> Result<T, Unusable> {
+    let (sender, receiver) = mpsc::channel();
+    thread::Builder::new().name(what.to_owned()).stack_size(STACK_BYTES).spawn(move || {
+        let outcome = catch_panic(work).unwrap_or(Err(Unusable::Damaged(what)));
+        // A receiver that has gone away waits no more.
+        sender.send(outcome).ok();
+    })?;
+    receiver.recv_timeout(limit).unwrap_or_else(|gone| {
+        Err(match gone {
+            RecvTimeoutError::Timeout => Unusable::Slow { what, seconds: limit.as_secs() },
+            RecvTimeoutError::Disconnected => Unusable::Damaged(what),
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::shipped::{ONNX, SIDECAR};
     use super::*;
 
     #[test]
@@ -354,5 +399,19 @@ mod tests {
         let late = load(Limits { first_picture, ..Limits::NONE });
         assert!(matches!(late, Err(Unusable::Slow { .. })), "{late:?}");
         assert!(load(Limits::NONE).is_ok());
+    }
+
+    #[test]
+    fn what_fails_stops_or_never_ends_is_distinguished() {
+        let soon = Duration::from_millis(50);
+        let late = Duration::from_secs(600);
+        assert_eq!(guarded("this", late, || Ok(7)).unwrap(), 7);
+        let panicked = guarded::<()>("this", late, || panic!("a fault"));
+        assert!(matches!(panicked, Err(Unusable::Damaged("this"))));
+        let slow = guarded("this", soon, || {
+            thread::sleep(Duration::from_millis(500));
+            Ok(())
+        });
+        assert!(matches!(slow, Err(Unusable::Slow { what: "this", .. })));
     }
 }

@@ -1,7 +1,7 @@
 //! The graph as the file describes it, looked through before anything is computed from it.
 
 use super::Unusable;
-use super::metadata::Metadata;
+use super::sidecar::Metadata;
 use std::collections::{HashMap, HashSet};
 use tract_onnx::pb::tensor_proto::DataLocation;
 use tract_onnx::pb::tensor_shape_proto::dimension::Value as Size;
@@ -16,7 +16,7 @@ const MOST_ELEMENTS: i64 = 1 << 27;
 const MOST_WEIGHTS: i64 = 1 << 28;
 /// Axes of a tensor. Detectors have six at most; what compiles them takes the square of their
 /// number, and more.
-pub(super) const MOST_AXES: usize = 32;
+const MOST_AXES: usize = 32;
 /// Pixels that a layer may gather into one.
 const MOST_GATHERED: i64 = 1 << 16;
 /// Layers whose output is as large as numbers in the file say.

@@ -1,10 +1,11 @@
 //! `MODEL.json` beside `MODEL.onnx`: what the ONNX file does not state. Every entry may be missing;
-//! entries that are not named here (how a model was trained) are left alone.
+//! entries that are not named here (how a model was trained) are left alone. Metadata inside the
+//! ONNX file states some of it.
 
 use super::Unusable;
-use super::calibration::ConfidenceCalibration;
 use crate::OverlapMeasure;
 use serde::Deserialize;
+use std::collections::HashMap;
 
 /// Entries of the file.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -28,7 +29,7 @@ pub(super) struct Sidecar {
     pub heads: Vec<HeadEntry>,
     /// Thresholds for boxes.
     pub thresholds: ThresholdEntry,
-    /// Points of confidence and share of right boxes (see the module `calibration`).
+    /// Points of confidence and share of right boxes (see [`ConfidenceCalibration`]).
     pub calibration: Option<Vec<[f32; 2]>>,
 }
 
@@ -112,7 +113,7 @@ pub(super) struct OutputEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum LevelEntry {
-    /// Levelled by [`crate::level`].
+    /// Levelled by [`crate::picture`].
     Auto,
     /// Left as recorded.
     Raw,
@@ -122,7 +123,7 @@ pub(super) enum LevelEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Augmentation {
-    /// Mirrored along the track (see the module `test_time_augmentation`).
+    /// Mirrored along the track (see [`super::agree`]).
     Mirrored,
 }
 
@@ -229,5 +230,188 @@ impl Sidecar {
             return wrong("names holds no name");
         }
         Ok(())
+    }
+}
+
+/// A rising map of confidences, 0 to 1 on both sides. Without points it leaves them as they are.
+///
+/// A network's confidence ranks its boxes; how many of those at 0.8 are right depends on what it
+/// was trained on. A sidecar may hold points that map it to the share that was right on chips which
+/// training never saw, straight between neighbours.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct ConfidenceCalibration {
+    /// The network's confidence and what it comes to, both rising, from `[0, 0]` on.
+    points: Vec<[f32; 2]>,
+}
+
+impl ConfidenceCalibration {
+    /// `None` unless both numbers rise from point to point between 0 and 1, the first being 1 at
+    /// the end: only then has each confidence one counterpart.
+    pub(super) fn new(points: &[[f32; 2]]) -> Option<Self> {
+        let mut all = vec![[0.0, 0.0]];
+        all.extend(points.iter().filter(|&&point| point != [0.0, 0.0]));
+        let rises = all.windows(2).all(|pair| pair[0][0] < pair[1][0] && pair[0][1] < pair[1][1]);
+        let [last, highest] = all[all.len() - 1];
+        (rises && last == 1.0 && highest <= 1.0).then_some(Self { points: all })
+    }
+
+    /// Returns the share that a network's confidence is mapped to.
+    pub(super) fn calibrated(&self, confidence: f32) -> f32 {
+        self.mapped(confidence, [0, 1])
+    }
+
+    /// The network's confidence that comes to `calibrated`; above 1 where none does.
+    pub(super) fn confidence(&self, calibrated: f32) -> f32 {
+        match self.points.last() {
+            Some(&[_, highest]) if calibrated > highest => 1.0 + calibrated - highest,
+            _ => self.mapped(calibrated, [1, 0]),
+        }
+    }
+
+    fn mapped(&self, value: f32, [from, to]: [usize; 2]) -> f32 {
+        let above = self.points.partition_point(|point| point[from] < value);
+        match (above.checked_sub(1), self.points.get(above)) {
+            (Some(below), Some(high)) => {
+                let low = self.points[below];
+                let share = (value - low[from]) / (high[from] - low[from]);
+                low[to] + share * (high[to] - low[to])
+            }
+            // At 0 or below, and above the end.
+            (None, Some(first)) => first[to].min(value),
+            (Some(below), None) => self.points[below][to],
+            (None, None) => value,
+        }
+    }
+}
+
+/// Metadata that Ultralytics' exporter writes with the graph, as Python literals, read leniently:
+/// the file's key-value pairs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Metadata(pub HashMap<String, String>);
+
+impl Metadata {
+    /// Class names from `{0: 'rock', 1: "it's"}` or `['rock', 'tyre']`; `None` where there are
+    /// none.
+    pub(super) fn names(&self) -> Option<Vec<String>> {
+        let mut names = quoted(self.0.get("names")?);
+        // JSON dictionaries quote their keys as well.
+        if names.len().is_multiple_of(2) && names.iter().step_by(2).all(|key| is_number(key)) {
+            names = names.into_iter().skip(1).step_by(2).collect();
+        }
+        (!names.is_empty()).then_some(names)
+    }
+
+    /// Height and width from `[640, 640]`.
+    pub(super) fn image_size(&self) -> Option<[usize; 2]> {
+        let numbers: Vec<usize> = self
+            .0
+            .get("imgsz")?
+            .split(|letter: char| !letter.is_ascii_digit())
+            .filter_map(|digits| digits.parse().ok())
+            .collect();
+        match numbers[..] {
+            [size] => Some([size, size]),
+            [height, width] => Some([height, width]),
+            _ => None,
+        }
+    }
+
+    /// Returns true if the network suppresses overlapping boxes itself.
+    pub(super) fn end_to_end(&self) -> bool {
+        ["end2end", "nms"]
+            .iter()
+            .filter_map(|key| self.0.get(*key))
+            .any(|value| value.eq_ignore_ascii_case("true"))
+    }
+
+    /// The task, where it is another than finding boxes.
+    pub(super) fn other_task(&self) -> Option<&str> {
+        let task = self.0.get("task")?.as_str();
+        (task != "detect").then_some(task)
+    }
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// The strings of a Python literal, in either quote, a backslash taking the next letter as it is.
+fn quoted(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut open: Option<(char, String)> = None;
+    let mut letters = text.chars();
+    while let Some(letter) = letters.next() {
+        match &mut open {
+            None if letter == '\'' || letter == '"' => open = Some((letter, String::new())),
+            None => {}
+            Some((quote, name)) if letter == *quote => {
+                found.push(std::mem::take(name));
+                open = None;
+            }
+            Some((_, name)) if letter == '\\' => name.extend(letters.next()),
+            Some((_, name)) => name.push(letter),
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bent() -> ConfidenceCalibration {
+        ConfidenceCalibration::new(&[[0.2, 0.1], [0.6, 0.8], [1.0, 0.95]]).expect("a rising map")
+    }
+
+    fn names(text: &str) -> Option<Vec<String>> {
+        Metadata(HashMap::from([("names".to_owned(), text.to_owned())])).names()
+    }
+
+    #[test]
+    fn confidences_are_mapped_straight_between_points_and_back() {
+        let map = bent();
+        for (confidence, calibrated) in
+            [(0.0, 0.0), (0.1, 0.05), (0.2, 0.1), (0.4, 0.45), (0.8, 0.875), (1.0, 0.95)]
+        {
+            assert!((map.calibrated(confidence) - calibrated).abs() < 1e-6);
+            assert!((map.confidence(calibrated) - confidence).abs() < 1e-6);
+        }
+        // No box is as sure as that.
+        assert!(map.confidence(0.97) > 1.0);
+    }
+
+    #[test]
+    fn without_points_confidences_stay() {
+        for value in [0.0, 0.3, 1.0] {
+            let map = ConfidenceCalibration::default();
+            assert_eq!([map.calibrated(value), map.confidence(value)], [value; 2]);
+        }
+    }
+
+    #[test]
+    fn what_does_not_rise_to_the_end_is_no_map() {
+        let refused: [&[[f32; 2]]; 6] = [
+            &[],
+            &[[0.5, 0.5]],
+            &[[0.5, 0.5], [0.4, 0.6], [1.0, 1.0]],
+            &[[0.5, 0.5], [0.7, 0.5], [1.0, 1.0]],
+            &[[0.5, 0.5], [1.0, 1.1]],
+            &[[0.5, f32::NAN], [1.0, 1.0]],
+        ];
+        for points in refused {
+            assert_eq!(ConfidenceCalibration::new(points), None, "{points:?}");
+        }
+        assert!(ConfidenceCalibration::new(&[[0.0, 0.0], [1.0, 1.0]]).is_some());
+    }
+
+    #[test]
+    fn names_are_read_from_what_python_prints() {
+        let two = |a: &str, b: &str| Some(vec![a.to_owned(), b.to_owned()]);
+        assert_eq!(names("{0: 'rock', 1: 'tyre'}"), two("rock", "tyre"));
+        assert_eq!(names(r#"{0: "diver's", 1: 'a\'b'}"#), two("diver's", "a'b"));
+        assert_eq!(names("['rock', 'tyre']"), two("rock", "tyre"));
+        assert_eq!(names(r#"{"0": "rock", "1": "tyre"}"#), two("rock", "tyre"));
+        assert_eq!(names("{0: 'unclosed"), None);
+        assert_eq!(names("{}"), None);
     }
 }

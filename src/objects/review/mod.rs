@@ -10,15 +10,12 @@
 //! never touched.
 
 mod adopt;
-mod certainty;
 mod edit;
 mod file;
 mod queue;
 mod searched;
 mod tiles;
 
-use bathyscope_log::named;
-pub use certainty::Certainty;
 pub use edit::Edit;
 pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
 pub use queue::{DecisionCounts, Queue, Sort};
@@ -27,6 +24,7 @@ pub use tiles::ReviewedTile;
 
 use super::class::is_name;
 use super::{Mark, MeasuredShadow, ObjectExtent};
+use bathyscope_log::named;
 use bathyscope_log::survey::Identity;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -60,6 +58,28 @@ named! {
         Accepted: "accepted",
         Rejected: "rejected",
         Added: "added",
+    }
+}
+
+/// The certainty of the analyst that there is an object, and of what it is: a word of their own,
+/// beside the score of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Certainty {
+    /// It may be something else, or nothing.
+    Unsure,
+    /// More likely than not.
+    Probable,
+    /// No doubt.
+    Certain,
+}
+
+named! {
+    /// All of them, the least sure first.
+    pub Certainty {
+        Unsure: "unsure",
+        Probable: "probable",
+        Certain: "certain",
     }
 }
 

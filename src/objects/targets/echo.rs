@@ -1,7 +1,6 @@
 //! The echo and the shadow inside a box.
 
-use super::profile::{BackgroundLevels, RangeSteps};
-use super::runs::{self, Runs, runs};
+use super::profile::{self, BackgroundLevels, RangeSteps, Runs, runs};
 use crate::Mark;
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::Survey;
@@ -309,9 +308,9 @@ impl<'a> Look<'a> {
             if shadow.end_m.is_nan() { return Some(shadow) } else { self.step_of(shadow.end_m) };
         let behind = from..self.step_of(far_m).min(contrast.len());
         let echo = self.step_of(echo_m[0])..self.step_of(echo_m[1]);
-        let echo_gain = runs::gain(contrast.get(echo)?);
+        let echo_gain = profile::gain(contrast.get(echo)?);
         let goes_on = (contrast.get(behind))
-            .is_some_and(|behind| runs::brightest(behind) > GOES_ON * echo_gain);
+            .is_some_and(|behind| profile::brightest(behind) > GOES_ON * echo_gain);
         (!goes_on).then_some(shadow)
     }
 

@@ -1,8 +1,6 @@
 //! The same object, seen from several lines, as one.
 
-use super::pairs::{pairs, same_pass, size_m};
-use super::sighting::{GroupSettings, Sighting};
-use super::spread::PositionCovariance;
+use super::pairs::{GroupSettings, PositionCovariance, Sighting, pairs, same_pass, size_m};
 use super::{ObjectHeight, Target};
 
 /// One object with all that was seen of it.

@@ -3,44 +3,37 @@
 //! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of
 //! objects.
 //!
-//! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges),
+//! `echo` finds the echo and the shadow inside a box (`profile` has the levels and the edges),
 //! `seen` makes distances and a height of them, `shadow` a height of a shadow that the analyst
-//! measures, `place` puts them on the bottom (`altitude` above it), `passes` tells which passes of
-//! the boat covered a place, `group` makes one object of the same object seen from several lines
-//! (`sighting` is what is grouped, `pairs` says which sightings may be one, `spread` and `heading`
-//! how sure that is), `object_height` makes one height of all their heights, `shape` fits a solid
-//! to what they recorded of it.
+//! measures, `place` puts them on the bottom, `passes` tells which passes of the boat covered a
+//! place, `group` makes one object of the same object seen from several lines (`pairs` says which
+//! sightings may be one, and how sure their places are), `object_height` makes one height of all
+//! their heights, `shape` fits a solid to what they recorded of it.
 
-mod altitude;
 mod echo;
 mod group;
-mod heading;
 mod object_height;
 mod pairs;
 mod passes;
 mod place;
 mod profile;
-mod runs;
 mod seen;
 mod shadow;
 mod shape;
-mod sighting;
-mod spread;
 #[cfg(test)]
 pub(crate) mod testing;
 
 pub use echo::{Parts, TopShape, parts};
-pub use group::Group;
-pub use group::group;
+pub use group::{Group, group};
 pub use object_height::{HeightSource, ObjectHeight};
+pub use pairs::{GroupSettings, Sighting};
 pub(crate) use passes::count_seen;
-pub use passes::passes_over;
-pub use passes::{LogPings, PassCount, PassLog};
+pub use passes::{LogPings, PassCount, PassLog, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
-pub use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
-pub use shape::{PosedSolid, ShapeKind, Solid};
-pub use sighting::{GroupSettings, Sighting};
+pub use shape::{
+    BoxLevels, FittedShape, PosedSolid, ShapeError, ShapeKind, ShapeOnPing, Solid, fit_shape,
+};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_log::support::geo::LonLat;

@@ -1,8 +1,6 @@
-//! Finds pairs of sightings that may be of the same object.
+//! Finds pairs of sightings that may be of the same object, by the uncertainty of their places.
 
 use super::Target;
-use super::sighting::{GroupSettings, Sighting};
-use super::spread::PositionCovariance;
 
 /// Two sightings of one side that lie along the track by less than this, metres sailed, with less
 /// change of heading than this, radians, are of one pass: a boat that goes straight on passes a
@@ -18,6 +16,102 @@ const OTHER_CLASS: f64 = 3.0;
 /// move, and the largest extent that counts, metres.
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
+
+/// Limits of the distance between two sightings of one object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroupSettings {
+    /// Standard deviations of the joint uncertainty that sightings of one object may lie apart.
+    pub sigmas: f64,
+    /// Standard deviation of the receiver's own position between lines, metres: it is not in
+    /// [`Target::sigma_m`].
+    pub receiver_sigma_m: f64,
+    /// Standard deviation of the place of a whole log, metres: another day, another receiver. It
+    /// counts between sightings of different logs.
+    pub log_sigma_m: f64,
+}
+
+impl Default for GroupSettings {
+    fn default() -> Self {
+        Self { sigmas: 3.0, receiver_sigma_m: 0.3, log_sigma_m: 1.0 }
+    }
+}
+
+/// One box that may show the same object as others.
+#[derive(Clone, Copy, Debug)]
+pub struct Sighting<'a> {
+    /// Index of the log that saw it; places of all logs are in one plane.
+    pub log: usize,
+    /// Place and size of its object.
+    pub target: &'a Target,
+    /// Class of the object; `None` where it is not known.
+    pub class: Option<usize>,
+    /// Score of the box, 0 to 1.
+    pub score: f64,
+}
+
+/// Covariance of a place, square metres: of east, of both, of north.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PositionCovariance {
+    east: f64,
+    both: f64,
+    north: f64,
+}
+
+impl PositionCovariance {
+    /// The same in every direction.
+    pub(super) const fn round(variance_m2: f64) -> Self {
+        Self { east: variance_m2, both: 0.0, north: variance_m2 }
+    }
+
+    /// Returns the covariance of a sighting, from its uncertainties along and across the heading of
+    /// the boat.
+    pub(super) fn of(target: &Target) -> Self {
+        let (sin, cos) = target.heading_rad.sin_cos();
+        let along = target.along_sigma_m.powi(2);
+        let across = target.across_sigma_m.powi(2);
+        Self {
+            east: along * sin * sin + across * cos * cos,
+            both: (along - across) * sin * cos,
+            north: along * cos * cos + across * sin * sin,
+        }
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            east: self.east + other.east,
+            both: self.both + other.both,
+            north: self.north + other.north,
+        }
+    }
+
+    fn determinant(self) -> f64 {
+        self.east * self.north - self.both * self.both
+    }
+
+    /// The information: what is known well weighs much.
+    pub(super) fn inverse(self) -> Self {
+        let scale = self.determinant().max(f64::MIN_POSITIVE).recip();
+        Self { east: scale * self.north, both: -scale * self.both, north: scale * self.east }
+    }
+
+    /// The product with a vector.
+    pub(super) fn times(self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        [self.east * east_m + self.both * north_m, self.both * east_m + self.north * north_m]
+    }
+
+    /// Squared distance in standard deviations (Mahalanobis).
+    pub(super) fn squared_sigmas(self, apart_m: [f64; 2]) -> f64 {
+        let [east, north] = self.inverse().times(apart_m);
+        east * apart_m[0] + north * apart_m[1]
+    }
+
+    /// Standard deviation in the direction in which it is largest, metres.
+    pub(super) fn widest_m(self) -> f64 {
+        let middle = 0.5 * (self.east + self.north);
+        let swing = (0.5 * (self.east - self.north)).hypot(self.both);
+        (middle + swing).sqrt()
+    }
+}
 
 /// Returns true if one pass saw both apart. In a turn a side sweeps over the same place again, and
 /// under the boat both sides detect it; two boxes over the same echo, or two halves of it, at one

@@ -1,6 +1,6 @@
 //! Finds the passes of the boat that covered a place, and counts those that saw an object there.
 
-use super::heading::heading_sigma_rad;
+use super::place::heading_sigma_rad;
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use std::ops::Range;
 

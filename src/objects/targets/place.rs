@@ -1,12 +1,12 @@
 //! Determines the place on the bottom of the object in a box.
 
 use super::echo::Shadow;
-use super::heading::heading_sigma_rad;
 use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, MeasuredObject, PART_SIGMA};
-use super::{Parts, Target, TopShape, altitude::altitude_m, echo, parts};
+use super::{Parts, Target, TopShape, echo, parts};
 use crate::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_bottom::first_return::FirstReturns;
+use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{AcrossTrack, Navigation, PingNav, Relief, Side, SideSpan, Survey};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -19,6 +19,11 @@ const UNDER: f64 = 1.1;
 /// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a
 /// line along the grid is off by the same all the way.
 const FIX_SIGMA_M: f64 = 0.25;
+/// Standard deviation of a heading from the fitted track, radians (2 degrees), and what a turn
+/// adds: a share of the change of heading over so many pings before and behind.
+const HEADING_SIGMA_RAD: f64 = 0.035;
+const TURN_SIGMA: f64 = 0.08;
+const TURN_PINGS: usize = 20;
 
 /// Slant range by the recorder's scale from which on a shadow runs off the range, metres: nobody
 /// draws the last sample.
@@ -373,4 +378,54 @@ impl<'a> Placer<'a> {
         let beam_m = BEAM_RAD * slant_m;
         (whole_m * whole_m - beam_m * beam_m).max(spacing_m * spacing_m).sqrt()
     }
+}
+
+/// Median over some pings of the bottom edits on a side, else of the recorded depths where the
+/// recorder had the bottom, else of the first returns on that side: who draws the bottom sees what
+/// the recorder took for it. Metres, times `range_factor`; `None` where nothing is known of the
+/// bottom.
+fn altitude_m(
+    survey: &Survey,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+    range_factor: f64,
+    side: Side,
+    pings: Range<usize>,
+) -> Option<f64> {
+    let pings = pings.start..pings.end.min(survey.side_scan.len());
+    let first_return_m = |ping: usize| {
+        let pick = returns.side(side).get(ping)?;
+        let span = survey.span(ping, side)?;
+        let range_m = calibration.range_m(span, f64::from(pick.sample));
+        (pick.is_some() && !pick.above_bottom && range_m > 0.0).then_some(range_m)
+    };
+    let is_drawn = |&ping: &usize| returns.is_drawn(side, ping);
+    let drawn = pings.clone().filter(is_drawn).filter_map(first_return_m);
+    let mut depths_m: Vec<f64> = drawn.collect();
+    if depths_m.is_empty() {
+        let recorded = pings.clone();
+        let recorded = recorded.map(|ping| f64::from(survey.good_depth_m(ping)));
+        depths_m = recorded.filter(|depth_m| *depth_m > 0.0).collect();
+    }
+    if depths_m.is_empty() {
+        depths_m = pings.filter_map(first_return_m).collect();
+    }
+    let altitude_m = median(&mut depths_m) * range_factor;
+    (altitude_m > 0.0).then_some(altitude_m)
+}
+
+/// Standard deviation of the heading over some pings, radians: in a turn the line that is fitted to
+/// the fixes lags behind.
+pub(super) fn heading_sigma_rad(navigation: &Navigation, pings: &Range<usize>) -> f64 {
+    HEADING_SIGMA_RAD.hypot(TURN_SIGMA * turn_rad(navigation, pings))
+}
+
+/// Change of the heading around some pings, 0 to pi; 0 where it is not known.
+fn turn_rad(navigation: &Navigation, pings: &Range<usize>) -> f64 {
+    let heading = |ping: usize| navigation.pings.get(ping).map(|place| place.heading_rad);
+    let last = navigation.pings.len().saturating_sub(1);
+    let from = heading(pings.start.saturating_sub(TURN_PINGS));
+    let to = heading((pings.end + TURN_PINGS).min(last));
+    let change = from.zip(to).map_or(0.0, |(from, to)| (to - from).cos());
+    if change.is_finite() { change.clamp(-1.0, 1.0).acos() } else { 0.0 }
 }

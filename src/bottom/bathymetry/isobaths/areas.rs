@@ -2,12 +2,12 @@
 
 mod rings;
 
-use super::march::{CellEdge, Square, crossing, square};
+pub use rings::{Polygon, polygons};
+
+use super::lines::{CellEdge, Square, crossing, square};
 use crate::bathymetry::Surface;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
-
-pub use rings::{Polygon, polygons};
 
 /// The part of a surface between two depths.
 #[derive(Clone, Debug, PartialEq)]

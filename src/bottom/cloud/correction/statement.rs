@@ -1,7 +1,6 @@
 //! Statement of what was and was not corrected, in words for every product.
 
-use super::Correction;
-use super::error::moment;
+use super::{Correction, moment};
 
 /// Reference that depths count from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

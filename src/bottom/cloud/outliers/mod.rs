@@ -9,12 +9,10 @@
 //! cells above and below are empty. Where a cell is so full that testing all in it would take too
 //! long, a tree of boxes counts instead.
 
-mod axis;
 mod cells;
 mod sweep;
 mod tree;
 
-use axis::CellAxis;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use cells::CellPoints;
 

@@ -6,13 +6,11 @@
 //!
 //! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score`
 //! measures the step at every sample, `depth` compares the recorded depth with it, `viterbi` finds
-//! the best path, `line` says where it is a pick and how sure, and `refine` finds the edge within a
-//! fraction of a sample on the picture that `straight` lays along the line, with what `onset` finds
-//! just before it.
+//! the best path, and `refine` finds the edge within a fraction of a sample on the picture that
+//! `straight` lays along the line, with what `onset` finds just before it.
 
 mod depth;
 mod grid;
-mod line;
 mod onset;
 mod refine;
 mod rows;
@@ -25,8 +23,10 @@ use super::confidence::MethodPick;
 use super::{FirstReturnSettings, Normalisation};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Side, Survey};
+use grid::TrackerGrid;
 use rayon::prelude::*;
 use runs::TrackerChunk;
+use score::Scores;
 use std::ops::Range;
 
 /// Settings of the tracker; chosen on simulated ponds and verified on real recordings.
@@ -90,6 +90,12 @@ const TUNING: Tuning = Tuning {
     within_evidence: 1.7,
     leap_share: 1.25,
 };
+/// A line whose mean score along these rows to both sides is lower is no bottom.
+const LEAST_EVIDENCE: f32 = 0.8;
+/// Rows to both sides that evidence is averaged over.
+const ALONG: usize = 4;
+/// Distance from the line at which another step is a rival, metres.
+const RIVAL_M: f64 = 0.25;
 
 /// Tracks the bottom on both sides (port, starboard) of `pings`.
 pub(super) fn track(
@@ -155,7 +161,7 @@ impl Workspace {
         let within = self.paths.line(self.scores.grid(), motion);
         let mut is_restored = false;
         for rows in &leaps {
-            let evidence = line::mean_score(self.scores.grid(), &within, rows);
+            let evidence = mean_score(self.scores.grid(), &within, rows);
             if evidence < TUNING.within_evidence {
                 depths.allow_beyond(rows, &mut self.scores);
                 is_restored = true;
@@ -180,8 +186,8 @@ impl Workspace {
         depths.weigh(&mut self.scores);
         let motion = viterbi::MotionCost::at(cell_m);
         let line = self.line_within(&depths, &motion);
-        let evidence = line::evidence(self.scores.grid(), &line);
-        let apart = (line::RIVAL_M / cell_m).ceil() as usize;
+        let evidence = evidence(self.scores.grid(), &line);
+        let apart = (RIVAL_M / cell_m).ceil() as usize;
         let margins = self.paths.margins(&line, apart);
         let places = self.refiner.refine(&self.rows, &line, motion.limit, cell_m);
         let samples_per_cell = rows::cell(normalisation.samples) as f32;
@@ -195,4 +201,26 @@ impl Workspace {
         })
         .collect()
     }
+}
+
+/// The mean score of the line around each row; `None` where it is no pick.
+fn evidence(scores: &TrackerGrid, line: &[usize]) -> Vec<Option<f32>> {
+    let own: Vec<f32> = (0..line.len()).map(|row| scores.row(row)[line[row]]).collect();
+    (0..line.len())
+        .map(|row| {
+            let near = row.saturating_sub(ALONG)..line.len().min(row + ALONG + 1);
+            let evidence = mean(&own[near]);
+            (own[row] > Scores::CLOSED && evidence >= LEAST_EVIDENCE).then_some(evidence)
+        })
+        .collect()
+}
+
+/// The mean score of the line over some rows.
+fn mean_score(scores: &TrackerGrid, line: &[usize], rows: &Range<usize>) -> f32 {
+    let own: Vec<f32> = rows.clone().map(|row| scores.row(row)[line[row]]).collect();
+    mean(&own)
+}
+
+fn mean(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len().max(1) as f32
 }

@@ -130,7 +130,7 @@ impl DepthMap {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn depth_points(&self, progress: &Progress) -> Result<Vec<DepthPoint>, Cancelled> {
+    pub(crate) fn depth_points(&self, progress: &Progress) -> Result<Vec<DepthPoint>, Cancelled> {
         joint_depth_points(&self.logs, &self.map, progress)
     }
 

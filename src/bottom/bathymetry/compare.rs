@@ -1,8 +1,94 @@
-//! Statistics of differences by a variable that may cause them, and histograms of differences.
+//! Residuals: what was measured against a reference, and what an international standard would say
+//! of it.
+//!
+//! In: points with elevations, and a reference. Out: their differences with statistics, and the
+//! share within each order of IHO S-44.
+//!
+//! `matching` finds the reference of each measured point. Differences are sorted by what they may
+//! hang on, and into histograms. Everywhere a difference is measured minus reference elevation, so
+//! that up is positive: a bottom measured too shallow gives more than 0.
+
+mod matching;
+
+pub use matching::{Match, Matching, ReferencePoints, match_points};
 
 use crate::cloud::Residuals;
 use crate::presentation::ticks;
 use serde::Serialize;
+
+/// Agreement of a measurement with a reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Measured points.
+    pub measured: usize,
+    /// Measured points without a reference near enough.
+    pub unmatched: usize,
+    /// Statistics of the differences, measured minus reference elevation; absent where nothing was
+    /// matched.
+    #[serde(flatten)]
+    pub residuals: Option<Residuals>,
+    /// Share of the matched points within each order's limit; empty where nothing was matched.
+    pub orders: Vec<OrderShare>,
+}
+
+/// Share of the points within an order's limit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OrderShare {
+    /// The order.
+    #[serde(flatten)]
+    pub order: SurveyOrder,
+    /// Share of the points within its limit at their own depth, 0 to 1. The order asks for 0.95.
+    pub share: f64,
+}
+
+impl Comparison {
+    /// Compares `measured` points, of which those in `matches` have a reference; the water's
+    /// surface is at `water_level_m` in their elevations.
+    pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
+        let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
+        let within = |order: SurveyOrder| {
+            let holds = |one: &&Match| {
+                let depth_m = (water_level_m - one.reference_z_m).max(0.0);
+                one.difference_m.abs() <= order.limit_m(depth_m)
+            };
+            OrderShare {
+                order,
+                share: matches.iter().filter(holds).count() as f64 / matches.len() as f64,
+            }
+        };
+        Self {
+            measured,
+            unmatched: measured - matches.len(),
+            orders: match matches {
+                [] => Vec::new(),
+                _ => ORDERS.into_iter().map(within).collect(),
+            },
+            residuals: Residuals::of(&mut differences),
+        }
+    }
+}
+
+/// An order of survey, by the vertical uncertainty that it allows at 95 %.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SurveyOrder {
+    /// `exclusive`, `special`, `1a/1b`, `2`.
+    pub order: &'static str,
+    /// The part that does not depend on the depth, metres.
+    pub a_m: f64,
+    /// The share of the depth.
+    pub b: f64,
+}
+
+const fn order(order: &'static str, a_m: f64, b: f64) -> SurveyOrder {
+    SurveyOrder { order, a_m, b }
+}
+
+impl SurveyOrder {
+    /// Total vertical uncertainty allowed at a depth, `sqrt(a^2 + (b d)^2)`, metres.
+    pub(crate) fn limit_m(self, depth_m: f64) -> f64 {
+        self.a_m.hypot(self.b * depth_m)
+    }
+}
 
 /// Differences whose variable lies in one stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -66,9 +152,6 @@ pub struct DifferenceHistogram {
     pub above: usize,
 }
 
-/// Columns of a histogram to either side of its middle, at most.
-const COLUMNS: i64 = 100;
-
 impl DifferenceHistogram {
     /// Creates the histogram of differences in metres; its columns hold 98 % of them or more.
     /// `None` without any.
@@ -99,9 +182,36 @@ impl DifferenceHistogram {
     }
 }
 
+/// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest
+/// first.
+const ORDERS: [SurveyOrder; 4] = [
+    order("exclusive", 0.15, 0.0075),
+    order("special", 0.25, 0.0075),
+    order("1a/1b", 0.5, 0.013),
+    order("2", 1.0, 0.023),
+];
+/// Columns of a histogram to either side of its middle, at most.
+const COLUMNS: i64 = 100;
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn limits_are_those_of_the_printed_table() {
+        let depths_m = [1.0, 2.3, 5.0, 10.0, 20.0, 40.0, 100.0];
+        let printed = [
+            [0.1502, 0.1510, 0.1546, 0.1677, 0.2121, 0.3354, 0.7649],
+            [0.2501, 0.2506, 0.2528, 0.2610, 0.2915, 0.3905, 0.7906],
+            [0.5002, 0.5009, 0.5042, 0.5166, 0.5636, 0.7214, 1.3928],
+            [1.0003, 1.0014, 1.0066, 1.0261, 1.1007, 1.3588, 2.5080],
+        ];
+        for (order, row) in ORDERS.into_iter().zip(printed) {
+            for (depth_m, limit_m) in depths_m.into_iter().zip(row) {
+                assert!((order.limit_m(depth_m) - limit_m).abs() < 5.1e-5, "{order:?} {depth_m}");
+            }
+        }
+    }
 
     #[test]
     fn bins_hold_what_falls_into_them() {

@@ -1,0 +1,318 @@
+//! Pictures with known boxes, as detectors are trained and judged on: chips, and the label files
+//! that tools read.
+//!
+//! In: tiles of a survey, and the objects known in them. Out: pictures, and texts of labels.
+//!
+//! A chip is a tile with the boxes that it may be asked for; YOLO, COCO and Pascal VOC tools read
+//! the labels. The same code serves simulated surveys and reviewed ones.
+
+use super::{Labelled, Mark, Raster, RasterTile, Rect, TILE_PX, level};
+use bathyscope_log::survey::Side;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder as _};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Least share of an object that lies in the tile.
+const LEAST_SHARE: f32 = 0.4;
+/// Least width and height of a box, pixels.
+const LEAST_PX: f32 = 6.0;
+/// The tile.
+const FRAME: Rect = Rect::new([0.0, 0.0], [TILE_PX as f32, TILE_PX as f32]);
+
+/// An object whose place is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownObject {
+    /// Index into the class names.
+    pub class: usize,
+    /// Around what is shown of its echo and its shadow.
+    pub whole: Mark,
+    /// True if anything is shown of it. What a person has seen is.
+    pub shown: bool,
+    /// Part of the object on each ping, in the order of the pings; empty where only its box is
+    /// known.
+    pub slices: Vec<Slice>,
+}
+
+/// Part of an object on one ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// The ping.
+    pub ping: usize,
+    /// Nearest slant range that shows it, metres.
+    pub near_m: f64,
+    /// Farthest slant range that shows it, metres.
+    pub far_m: f64,
+    /// Contribution to the object's visibility: an observer distinguishes the object from chance
+    /// where the sum reaches 1.
+    pub visibility: f32,
+}
+
+impl Slice {
+    fn mark(&self, side: Side) -> Mark {
+        Mark::new(side, self.ping..self.ping + 1, [self.near_m, self.far_m])
+    }
+}
+
+/// The part of an object in a tile.
+///
+/// A tile's edge may cut an object. Where it is known what each ping shows, the box is that of the
+/// part in the tile: of a slanting pipe whose upper half is cut away only the lower half has a box.
+#[derive(Clone, Debug, PartialEq)]
+struct ObjectPart {
+    /// The box around it, in the tile.
+    rect: Rect,
+    /// Its outline as a polygon of columns and rows; empty where only the object's box is known.
+    outline: Vec<[f32; 2]>,
+    /// Share of the object in this part: of its visibility, or of its box.
+    share: f32,
+    /// True if it can be seen at all.
+    shown: bool,
+}
+
+impl ObjectPart {
+    /// Returns true if a detector may be asked for it: something of it is shown, it is at least 6
+    /// pixels wide and high, and at least 40 % of the object; of an object known ping by ping, what
+    /// lies in the tile must be visible by itself.
+    fn is_plain(&self) -> bool {
+        let large = (self.rect.x1 - self.rect.x0).min(self.rect.y1 - self.rect.y0) >= LEAST_PX;
+        self.shown && large && self.share >= LEAST_SHARE
+    }
+}
+
+impl KnownObject {
+    /// Returns true if the whole of it may be asked for, as [`ObjectPart::is_plain`] says.
+    pub fn is_plain(&self, raster: &Raster) -> bool {
+        let rect = raster.rect_of(&self.whole);
+        self.part(rect, 1.0).is_plain()
+    }
+
+    /// Returns the part of it that lies in a tile of its side; `None` where there is none.
+    fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<ObjectPart> {
+        let place = |mark: &Mark| {
+            let rect = raster.rect_of(mark);
+            rect.shifted(-(tile.column as f32), -(tile.row as f32))
+        };
+        let whole = place(&self.whole);
+        let inside = whole.intersection(&FRAME);
+        if inside.area() <= 0.0 {
+            return None;
+        }
+        if self.slices.is_empty() {
+            return Some(self.part(inside, inside.area() / whole.area()));
+        }
+        let rows = self.slices.iter().filter_map(|slice| {
+            let row = place(&slice.mark(self.whole.side));
+            let cut = row.intersection(&FRAME);
+            (cut.area() > 0.0).then(|| (cut, slice.visibility * cut.area() / row.area()))
+        });
+        self.part_of_rows(&rows.collect::<Vec<_>>())
+    }
+
+    /// The part that some rows, and what remains of their visibility, are; `None` where there are
+    /// none, as in a gap.
+    fn part_of_rows(&self, rows: &[(Rect, f32)]) -> Option<ObjectPart> {
+        let (first, others) = rows.split_first()?;
+        let around = others.iter().fold(first.0, |sum, (row, _)| sum.hull(row));
+        let visibility: f32 = rows.iter().map(|(_, visibility)| visibility).sum();
+        let all: f32 = self.slices.iter().map(|slice| slice.visibility).sum();
+        Some(ObjectPart {
+            outline: outline(rows),
+            shown: self.shown && visibility >= 1.0,
+            ..self.part(around, visibility / all)
+        })
+    }
+
+    fn part(&self, rect: Rect, share: f32) -> ObjectPart {
+        ObjectPart { rect, outline: Vec::new(), share, shown: self.shown }
+    }
+}
+
+/// Down the near edges of the rows, and up the far ones.
+fn outline(rows: &[(Rect, f32)]) -> Vec<[f32; 2]> {
+    let near = rows.iter().flat_map(|(row, _)| [[row.x0, row.y0], [row.x0, row.y1]]);
+    let far = rows.iter().rev();
+    let far = far.flat_map(|(row, _)| [[row.x1, row.y1], [row.x1, row.y0]]);
+    near.chain(far).collect()
+}
+
+/// A levelled tile with its boxes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chip {
+    /// [`TILE_PX`] rows of [`TILE_PX`] grey levels.
+    pub pixels: Vec<u8>,
+    /// Boxes of the objects in it.
+    pub boxes: PictureBoxes,
+}
+
+/// The boxes of a picture, in its pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PictureBoxes {
+    /// Boxes (echo and shadow) that a detector should find.
+    pub labels: Vec<Labelled>,
+    /// The outline of each label as a polygon of columns and rows; empty where only its box is
+    /// known.
+    pub outlines: Vec<Vec<[f32; 2]>>,
+    /// Boxes that it may find or not: cut off by the tile's edge, or too small or faint to be seen.
+    pub ignored: Vec<Labelled>,
+}
+
+impl Chip {
+    /// Labels a tile, then levels it. An object whose part in the tile can be asked for
+    /// ([`ObjectPart::is_plain`]) has a label; others that reach into the tile have an
+    /// ignored box.
+    pub fn new(mut tile: RasterTile, raster: &Raster, known: &[KnownObject]) -> Self {
+        let mut boxes = PictureBoxes::default();
+        for object in known.iter().filter(|object| object.whole.side == tile.side) {
+            let Some(part) = object.part_in(&tile, raster) else {
+                continue;
+            };
+            let label = Labelled { class: object.class, rect: part.rect };
+            if part.is_plain() {
+                boxes.labels.push(label);
+                boxes.outlines.push(part.outline);
+            } else {
+                boxes.ignored.push(label);
+            }
+        }
+        level(&mut tile.pixels);
+        Self { pixels: tile.pixels, boxes }
+    }
+
+    /// The picture as PNG: 8-bit grey, compressed fast. Each row is written as its difference from
+    /// the one before, since one ping is much like the last: with the rows as they are, speckle
+    /// hardly shrinks.
+    pub fn png(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let encoder =
+            PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Up);
+        let side = TILE_PX as u32;
+        // Writing to memory does not fail, and the pixels fit the size.
+        encoder.write_image(&self.pixels, side, side, ExtendedColorType::L8).ok();
+        bytes
+    }
+}
+
+/// One line a box: `class cx cy w h`, the centre and size as shares of the picture.
+pub fn yolo_lines(labels: &[Labelled]) -> String {
+    let mut text = String::new();
+    let side = TILE_PX as f32;
+    for Labelled { class, rect } in labels {
+        let [cx, cy] = [rect.x0 + rect.x1, rect.y0 + rect.y1].map(|sum| 0.5 * sum / side);
+        let [width, height] = [rect.x1 - rect.x0, rect.y1 - rect.y0].map(|size| size / side);
+        // Writing to a string does not fail.
+        writeln!(text, "{class} {cx:.6} {cy:.6} {width:.6} {height:.6}").ok();
+    }
+    text
+}
+
+/// A COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored
+/// boxes are written with `iscrowd` 1, which COCO's rule neither rewards nor punishes.
+#[derive(Clone, Debug, Serialize)]
+pub struct Coco {
+    images: Vec<CocoImage>,
+    annotations: Vec<Annotation>,
+    categories: Vec<Category>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct CocoImage {
+    id: usize,
+    file_name: String,
+    width: usize,
+    height: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Annotation {
+    id: usize,
+    image_id: usize,
+    category_id: usize,
+    /// Left, top, width, height, pixels.
+    bbox: [f32; 4],
+    area: f32,
+    iscrowd: u8,
+    /// The outline as `x, y, x, y, ...`, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segmentation: Option<[Vec<f32>; 1]>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Category {
+    id: usize,
+    name: String,
+}
+
+impl Coco {
+    /// A file without pictures.
+    pub fn new<'a>(class_names: impl IntoIterator<Item = &'a str>) -> Self {
+        let categories = class_names.into_iter().enumerate();
+        Self {
+            images: Vec::new(),
+            annotations: Vec::new(),
+            categories: categories
+                .map(|(index, name)| Category { id: index + 1, name: name.to_owned() })
+                .collect(),
+        }
+    }
+
+    /// Adds a picture (its name relative to the folder of pictures) and its boxes.
+    pub fn add(&mut self, file_name: String, boxes: &PictureBoxes) {
+        let id = self.images.len() + 1;
+        self.images.push(CocoImage { id, file_name, width: TILE_PX, height: TILE_PX });
+        for (group, iscrowd) in [(&boxes.labels, 0), (&boxes.ignored, 1)] {
+            for (index, Labelled { class, rect }) in group.iter().enumerate() {
+                let outline = boxes.outlines.get(index).filter(|_| iscrowd == 0);
+                self.annotations.push(Annotation {
+                    id: self.annotations.len() + 1,
+                    image_id: id,
+                    category_id: class + 1,
+                    bbox: [rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0],
+                    area: rect.area(),
+                    iscrowd,
+                    segmentation: outline
+                        .filter(|outline| !outline.is_empty())
+                        .map(|outline| [outline.concat()]),
+                });
+            }
+        }
+    }
+}
+
+/// The labels of a picture: pixels counted from 1, edges included, as in VOC; ignored boxes are
+/// `difficult`.
+pub fn voc_xml(file_name: &str, class_names: &[String], boxes: &PictureBoxes) -> String {
+    let mut text = format!(
+        "<annotation>\n<filename>{}</filename>\n<size><width>{TILE_PX}</width><height>{TILE_PX}</height><depth>1</depth></size>\n<segmented>0</segmented>\n",
+        escaped(file_name)
+    );
+    for (list, difficult) in [(&boxes.labels, 0), (&boxes.ignored, 1)] {
+        for Labelled { class, rect } in list {
+            let name = class_names.get(*class).map_or("object", String::as_str);
+            let least = |edge: f32| edge.round().max(0.0) as u32 + 1;
+            let most = |edge: f32| (edge.round().max(1.0) as u32).min(TILE_PX as u32);
+            let cut = |low: f32, high: f32| u8::from(low <= 0.0 || high >= TILE_PX as f32);
+            let truncated = cut(rect.x0, rect.x1).max(cut(rect.y0, rect.y1));
+            // Writing to a string does not fail.
+            writeln!(
+                text,
+                "<object><name>{}</name><truncated>{truncated}</truncated><difficult>{difficult}</difficult><bndbox><xmin>{}</xmin><ymin>{}</ymin><xmax>{}</xmax><ymax>{}</ymax></bndbox></object>",
+                escaped(name),
+                least(rect.x0),
+                least(rect.y0),
+                most(rect.x1),
+                most(rect.y1),
+            )
+            .ok();
+        }
+    }
+    text.push_str("</annotation>\n");
+    text
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests;

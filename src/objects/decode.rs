@@ -1,0 +1,255 @@
+//! Converts a network's numbers to boxes, in pixels of the network's input. Each family of
+//! detectors has a function.
+//!
+//! In: the outputs of a network, and their shapes. Out: boxes with classes and scores.
+//!
+//! Every decoder takes the numbers as they come, the least score that counts, and gives one box a
+//! candidate, of its surest class. What is not finite is no box: the numbers come from a file that
+//! somebody else made.
+
+use super::{Rect, Scored};
+
+/// Parameters of a head that the network does not state.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Head {
+    /// Width and height of each anchor, pixels of the network's input.
+    pub anchors: Vec<[f32; 2]>,
+    /// Darknet's `scale_x_y`: how far a centre may leave its cell.
+    pub scale_x_y: f32,
+    /// Darknet's `new_coords`: sizes are `(2 t)^2` anchors instead of `e^t`.
+    pub new_coords: bool,
+    /// True if the logistic function has been applied already (Darknet's heads with `new_coords`).
+    pub activated: bool,
+}
+
+/// Order of the numbers in a head.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HeadLayout {
+    /// Anchors and attributes, rows, columns.
+    ChannelsFirst,
+    /// Rows, columns, anchors and attributes.
+    ChannelsLast,
+    /// Anchors, rows, columns, attributes.
+    AnchorsFirst,
+}
+
+/// The boxes found so far and what counts as one.
+struct Found {
+    least: f32,
+    boxes: Vec<Scored>,
+}
+
+impl Found {
+    fn new(least: f32) -> Self {
+        Self { least, boxes: Vec::new() }
+    }
+
+    /// Keeps a box of the surest class when `trust` times its score counts.
+    fn add(&mut self, trust: f32, scores: impl Iterator<Item = f32>, rect: impl FnOnce() -> Rect) {
+        let surest = scores
+            .enumerate()
+            .filter(|(_, score)| score.is_finite())
+            .max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let Some((class, score)) = surest else {
+            return;
+        };
+        self.add_one(class, trust * score, rect);
+    }
+
+    /// Keeps a box of known class when its score counts.
+    fn add_one(&mut self, class: usize, score: f32, rect: impl FnOnce() -> Rect) {
+        // Written so that a NaN does not count.
+        if score >= self.least {
+            let rect = rect();
+            let finite = [rect.x0, rect.y0, rect.x1, rect.y1].iter().all(|edge| edge.is_finite());
+            if finite && rect.area() > 0.0 {
+                self.boxes.push(Scored::new(class, score.min(1.0), rect));
+            }
+        }
+    }
+}
+
+/// Boxes of YOLOv5, YOLOv7 and Darknet's row layout: one row a candidate.
+///
+/// `values` holds 5 + `classes` numbers a candidate: centre x, centre y, width, height in pixels,
+/// objectness, then a score a class. A box's score is objectness times class.
+pub fn rows(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
+    let mut found = Found::new(least);
+    for row in values.chunks_exact(5 + classes) {
+        found.add(row[4], row[5..].iter().copied(), || centred([row[0], row[1], row[2], row[3]]));
+    }
+    found.boxes
+}
+
+/// Boxes of YOLOv8 to v12: one column a candidate.
+///
+/// `values` holds 4 + `classes` rows of as many columns as there are candidates: centre x, centre
+/// y, width, height in pixels, then a score a class; there is no objectness.
+pub fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
+    let count = values.len() / (4 + classes);
+    let mut found = Found::new(least);
+    let at = |row: usize, column: usize| values.get(row * count + column).copied();
+    for column in 0..count {
+        let scores = (4..4 + classes).filter_map(|row| at(row, column));
+        found.add(1.0, scores, || {
+            centred([0, 1, 2, 3].map(|row| at(row, column).unwrap_or(f32::NAN)))
+        });
+    }
+    found.boxes
+}
+
+/// Boxes of YOLOv10, YOLO26 and others that suppress overlapping boxes themselves.
+///
+/// `values` holds six numbers a box: x1, y1, x2, y2 in pixels, score, class. Classes from `classes`
+/// on are no boxes.
+pub(crate) fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
+    let mut found = Found::new(least);
+    for row in values.chunks_exact(6) {
+        let class = row[5].round();
+        // Written so that a NaN is no class.
+        if class >= 0.0 && class < classes as f32 {
+            found.add_one(class as usize, row[4], || Rect::new([row[0], row[1]], [row[2], row[3]]));
+        }
+    }
+    found.boxes
+}
+
+/// Boxes of YOLOv4 with the decoding in the network, as Tianxiaomo's and Darknet's exporters write
+/// it.
+///
+/// `boxes` holds x1, y1, x2, y2 of each candidate, `confs` its `classes` scores (objectness times
+/// class). `scale` is what a box's unit is in pixels, across and down: the input's size where boxes
+/// are fractions of it, 1 where they are pixels.
+pub(crate) fn boxes_and_confs(
+    boxes: &[f32],
+    confs: &[f32],
+    classes: usize,
+    scale: [f32; 2],
+    least: f32,
+) -> Vec<Scored> {
+    let mut found = Found::new(least);
+    for (edges, scores) in boxes.chunks_exact(4).zip(confs.chunks_exact(classes.max(1))) {
+        found.add(1.0, scores.iter().copied(), || {
+            Rect::new(
+                [edges[0] * scale[0], edges[1] * scale[1]],
+                [edges[2] * scale[0], edges[3] * scale[1]],
+            )
+        });
+    }
+    found.boxes
+}
+
+/// Boxes of YOLOX: rows whose boxes are still in units of their grid cell.
+///
+/// `values` holds 5 + `classes` numbers a grid cell, the grids of `strides` one after the other,
+/// row by row: the centre's offset in cells, the logarithm of the size in cells, objectness, a
+/// score a class. `input` is the network's width and height.
+///
+/// `x = (tx + column) stride`, `w = e^tw stride` (Megvii's `demo_postprocess`).
+pub(crate) fn yolox(
+    values: &[f32],
+    classes: usize,
+    input: [usize; 2],
+    strides: &[usize],
+    least: f32,
+) -> Vec<Scored> {
+    let cells = strides.iter().flat_map(|&stride| {
+        let [columns, rows] = input.map(|size| size / stride);
+        (0..rows).flat_map(move |row| (0..columns).map(move |column| (stride, column, row)))
+    });
+    let mut found = Found::new(least);
+    for (cell, (stride, column, row)) in values.chunks_exact(5 + classes).zip(cells) {
+        let size = stride as f32;
+        found.add(cell[4], cell[5..].iter().copied(), || {
+            centred([
+                (cell[0] + column as f32) * size,
+                (cell[1] + row as f32) * size,
+                cell[2].exp() * size,
+                cell[3].exp() * size,
+            ])
+        });
+    }
+    found.boxes
+}
+
+impl HeadLayout {
+    /// Index of an attribute's number; `sizes` are anchors, attributes, rows, columns.
+    fn index(self, sizes: [usize; 4], anchor: usize, attribute: usize, cell: [usize; 2]) -> usize {
+        let [anchors, attributes, rows, columns] = sizes;
+        let [row, column] = cell;
+        match self {
+            HeadLayout::ChannelsFirst => {
+                ((anchor * attributes + attribute) * rows + row) * columns + column
+            }
+            HeadLayout::ChannelsLast => {
+                ((row * columns + column) * anchors + anchor) * attributes + attribute
+            }
+            HeadLayout::AnchorsFirst => {
+                ((anchor * rows + row) * columns + column) * attributes + attribute
+            }
+        }
+    }
+}
+
+/// Boxes of a head as the last convolution leaves it: YOLOv3 and v4 without the decoding.
+///
+/// `values` holds, for each anchor and grid cell, tx, ty, tw, th, objectness and a value a class.
+/// `grid` is columns and rows, `input` the network's width and height.
+///
+/// `x = (column + s sigma(tx) - (s - 1) / 2) stride`, `w = e^tw anchor`, score = sigma(objectness)
+/// sigma(class) (Darknet's `yolo_layer.c`, `s` its `scale_x_y`).
+pub(crate) fn raw_head(
+    values: &[f32],
+    layout: HeadLayout,
+    head: &Head,
+    classes: usize,
+    grid: [usize; 2],
+    input: [usize; 2],
+    least: f32,
+) -> Vec<Scored> {
+    let [columns, rows] = grid;
+    let sizes = [head.anchors.len(), 5 + classes, rows, columns];
+    let stride = [0, 1].map(|axis| input[axis] as f32 / grid[axis] as f32);
+    let active = |x: f32| if head.activated { x } else { logistic(x) };
+    let size = |t: f32, anchor: f32| {
+        if head.new_coords { (2.0 * active(t)).powi(2) * anchor } else { t.exp() * anchor }
+    };
+    let centre = |t: f32, cell: usize| {
+        cell as f32 + head.scale_x_y * active(t) - 0.5 * (head.scale_x_y - 1.0)
+    };
+    let mut found = Found::new(least);
+    for (anchor, [width, height]) in head.anchors.iter().enumerate() {
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)))
+        {
+            let at = |attribute| {
+                let index = layout.index(sizes, anchor, attribute, [row, column]);
+                values.get(index).copied().unwrap_or(f32::NAN)
+            };
+            let objectness = active(at(4));
+            // Most cells hold nothing: their classes need not be looked at.
+            if objectness < least {
+                continue;
+            }
+            let scores = (5..5 + classes).map(|attribute| active(at(attribute)));
+            found.add(objectness, scores, || {
+                centred([
+                    centre(at(0), column) * stride[0],
+                    centre(at(1), row) * stride[1],
+                    size(at(2), *width),
+                    size(at(3), *height),
+                ])
+            });
+        }
+    }
+    found.boxes
+}
+
+/// A box by its centre and size.
+fn centred([x, y, width, height]: [f32; 4]) -> Rect {
+    Rect::new([x - 0.5 * width, y - 0.5 * height], [x + 0.5 * width, y + 0.5 * height])
+}
+
+/// `1 / (1 + e^-x)`.
+fn logistic(x: f32) -> f32 {
+    1.0 / (1.0 + (-x).exp())
+}
