@@ -55,7 +55,7 @@ impl App {
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
             Command::Measure(request) => self.measure(request),
             Command::Plan(request) => self.change_plan(request),
-            Command::Notify(text) => self.notify(text, true),
+            Command::Notify(text) => self.warn(text),
             Command::Dismiss(index) => self.dismiss(index),
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
@@ -165,7 +165,7 @@ impl App {
                 let text = error.to_string();
                 // A drag would say it over and over.
                 if self.notices.last().is_none_or(|last| last.text != text) {
-                    self.notify(text, true);
+                    self.warn(text);
                 }
                 return;
             }
@@ -194,7 +194,7 @@ impl App {
             log.own = own;
             match settings {
                 Ok(settings) => self.set(id, settings, live),
-                Err(error) => self.notify(error.to_string(), true),
+                Err(error) => self.warn(error.to_string()),
             }
         }
     }
@@ -210,7 +210,7 @@ impl App {
 
     fn set(&mut self, id: LogId, settings: Settings, live: bool) {
         if let Err(error) = self.follow_source(id, &settings) {
-            return self.notify(error.to_string(), true);
+            return self.warn(error.to_string());
         }
         let Some(log) = self.log_mut(id) else {
             return;
@@ -279,7 +279,7 @@ impl App {
         self.view.options.show_boxes(shown);
         if !shown && self.has_boxes() {
             let keys = Action::Boxes.keys().unwrap_or_default();
-            self.notify(format!("boxes are hidden; {keys} shows them again"), false);
+            self.notify(format!("boxes are hidden; {keys} shows them again"));
         }
     }
 

@@ -27,7 +27,7 @@ impl App {
             self.start_base_map(path, true);
         } else {
             let text = format!("The base map that was open last is missing: {}", path.display());
-            self.notify(text, false);
+            self.notify(text);
         }
     }
 
@@ -68,11 +68,12 @@ impl App {
             // As it was left: shown or not, and without a word.
             Ok(map) if is_of_last_time => self.map.base_map = Some(Arc::new(map)),
             Ok(map) => {
-                self.notify(self.words_about(&map), false);
+                self.notify(self.words_about(&map));
                 self.view.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.map.base_map = Some(Arc::new(map));
             }
-            Err(error) => self.notify(error.to_string(), !is_of_last_time),
+            Err(error) if is_of_last_time => self.notify(error.to_string()),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 

@@ -120,7 +120,7 @@ impl App {
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.view.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         let mut bottom = self.bottom_of(&survey);
         for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
@@ -180,8 +180,8 @@ impl App {
     pub(super) fn take_bottom(&mut self, id: LogId, read: Option<ReadBottom>, is_file: bool) {
         let taken = self.log_mut(id).map(|log| log.take_bottom(read, is_file));
         match taken {
-            Some(Ok(Some(text))) => self.notify(text, false),
-            Some(Err(error)) => self.notify(error.to_string(), true),
+            Some(Ok(Some(text))) => self.notify(text),
+            Some(Err(error)) => self.warn(error.to_string()),
             Some(Ok(None)) | None => {}
         }
     }
@@ -194,10 +194,10 @@ impl App {
         let (aside, written) = log.bottom_file.keep(&log.settings.bottom);
         if let Some(aside) = aside {
             let text = "What could not be used of the bottom edits is kept as";
-            self.notify(format!("{text} {}", aside.display()), false);
+            self.notify(format!("{text} {}", aside.display()));
         }
         if let Err(error) = written {
-            self.notify(format!("the bottom edits cannot be saved: {error}"), true);
+            self.warn(format!("the bottom edits cannot be saved: {error}"));
         }
     }
 }

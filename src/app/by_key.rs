@@ -43,7 +43,7 @@ impl App {
                 let is_blind = self.view.selection.is_none();
                 if is_blind {
                     let text = "select a ping first: its profile shows the threshold";
-                    self.notify(text.to_owned(), true);
+                    self.warn(text.to_owned());
                 }
                 is_blind
             }
@@ -84,7 +84,7 @@ impl App {
         };
         if !is_drawn {
             let show = Action::Boxes.keys().unwrap_or_default();
-            self.notify(format!("boxes are hidden here; {show} shows them"), true);
+            self.warn(format!("boxes are hidden here; {show} shows them"));
             return true;
         }
         let is_in_view = focus != KeyFocus::View(View::Waterfall)
@@ -92,7 +92,7 @@ impl App {
         if !is_in_view {
             self.bring_in(LogBox { log: self.log.id, id: BoxId(number) });
             let text = format!("box {number} was out of view; press {keys} again");
-            self.notify(text, false);
+            self.notify(text);
         }
         !is_in_view
     }

@@ -95,7 +95,7 @@ impl App {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
             let text = "open a log first, then its reference";
-            self.notify(format!("{text}: {}", path.display()), true);
+            self.warn(format!("{text}: {}", path.display()));
             return;
         };
         let matching = self.map.comparing.matching(&first.products.settings);
@@ -137,13 +137,13 @@ impl App {
         self.map.comparing.opening = None;
         match opened {
             Ok(Opened { of, agreement }) => {
-                self.notify(words_about(&agreement), false);
+                self.notify(words_about(&agreement));
                 let layers = &mut self.view.options.map.layers;
                 layers.set_visible(MapLayer::Residuals, true);
                 self.map.comparing.reference = agreement.reference.clone();
                 self.findings.reference_comparison.take(of, agreement);
             }
-            Err(error) => self.notify(error.to_string(), true),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 }

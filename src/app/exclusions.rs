@@ -170,7 +170,7 @@ impl App {
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";
-                self.notify(text.to_owned(), true);
+                self.warn(text.to_owned());
             }
         }
     }
@@ -187,7 +187,7 @@ impl App {
             Some(part) => self.exclude(self.log.id, part, ExclusionEdit::Trust),
             None => {
                 let text = "the sounding at the selected ping counts already; select a ping whose depth does not count";
-                self.notify(text.to_owned(), true);
+                self.warn(text.to_owned());
             }
         }
     }

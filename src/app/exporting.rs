@@ -194,10 +194,10 @@ impl App {
                 self.written_into = into;
                 match self.written_into {
                     Some(_) => self.offer(text, Action::OpenExported),
-                    None => self.notify(text, false),
+                    None => self.notify(text),
                 }
             }
-            Err(error) => self.notify(error.to_string(), true),
+            Err(error) => self.warn(error.to_string()),
         }
         self.say_lost_logs();
     }

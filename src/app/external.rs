@@ -113,7 +113,7 @@ impl App {
             Some(log) => log.external.reading = Some(Task::start(&jobs, work)),
             None => {
                 let text = "open the log first, then its water levels or its track";
-                self.notify(text.to_owned(), true);
+                self.warn(text.to_owned());
             }
         }
     }
@@ -125,7 +125,7 @@ impl App {
             Some(Ok(ExternalContent::Levels(gauge))) => self.take_levels(id, gauge),
             Some(Ok(ExternalContent::Track(track))) => self.take_track(id, track),
             Some(Ok(ExternalContent::Points(path))) => self.compare_with(path),
-            Some(Err(error)) => self.notify(error.to_string(), true),
+            Some(Err(error)) => self.warn(error.to_string()),
             None => {}
         }
     }
@@ -141,7 +141,7 @@ impl App {
         settings.water_level =
             WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
         match Correction::new(settings.depth(), survey).refused() {
-            Some(why) => self.notify(why.to_string(), true),
+            Some(why) => self.warn(why.to_string()),
             None => self.change_of(id, settings, "water levels", false),
         }
     }

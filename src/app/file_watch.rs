@@ -54,7 +54,7 @@ impl App {
                 self.file_watch.looking = None;
                 for (id, text) in found {
                     self.file_watch.said.push(id);
-                    self.notify(text, true);
+                    self.warn(text);
                 }
             }
             Some(TaskOutcome::Failed) => self.file_watch.looking = None,
@@ -89,7 +89,7 @@ impl App {
         let lost = files.filter_map(|(path, bytes)| Some(FileError::new(bytes.lost()?, path)));
         let lost: Vec<String> = lost.map(|lost| lost.to_string()).collect();
         for text in lost {
-            self.notify(text, true);
+            self.warn(text);
         }
     }
 }

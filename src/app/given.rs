@@ -124,7 +124,7 @@ impl App {
                 let text = format!(
                     "{name} opened with the settings of the preset; its last settings cannot be used: {error}"
                 );
-                self.notify(text, true);
+                self.warn(text);
             }
         }
         if let Some(track) = track.as_ref().and_then(toml::Value::as_str) {

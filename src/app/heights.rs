@@ -187,7 +187,7 @@ impl App {
         let Some(found) = self.height_offsets().filter(|found| found.is_contradicted()).cloned()
         else {
             let text = "no soundings are shown to be false by other logs: that takes two logs that contradict them";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         let before = self.step_now();
         let mut left_out = 0;
@@ -202,7 +202,7 @@ impl App {
             settings.excluded = settings.excluded.excluding(&survey, one.part());
             let (shared, own) = match log.own.change(&self.document.shared, &settings) {
                 Ok(parts) => parts,
-                Err(error) => return self.notify(error.to_string(), true),
+                Err(error) => return self.warn(error.to_string()),
             };
             self.document.shared = Arc::new(shared);
             self.set_own(id, Arc::new(own), false);
@@ -221,7 +221,7 @@ impl App {
         let Some(found) = self.height_offsets().cloned() else {
             let text =
                 "heights are compared between logs: open two or more, and wait for their results";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         let mut levelled = 0;
         let before = self.step_now();
@@ -235,7 +235,7 @@ impl App {
         }
         if levelled == 0 {
             let text = "no height offset is determined: the tracks of these logs do not cross, or their depths contradict each other where they do";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         }
         let after = self.step_now();
         self.record_step(&before, &after, "height offsets", false);

@@ -47,7 +47,7 @@ impl App {
         self.files.reading_area.stop();
         match read {
             Ok(area) => self.set_isobath_area(Some(area)),
-            Err(error) => self.notify(error.to_string(), true),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 

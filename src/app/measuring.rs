@@ -140,7 +140,7 @@ impl App {
                 let pick = self.on_one_ping(pick);
                 match self.ground_at(&pick) {
                     Some(at) => self.add_corner(at, Some(pick)),
-                    None => self.notify(NO_PLACE.to_owned(), true),
+                    None => self.warn(NO_PLACE.to_owned()),
                 }
             }
             Measure::Next(place) => self.map.measuring.next = place,
@@ -210,7 +210,7 @@ impl App {
         });
         match self.box_of_shadow(shadow) {
             Some((id, shadow)) => self.edit(&Edit::SetShadow(id, shadow), false),
-            None => self.notify(NO_BOX.to_owned(), true),
+            None => self.warn(NO_BOX.to_owned()),
         }
     }
 
@@ -313,8 +313,8 @@ impl App {
             return;
         }
         match export::write_profile_csv(&path, &text) {
-            Ok(()) => self.notify(format!("Wrote the depth profile to {}", path.display()), false),
-            Err(error) => self.notify(error.to_string(), true),
+            Ok(()) => self.notify(format!("Wrote the depth profile to {}", path.display())),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 }

@@ -39,8 +39,13 @@ impl App {
     }
 
     /// Notifies the analyst in a sentence.
-    pub(super) fn notify(&mut self, text: String, is_error: bool) {
-        self.say(in_plain_words(&text).as_ref(), is_error, None);
+    pub(super) fn notify(&mut self, text: String) {
+        self.say(in_plain_words(&text).as_ref(), false, None);
+    }
+
+    /// Notifies the analyst of a fault, or of what is missing, in a sentence.
+    pub(super) fn warn(&mut self, text: String) {
+        self.say(in_plain_words(&text).as_ref(), true, None);
     }
 
     /// Says where the report lies of a fault of the program itself, the last time that it ran.
@@ -49,7 +54,7 @@ impl App {
             "A fault of Bathyscope stopped it, or part of its work, the last time it ran. What happened is in {}, and was sent to nobody; attach the file when you report the fault",
             report.display()
         );
-        self.notify(text, true);
+        self.warn(text);
     }
 
     /// Notifies the analyst, with what can be done about it.
@@ -104,7 +109,7 @@ mod tests {
     #[test]
     fn changes_in_a_row_leave_one_notice_with_undo() {
         let mut app = App::new(Jobs::Inline);
-        app.notify("one".to_owned(), false);
+        app.notify("one".to_owned());
         app.offer_undo("two".to_owned());
         app.offer_undo("three".to_owned());
         let said = |app: &App| -> Vec<String> { app.said().map(|one| one.text.clone()).collect() };
@@ -113,7 +118,7 @@ mod tests {
         assert_eq!(app.notices[1].offer, Some(Action::Undo));
         // The next step makes the offer void, but what was said is still listed.
         app.withdraw(Action::Undo);
-        app.notify("four".to_owned(), false);
+        app.notify("four".to_owned());
         app.offer_undo("five".to_owned());
         assert_eq!(said(&app), ["five", "four", "three", "one"]);
         assert_eq!(app.notices.len(), 3);
@@ -122,7 +127,7 @@ mod tests {
     #[test]
     fn what_was_dismissed_is_still_listed_and_an_offer_is_taken_back() {
         let mut app = App::new(Jobs::Inline);
-        app.notify("one".to_owned(), true);
+        app.warn("one".to_owned());
         app.offer("two".to_owned(), Action::TakeUpUnsaved);
         app.apply(Command::Dismiss(0));
         app.apply(Command::Dismiss(7));
@@ -133,7 +138,7 @@ mod tests {
         assert!(app.notices.is_empty());
         assert!(app.said().all(|notice| notice.offer.is_none()));
         for number in 0..2 * KEPT {
-            app.notify(number.to_string(), false);
+            app.notify(number.to_string());
         }
         assert_eq!(app.said().len(), KEPT);
         let newest = app.said().next().map(|notice| notice.text.clone());

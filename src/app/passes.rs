@@ -118,7 +118,7 @@ impl App {
     /// last one to the first, once that is found.
     pub(super) fn next_pass(&mut self) {
         let Some((id, mark)) = self.selected().filter(|(_, mark)| mark.side.is_some()) else {
-            return self.notify(NO_PLACE.to_owned(), true);
+            return self.warn(NO_PLACE.to_owned());
         };
         self.go_to(Goal::After(id, mark));
     }
@@ -165,13 +165,13 @@ impl App {
                         self.go_to_next(&passes, id, mark);
                     }
                     Some((Some(passes), Goal::FirstOver(_))) => self.go_to_first(&passes),
-                    Some((None, _)) => self.notify(NO_PLACE.to_owned(), true),
+                    Some((None, _)) => self.warn(NO_PLACE.to_owned()),
                     None => {}
                 }
             }
             Some(TaskOutcome::Failed) => {
                 self.findings.passes.next = None;
-                self.notify("looking for passes failed unexpectedly".to_owned(), true);
+                self.warn("looking for passes failed unexpectedly".to_owned());
             }
         }
     }
@@ -191,7 +191,7 @@ impl App {
         let of_shown = passes.iter().find(|(log, _)| *log == self.log.id);
         match of_shown.or(passes.first()) {
             Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
-            None => self.notify(NO_PASS.to_owned(), false),
+            None => self.notify(NO_PASS.to_owned()),
         }
     }
 
@@ -207,7 +207,7 @@ impl App {
         };
         match next {
             Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
-            None => self.notify(NO_OTHER.to_owned(), false),
+            None => self.notify(NO_OTHER.to_owned()),
         }
     }
 }

@@ -95,7 +95,7 @@ impl App {
         let shown = self.shown_logs();
         let Some(first) = shown.first() else {
             let text = "there is no survey to plan from; open a log, and wait for its results";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         let survey = &first.log.survey;
         let frame = survey.track.frame.clone();
@@ -119,9 +119,9 @@ impl App {
         match self.map.planning.task.as_ref().map(Task::poll) {
             None | Some(TaskOutcome::Pending) => return,
             Some(TaskOutcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
-            Some(TaskOutcome::Done(Err(error))) => self.notify(error.to_string(), true),
+            Some(TaskOutcome::Done(Err(error))) => self.warn(error.to_string()),
             Some(TaskOutcome::Failed) => {
-                self.notify("planning lines failed unexpectedly".to_owned(), true);
+                self.warn("planning lines failed unexpectedly".to_owned());
             }
         }
         self.map.planning.task = None;
@@ -152,12 +152,12 @@ impl App {
     /// Removes the selected line.
     pub(super) fn remove_line(&mut self) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.notify(NO_LINES.to_owned(), true);
+            return self.warn(NO_LINES.to_owned());
         };
         let mut lines = planned.plan.lines.clone();
         let selected = self.map.planning.selected.filter(|line| *line < lines.len());
         let Some(line) = selected else {
-            return self.notify(NO_LINE.to_owned(), true);
+            return self.warn(NO_LINE.to_owned());
         };
         lines.remove(line);
         self.replace_lines(&planned, lines, "removed planned line");
@@ -197,7 +197,7 @@ impl App {
     /// Writes the lines into a file; its ending says for whom.
     pub(super) fn save_plan(&mut self, path: PathBuf) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.notify(NO_LINES.to_owned(), true);
+            return self.warn(NO_LINES.to_owned());
         };
         if self.refuses_log(self.log.id, &path) {
             return;
@@ -213,9 +213,9 @@ impl App {
         match written {
             Ok(()) => {
                 let path = path.display().to_string();
-                self.notify(format!("Wrote the planned lines to {}", quoted(&path)), false);
+                self.notify(format!("Wrote the planned lines to {}", quoted(&path)));
             }
-            Err(error) => self.notify(error.to_string(), true),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 }

@@ -55,7 +55,7 @@ impl App {
         if shown.is_empty() {
             let text =
                 "positions are compared where tracks cross: open a log, and wait for its results";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         }
         let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
@@ -71,11 +71,11 @@ impl App {
     pub(super) fn poll_positions(&mut self) {
         match self.findings.positions.poll() {
             Stands::Found if !self.position_offsets().is_some_and(FoundPositions::tells) => {
-                self.notify(FoundPositions::NOTHING_TOLD.to_owned(), false);
+                self.notify(FoundPositions::NOTHING_TOLD.to_owned());
             }
             Stands::Found | Stands::Still => {}
             Stands::Failed => {
-                self.notify("comparing positions failed unexpectedly".to_owned(), true);
+                self.warn("comparing positions failed unexpectedly".to_owned());
             }
         }
     }
@@ -84,7 +84,7 @@ impl App {
     pub(super) fn apply_positions(&mut self) {
         let Some(found) = self.position_offsets().cloned() else {
             let text = "compare the positions of the logs first";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         let before = self.step_now();
         for (id, found) in &found.logs {

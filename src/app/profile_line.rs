@@ -58,7 +58,7 @@ impl App {
     /// Cuts the 3D view along the line of the profile, or shows it whole again.
     pub(super) fn toggle_cut(&mut self) {
         if self.map.measuring.stations().is_empty() {
-            return self.notify(NO_LINE.to_owned(), true);
+            return self.warn(NO_LINE.to_owned());
         }
         self.view.options.cloud.cut = !self.view.options.cloud.cut;
     }

@@ -137,7 +137,7 @@ impl App {
             .collect();
         if logs.iter().any(|(_, survey, _)| survey.source.files.is_empty()) || logs.is_empty() {
             let text = "a project needs at least one log; open one first";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         }
         let task = Task::start(&self.jobs, move |progress| {
             let file = |(id, survey, known): (LogId, Arc<Survey>, Option<LogFile>)| {
@@ -161,7 +161,7 @@ impl App {
         self.keep_project("save");
         let Some(store) = &mut self.files.project_saving.store else {
             let text = "there is no project file yet; use Save project as";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         if self.files.project_saving.saving.is_some() {
             self.files.project_saving.saves_again = true;
@@ -172,7 +172,7 @@ impl App {
                 let task = Task::start(&self.jobs, move |_| saving.write());
                 self.files.project_saving.saving = Some(task);
             }
-            Err(error) => self.notify(error.to_string(), true),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 
@@ -189,11 +189,11 @@ impl App {
                 Ok(()) => {
                     self.files.project_saving.failed = false;
                     let text = format!("Saved the project: {}", store.path().display());
-                    self.notify(text, false);
+                    self.notify(text);
                 }
-                Err(error) => self.notify(error.to_string(), true),
+                Err(error) => self.warn(error.to_string()),
             },
-            _ => self.notify("saving the project failed unexpectedly".to_owned(), true),
+            _ => self.warn("saving the project failed unexpectedly".to_owned()),
         }
         if std::mem::take(&mut self.files.project_saving.saves_again) {
             self.save_project();
@@ -223,7 +223,7 @@ impl App {
             Ok(()) => self.files.project_saving.failed = false,
             Err(error) => {
                 if !std::mem::replace(&mut self.files.project_saving.failed, true) {
-                    self.notify(error.to_string(), true);
+                    self.warn(error.to_string());
                 }
             }
         }
@@ -298,12 +298,12 @@ impl App {
                 self.files.project_saving.opening = None;
                 match read {
                     Ok(read) => self.take_project(read),
-                    Err(error) => self.notify(error.to_string(), true),
+                    Err(error) => self.warn(error.to_string()),
                 }
             }
             Some(TaskOutcome::Failed) => {
                 self.files.project_saving.opening = None;
-                self.notify("opening the project failed unexpectedly".to_owned(), true);
+                self.warn("opening the project failed unexpectedly".to_owned());
             }
             Some(TaskOutcome::Pending) | None => {}
         }
@@ -315,7 +315,7 @@ impl App {
         let naming = self.files.project_saving.naming.take();
         match (naming, named) {
             (Some((path, _)), Ok(files)) => self.name_project(&path, files),
-            (_, Err(error)) => self.notify(error.to_string(), true),
+            (_, Err(error)) => self.warn(error.to_string()),
             (None, Ok(_)) => {}
         }
     }
@@ -357,12 +357,12 @@ impl App {
                 self.files.project_saving.store = Some(store);
                 self.files.project_saving.project = project;
                 self.files.project_saving.failed = false;
-                self.notify(text, false);
+                self.notify(text);
                 self.keep_project("save under another name");
                 self.logs_mut().for_each(OpenLog::leave_sidecars);
             }
-            Some(Err(error)) => self.notify(error.to_string(), true),
-            None => self.notify("saving the project failed unexpectedly".to_owned(), true),
+            Some(Err(error)) => self.warn(error.to_string()),
+            None => self.warn("saving the project failed unexpectedly".to_owned()),
         }
     }
 
@@ -405,7 +405,7 @@ impl App {
             self.reopen_base_map(path);
         }
         for text in told.into_iter().chain(notes) {
-            self.notify(text, false);
+            self.notify(text);
         }
         self.schedule();
     }
@@ -413,7 +413,7 @@ impl App {
     /// Takes up what a project has of a log.
     fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
         if let Err(error) = self.follow_source(id, &settings) {
-            self.notify(error.to_string(), true);
+            self.warn(error.to_string());
         }
         let shared = self.document.shared.clone();
         if let Some(open) = self.log_mut(id) {

@@ -47,8 +47,8 @@ impl App {
             return;
         }
         match write(self, &figure, &path) {
-            Ok(()) => self.notify(format!("Wrote the measurement to {}", path.display()), false),
-            Err(error) => self.notify(error.to_string(), true),
+            Ok(()) => self.notify(format!("Wrote the measurement to {}", path.display())),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 }

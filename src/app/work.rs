@@ -81,7 +81,7 @@ impl App {
             (Err(failed), _) => {
                 // The same settings would only fail again.
                 self.pipeline.is_waiting = true;
-                self.notify(failed.to_string(), true);
+                self.warn(failed.to_string());
             }
         }
         self.schedule();
@@ -108,9 +108,9 @@ impl App {
             Ok(OpenedPath::Known(name)) => {
                 let (name, origin) = (quoted(&name), quoted(&origin.name()));
                 let text = format!("This recording is open already, as {name}: {origin}");
-                self.notify(text, false);
+                self.notify(text);
             }
-            Err(error) => self.notify(with_name_quoted(error.to_string(), &origin), true),
+            Err(error) => self.warn(with_name_quoted(error.to_string(), &origin)),
         }
         self.load_next();
     }
@@ -245,7 +245,7 @@ impl App {
         let is_log = survey.is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();
-            self.notify(format!("that is the log itself; choose another name: {path}"), true);
+            self.warn(format!("that is the log itself; choose another name: {path}"));
         }
         is_log
     }

@@ -172,7 +172,7 @@ impl App {
         if let Some(other) = self.followed().filter(|id| *id != self.log.id) {
             let name = self.open_log(other).map_or_else(String::new, |log| quoted(&log.name()));
             let text = format!("{name} is followed already; end that first");
-            return self.notify(text, true);
+            return self.warn(text);
         }
         if let Some(active) = &mut self.following.active {
             active.ends.get_or_insert(End::Asked);
@@ -180,11 +180,11 @@ impl App {
         }
         let Some(survey) = self.log.survey.clone() else {
             let text = "open the log that the recorder writes first, then follow it";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         if survey.track.external.is_some() {
             let text = "a log with another receiver's track cannot be followed; remove the external track first";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         }
         let known = survey.clone();
         let starting = Task::start(&self.jobs, move |progress| {
@@ -259,7 +259,7 @@ impl App {
                 let name =
                     self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
                 active.ends = Some(End::Failed);
-                self.notify(format!("{name} cannot be followed: {error}"), true);
+                self.warn(format!("{name} cannot be followed: {error}"));
             }
         }
     }
@@ -401,7 +401,7 @@ impl App {
             let name = quoted(&log.name());
             let text =
                 format!("{name} is no longer followed: its track is that of another receiver now");
-            self.notify(text, true);
+            self.warn(text);
         }
         self.process();
     }
@@ -415,7 +415,7 @@ impl App {
         active.fresh = None;
         let pings = count(pings);
         let text = format!("{name} is no longer followed; its {pings} pings stay: {why}");
-        self.notify(text, true);
+        self.warn(text);
     }
 }
 

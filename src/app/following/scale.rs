@@ -88,7 +88,7 @@ impl App {
                 ranges(before),
                 100.0 * change_m
             );
-            self.notify(text, false);
+            self.notify(text);
         }
     }
 }

@@ -235,7 +235,7 @@ impl App {
             }
             Ok(None) => {}
             Err(error) => {
-                self.notify(format!("cannot use the unsaved decisions: {error}"), true);
+                self.warn(format!("cannot use the unsaved decisions: {error}"));
             }
         }
         self.say_not_kept(written);
@@ -264,7 +264,7 @@ impl App {
             let text = format!(
                 "decisions cannot be saved automatically; save the review in the Review menu: {why}"
             );
-            self.notify(text, true);
+            self.warn(text);
         }
     }
 
@@ -290,7 +290,7 @@ impl App {
     pub(in crate::app) fn take_up_unsaved(&mut self) {
         let Some(left) = self.log.reviewing.autosave.left.take() else {
             let text = "there are no unsaved decisions of an earlier run about this log";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         self.log.reviewing.autosave.written = Some(left.clone());
         self.take_review(self.log.id, left, "restore decisions", false);

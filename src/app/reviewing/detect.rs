@@ -127,7 +127,7 @@ impl App {
     pub(in crate::app) fn detect(&mut self) {
         if self.log.products.is_none() {
             let text = "open a log first, and wait for its results";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         }
         let has_side_scan =
             |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
@@ -137,7 +137,7 @@ impl App {
         logs.sort_by_key(|id| *id != shown);
         if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         }
         self.findings.search.running = None;
         self.findings.search.tail.wants();
@@ -167,7 +167,7 @@ impl App {
             self.stop_detecting();
             let text =
                 format!("not searched, since they have no results yet: {}", names.join(", "));
-            self.notify(text, true);
+            self.warn(text);
         }
     }
 
@@ -293,7 +293,7 @@ impl App {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
                 self.end_search(id, last);
-                self.notify(error.to_string(), true);
+                self.warn(error.to_string());
             }
         }
     }
@@ -311,7 +311,7 @@ impl App {
         }
         if self.findings.search.found == 0 {
             let text = "no objects were found; draw boxes with N, or choose another model";
-            self.notify(text.to_owned(), false);
+            self.notify(text.to_owned());
         }
     }
 

@@ -127,7 +127,7 @@ impl App {
             Some(mark) => self.mark_target(mark),
             None => {
                 let text = "click the target in the waterfall, or point there and press T";
-                self.notify(text.to_owned(), true);
+                self.warn(text.to_owned());
             }
         }
     }
@@ -136,7 +136,7 @@ impl App {
     pub(in crate::app) fn mark_target(&mut self, mark: LogPlace) {
         let Some((side, sample)) = mark.side.zip(mark.sample) else {
             let text = "nothing was recorded there; mark the target in the picture";
-            return self.notify(text.to_owned(), true);
+            return self.warn(text.to_owned());
         };
         let span = (self.log.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));
         let Some(span) = span else {

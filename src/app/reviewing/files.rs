@@ -44,7 +44,7 @@ impl App {
         let changed = changed.map(|log| (log.id, log.name(), log.review_path()));
         let changed: Vec<(LogId, String, Option<PathBuf>)> = changed.collect();
         if changed.is_empty() {
-            self.notify("the reviews are saved already".to_owned(), false);
+            self.notify("the reviews are saved already".to_owned());
         }
         for (id, name, path) in changed {
             match path {
@@ -53,7 +53,7 @@ impl App {
                     let name = quoted(&name);
                     let text =
                         format!("{name} is no file; save its review while it is shown alone");
-                    self.notify(text, true);
+                    self.warn(text);
                 }
             }
         }
@@ -72,9 +72,9 @@ impl App {
             match export::rename_older(&path) {
                 Ok(aside) => {
                     let text = "The review that could not be used is kept as";
-                    self.notify(format!("{text} {}", aside.display()), false);
+                    self.notify(format!("{text} {}", aside.display()));
                 }
-                Err(error) => return self.notify(error.to_string(), true),
+                Err(error) => return self.warn(error.to_string()),
             }
         }
         let Some(log) = self.log_mut(id) else {
@@ -83,8 +83,8 @@ impl App {
         let text =
             format!("Saved {} boxes to {}", log.reviewing.review.boxes().len(), path.display());
         match log.reviewing.save(path) {
-            Ok(()) => self.notify(text, false),
-            Err(error) => self.notify(error.to_string(), true),
+            Ok(()) => self.notify(text),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 
@@ -106,7 +106,7 @@ impl App {
         let jobs = self.jobs.clone();
         if !self.log.read_review(path, false, &jobs) {
             let text = "open the log first, then the review of its boxes";
-            self.notify(text.to_owned(), true);
+            self.warn(text.to_owned());
         }
     }
 
@@ -147,11 +147,11 @@ impl App {
                     log.reviewing.saved = review;
                     log.reviewing.path = Some(path);
                 }
-                self.notify(text, false);
+                self.notify(text);
             }
             Err(error) => {
                 log.reviewing.refused = unasked.then_some(path);
-                self.notify(error.to_string(), true);
+                self.warn(error.to_string());
             }
         }
     }

@@ -281,7 +281,7 @@ impl App {
             let jobs = self.jobs.clone();
             if !self.log.read_truth(TruthSource::File(path), false, &jobs) {
                 let text = "open the log first, then its known objects";
-                self.notify(text.to_owned(), true);
+                self.warn(text.to_owned());
             }
         }
     }
@@ -310,9 +310,9 @@ impl App {
         let opened = log.reviewing.judging.take_truth();
         log.reviewing.poll_comparison(&jobs);
         match opened {
-            Ok(Some(text)) => self.notify(text, false),
+            Ok(Some(text)) => self.notify(text),
             Ok(None) => {}
-            Err(error) => self.notify(error.to_string(), true),
+            Err(error) => self.warn(error.to_string()),
         }
     }
 
@@ -347,7 +347,7 @@ impl App {
                 }
                 None => "mistakes need known objects: open them in the Review menu",
             };
-            return self.notify(text.to_owned(), false);
+            return self.notify(text.to_owned());
         }
         let next = match self.log.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),

@@ -175,7 +175,7 @@ impl App {
     }
 
     pub(in crate::app) fn ask_for_box(&mut self) {
-        self.notify("select a box first, with Tab or a click".to_owned(), true);
+        self.warn("select a box first, with Tab or a click".to_owned());
     }
 
     /// Sorts and filters the boxes of all logs.

@@ -118,7 +118,7 @@ impl App {
             Err(error) => {
                 // The same model would fail again.
                 self.findings.search.tail.stop();
-                self.notify(error.to_string(), true);
+                self.warn(error.to_string());
             }
         }
     }
