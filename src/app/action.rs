@@ -240,6 +240,11 @@ impl Action {
         self.row().keys[0]
     }
 
+    /// The key that texts name; empty where it has none.
+    pub fn key(self) -> Keys {
+        self.keys().unwrap_or_default()
+    }
+
     /// All its keys, the one that menus show first.
     pub fn all_keys(self) -> impl Iterator<Item = Keys> {
         self.row().keys.into_iter().flatten()

@@ -278,7 +278,7 @@ impl App {
         let shown = !self.view.options.shows_boxes();
         self.view.options.show_boxes(shown);
         if !shown && self.has_boxes() {
-            let keys = Action::Boxes.keys().unwrap_or_default();
+            let keys = Action::Boxes.key();
             self.notify(format!("boxes are hidden; {keys} shows them again"));
         }
     }

@@ -83,7 +83,7 @@ impl App {
             KeyFocus::View(View::Objects) | KeyFocus::Review => true,
         };
         if !is_drawn {
-            let show = Action::Boxes.keys().unwrap_or_default();
+            let show = Action::Boxes.key();
             self.warn(format!("boxes are hidden here; {show} shows them"));
             return true;
         }

@@ -4,7 +4,7 @@
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
 use super::step::UndoStep;
-use super::{App, OpenLog, ProfileLine};
+use super::{Action, App, OpenLog, ProfileLine};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{Identity, Side, Survey};
@@ -18,7 +18,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-const NO_BOX: &str = "no height is measured on a box: measure a shadow (H) on the pings of a box, and select that box";
 const NO_PLACE: &str =
     "nothing can be measured here: the track or the results of the log are missing";
 
@@ -210,7 +209,10 @@ impl App {
         });
         match self.box_of_shadow(shadow) {
             Some((id, shadow)) => self.edit(&Edit::SetShadow(id, shadow), false),
-            None => self.warn(NO_BOX.to_owned()),
+            None => self.warn(format!(
+                "no height is measured on a box: measure a shadow ({}) on the pings of a box, and select that box",
+                Action::HeightFromShadow.key()
+            )),
         }
     }
 

@@ -3,7 +3,7 @@
 mod tail;
 
 use crate::app::error::AppError;
-use crate::app::{App, LogId, OpenLog, Task, TaskOutcome};
+use crate::app::{Action, App, LogId, OpenLog, Task, TaskOutcome};
 use bathyscope_objects::model::shipped;
 use bathyscope_objects::review::{Queue, Review};
 use bathyscope_objects::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
@@ -310,8 +310,10 @@ impl App {
             return self.search_next();
         }
         if self.findings.search.found == 0 {
-            let text = "no objects were found; draw boxes with N, or choose another model";
-            self.notify(text.to_owned());
+            self.notify(format!(
+                "no objects were found; draw boxes with {}, or choose another model",
+                Action::NewBox.key()
+            ));
         }
     }
 

@@ -2,7 +2,7 @@
 //! shadow. And points, which have none.
 
 use super::{PIXEL_M, Reviewing, Tool};
-use crate::app::{App, LogPlace};
+use crate::app::{Action, App, LogPlace};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::ObjectExtent;
 use bathyscope_objects::review::{Edit, Reviewed};
@@ -126,8 +126,10 @@ impl App {
         match places.into_iter().find(|mark| mark.sample.is_some()) {
             Some(mark) => self.mark_target(mark),
             None => {
-                let text = "click the target in the waterfall, or point there and press T";
-                self.warn(text.to_owned());
+                self.warn(format!(
+                    "click the target in the waterfall, or point there and press {}",
+                    Action::MarkTarget.key()
+                ));
             }
         }
     }

@@ -24,7 +24,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     if !context.app.has_boxes() {
-        return parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
+        let key = Action::NewBox.key();
+        let text = format!("No boxes yet: find objects, or draw a box with {key}.");
+        return parts::remark(ui, text);
     }
     let all = context.app.review_counts();
     let counts = all.boxes;

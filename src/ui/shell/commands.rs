@@ -9,13 +9,6 @@ use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
 use bathyscope_products::pipeline::settings;
 use std::path::PathBuf;
 
-/// Said when there is nothing to save or write.
-const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with N";
-
-/// Said when there is no profile to save or copy.
-const NO_PROFILE: &str =
-    "there is no depth profile yet; draw a line over the depth map with P first";
-
 /// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a
 /// few.
 const SEEK_FRAMES: u8 = 6;
@@ -124,7 +117,7 @@ impl Shell {
             WindowAction::SaveProfile => self.save_profile(),
             WindowAction::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
-                None => self.say(NO_PROFILE),
+                None => self.say_no_profile(),
             },
             WindowAction::SavePlan => self.save_plan(),
         }
@@ -197,6 +190,20 @@ impl Shell {
     /// Says why something is not done.
     pub(super) fn say(&mut self, text: &str) {
         self.app.apply(Command::Notify(text.to_owned()));
+    }
+
+    /// Says that there is nothing to save or write.
+    fn say_no_boxes(&mut self) {
+        let key = Action::NewBox.key();
+        self.say(&format!("there are no boxes yet; find objects, or draw a box with {key}"));
+    }
+
+    /// Says that there is no profile to save or copy.
+    fn say_no_profile(&mut self) {
+        let key = Action::DepthProfile.key();
+        self.say(&format!(
+            "there is no depth profile yet; draw a line over the depth map with {key} first"
+        ));
     }
 
     /// Asks where a file is to be written, which is proposed beside the log.
@@ -299,7 +306,7 @@ impl Shell {
             (Some(path), None) if self.app.log.reviewing.has_boxes() => {
                 self.dialogs.name(PathPurpose::SaveReview, path, self.app.jobs());
             }
-            _ => self.say(NO_BOXES),
+            _ => self.say_no_boxes(),
         }
     }
 
@@ -340,14 +347,14 @@ impl Shell {
     fn save_profile(&mut self) {
         match self.app.profile_csv() {
             Some(_) => self.ask_beside_log(PathPurpose::SaveProfile, "profile.csv"),
-            None => self.say(NO_PROFILE),
+            None => self.say_no_profile(),
         }
     }
 
     fn export_boxes(&mut self) {
         let is_writing = self.app.export_fraction().is_some();
         if !self.app.log.reviewing.has_boxes() {
-            self.say(NO_BOXES);
+            self.say_no_boxes();
         } else if is_writing {
             self.say(BUSY);
         } else {

@@ -2,7 +2,7 @@
 //! the centre.
 
 use super::{Views, toolbar};
-use crate::app::{App, LayoutPreset, View};
+use crate::app::{Action, App, LayoutPreset, View};
 use crate::ui::{ViewContext, theme};
 use egui::{Color32, Stroke, Ui};
 use egui_tiles::{
@@ -243,9 +243,10 @@ impl Behavior<View> for Panes<'_, '_> {
                 self.pressed = Some(view);
             }
         }
-        response.on_hover_text(
-            "Drag to move the view; double-click to maximise it, or press Shift+F11.",
-        )
+        response.on_hover_text(format!(
+            "Drag to move the view; double-click to maximise it, or press {}.",
+            Action::Maximise.key()
+        ))
     }
 
     fn top_bar_right_ui(

@@ -50,7 +50,7 @@ fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
-    let button = Button::new(title).shortcut_text(action.keys().unwrap_or_default());
+    let button = Button::new(title).shortcut_text(action.key());
     let response = ui.add_enabled(enabled, button);
     if response.on_hover_text(action.hint()).clicked() {
         context.push(Command::Do(action));
@@ -246,7 +246,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
             || action.hint().to_owned(),
             |what| format!("{}: {}", action.label(), units.sentence(what)),
         );
-        let hint = format!("{hint} ({})", action.keys().unwrap_or_default());
+        let hint = format!("{hint} ({})", action.key());
         let button = ui.add_enabled(enabled, Button::new(label));
         let button = button.accessible_name(format!("{label} button"));
         context.button_with_hint(button, action, hint);
@@ -259,8 +259,7 @@ fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ThemeChoice::Light => "Dark",
     };
     let button = ui.button(label).accessible_name(Action::Theme.label());
-    let hint = "Switches between light and dark (L).";
-    context.button_with_hint(button, Action::Theme, hint);
+    context.keyed_button(button, Action::Theme);
 }
 
 fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -319,9 +319,10 @@ impl Shell {
         if closes && !self.warned_of_loss {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.say(
-                "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to discard them",
-            );
+            self.say(&format!(
+                "decisions about boxes are not saved; save the project with {} or the review in the Review menu, or close again to discard them",
+                Action::SaveProject.key()
+            ));
         }
     }
 

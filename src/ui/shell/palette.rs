@@ -128,7 +128,7 @@ fn items(context: &ViewContext<'_>) -> Vec<Item> {
     let actions = actions.map(|&action| Item {
         label: action.label().to_owned(),
         alias: "",
-        aside: action.keys().unwrap_or_default().to_owned(),
+        aside: action.key().to_owned(),
         hint: action.hint().to_owned(),
         command: Command::Do(action),
     });

@@ -103,8 +103,8 @@ impl Play {
         let text = egui::RichText::new(format!("{}×", SPEEDS[self.speed])).small();
         let hint = format!(
             "How much faster than the boat; click for the next speed. Faster: {}, slower: {}.",
-            Action::PlayFaster.keys().unwrap_or_default(),
-            Action::PlaySlower.keys().unwrap_or_default()
+            Action::PlayFaster.key(),
+            Action::PlaySlower.key()
         );
         let speed = ui
             .add_sized(size, egui::Button::new(text))

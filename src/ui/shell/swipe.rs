@@ -1,14 +1,15 @@
 //! Control of the swipe: the layers of the map that lie left of its divider, and those right of it.
 
-use crate::app::{MapOptions, SwipeSide};
+use crate::app::{Action, MapOptions, SwipeSide};
 use crate::ui::drop_down::DropDown;
+use crate::ui::hint_with_key;
 use egui::{RichText, Ui};
 
 /// Divides the map, and a row for each layer that is shown.
 pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     let mut on = map.swipe.on;
     let check = ui.checkbox(&mut on, "Swipe");
-    if check.on_hover_text("Draws some layers left and others right of a divider (W).").changed() {
+    if check.on_hover_text(hint_with_key(Action::Swipe)).changed() {
         map.swipe.toggle(&mut map.layers);
     }
     if !on {

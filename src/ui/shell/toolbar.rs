@@ -7,7 +7,7 @@ use crate::app::{
 };
 use crate::ui::drop_down::DropDown;
 use crate::ui::panels::find_setting;
-use crate::ui::{ViewContext, controls};
+use crate::ui::{ViewContext, controls, hint_with_key};
 use bathyscope_products::pipeline::BottomColour;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Popup, Ui};
@@ -55,19 +55,20 @@ fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &st
     context.keyed_button(ui.button(label).accessible_name(action.label()), action);
 }
 
-fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: &str) {
+fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: impl Into<egui::WidgetText>) {
     controls::switch(ui, on, label).on_hover_text(hint);
 }
 
 fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
     button(ui, context, Action::Orientation, "Turn");
     let shown = &mut options.waterfall;
-    let hint = "Lines of equal slant range.";
-    switch(ui, &mut shown.range_lines, "Range lines", hint);
-    let hint = "Draws the first return on both sides (B).";
-    switch(ui, &mut shown.first_return, "First return", hint);
-    let hint = "Distance on level ground instead of slant range (G).";
-    switch(ui, &mut shown.ground_range, "Ground", hint);
+    for (option, label, action) in [
+        (&mut shown.range_lines, "Range lines", Action::RangeLines),
+        (&mut shown.first_return, "First return", Action::FirstReturnLine),
+        (&mut shown.ground_range, "Ground", Action::GroundRange),
+    ] {
+        switch(ui, option, label, hint_with_key(action));
+    }
     button(ui, context, Action::OneToOne, "1:1");
     let title = egui::RichText::new("Levels").small();
     let (button, _) = menu(title).ui(ui, |ui| levels::ui(ui, context));
@@ -154,17 +155,15 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
     button(ui, context, Action::SideView, "Side");
     button(ui, context, Action::TopView, "Top");
     let shown = &mut options.cloud;
-    let hint = "Shows points that the depth map does not use (O).";
+    let hint = hint_with_key(Action::OutlierPreview);
     switch(ui, &mut shown.outlier_preview, "Outliers", hint);
     let mut is_clipped = shown.clip.is_some();
-    let hint = "Shows only what lies in a box (Shift+X).";
-    switch(ui, &mut is_clipped, "Clip box", hint);
+    switch(ui, &mut is_clipped, "Clip box", hint_with_key(Action::ClipBox3d));
     if is_clipped != shown.clip.is_some() {
         shown.toggle_clip();
     }
     if !context.app.map.measuring.stations().is_empty() {
-        let hint = "Cuts along the line of the depth profile (Shift+Q).";
-        switch(ui, &mut shown.cut, "Cut", hint);
+        switch(ui, &mut shown.cut, "Cut", hint_with_key(Action::Cut3d));
     }
     bottom_colours(ui, shown);
     point_colours(ui, context, shown);
@@ -172,7 +171,7 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
 
 fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOptions) {
     let several_logs = context.app.log_count() > 1;
-    let keys = Action::NextCloudColour.keys().unwrap_or_default();
+    let keys = Action::NextCloudColour.key();
     let hint = format!("What the colour of a point says ({keys}).");
     let selected = if shown.points {
         format!("points by {}", shown.colour.name())
@@ -195,7 +194,7 @@ fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOption
 }
 
 fn bottom_colours(ui: &mut Ui, shown: &mut CloudOptions) {
-    let keys = Action::NextBottomColour.keys().unwrap_or_default();
+    let keys = Action::NextBottomColour.key();
     let hint = format!("What the colour of the bottom says ({keys}).");
     let selected = if shown.bottom {
         format!("bottom by {}", shown.bottom_colour.name())

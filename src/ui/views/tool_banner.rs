@@ -2,7 +2,7 @@
 //! its keys.
 
 use super::legend;
-use crate::app::{App, BoxEdge, Tool, View};
+use crate::app::{Action, App, BoxEdge, Tool, View};
 use crate::ui::theme;
 use bathyscope_products::project::MeasurementKind;
 use egui::text::LayoutJob;
@@ -19,12 +19,12 @@ const ROOM_FOR_KEYS: f32 = 170.0;
 pub(super) struct Banner {
     name: &'static str,
     next: String,
-    keys: &'static str,
+    keys: String,
 }
 
 impl Banner {
-    fn new(name: &'static str, next: impl Into<String>, keys: &'static str) -> Self {
-        Self { name, next: next.into(), keys }
+    fn new(name: &'static str, next: impl Into<String>, keys: impl Into<String>) -> Self {
+        Self { name, next: next.into(), keys: keys.into() }
     }
 
     /// Creates the banner of the tool in hand that is of use in a view; `None` without one.
@@ -36,12 +36,19 @@ impl Banner {
             (Tool::Exclude, View::Waterfall | View::Map) => Some(Self::new(
                 "Exclude stretches",
                 "drag along the pings; a click includes a stretch again",
-                "Ctrl: always include · Shift: trust soundings · Alt: reset · K or Esc ends",
+                format!(
+                    "Ctrl: always include · Shift: trust soundings · Alt: reset · {} or Esc ends",
+                    Action::Exclude.key()
+                ),
             )),
             (Tool::Calibrate, View::Waterfall | View::Map) => Some(Self::new(
                 "Calibrate on a stretch",
                 "drag along level bottom, or click a numbered stretch",
-                "then Use this scale · C or Esc ends",
+                format!(
+                    "then {} · {} or Esc ends",
+                    Action::UseScale.label(),
+                    Action::Calibrate.key()
+                ),
             )),
             (tool, View::Waterfall) => of_picture(app, tool),
             _ => None,
@@ -58,7 +65,7 @@ impl Banner {
         // All keys where they stand in two lines, else the one that leaves it: a banner that covers
         // a small view helps nobody.
         let has_room = room.height() >= ROOM_FOR_KEYS;
-        let whole = has_room.then(|| self.lay_out(ui, room, self.keys));
+        let whole = has_room.then(|| self.lay_out(ui, room, &self.keys));
         let whole = whole.filter(|galley| galley.rows.len() <= 2);
         let leave = self.keys.rsplit(" · ").next().unwrap_or_default();
         let galley = whole.unwrap_or_else(|| self.lay_out(ui, room, leave));
@@ -120,18 +127,28 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
             Banner::new(
                 "Edit box",
                 next,
-                "Arrows move it, Ctrl+arrows its edges · Shift+E: next edge · E or Esc ends",
+                format!(
+                    "Arrows move it, Ctrl+arrows its edges · {}: next edge · {} or Esc ends",
+                    Action::NextEdge.key(),
+                    Action::EditBox.key()
+                ),
             )
         }
         Tool::Draw => Banner::new(
             "New box",
             "drag from one corner of echo and shadow to the other",
-            "Space or the middle button moves the picture · N or Esc ends",
+            format!(
+                "Space or the middle button moves the picture · {} or Esc ends",
+                Action::NewBox.key()
+            ),
         ),
         Tool::Point => Banner::new(
             "Mark target",
             "click the target",
-            "Arrows move the cross, T marks there or at the pointer · Esc ends",
+            format!(
+                "Arrows move the cross, {} marks there or at the pointer · Esc ends",
+                Action::MarkTarget.key()
+            ),
         ),
         Tool::Accept => Banner::new(
             "Accept as bottom",
@@ -141,7 +158,10 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
         Tool::Bottom => Banner::new(
             "Draw the bottom",
             "drag along the first echo of the bottom",
-            "Ctrl: mark as missing · Alt: automatic pick · Up, Down: at the selected ping · M or Esc ends",
+            format!(
+                "Ctrl: mark as missing · Alt: automatic pick · Up, Down: at the selected ping · {} or Esc ends",
+                Action::DrawBottom.key()
+            ),
         ),
     })
 }
@@ -165,14 +185,21 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
             },
         ),
     };
+    let [corner, back] = [Action::SetCorner, Action::TakeCornerBack].map(Action::key);
     let keys = match (kind, is_drawing) {
         (MeasurementKind::Height, _) => {
-            "Arrows move the cross, X sets an end · Backspace removes it · H or Esc ends"
+            let height = Action::HeightFromShadow.key();
+            format!(
+                "Arrows move the cross, {corner} sets an end · {back} removes it · {height} or Esc ends"
+            )
         }
         (_, true) => {
-            "Arrows and X: corner by key · Backspace: remove it · Enter or double-click: finish · Esc ends"
+            let end = Action::EndFigure.key();
+            format!(
+                "Arrows and {corner}: corner by key · {back}: remove it · {end} or double-click: finish · Esc ends"
+            )
         }
-        (_, false) => "Arrows move the cross, X sets a corner · Esc ends",
+        (_, false) => format!("Arrows move the cross, {corner} sets a corner · Esc ends"),
     };
     Some(Banner::new(name, next, keys))
 }

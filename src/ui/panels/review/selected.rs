@@ -141,8 +141,11 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target:
     let height = object_height(app, one.id, target);
     fact(ui, "Height", hint, units.with_sigma(height.mean_m, height.sigma_m, 2));
     if height.source.is_some() {
-        let hint = "The sighting that the height rests on. Sightings that contradict it are left out; H measures a shadow by hand.";
-        fact(ui, "Height from", hint, height_source(app, one.id, height));
+        let key = Action::HeightFromShadow.key();
+        let hint = format!(
+            "The sighting that the height rests on. Sightings that contradict it are left out; {key} measures a shadow by hand."
+        );
+        fact(ui, "Height from", &hint, height_source(app, one.id, height));
     }
     let hint =
         "Slant ranges where the shadow starts and ends. Height = altitude x (end - start) / end.";

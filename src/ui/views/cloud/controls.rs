@@ -1,7 +1,7 @@
 //! The buttons on the cloud, its vertical exaggeration and its legend.
 
 use super::scene::CloudScene;
-use crate::app::{App, CloudColour, ViewOptions};
+use crate::app::{Action, App, CloudColour, ViewOptions};
 use crate::ui::controls::number_slider;
 use crate::ui::list_keys::keep_arrows;
 use crate::ui::text::count;
@@ -41,7 +41,7 @@ pub(super) fn show(
     let mut options = context.options().clone();
     let top = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(120.0, 28.0));
     legend::framed(ui, context.options(), top, |ui| {
-        let hint = "Shows the whole cloud (F, or a double-click).";
+        let hint = format!("Shows the whole cloud ({}, or a double-click).", Action::Fit.key());
         if ui.button("Fit").on_hover_text(hint).clicked() {
             *request = Some(ViewRequest::Fit);
         }
@@ -307,7 +307,8 @@ fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     let [azimuth_deg, altitude_deg] = *light_deg;
     let name = format!("Light from {azimuth_deg:.0} degrees, {altitude_deg:.0} degrees high");
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, ui.is_enabled(), &name));
-    response.on_hover_text(format!("{name}. Drag the light, or turn it (arrow keys, Shift+L)."))
+    let key = Action::TurnLight.key();
+    response.on_hover_text(format!("{name}. Drag the light, or turn it (arrow keys, {key})."))
 }
 
 /// Direction of the light at a place of the disc, azimuth and height in degrees: overhead in the

@@ -25,10 +25,11 @@ pub(super) fn show(
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<ViewRequest>) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let fit = ui.button("Fit");
-    if fit
-        .on_hover_text("Shows the whole track and the layers around it (F, or a double-click).")
-        .clicked()
-    {
+    let hint = format!(
+        "Shows the whole track and the layers around it ({}, or a double-click).",
+        Action::Fit.key()
+    );
+    if fit.on_hover_text(hint).clicked() {
         *request = Some(ViewRequest::Fit);
     }
     let action = Action::Calibrate;
@@ -54,7 +55,7 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
         for (action, kind) in tools {
             let is_it = tool == Some(kind);
             let button = egui::Button::selectable(is_it, action.label());
-            let button = button.shortcut_text(action.keys().unwrap_or_default());
+            let button = button.shortcut_text(action.key());
             let button = controls::underline(ui, is_it, button);
             if button.on_hover_text(action.hint()).clicked() {
                 context.push(Command::Do(action));

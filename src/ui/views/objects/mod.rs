@@ -232,7 +232,10 @@ fn no_objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_min_size(ui.available_size());
     ui.vertical_centered(|ui| {
         ui.add_space(0.3 * ui.available_height());
-        let text = "There are no objects yet. Search for them, draw a box around one (N), or mark a point (T).";
+        let [draw, mark] = [Action::NewBox, Action::MarkTarget].map(Action::key);
+        let text = format!(
+            "There are no objects yet. Search for them, draw a box around one ({draw}), or mark a point ({mark})."
+        );
         ui.label(RichText::new(text).weak());
         ui.add_space(6.0);
         let action = Action::FindObjects;
