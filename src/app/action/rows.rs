@@ -1,11 +1,11 @@
 //! Rows of the commands: all that a command is, in one place.
 //!
-//! A row is `Variant, label, ..., hint => function;`. Before the hint stand its keys (`key`, the one
-//! that menus show first), the views in which a bare key acts (`acts_in`), and its marks: `repeats`
-//! while the key is held, `about_box` of commands that need the selected box in sight, `asks` of
-//! commands that a bare key only offers. The function is `State` on the state, `Options` on the
-//! display options, `Toggle` of one of them, or `Window` for the window; `when` is false where
-//! there is nothing to act on.
+//! A row is `Variant, label, ..., hint => function;`. Before the hint stand its keys (`key`; menus
+//! show the first), the views in which a bare key acts (`acts_in`), and its marks: `repeats` while
+//! the key is held, `about_box` of commands that need the selected box in sight, `asks` of commands
+//! that a bare key only offers. The function is `State` on the state, `Options` on the display
+//! options, `Toggle` of one of them, or `Window` for the window; `when` is false where there is
+//! nothing to act on.
 //!
 //! The rows are a macro, so that the table of names (`super::Action`) knows no state: each reader
 //! takes its part of the same rows.

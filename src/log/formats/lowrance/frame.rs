@@ -99,7 +99,7 @@ const _: () = assert!(size_of::<Sl2Header>() == 144);
 /// constant. Units as in [SL2](Sl2Header). Verified on files of frame version 10.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Sl3Header {
+pub(crate) struct Sl3Header {
     /// Offset 0: this frame's own offset in the file.
     pub own_offset: u32,
     /// 4: version of the frame layout; 10 seen, 13 known.
